@@ -1,8 +1,8 @@
-"""Rendered frames beside the real photographs on one sheet, and what both amount to in numbers.
+"""Rendered frames beside the real photographs on one sheet, and the numbers of both.
 
 python benchmarks/beside_photographs.py PHOTOGRAPHS FOLDER [--threads 2]
 
-Frames of the same kind of view are made once and kept in FOLDER, which also gets beside_photographs.png and .json.
+Frames of the same kind of view are rendered once and stay in FOLDER, which also gets beside_photographs.png and .json.
 """
 
 import argparse
@@ -12,7 +12,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from line_frames import Kind, frames
-from photograph_figures import PictureFigures, medians
+from photograph_figures import ImageFigures, medians
 from photographs import photographs
 from sample_page import save_page
 
@@ -49,26 +49,26 @@ def main() -> None:
     parser.add_argument("photographs", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--threads", type=int, default=2)
-    asked = parser.parse_args()
-    real = photographs(asked.photographs, branch=False)
-    rows = {"photograph": list(zip(real.pictures, real.x_px, strict=True))}
+    options = parser.parse_args()
+    real = photographs(options.photographs, branch=False)
+    rows = {"photograph": list(zip(real.images, real.x_px, strict=True))}
     for name, kind in {"as shipped": SHIPPED, "set like them": ALIKE}.items():
-        made = frames(kind, SCENES, 1, asked.folder / name.replace(" ", "_"), asked.threads)
-        rows[name] = list(zip(made.pictures, made.x_px, strict=True))
-    figures = {name: [PictureFigures.of(picture, x_px) for picture, x_px in own] for name, own in rows.items()}
-    print(f"{'median (least to largest)':26}" + "".join(f"{name:>26}" for name in figures))
-    table = {name: medians(own) for name, own in figures.items()}
+        rendered = frames(kind, SCENES, 1, options.folder / name.replace(" ", "_"), options.threads)
+        rows[name] = list(zip(rendered.images, rendered.x_px, strict=True))
+    figures = {name: [ImageFigures.of(image, x_px) for image, x_px in labelled] for name, labelled in rows.items()}
+    print(f"{'median (smallest to largest)':26}" + "".join(f"{name:>26}" for name in figures))
+    table = {name: medians(values) for name, values in figures.items()}
     for figure in table["photograph"]:
         values = [table[name][figure] for name in table]
         print(f"{figure:26}" + "".join(f"{f'{m:.2f} ({a:.2f} to {b:.2f})':>26}" for m, a, b in values))
-    written = {name: [vars(f) for f in own] for name, own in figures.items()}
-    (asked.folder / "beside_photographs.json").write_text(json.dumps(written, indent=1).replace("NaN", "null"))
+    written = {name: [vars(f) for f in values] for name, values in figures.items()}
+    (options.folder / "beside_photographs.json").write_text(json.dumps(written, indent=1).replace("NaN", "null"))
     cells = {
-        f"{name} {n + 1}": [np.asarray(cv2.resize(picture, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC), np.uint8)]
-        for name, own in rows.items()
-        for n, (picture, _) in enumerate(own)
+        f"{name} {n + 1}": [np.asarray(cv2.resize(image, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC), np.uint8)]
+        for name, labelled in rows.items()
+        for n, (image, _) in enumerate(labelled)
     }
-    save_page(cells, len(real.names) // 2, asked.folder / "beside_photographs.png")
+    save_page(cells, len(real.names) // 2, options.folder / "beside_photographs.png")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import get_args
 
 import numpy as np
-from sample_page import POSE, nominal_robot, pictures, sample_arena, save_page
+from sample_page import POSE, nominal_robot, rendered_images, sample_arena, save_page
 
 from blender_scenes.render.job import RenderJob, build_job
 from configs.schema.lighting import PanoramaName
@@ -20,7 +20,7 @@ from sensors.camera.views import FrameView
 COLUMNS = 6
 ROOM = {"furniture": {"tables": 2, "chairs": 3, "shelves": 1, "cartons": 1, "posters": 2, "door": True}}
 EYE, TARGET = (-1.6, -1.5, 1.45), (0.9, 0.6, 0.75)
-"""Of the view across the room [m], towards the window's corner."""
+"""Eye and target of the view across the room [m], towards the window's corner."""
 SEED = 3
 NIGHT = {"sky": {"panorama": "night", "luminance_kcd_m2": 0.001}, "sun": {"illuminance_klx": 0}}
 NO_LAMPS = {"lamps": {"flux_klm": 0}}
@@ -34,7 +34,7 @@ Settings = dict[str, dict[str, object]]
 
 
 def lights() -> dict[str, Settings]:
-    """Settings by caption; what is not said is the schema's default, by day with lamps."""
+    """Settings by caption; settings that are missing have the schema's default, by day with lamps."""
     made: dict[str, Settings] = {
         "sun and sky": {"sun": {"illuminance_klx": 8, "elevation_deg": 40}} | NO_LAMPS,
         "low sun": {"sun": {"illuminance_klx": 4, "elevation_deg": 22, "color_temperature_K": 3600}} | NO_LAMPS,
@@ -86,21 +86,23 @@ def page_job(caption: str, settings: Settings, samples: int) -> RenderJob:
         return view.light_gain[1]
 
     view = min(job.frames, key=gain) if caption.endswith("depth") else max(job.frames, key=gain)
-    rows = tuple(tuple(own) for own in across_the_room().tolist())
+    rows = tuple(tuple(row) for row in across_the_room().tolist())
     return replace(job, frames=(replace(view, number=1, X_WC=rows), replace(view, number=2)))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="gets lights.png, and the pictures, to go on from")
+    parser.add_argument("folder", type=Path, help="gets lights.png, and the images, to go on from")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--only", nargs="+", help="captions")
-    asked = parser.parse_args()
-    chosen = {name: own for name, own in lights().items() if not asked.only or name in asked.only}
+    options = parser.parse_args()
+    chosen = {name: settings for name, settings in lights().items() if not options.only or name in options.only}
     seen = {}
     for caption, settings in chosen.items():
-        seen[caption] = pictures(page_job(caption, settings, asked.samples), asked.folder / caption.replace(" ", "_"))
-    save_page(seen, COLUMNS, asked.folder / "lights.png")
+        seen[caption] = rendered_images(
+            page_job(caption, settings, options.samples), options.folder / caption.replace(" ", "_")
+        )
+    save_page(seen, COLUMNS, options.folder / "lights.png")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Labelled frames for a camera that looks down on a line: geometry drawn once, seen under any look.
 
-The label is the place, in the picture, of the line's centre line at given rows: projected through the lens, never read
+The label is the place, in the image, of the line's centre line at given rows: projected through the lens, never read
 off the pixels. Scene number N has the same line, camera and places under every look; only the look differs.
 """
 
@@ -29,17 +29,17 @@ Array = NDArray[np.float64]
 
 WIDTH_PX, HEIGHT_PX = 160, 120
 ROWS = (31.5, 59.5, 87.5)
-"""Where the line's place is asked for [px], 0 the middle of the first row; alike from the top and from the bottom."""
+"""Rows of the labels [px], 0 is the middle of the first row; symmetric from the top and from the bottom."""
 _INSIDE_PX = 6.0
-"""Least distance of a label from the picture's left and right border."""
+"""Smallest distance of a label from the image's left and right border."""
 _SEED = 20
 
 
 @dataclass(frozen=True)
 class LabelledFrames:
-    """Pictures of several scenes."""
+    """Images of several scenes."""
 
-    pictures: NDArray[np.uint8]
+    images: NDArray[np.uint8]
     """(N, H, W, 3), blue first."""
     x_px: Array
     """(N, len(ROWS)) of the centre line; NaN where it has no one place in that row."""
@@ -49,22 +49,20 @@ class LabelledFrames:
 
 @dataclass(frozen=True)
 class Kind:
-    """What frames look like: a look with something overridden."""
+    """A kind of frames: a look with overrides."""
 
     look: str
     overrides: tuple[str, ...] = ()
 
     def scenario(self) -> LoadedScenario:
-        pictures = (f"render.width_px={WIDTH_PX}", f"render.height_px={HEIGHT_PX}", "render.samples=4")
-        return load_scenario(
-            "symolo", (f"look={self.look}", *pictures, "look.camera.exposure_time_s=0", *self.overrides)
-        )
+        images = (f"render.width_px={WIDTH_PX}", f"render.height_px={HEIGHT_PX}", "render.samples=4")
+        return load_scenario("symolo", (f"look={self.look}", *images, "look.camera.exposure_time_s=0", *self.overrides))
 
 
 def frames(kind: Kind, scenes: range, count: int, folder: Path, threads: int) -> LabelledFrames:
-    """`count` frames of each scene, path-traced into `folder` where they are not there yet."""
+    """`count` frames of each scene, path-traced into `folder` where they are missing."""
     loaded = kind.scenario()
-    pictures, labels = [], []
+    images, labels = [], []
     for scene in scenes:
         job, label = labelled_job(loaded, scene, count)
         place = folder / f"scene_{scene}"
@@ -72,21 +70,21 @@ def frames(kind: Kind, scenes: range, count: int, folder: Path, threads: int) ->
         (place / "job.json").write_text(job.to_json())
         render_job(place / "job.json", place / "images", threads=threads)
         names = [place / "images" / frame_name(view.number) for view in job.frames]
-        pictures += [cv2.imread(str(name)) for name in names]
+        images += [cv2.imread(str(name)) for name in names]
         labels.append(label)
-    return LabelledFrames(np.array(pictures, np.uint8), np.concatenate(labels), np.repeat(np.array(scenes), count))
+    return LabelledFrames(np.array(images, np.uint8), np.concatenate(labels), np.repeat(np.array(scenes), count))
 
 
 def flat_frames(kind: Kind, scenes: range, count: int) -> LabelledFrames:
     """The same by the flat renderer: no texture, no gloss, no shadows of lamps."""
     loaded = kind.scenario()
-    pictures, labels = [], []
+    images, labels = [], []
     for scene in scenes:
         job, label = labelled_job(loaded, scene, count)
         renderer = FlatRenderer(job)
-        pictures += [renderer.picture(view)[..., ::-1] for view in job.frames]
+        images += [renderer.image(view)[..., ::-1] for view in job.frames]
         labels.append(label)
-    return LabelledFrames(np.array(pictures, np.uint8), np.concatenate(labels), np.repeat(np.array(scenes), count))
+    return LabelledFrames(np.array(images, np.uint8), np.concatenate(labels), np.repeat(np.array(scenes), count))
 
 
 def labelled_job(loaded: LoadedScenario, scene: int, count: int) -> tuple[RenderJob, Array]:
@@ -113,14 +111,14 @@ def centre_line(camera: Intrinsics, X_WC: Array, arena: Arena, rows: Sequence[fl
     points = np.concatenate([p.at(np.linspace(0, p.length_m, 400)) for p in arena.line.pieces[:2]])
     pixels, depth = project(camera, X_WC, np.column_stack([points, np.zeros(len(points))]))
     u, v = np.where(depth[:, None] > 0.01, pixels, np.nan).T
-    found = np.full(len(rows), np.nan)
+    crossing_px = np.full(len(rows), np.nan)
     for number, row in enumerate(rows):
         at = np.flatnonzero((v[:-1] - row) * (v[1:] - row) < 0)
         crossings = u[at] + (row - v[at]) / (v[at + 1] - v[at]) * (u[at + 1] - u[at])
         inside = crossings[(crossings > -0.5 * WIDTH_PX) & (crossings < 1.5 * WIDTH_PX)]
         if len(inside) == 1 and _INSIDE_PX <= inside[0] <= WIDTH_PX - 1 - _INSIDE_PX:
-            found[number] = inside[0]
-    return found
+            crossing_px[number] = inside[0]
+    return crossing_px
 
 
 def _with_line_camera(robot: RobotConfig, rng: np.random.Generator) -> RobotConfig:

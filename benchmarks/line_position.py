@@ -1,4 +1,4 @@
-"""Where the line is in a row of a picture: a regressor on oriented gradients, and two plain methods beside it."""
+"""Where the line is in a row of a image: a regressor on oriented gradients, and two plain methods beside it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from symolo.core.random_streams import stream
 Grey = NDArray[np.uint8]
 
 _SEEN_PX = (160, 160, 112, 72)
-"""Widths of the parts of the picture that one stage after the other looks at, about the place found so far."""
+"""Widths of the parts of the image that one stage after the other looks at, about the place found so far."""
 _OFF_PX = (28.0, 16.0, 9.0, 4.0)
 """How far off that place may be: standard deviation of the places that a stage is trained from."""
 _STARTS = (3, 2, 2, 3)
-"""So many of them for each row of each picture."""
+"""So many of them for each row of each image."""
 _BAND_PX = 48
 """Height of the part that is looked at."""
 _PATCH = (80, 48)
@@ -43,7 +43,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Regressor:
-    """Supervised descent (Xiong and De la Torre 2013) from the picture's middle to the line, in stages ever closer."""
+    """Supervised descent (Xiong and De la Torre 2013) from the image's middle to the line, in stages ever closer."""
 
     stages: tuple[Stage, ...]
 
@@ -51,45 +51,45 @@ class Regressor:
     def fit(cls, training: LabelledFrames) -> "Regressor":
         """Ridges are chosen by cross-validation over the training's own scenes."""
         rng = stream(0, "starts")
-        return cls(tuple(_stage(training, rng, *own) for own in zip(_SEEN_PX, _OFF_PX, _STARTS, strict=True)))
+        return cls(tuple(_stage(training, rng, *numbers) for numbers in zip(_SEEN_PX, _OFF_PX, _STARTS, strict=True)))
 
-    def places(self, pictures: Grey) -> Array:
-        """(N, len(ROWS)) [px] of pictures (N, H, W, 3)."""
-        x_px = np.full((len(pictures), len(ROWS)), 0.5 * (WIDTH_PX - 1))
-        grey = _grey(pictures)
+    def places(self, images: Grey) -> Array:
+        """(N, len(ROWS)) [px] of images (N, H, W, 3)."""
+        x_px = np.full((len(images), len(ROWS)), 0.5 * (WIDTH_PX - 1))
+        grey = _grey(images)
         for stage in self.stages:
             x_px += stage.step(_described(grey, x_px, stage.seen_px))
         return x_px
 
     def settings(self) -> list[dict[str, float]]:
-        return [{"ridge": own.ridge, "cross_validated_median_px": own.error_px} for own in self.stages]
+        return [{"ridge": stage.ridge, "cross_validated_median_px": stage.error_px} for stage in self.stages]
 
 
 def constant(training: LabelledFrames) -> Callable[[Grey], Array]:
-    """Says the training's mean whatever it sees."""
+    """Return a method that always answers the mean of the training."""
     mean = float(np.mean(training.x_px))
-    return lambda pictures: np.full((len(pictures), len(ROWS)), mean)
+    return lambda images: np.full((len(images), len(ROWS)), mean)
 
 
-def dark_blob(pictures: Grey) -> Array:
-    """(N, len(ROWS)) middle of the widest dark run in each row, dark by Otsu's threshold of the smoothed picture."""
-    found = np.full((len(pictures), len(ROWS)), 0.5 * (WIDTH_PX - 1))
-    for n, picture in enumerate(_grey(pictures)):
-        smooth = cv2.GaussianBlur(picture, (0, 0), 2.0)
+def dark_blob(images: Grey) -> Array:
+    """(N, len(ROWS)) middle of the widest dark run in each row, dark by Otsu's threshold of the smoothed image."""
+    middle_px = np.full((len(images), len(ROWS)), 0.5 * (WIDTH_PX - 1))
+    for n, image in enumerate(_grey(images)):
+        smooth = cv2.GaussianBlur(image, (0, 0), 2.0)
         _, dark = cv2.threshold(smooth, 0, 1, cv2.THRESH_BINARY_INV + cv2.THRESH_OTSU)
         for r, row in enumerate(ROWS):
             edges = np.flatnonzero(np.diff(np.concatenate([[0], dark[round(row)], [0]]).astype(int)))
             runs = edges.reshape(-1, 2)
             if len(runs):
                 first, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
-                found[n, r] = 0.5 * (first + end - 1)
-    return found
+                middle_px[n, r] = 0.5 * (first + end - 1)
+    return middle_px
 
 
 def _stage(training: LabelledFrames, rng: np.random.Generator, seen_px: int, off_px: float, starts: int) -> Stage:
     described, missing, groups = [], [], []
-    for pictures, x_px in _mirrored(training):
-        grey = _grey(pictures)
+    for images, x_px in _mirrored(training):
+        grey = _grey(images)
         for _ in range(starts):
             start = x_px + off_px * rng.standard_normal(x_px.shape)
             described.append(_described(grey, start, seen_px).reshape(x_px.size, -1))
@@ -103,8 +103,8 @@ def _stage(training: LabelledFrames, rng: np.random.Generator, seen_px: int, off
     scored = []
     for ridge in _RIDGES:
         errors = []
-        for k, (own_square, own_across) in enumerate(parts):
-            weights = _solved(square - own_square, across - own_across, ridge)
+        for k, (fold_square, fold_across) in enumerate(parts):
+            weights = _solved(square - fold_square, across - fold_across, ridge)
             errors.append(np.abs(x[fold == k] @ weights - y[fold == k]))
         scored.append((float(np.median(np.concatenate(errors))), ridge))
     error_px, ridge = min(scored)
@@ -119,37 +119,37 @@ def _solved(square: Array, across: Array, ridge: float) -> Array:
 
 
 def _described(grey: Grey, x_px: Array, seen_px: int) -> NDArray[np.float32]:
-    """(N, len(ROWS), F) gradients about the places (N, len(ROWS)) in pictures (N, H, W).
+    """(N, len(ROWS), F) gradients about the places (N, len(ROWS)) in images (N, H, W).
 
     Histograms of signed gradients (Dalal and Triggs 2005): a line's two edges differ in what they turn into. Beyond
-    its border a picture goes on as it ends.
+    its border a image goes on as it ends.
     """
     hog = cv2.HOGDescriptor(
         _winSize=_PATCH, _blockSize=(16, 16), _blockStride=(8, 8), _cellSize=(8, 8), _nbins=9, _signedGradient=True
     )
     scale = seen_px / _PATCH[0]
     rows = []
-    for picture, own in zip(grey, x_px, strict=True):
-        for row, x in zip(ROWS, own, strict=True):
-            # From the patch's pixels to the picture's; both have 0 in the middle of their first.
-            to_picture = np.array(
+    for image, places_px in zip(grey, x_px, strict=True):
+        for row, x in zip(ROWS, places_px, strict=True):
+            # From the patch's pixels to the image's; both have 0 in the middle of their first.
+            to_image = np.array(
                 [[scale, 0, x - scale * 0.5 * (_PATCH[0] - 1)], [0, _BAND_PX / _PATCH[1], row - 0.5 * (_BAND_PX - 1)]]
             )
             flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-            patch = cv2.warpAffine(picture, to_picture, _PATCH, flags=flags, borderMode=cv2.BORDER_REPLICATE)
+            patch = cv2.warpAffine(image, to_image, _PATCH, flags=flags, borderMode=cv2.BORDER_REPLICATE)
             rows.append(hog.compute(patch).ravel())
     return np.array(rows, np.float32).reshape(*x_px.shape, -1)
 
 
 def _mirrored(known: LabelledFrames) -> Iterator[tuple[Grey, Array]]:
-    """The pictures as they are, left to right, upside down, and both; the rows lie alike from top and bottom."""
+    """The images as they are, left to right, upside down, and both; the rows lie alike from top and bottom."""
     if not np.allclose(np.array(ROWS)[::-1], HEIGHT_PX - 1 - np.array(ROWS)):
-        raise ValueError("mirrored pictures have other rows")
-    for pictures, x_px in ((known.pictures, known.x_px), (known.pictures[:, ::-1], known.x_px[:, ::-1])):
-        yield pictures, x_px
-        yield pictures[:, :, ::-1], WIDTH_PX - 1 - x_px
+        raise ValueError("mirrored images have other rows")
+    for images, x_px in ((known.images, known.x_px), (known.images[:, ::-1], known.x_px[:, ::-1])):
+        yield images, x_px
+        yield images[:, :, ::-1], WIDTH_PX - 1 - x_px
 
 
-def _grey(pictures: Grey) -> Grey:
+def _grey(images: Grey) -> Grey:
     """(N, H, W)."""
-    return np.array([cv2.cvtColor(np.ascontiguousarray(p), cv2.COLOR_BGR2GRAY) for p in pictures], np.uint8)
+    return np.array([cv2.cvtColor(np.ascontiguousarray(p), cv2.COLOR_BGR2GRAY) for p in images], np.uint8)

@@ -33,7 +33,7 @@ BOOTSTRAP = 1000
 
 @dataclass(frozen=True)
 class Figures:
-    """Of the distances |found - true| [px] of one method in one set of pictures."""
+    """Of the distances |found - true| [px] of one method in one set of images."""
 
     median_px: float
     median_low_px: float
@@ -84,28 +84,26 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=30)
     parser.add_argument("--frames", type=int, default=8, help="of each scene")
     parser.add_argument("--threads", type=int, default=2)
-    asked = parser.parse_args()
-    scenes, unseen = range(asked.scenes), range(FIRST_UNSEEN, FIRST_UNSEEN + max(1, asked.scenes // 4))
+    options = parser.parse_args()
+    scenes, unseen = range(options.scenes), range(FIRST_UNSEEN, FIRST_UNSEEN + max(1, options.scenes // 4))
 
     def traced(name: str, kind: Kind, numbers: range) -> LabelledFrames:
-        print(f"{name}: {len(numbers)} scenes of {asked.frames} frames, look {kind.look}", flush=True)
-        return frames(kind, numbers, asked.frames, asked.folder / name, asked.threads)
+        print(f"{name}: {len(numbers)} scenes of {options.frames} frames, look {kind.look}", flush=True)
+        return frames(kind, numbers, options.frames, options.folder / name, options.threads)
 
     tests = {f"unseen look {look}": traced(f"unseen_{look}", Kind(look), unseen) for look in UNSEEN}
     training = {"wide": traced("wide", WIDE, scenes), "narrow": traced("narrow", NARROW, scenes)}
-    training["wide, flat renderer"] = flat_frames(WIDE, scenes, asked.frames)
-    if asked.photographs is not None:
-        tests["photographs"] = photographs(asked.photographs, branch=False).labelled()
-        tests["photographs, at branches"] = photographs(asked.photographs, branch=True).labelled()
+    training["wide, flat renderer"] = flat_frames(WIDE, scenes, options.frames)
+    if options.photographs is not None:
+        tests["photographs"] = photographs(options.photographs, branch=False).labelled()
+        tests["photographs, at branches"] = photographs(options.photographs, branch=True).labelled()
     methods: dict[str, Callable[[np.ndarray], Array]] = {"constant": constant(training["wide"]), "dark blob": dark_blob}
     settings = {}
     for name, known in training.items():
         regressor = Regressor.fit(known)
         methods[name], settings[name] = regressor.places, regressor.settings()
         print(f"{name}: {settings[name]}", flush=True)
-    errors = {
-        test: {m: np.abs(f(seen.pictures) - seen.x_px) for m, f in methods.items()} for test, seen in tests.items()
-    }
+    errors = {test: {m: np.abs(f(seen.images) - seen.x_px) for m, f in methods.items()} for test, seen in tests.items()}
     results = {
         test: {method: Figures.of(error, tests[test].group) for method, error in of_method.items()}
         for test, of_method in errors.items()
@@ -116,11 +114,13 @@ def main() -> None:
             spread = f"{f.median_px:6.2f} ({f.median_low_px:.2f} to {f.median_high_px:.2f})"
             percent = f"{100 * f.median_px / WIDTH_PX:.1f}, {100 * f.p90_px / WIDTH_PX:.1f}"
             print(f"{test:28}{method:22}{spread:27}{f.p90_px:6.2f}            {percent}")
-    written = {"settings": settings, "scenes": asked.scenes, "frames": asked.frames}
-    written["results"] = {t: {m: vars(f) for m, f in of.items()} for t, of in results.items()}
-    written["errors_px"] = {t: {m: np.round(e, 2).tolist() for m, e in of.items()} for t, of in errors.items()}
-    (asked.folder / "line_regressor.json").write_text(json.dumps(written, indent=1).replace("NaN", "null"))
-    figure(errors, asked.folder / "line_regressor.png")
+    written = {"settings": settings, "scenes": options.scenes, "frames": options.frames}
+    written["results"] = {t: {m: vars(f) for m, f in by_method.items()} for t, by_method in results.items()}
+    written["errors_px"] = {
+        t: {m: np.round(e, 2).tolist() for m, e in by_method.items()} for t, by_method in errors.items()
+    }
+    (options.folder / "line_regressor.json").write_text(json.dumps(written, indent=1).replace("NaN", "null"))
+    figure(errors, options.folder / "line_regressor.png")
 
 
 if __name__ == "__main__":

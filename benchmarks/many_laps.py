@@ -38,28 +38,28 @@ def main() -> None:
         command = [str(Path(sys.executable).with_name("symolo")), "simulate", arguments.scenario, "--out", str(out)]
         command += ["--workers", str(arguments.workers), *(f"--set={setting}" for setting in settings)]
         begin = time.monotonic()
-        own_MB, worker_MB = watched(command)
+        command_MB, worker_MB = watched(command)
         seconds = time.monotonic() - begin
-        tell(out, arguments.laps, seconds)
-        tell_memory(own_MB, worker_MB)
+        report(out, arguments.laps, seconds)
+        report_memory(command_MB, worker_MB)
 
 
 def watched(command: list[str]) -> tuple[list[float], list[float]]:
     """Run a command to its end; resident memory [MB] of it and of its greatest child, every `SAMPLE_S`."""
-    own_MB, worker_MB = [], []
+    command_MB, worker_MB = [], []
     process = subprocess.Popen(command)
     while process.poll() is None:
         tasks = Path(f"/proc/{process.pid}/task").glob("*/children")
         children = [_resident_MB(int(pid)) for task in tasks for pid in _read(task).split()]
-        own_MB.append(_resident_MB(process.pid))
+        command_MB.append(_resident_MB(process.pid))
         worker_MB.append(max(children, default=0.0))
         time.sleep(SAMPLE_S)
     if process.returncode not in {0, 3}:  # 3: some runs failed, which is what is counted here
         raise SystemExit(process.returncode)
-    return own_MB, worker_MB
+    return command_MB, worker_MB
 
 
-def tell(out: Path, laps: int, seconds: float) -> None:
+def report(out: Path, laps: int, seconds: float) -> None:
     outcomes = {
         path.parent: json.loads(path.read_text()) for path in sorted(out.glob(".stages/simulate/*/*/outcome.json"))
     }
@@ -76,10 +76,10 @@ def tell(out: Path, laps: int, seconds: float) -> None:
             print(f"       {folder.relative_to(out / '.stages/simulate')}: {text}")
 
 
-def tell_memory(own_MB: list[float], worker_MB: list[float]) -> None:
+def report_memory(command_MB: list[float], worker_MB: list[float]) -> None:
     """Means over the first and the last fifth of the time, and the peak."""
-    fifth = max(1, len(own_MB) // 5)
-    for name, values in (("command", own_MB), ("greatest worker", worker_MB)):
+    fifth = max(1, len(command_MB) // 5)
+    for name, values in (("command", command_MB), ("greatest worker", worker_MB)):
         first, last = mean(values[:fifth]), mean(values[-fifth:])
         print(
             f"memory of the {name}: {first:.0f} MB in the first fifth, {last:.0f} in the last, peak {max(values):.0f}"
@@ -92,8 +92,8 @@ def _kind(problem: str) -> str:
 
 
 def _resident_MB(pid: int) -> float:
-    found = re.search(r"VmRSS:\s+(\d+) kB", _read(Path(f"/proc/{pid}/status")))
-    return int(found[1]) / 1e3 if found else 0.0
+    match = re.search(r"VmRSS:\s+(\d+) kB", _read(Path(f"/proc/{pid}/status")))
+    return int(match[1]) / 1e3 if match else 0.0
 
 
 def _read(path: Path) -> str:

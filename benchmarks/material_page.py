@@ -1,4 +1,4 @@
-"""One picture of each floor, kind of line, wall and obstacle, as the robot's camera sees them, side by side.
+"""One image of each floor, kind of line, wall and obstacle, as the robot's camera sees them, side by side.
 
 python benchmarks/material_page.py FOLDER [--samples 4] [--only carpet brick ...] [--each docs/reference/materials]
 """
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import get_args
 
 import cv2
-from sample_page import POSE, nominal_robot, pictures, sample_arena, save_page
+from sample_page import POSE, nominal_robot, rendered_images, sample_arena, save_page
 
 from blender_scenes.render.job import build_job
 from configs.schema.floors import FloorName
@@ -43,28 +43,28 @@ def looking_down(robot: RobotConfig) -> RobotConfig:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="gets materials.png, and the pictures, to go on from")
+    parser.add_argument("folder", type=Path, help="gets materials.png, and the images, to go on from")
     parser.add_argument("--samples", type=int, default=4)
     parser.add_argument("--only", nargs="+", help="captions")
-    parser.add_argument("--each", type=Path, help="gets each picture as a small JPEG too")
-    asked = parser.parse_args()
-    robot, render = nominal_robot(), Render(width_px=320, height_px=240, samples=asked.samples)
+    parser.add_argument("--each", type=Path, help="gets each image as a small JPEG too")
+    options = parser.parse_args()
+    robot, render = nominal_robot(), Render(width_px=320, height_px=240, samples=options.samples)
     cells: list[tuple[str, dict[str, object], SurfaceName]] = [
-        (name, own, "cardboard") for name, own in looks().items()
+        (name, settings, "cardboard") for name, settings in looks().items()
     ]
     cells += [(f"{name} wall", {}, name) for name in get_args(SurfaceName)]
     seen = {}
     for caption, settings, surface in cells:
-        if not asked.only or caption in asked.only:
+        if not options.only or caption in options.only:
             look = LookConfig.model_validate({"name": "sample", "window": WINDOW, **settings})
             seen_by = looking_down(robot) if caption in FROM_ABOVE else robot
             job = build_job(sample_arena(surface), seen_by, look, render, [POSE], seed=3)
-            seen[caption] = pictures(job, asked.folder / caption.replace(" ", "_"))
-    save_page(seen, COLUMNS, asked.folder / "materials.png")
-    if asked.each:
-        asked.each.mkdir(parents=True, exist_ok=True)
-        for caption, (picture,) in seen.items():
-            cv2.imwrite(str(asked.each / f"{caption.replace(' ', '_')}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, 80])
+            seen[caption] = rendered_images(job, options.folder / caption.replace(" ", "_"))
+    save_page(seen, COLUMNS, options.folder / "materials.png")
+    if options.each:
+        options.each.mkdir(parents=True, exist_ok=True)
+        for caption, (image,) in seen.items():
+            cv2.imwrite(str(options.each / f"{caption.replace(' ', '_')}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, 80])
 
 
 if __name__ == "__main__":

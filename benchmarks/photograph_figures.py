@@ -1,4 +1,4 @@
-"""What a picture of a line on a floor amounts to in numbers, found alike in photographs and in rendered frames."""
+"""Numbers of an image of a line on a floor, computed in the same way for photographs and for rendered frames."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ _BEYOND_PX = 4
 """Floor counts from so far beyond an edge."""
 _FLOOR_PX = 10
 _MIN_PX = 6
-"""Least half width of a line that has a level of its own."""
+"""Smallest half width of a line that has a level of its own."""
 _LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float64)
 _MOTTLING_PX = 3.0
 
 
 @dataclass(frozen=True)
-class PictureFigures:
+class ImageFigures:
     """Grey values from 0 to 255 as stored."""
 
     edge_px: float
@@ -36,21 +36,21 @@ class PictureFigures:
     saturation_percent: float
     """Mean of (max - min) / max of the components."""
     black: float
-    """Grey value that 1 % of the picture is below."""
+    """Grey value that 1 % of the image is below."""
     white: float
     """That 1 % is above."""
 
     @classmethod
-    def of(cls, picture: NDArray[np.uint8], x_px: Array) -> "PictureFigures":
-        """Of a picture (H, W, 3), blue first, with its line at `x_px` in the rows `ROWS`, NaN where unknown."""
-        grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float64)
+    def of(cls, image: NDArray[np.uint8], x_px: Array) -> "ImageFigures":
+        """Of a image (H, W, 3), blue first, with its line at `x_px` in the rows `ROWS`, NaN where unknown."""
+        grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float64)
         known = np.isfinite(x_px)
         slope = np.polyfit(np.array(ROWS)[known], x_px[known], 1)[0] if known.sum() > 1 else 0.0
         steps = [s for row, x in zip(ROWS, x_px, strict=True) if np.isfinite(x) for s in _steps(grey, row, x)]
         smooth = cv2.GaussianBlur(grey, (0, 0), _MOTTLING_PX)
         floor, line = _floor(grey), _line(grey)
         noise = np.abs(cv2.filter2D(grey, -1, _LAPLACIAN)[1:-1, 1:-1]).mean() * np.sqrt(np.pi / 2) / 6
-        top, low = picture.max(axis=2).astype(float), picture.min(axis=2).astype(float)
+        top, low = image.max(axis=2).astype(float), image.min(axis=2).astype(float)
         return cls(
             edge_px=float(np.median([s.width_px for s in steps]) * np.cos(np.arctan(slope))) if steps else np.nan,
             noise=float(noise),
@@ -76,9 +76,9 @@ def _steps(grey: Array, row: float, x: float) -> list[_Step]:
     middle = round(x)
     line = float(np.median(profile[middle - 4 : middle + 5]))
     half = 0.5 * (line + float(np.quantile(profile, 0.9)))
-    found = []
-    for side in (-1, 1):
-        outward = profile[middle::side]
+    steps = []
+    for direction in (-1, 1):
+        outward = profile[middle::direction]
         edge = int(np.argmax(outward > half))
         floor_there = outward[edge + _BEYOND_PX : edge + _FLOOR_PX]
         if edge < _MIN_PX or len(floor_there) < _FLOOR_PX - _BEYOND_PX:
@@ -86,8 +86,8 @@ def _steps(grey: Array, row: float, x: float) -> list[_Step]:
         floor, inner = float(np.median(floor_there)), float(np.median(outward[max(0, edge - _FLOOR_PX) : edge - 3]))
         near = outward[edge - 4 : edge + _BEYOND_PX]
         low, high = (_first_above(near, inner + share * (floor - inner)) for share in (0.1, 0.9))
-        found.append(_Step(line, floor, high - low))
-    return found
+        steps.append(_Step(line, floor, high - low))
+    return steps
 
 
 def _first_above(profile: Array, level: float) -> float:
@@ -110,7 +110,7 @@ def _bright(grey: Array) -> NDArray[np.uint8]:
     return (grey > 0.6 * np.quantile(grey, 0.75)).astype(np.uint8)
 
 
-def medians(figures: Sequence[PictureFigures]) -> dict[str, tuple[float, float, float]]:
-    """Median, least and largest of each figure."""
+def medians(figures: Sequence[ImageFigures]) -> dict[str, tuple[float, float, float]]:
+    """Return median, smallest and largest of each figure."""
     table = {name: np.array([getattr(f, name) for f in figures]) for name in vars(figures[0])}
     return {n: (float(np.nanmedian(v)), float(np.nanmin(v)), float(np.nanmax(v))) for n, v in table.items()}

@@ -14,7 +14,7 @@ LABELS = Path(__file__).with_name("camera_line_photos.csv")
 @dataclass(frozen=True)
 class Photographs:
     names: tuple[str, ...]
-    pictures: NDArray[np.uint8]
+    images: NDArray[np.uint8]
     """(N, H, W, 3), blue first."""
     x_px: Array
     """(N, len(ROWS)), NaN where there is no label."""
@@ -22,7 +22,7 @@ class Photographs:
     def labelled(self) -> LabelledFrames:
         """Those with at least one label, each a group of its own."""
         has = np.flatnonzero(np.isfinite(self.x_px).any(axis=1))
-        return LabelledFrames(self.pictures[has], self.x_px[has], has)
+        return LabelledFrames(self.images[has], self.x_px[has], has)
 
 
 def photographs(folder: Path, *, branch: bool) -> Photographs:
@@ -37,7 +37,7 @@ def photographs(folder: Path, *, branch: bool) -> Photographs:
     for name, row, left, right, has_branch in lines:
         if int(has_branch) == branch:
             x_px[names.index(name), ROWS.index(float(row))] = 0.5 * (float(left) + float(right))
-    pictures = [cv2.imread(str(folder / name)) for name in names]
-    if missing := [name for name, picture in zip(names, pictures, strict=True) if picture is None]:
+    images = [cv2.imread(str(folder / name)) for name in names]
+    if missing := [name for name, image in zip(names, images, strict=True) if image is None]:
         raise SystemExit(f"{folder}: no photograph {missing[0]}; name the folder that SOURCE.md lies in")
-    return Photographs(tuple(names), np.array(pictures, np.uint8), x_px)
+    return Photographs(tuple(names), np.array(images, np.uint8), x_px)

@@ -1,4 +1,4 @@
-"""How long the flat renderer takes: core-seconds of preparing a scene, of its light and of a whole picture.
+"""How long the flat renderer takes: core-seconds of preparing a scene, of its light and of a whole image.
 
 python benchmarks/preview_speed.py
 """
@@ -37,10 +37,10 @@ def measure(look: str) -> None:
     job = build_job(Arena.from_config(spec.arena), spec.robot, spec.look, render, frames, 1)
     renderer = FlatRenderer(job)
     light = [median_ms(partial(renderer.light, view, job.camera)) for view in job.frames]
-    whole = [median_ms(partial(renderer.picture, view)) for view in job.frames]
+    whole = [median_ms(partial(renderer.image, view)) for view in job.frames]
     print(f"{look}: {len(job.scene.panels)} panels, prepared in {median_ms(partial(FlatRenderer, job)):.0f} ms")
     print(
-        f"  light of 320 x 240 {min(light):.0f} to {max(light):.0f} ms, picture {min(whole):.0f} to {max(whole):.0f} ms"
+        f"  light of 320 x 240 {min(light):.0f} to {max(light):.0f} ms, image {min(whole):.0f} to {max(whole):.0f} ms"
     )
 
 

@@ -1,6 +1,7 @@
-"""Laps in random arenas through the simulate stage: how many are completed without a touch, and what stopped the rest.
+"""Laps in random arenas through the simulate stage: how many are completed without a touch, and why others
+stopped.
 
-Every arena has a seed of its own; a lap is driven again by the command that is printed with it.
+Every arena has its own seed; a lap is driven again by the command that is printed with it.
 
     python benchmarks/random_arenas.py [--arenas 100] [--first-seed 1] [--workers 2] [--plot arenas.png]
 """
@@ -95,7 +96,7 @@ def report(laps: Sequence[Lap], elapsed_s: float) -> None:
 
 def plot(laps: Sequence[Lap], path: Path) -> None:
     """The laps that failed first, then others; driven path green where the lap was completed, red where not."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - needed for a picture alone
+    from matplotlib.figure import Figure  # noqa: PLC0415 - needed for a image alone
 
     shown = sorted(laps, key=lambda lap: (not lap.problems, lap.seed))[:MAX_PLOTTED]
     rows = math.ceil(len(shown) / COLUMNS)
@@ -115,8 +116,8 @@ def plot(laps: Sequence[Lap], path: Path) -> None:
             body = Rectangle((pose[0], pose[1]), (chassis.length_m, chassis.width_m), pose[2])
             axes.fill(*np.array(body.corners()).T, facecolor=face, edgecolor="black", linewidth=0.6, alpha=0.7)
         axes.set_aspect("equal")
-        told = lap.problems[0] if lap.problems else f"lap {lap.lap_time_s:.1f} s"
-        axes.set_title(f"seed {lap.seed}: {told}\nstates {' '.join(map(str, lap.states))}", fontsize=8)
+        ending = lap.problems[0] if lap.problems else f"lap {lap.lap_time_s:.1f} s"
+        axes.set_title(f"seed {lap.seed}: {ending}\nstates {' '.join(map(str, lap.states))}", fontsize=8)
         axes.tick_params(labelsize=6)
     figure.savefig(path, dpi=80)
 

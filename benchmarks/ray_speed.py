@@ -1,6 +1,6 @@
 """Rays a second: the closed form of `physics.arena.rays` against PyBullet's `rayTestBatch`, on the same world and rays.
 
-The rays are those of one update of the three range sensors, from poses along the scenario's start line; both are asked
+The rays are those of one update of the three range sensors, from poses along the scenario's start line; both run
 in turns in one process on one core, and the ratio is the median over neighbouring pairs.
 
     python benchmarks/ray_speed.py [--scenario symolo] [--repeats 15]
@@ -54,7 +54,7 @@ def main() -> None:
     print(f"{arguments.scenario}: {len(arena.boxes)} boxes and the floor, medians of {arguments.repeats}")
     for name, seconds in (("closed form", median(ours)), ("rayTestBatch", median(bullets))):
         print(f"{name:14s} {1e-6 * count / seconds:6.2f} million rays/s {1e6 * seconds / UPDATES:7.0f} us an update")
-    ratios = [bullet / own for own, bullet in zip(ours, bullets, strict=True)]
+    ratios = [bullet / closed for closed, bullet in zip(ours, bullets, strict=True)]
     print(f"ratio {median(ratios):.2f}, of neighbouring pairs {min(ratios):.2f} to {max(ratios):.2f}")
     print(f"median difference of the two {1e3 * apart_m:.4f} mm")
 

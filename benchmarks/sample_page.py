@@ -1,4 +1,4 @@
-"""What the pages of materials and of lights share: the sample scene, its pictures, and the sheet they come on."""
+"""The common part of the pages of materials and of lights: the sample scene, its images, and their sheet."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,7 +17,7 @@ from symolo.arena.geometry import Arena
 from symolo.dataset.layout import frame_name
 from symolo.pages.sheet import Cell, row, save, stacked
 
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 
 POSE = FramePose(number=1, t_s=0.0, x_m=0.15, y_m=-0.03, yaw_rad=float(np.radians(-6.0)))
 LINE = {
@@ -40,19 +40,19 @@ def nominal_robot() -> RobotConfig:
     return RobotConfig.model_validate(load_section("robot", "nominal").tree)
 
 
-def pictures(job: RenderJob, folder: Path) -> list[Picture]:
-    """(H, W, 3), blue first, of each of the job's frames; made in `folder` where they are not there yet."""
+def rendered_images(job: RenderJob, folder: Path) -> list[Image]:
+    """(H, W, 3), blue first, of each of the job's frames; rendered into `folder` where they are missing."""
     folder.mkdir(parents=True, exist_ok=True)
-    file, images = folder / "job.json", folder / "images"
+    file, images_dir = folder / "job.json", folder / "images"
     file.write_text(job.to_json())
-    render_job(file, images, threads=2)
-    return [np.asarray(cv2.imread(str(images / frame_name(view.number))), np.uint8) for view in job.frames]
+    render_job(file, images_dir, threads=2)
+    return [np.asarray(cv2.imread(str(images_dir / frame_name(view.number))), np.uint8) for view in job.frames]
 
 
-def save_page(captioned: Mapping[str, Sequence[Picture]], columns: int, path: Path) -> None:
-    """Cells in rows, the pictures of each below one another, its caption below them."""
+def save_page(captioned: Mapping[str, Sequence[Image]], columns: int, path: Path) -> None:
+    """Cells in rows, the images of each below one another, its caption below them."""
     if not captioned:
         raise SystemExit("no such caption")
-    cells = [Cell(np.vstack(own), (caption,)) for caption, own in captioned.items()]
+    cells = [Cell(np.vstack(images), (caption,)) for caption, images in captioned.items()]
     width_px = cells[0].image.shape[1]
     save(stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)]), path)

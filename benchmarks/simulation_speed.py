@@ -1,8 +1,8 @@
 """Wall time of a whole lap with all sensors and the controller against bare `stepSimulation` on the same world.
 
 Both run in turns in one process on one core, for the same number of steps; the ratio is the median over neighbouring
-pairs, which a machine that is busy with something else disturbs least. The cost of each sensor is taken in laps of its
-own, for the clocks cost something too.
+pairs, which a machine that is busy with something else disturbs least. The cost of each sensor is taken in separate
+laps, because the clocks cost time too.
 
     python benchmarks/simulation_speed.py [--scenario symolo] [--route CW] [--repeats 7]
 """
@@ -96,7 +96,7 @@ def time_sensors(spec: RunSpec) -> dict[str, float]:
 
     with patch("pipeline.stages.simulate.fit_out", fit_out_timed):
         seconds, _ = time_lap(spec)
-    return {name: own / seconds for name, own in spent.items()}
+    return {name: taken_s / seconds for name, taken_s in spent.items()}
 
 
 def time_bare(spec: RunSpec, steps: int) -> float:

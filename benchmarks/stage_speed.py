@@ -14,7 +14,7 @@ import numpy as np
 
 from configs.draw import draw_robot
 from configs.effects.base import Slot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.importers import IMPORTERS
@@ -24,14 +24,14 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
 
-EFFECTS = {effect.name: effect for effect in effect_classes()}
+BY_NAME = EFFECTS.by_name()
 REPEATS = 5
 
 
 def varied(robot: RobotConfig, robots: int) -> list[RobotConfig]:
     """The same robot with another winding, friction, inertia and geometry each time."""
     rng = np.random.default_rng(1)
-    found = []
+    changed = []
     for factors in 1.0 + 0.01 * rng.standard_normal((robots, 7)):
         motor = ("winding_resistance_ohm", "torque_constant_N_m_A", "coulomb_friction_N_m", "rotor_inertia_kg_m2")
         numbers = {name: getattr(robot.motor, name) * f for name, f in zip(motor, factors[:4], strict=True)}
@@ -40,8 +40,8 @@ def varied(robot: RobotConfig, robots: int) -> list[RobotConfig]:
             "motor": robot.motor.model_copy(update=numbers),
             "drive": robot.drive.model_copy(update=drive),
         }
-        found.append(robot.model_copy(update=sections))
-    return found
+        changed.append(robot.model_copy(update=sections))
+    return changed
 
 
 def milliseconds(stage: Stage, robots: Sequence[RobotConfig]) -> float:
@@ -73,7 +73,7 @@ def report(path: Path, robots: int) -> None:
     for stage in stages:
         bare = varied(nominal, robots)
         print(f"  {stage.name}, {robots} robots: bare {milliseconds(stage, bare):.1f} ms")
-        for effect in EFFECTS.values():
+        for effect in BY_NAME.values():
             if effect.slot is Slot.GEARBOX and stage.name == "wheels":
                 continue
             choices = {
@@ -92,6 +92,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("cases", nargs="+", type=Path)
     parser.add_argument("--robots", type=int, default=20)
-    asked = parser.parse_args()
-    for case in asked.cases:
-        report(case, asked.robots)
+    arguments = parser.parse_args()
+    for case in arguments.cases:
+        report(case, arguments.robots)

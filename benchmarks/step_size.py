@@ -81,18 +81,18 @@ def report(robot: RobotConfig, voltages: Voltages) -> None:
 
 
 def lap_voltages(spec: RunSpec) -> Voltages:
-    """As the wheel loop gave them in the closed loop, at the scenario's own step."""
-    given: list[tuple[float, float, float]] = []
+    """Return the voltages of the wheel loop in the closed loop, at the scenario's own step."""
+    commands: list[tuple[float, float, float]] = []
     give = BulletSimulation._drive  # noqa: SLF001 - what it gives between two control ticks stands in no log
 
     def give_and_note(simulation: BulletSimulation, right_V: float, left_V: float) -> None:
         give(simulation, right_V, left_V)
-        given.append((simulation.time_s, *simulation.voltages()))
+        commands.append((simulation.time_s, *simulation.voltages()))
 
     with patch.object(BulletSimulation, "_drive", give_and_note):
         outcome = simulate(spec)
     end_s = float(outcome.recording.trajectory.t_s[-1])
-    rows = [row for row in given if row[0] < end_s]
+    rows = [row for row in commands if row[0] < end_s]
     return Voltages(f"lap of {spec.scenario} {spec.route}", (*rows, (end_s, 0.0, 0.0)))
 
 

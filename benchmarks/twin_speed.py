@@ -43,7 +43,7 @@ def main() -> None:
         for step_s, trials in cases:
             run, seconds = time_twin(robot, step_s, trials)
             twin_s[step_s, trials].append(seconds)
-            apart[step_s, trials] = told(run.pose[:: round(1 / ROWS_HZ / step_s), 0] - poses)
+            apart[step_s, trials] = described(run.pose[:: round(1 / ROWS_HZ / step_s), 0] - poses)
     simulated_s, per_trial_s = PROFILE.rows[-1][0], median(engine_s)
     print(f"{arguments.robot}: {simulated_s:g} s, medians of {arguments.repeats}")
     print(f"PyBullet at 1 ms: {per_trial_s:.3f} s, {simulated_s / per_trial_s:.0f} x real time")
@@ -66,7 +66,7 @@ def time_twin(robot: RobotConfig, step_s: float, trials: int) -> tuple[TwinRun, 
     return run, time.perf_counter() - begin
 
 
-def told(apart: np.ndarray) -> str:
+def described(apart: np.ndarray) -> str:
     far_mm = 1e3 * np.hypot(apart[:, 0], apart[:, 1]).max()
     return f"{far_mm:.2f} mm, {np.degrees(np.abs(apart[:, 2])).max():.3f} degrees"
 

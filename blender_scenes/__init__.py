@@ -1,1 +1,1 @@
-"""What is seen: scenes as data, materials, light, camera, and the Blender process that renders them."""
+"""Images: scenes as data, materials, light, camera, and the Blender process that renders them."""

@@ -7,6 +7,7 @@ from dataclasses import replace
 from configs.faults import ConfigFault
 from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
+from configs.schema.base import Section
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
@@ -191,12 +192,16 @@ def robot_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigF
     yield from _range_faults(robot)
     yield from _stall_faults(robot)
     yield from _effect_faults(robot, in_simulation=in_simulation)
-    corner = robot.controller.corner
-    if corner.front_below_m >= corner.front_clear_m:
-        path: FieldPath = ("robot", "controller", "corner")
-        allowed = f"less than front_clear_m, which is {corner.front_clear_m}"
-        against = (*path, "front_clear_m")
-        yield ConfigFault((*path, "front_below_m"), got=corner.front_below_m, allowed=allowed, against=against)
+    corner: FieldPath = ("robot", "controller", "corner")
+    yield from _order_faults(robot.controller.corner, corner, "front_below_m", "front_clear_m")
+
+
+def _order_faults(section: Section, path: FieldPath, lower: str, upper: str) -> Iterator[ConfigFault]:
+    """Yield a fault if one field of a section is not below another."""
+    low, high = getattr(section, lower), getattr(section, upper)
+    if low >= high:
+        allowed = f"less than {upper}, which is {high}"
+        yield ConfigFault((*path, lower), got=low, allowed=allowed, against=(*path, upper))
 
 
 def _effect_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigFault]:
@@ -216,9 +221,7 @@ def _lens_faults(scenario: Scenario) -> Iterator[ConfigFault]:
 def _range_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     tof = robot.tof
     path: FieldPath = ("robot", "tof")
-    if tof.min_range_m >= tof.max_range_m:
-        allowed = f"less than max_range_m, which is {tof.max_range_m}"
-        yield ConfigFault((*path, "min_range_m"), got=tof.min_range_m, allowed=allowed, against=(*path, "max_range_m"))
+    yield from _order_faults(tof, path, "min_range_m", "max_range_m")
     if tof.min_range_m < tof.no_target_m < tof.max_range_m:
         ends = f"up to {tof.min_range_m} (min_range_m) or from {tof.max_range_m} (max_range_m)"
         yield ConfigFault(
@@ -253,10 +256,7 @@ def _body_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     if not chassis.clearance_m < drive.wheel_diameter_m <= chassis.length_m:
         allowed = f"more than chassis.clearance_m ({chassis.clearance_m}), up to chassis.length_m ({chassis.length_m})"
         yield ConfigFault((*drive_path, "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
-    if chassis.clearance_m >= chassis.base_height_m:
-        allowed = f"less than base_height_m, which is {chassis.base_height_m}"
-        against = (*chassis_path, "base_height_m")
-        yield ConfigFault((*chassis_path, "clearance_m"), got=chassis.clearance_m, allowed=allowed, against=against)
+    yield from _order_faults(chassis, chassis_path, "clearance_m", "base_height_m")
     if abs(drive.caster_x_m) > chassis.length_m / 2:
         allowed = f"at most {chassis.length_m / 2:.6g}, half of chassis.length_m, before or behind the axle"
         against = (*chassis_path, "length_m")

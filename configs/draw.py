@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from configs.arena_generation.generate import NoArenaError, generate_arena
-from configs.arena_generation.track import Pose
 from configs.checks import check_run
 from configs.faults import ConfigFault
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone
@@ -16,6 +15,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec, Scenario
 from configs.validation import Placed, validated
 from symolo.core.errors import InputError, nearest
+from symolo.core.geometry.poses import PlanarPose
 from symolo.core.random_streams import stream
 from symolo.core.yaml.tree import FieldPath, Node, Scalar, dotted
 
@@ -112,7 +112,7 @@ def draw_each(loaded: LoadedScenario) -> Iterator[RunSpec]:
 
 
 def draw_arena(
-    section: LoadedSection, seed: int, *key: str | int, start: Pose = (0.0, 0.0, 0.0)
+    section: LoadedSection, seed: int, *key: str | int, start: PlanarPose = (0.0, 0.0, 0.0)
 ) -> tuple[ArenaConfig, dict[str, Scalar]]:
     """Return an arena with its drawn values by path; a generated line is straight at the start."""
     values = _draws(section.placed, seed, key)
@@ -158,7 +158,9 @@ def _drawn_about(loaded: LoadedScenario, start: FieldPath, values: Mapping[Field
     return validated(loaded.root, Scenario, {**values, **middle})
 
 
-def _generated(arena: ArenaConfig, start: Pose, rng: np.random.Generator, root: Node, note: str = "") -> ArenaConfig:
+def _generated(
+    arena: ArenaConfig, start: PlanarPose, rng: np.random.Generator, root: Node, note: str = ""
+) -> ArenaConfig:
     try:
         return generate_arena(arena, start, rng)
     except NoArenaError as error:

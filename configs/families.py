@@ -1,7 +1,7 @@
 """A family of classes: the members of the project, and those of Python files that a user loads.
 
-Members stand above this package, for example sensors, which compute with rays and motion. They are therefore found by
-name, when they are needed for the first time.
+Members are in packages above this one, for example sensors, which need rays and motion. They are therefore imported by
+name when they are first needed.
 """
 
 import importlib
@@ -37,7 +37,7 @@ class Family(Generic[Member]):
     """Classes that derive from one base class, one in each module or file."""
 
     noun: str
-    """What a member is called in messages, for example `effect`."""
+    """Name of a member in messages, for example `effect`."""
     base: type[Member]
     table: str
     """Name of the tuple in each package that names the package's modules, for example `EFFECTS`."""
@@ -125,14 +125,14 @@ class Family(Generic[Member]):
         return module
 
     def _only_member(self, module: ModuleType) -> type[Member]:
-        """Return the member that a module defines, once it is known to be complete."""
+        """Return the member that a module defines, after the check that it is complete."""
         classes = [
-            thing
-            for thing in vars(module).values()
-            if isinstance(thing, type)
-            and not isinstance(thing, GenericAlias)  # which Python 3.10 counts as a class
-            and issubclass(thing, self.base)
-            and thing.__module__ == module.__name__
+            value
+            for value in vars(module).values()
+            if isinstance(value, type)
+            and not isinstance(value, GenericAlias)  # which Python 3.10 counts as a class
+            and issubclass(value, self.base)
+            and value.__module__ == module.__name__
         ]
         where = str(module.__file__)
         if len(classes) != 1:
@@ -150,6 +150,6 @@ def _by_name(classes: tuple[type[Member], ...]) -> Mapping[str, type[Member]]:
 
 @cache
 def optional_sections(name: str, sections: tuple[tuple[str, type[Section]], ...]) -> type[Section]:
-    """Return a section in which each of these sections may stand under its key or be left out."""
+    """Return a section in which each of these sections is optional, under its key."""
     fields: dict[str, Any] = {key: (section | None, Field(default_factory=absent)) for key, section in sections}
     return create_model(name, __base__=Section, **fields)

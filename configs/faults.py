@@ -10,13 +10,13 @@ from symolo.core.yaml.tree import FieldPath, Node, dotted
 class ConfigFault:
     path: FieldPath
     problem: str = ""
-    """What is wrong, if the value alone does not show it."""
+    """Description of the fault, if the value alone does not show it."""
     got: object = ...
     """Value at fault; not shown by default."""
     allowed: str = ""
     nearest: str = ""
     against: FieldPath = ()
-    """Other field that it contradicts, whose place is shown too."""
+    """Other field that it contradicts; its place is shown too."""
     cure: str = ""
 
     def error(self, root: Node, note: str = "") -> InputError:

@@ -35,12 +35,14 @@ def scenario_json_schema() -> dict[str, Any]:
     definitions["choice_distribution"] = _one_of("choice")
     for kind in SECTIONS:
         name = shape.schema["properties"][kind]["$ref"].rsplit("/", 1)[1]
-        definitions[name]["properties"]["extends"] = _reference(kind)
+        definitions[name]["properties"]["extends"] = _base(kind)
     definitions["LookConfig"]["properties"]["assets"] = _FOLDER
     top = _mapping(shape.schema, shape, required=False)
     for kind in SECTIONS:
-        top["properties"][kind] = {"anyOf": [_reference(kind), shape.schema["properties"][kind]]}
-    top["properties"]["extends"] = _reference("scenario")
+        field = shape.schema["properties"][kind]
+        section = {key: value for key, value in field.items() if key != "description"}
+        top["properties"][kind] = {"description": field["description"], "anyOf": [_reference(kind), section]}
+    top["properties"]["extends"] = _base("scenario")
     top["anyOf"] = [{"required": ["extends"]}, {"required": shape.schema["required"]}]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **top, "$defs": definitions}
 
@@ -52,6 +54,11 @@ def _one_of(kind: str) -> dict[str, Any]:
 def _reference(kind: str) -> dict[str, Any]:
     path = {"type": "string", "pattern": r"/|\.ya?ml$", "description": "path, relative to this file"}
     return {"anyOf": [{"enum": list(shipped_names(kind)), "description": f"name of a shipped {kind}"}, path]}
+
+
+def _base(kind: str) -> dict[str, Any]:
+    about = f"{kind.capitalize()} that this one changes: a shipped name, or a path relative to this file."
+    return {**_reference(kind), "description": about}
 
 
 def _mapping(schema: Mapping[str, Any], shape: Shape, *, required: bool) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """From the name of a scenario to a resolved, checked tree that runs can be drawn from."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -9,7 +9,7 @@ from typing import Any
 from configs.assets.folder import with_assets
 from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario
 from configs.overrides import apply_override
-from configs.references import Reader, locate
+from configs.references import locate, read_file
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
 from configs.schema.look import LookConfig
@@ -33,7 +33,6 @@ class LoadedScenario:
     root: Node
     placed: Mapping[FieldPath, Placed]
     """Distributions by field path."""
-    source_files: tuple[Path, ...]
     assets: Mapping[str, Path]
     """Paths of the user's files that the look names, by SHA-256."""
     name: str
@@ -62,7 +61,6 @@ class LoadedSection:
     kind: str
     root: Node
     placed: Mapping[FieldPath, Placed]
-    source_files: tuple[Path, ...]
     assets: Mapping[str, Path]
     """Paths of the user's files that the look names, by SHA-256."""
 
@@ -90,6 +88,9 @@ class LookAlone(Section):
 ALONE: Mapping[str, type[ArenaAlone | RobotAlone | LookAlone]] = MappingProxyType(
     {"arena": ArenaAlone, "robot": RobotAlone, "look": LookAlone}
 )
+_CHECKS: Mapping[str, Callable[[Any, Node], None]] = MappingProxyType(
+    {"arena": check_arena, "robot": check_robot, "look": check_look}
+)
 
 
 def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedScenario:
@@ -102,10 +103,9 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     Raises:
         InputError: Something is wrong; nothing has been drawn yet.
     """
-    reader = Reader()
-    root = reader.read("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
-    root, assets = with_assets(_overridden(root, Scenario, overrides, reader), Shape.of(Scenario))
-    return _checked(root, tuple(reader.sources), assets)
+    root = read_file("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
+    root, assets = with_assets(_overridden(root, Scenario, overrides), Shape.of(Scenario))
+    return _checked(root, assets)
 
 
 def load_resolved(tree: Mapping[str, Any], where: str) -> LoadedScenario:
@@ -114,10 +114,10 @@ def load_resolved(tree: Mapping[str, Any], where: str) -> LoadedScenario:
     Raises:
         InputError: It does not fit this version; `where` is shown as the place of its fields.
     """
-    return _checked(node_of(tree, where), (), {})
+    return _checked(node_of(tree, where), {})
 
 
-def _checked(root: Node, source_files: tuple[Path, ...], assets: Mapping[str, Path]) -> LoadedScenario:
+def _checked(root: Node, assets: Mapping[str, Path]) -> LoadedScenario:
     placed = distributions_of(root, Scenario)
     check_kinds(placed, root)
     probed = [validated(root, Scenario, values) for values in probes(placed)]
@@ -127,7 +127,6 @@ def _checked(root: Node, source_files: tuple[Path, ...], assets: Mapping[str, Pa
     return LoadedScenario(
         root=root,
         placed=placed,
-        source_files=source_files,
         assets=assets,
         name=scenario.name,
         description=scenario.description,
@@ -148,28 +147,22 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), op
         overrides: Texts such as `look.sun.elevation_deg=30`.
         option: Origin of the name, for errors; `--<kind>` by default.
     """
-    reader = Reader()
-    node = reader.read(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}"))
-    root = _overridden(Node({kind: node}, node.where), ALONE[kind], overrides, reader)
-    root, assets = with_assets(root, Shape.of(ALONE[kind]))
-    placed = distributions_of(root, ALONE[kind])
+    model = ALONE[kind]
+    node = read_file(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}"))
+    root = _overridden(Node({kind: node}, node.where), model, overrides)
+    root, assets = with_assets(root, Shape.of(model))
+    placed = distributions_of(root, model)
     for values in probes(placed):
-        alone = validated(root, ALONE[kind], values)
-        if isinstance(alone, ArenaAlone):
-            check_arena(alone.arena, root)
-        elif isinstance(alone, RobotAlone):
-            check_robot(alone.robot, root)
-        elif isinstance(alone, LookAlone):
-            check_look(alone.look, root)
-    return LoadedSection(kind, root, placed, tuple(reader.sources), assets)
+        _CHECKS[kind](getattr(validated(root, model, values), kind), root)
+    return LoadedSection(kind, root, placed, assets)
 
 
-def _overridden(root: Node, model: type[Section], overrides: Sequence[str], reader: Reader) -> Node:
+def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> Node:
     shape = Shape.of(model)
     root = with_defaults(root, shape)
     for text in overrides:
         # Add defaults again, because a new list item or section may lack fields.
-        root = with_defaults(apply_override(root, text, reader), shape)
+        root = with_defaults(apply_override(root, text), shape)
     return root
 
 

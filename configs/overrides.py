@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.references import SECTIONS, Reader
+from configs.references import SECTIONS, resolve_section
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
 from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
 
 
-def apply_override(root: Node, text: str, reader: Reader) -> Node:
+def apply_override(root: Node, text: str) -> Node:
     """Return the tree with one `field.path=value` merged over it: YAML, with list items by index or name.
 
     Raises:
@@ -26,8 +26,8 @@ def apply_override(root: Node, text: str, reader: Reader) -> Node:
         raise InputError("'extends' is read from files alone", where=where, cure=cure)
     node = parse_yaml(value, where, with_lines=False)
     if name in SECTIONS and isinstance(root.value, dict):
-        node, is_whole = reader.section(name, node, Path.cwd())
-        if is_whole:
+        node, is_complete = resolve_section(name, node, Path.cwd())
+        if is_complete:
             return Node({**root.value, name: node}, root.where)
     if name == "look.assets":
         node = anchored(Node({"assets": node}, where), Path.cwd()).child("assets") or node

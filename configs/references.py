@@ -1,7 +1,6 @@
 """Names and paths of scenarios, arenas, robots and looks, and files that extend others by `extends:`."""
 
 import os
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from configs.assets.folder import anchored
@@ -63,58 +62,49 @@ def _nearest_file(path: Path, reference: str, names: tuple[str, ...]) -> str:
     return close if close in names or not close else str(Path(reference).with_name(beside[close]))
 
 
-@dataclass
-class Reader:
-    """Reads files with all files that they extend, and records which ones they were."""
+def read_file(kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
+    """Return the tree of a file with `extends:` and, for a scenario, named sections resolved."""
+    prefix = () if kind == "scenario" else (kind,)
+    return resolve(kind, read_yaml(path).root, path.parent, (*chain, path.resolve()), prefix)
 
-    sources: list[Path] = field(default_factory=list)
 
-    def read(self, kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
-        """Return the tree of a file with `extends:` and, for a scenario, named sections resolved."""
-        document = read_yaml(path)
-        if path not in self.sources:
-            self.sources.append(path)
-        prefix = () if kind == "scenario" else (kind,)
-        return self.resolve(kind, document.root, path.parent, (*chain, path.resolve()), prefix)
+def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()) -> Node:
+    """Return a mapping merged over what it extends; relative paths in it start at `folder`."""
+    root = anchored(root, folder) if kind == "look" else root
+    fields = {str(key): node for key, node in root.children()}
+    complete = set()
+    if kind == "scenario":
+        for section in SECTIONS:
+            if section in fields:
+                fields[section], is_complete = resolve_section(section, fields[section], folder)
+                complete |= {section} if is_complete else set()
+    base = fields.pop("extends", None)
+    if base is None:
+        return Node(fields, root.where)
+    what = dotted((*prefix, "extends"))
+    if not isinstance(base.value, str):
+        allowed = f"the name or path of one {kind}"
+        raise InputError(what, where=base.where, got=base.plain(), allowed=allowed)
+    if len(chain) > _MAX_CHAIN:
+        raise InputError(f"{what}: too many files extend each other", where=base.where, allowed=str(_MAX_CHAIN))
+    path = locate(kind, base.value, folder=folder, what=what, where=base.where)
+    if path.resolve() in chain:
+        turns = [displayed(file) for file in (*chain[chain.index(path.resolve()) :], path)]
+        cure = "remove one of these 'extends:'"
+        raise InputError(f"{what}: files extend each other, {' -> '.join(turns)}", where=base.where, cure=cure)
+    beneath = read_file(kind, path, chain)
+    # A section that is complete by itself replaces the inherited one; any other is merged over it field by field.
+    inherited = {str(key): node for key, node in beneath.children() if key not in complete}
+    return merge(Node(inherited, beneath.where), Node(fields, root.where))
 
-    def resolve(
-        self, kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()
-    ) -> Node:
-        """Return a mapping merged over what it extends; relative paths in it start at `folder`."""
-        root = anchored(root, folder) if kind == "look" else root
-        fields = {str(key): node for key, node in root.children()}
-        whole = set()
-        if kind == "scenario":
-            for section in SECTIONS:
-                if section in fields:
-                    fields[section], is_whole = self.section(section, fields[section], folder)
-                    whole |= {section} if is_whole else set()
-        base = fields.pop("extends", None)
-        if base is None:
-            return Node(fields, root.where)
-        what = dotted((*prefix, "extends"))
-        if not isinstance(base.value, str):
-            allowed = f"the name or path of one {kind}"
-            raise InputError(what, where=base.where, got=base.plain(), allowed=allowed)
-        if len(chain) > _MAX_CHAIN:
-            raise InputError(f"{what}: too many files extend each other", where=base.where, allowed=str(_MAX_CHAIN))
-        path = locate(kind, base.value, folder=folder, what=what, where=base.where)
-        if path.resolve() in chain:
-            turns = [displayed(file) for file in (*chain[chain.index(path.resolve()) :], path)]
-            cure = "remove one of these 'extends:'"
-            raise InputError(f"{what}: files extend each other, {' -> '.join(turns)}", where=base.where, cure=cure)
-        beneath = self.read(kind, path, chain)
-        inherited = {str(key): node for key, node in beneath.children() if key not in whole}
-        return merge(Node(inherited, beneath.where), Node(fields, root.where))
 
-    def section(self, kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
-        """Return a section with its name or `extends:` resolved, and whether it then needs nothing else."""
-        if isinstance(node.value, str):
-            path = locate(kind, node.value, folder=folder, what=kind, where=node.where)
-            return self.read(kind, path), True
-        if isinstance(node.value, dict) and "extends" in node.value:
-            return self.resolve(kind, node, folder, prefix=(kind,)), True
-        if not isinstance(node.value, dict):
-            allowed = f"{_references(kind)}, or a mapping"
-            raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
-        return (anchored(node, folder) if kind == "look" else node), False
+def resolve_section(kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
+    """Return a section with its name or `extends:` resolved, and whether it is then complete."""
+    if isinstance(node.value, str):
+        return read_file(kind, locate(kind, node.value, folder=folder, what=kind, where=node.where)), True
+    if not isinstance(node.value, dict):
+        allowed = f"{_references(kind)}, or a mapping"
+        raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
+    if "extends" in node.value:
+        return resolve(kind, node, folder, prefix=(kind,)), True
+    return (anchored(node, folder) if kind == "look" else node), False

@@ -1,4 +1,4 @@
-"""The sensors that one robot has beside the usual ones: the section `robot.sensors`."""
+"""The additional sensors of one robot: the section `robot.sensors`."""
 
 import importlib
 from collections.abc import Iterator, Mapping
@@ -13,8 +13,8 @@ from configs.families import optional_sections
 from configs.schema.base import Section
 
 KNOWN_ONLY: Mapping[str, bool] = MappingProxyType({"known_sensors_only": True})
-"""Context of a validation that refuses a sensor of which no class is loaded, as for the file of a scenario. Whoever
-reads a release, or simulates, gets the settings of such a sensor as they are."""
+"""Context of a validation that refuses a sensor whose class is not loaded, as for the file of a scenario. Without
+it, as for a release, the settings of such a sensor are read as they are."""
 
 
 class SensorSettings(Section):
@@ -34,7 +34,7 @@ class UnloadedSettings(BaseModel):
 
 def sensors_section() -> type[Section]:
     """Return the schema of `robot.sensors`: at most one sensor of each name, and no key means no sensor."""
-    # Sensors stand above this package; they are found by name when they are needed for the first time.
+    # Sensors are in a package above this one, so they are imported by name when they are first needed.
     return optional_sections("RobotSensors", importlib.import_module("sensors.registry").settings_by_name())
 
 

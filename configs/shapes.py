@@ -1,4 +1,4 @@
-"""The schema from the view of a file: what is allowed at a field path, in words, and whether it may be drawn.
+"""The schema as a file sees it: what is allowed at a field path, in words, and whether it may be drawn.
 
 Everything is derived from the JSON Schema that pydantic makes of the models, so that the models are the only source.
 """
@@ -174,8 +174,8 @@ def _shape(model: type[BaseModel], sections: tuple[type[Section], ...]) -> Shape
 def with_defaults(node: Node, shape: Shape) -> Node:
     """Return the node with defaults for all missing fields, below mappings and lists, at the place of its mapping.
 
-    A mapping that sets some fields of a default keeps the others: `tape: {paint: {reflectance: 0.1}}` has the
-    tape's tint.
+    A mapping that sets some fields of a default has the default's values of the others:
+    `tape: {paint: {reflectance: 0.1}}` has the tape's tint.
     """
     if isinstance(node.value, tuple):
         items = []
@@ -185,18 +185,18 @@ def with_defaults(node: Node, shape: Shape) -> Node:
         return Node(tuple(items), node.where)
     if not isinstance(node.value, dict) or node.is_distribution or shape.is_leaf:
         return node
-    given = dict(node.value)
+    fields = dict(node.value)
     for key in shape.known_keys(node):
         inner = shape.child(key, node)
         if inner is None:
             continue
-        if key not in given and "default" in inner.schema:
-            given[key] = node_of(inner.schema["default"], node.where)
-        elif isinstance(given.get(key, node).value, dict) and isinstance(inner.schema.get("default"), dict):
-            given[key] = merge(node_of(inner.schema["default"], node.where), given[key])
-        if key in given:
-            given[key] = with_defaults(given[key], inner)
-    return Node(given, node.where)
+        if key not in fields and "default" in inner.schema:
+            fields[key] = node_of(inner.schema["default"], node.where)
+        elif isinstance(fields.get(key, node).value, dict) and isinstance(inner.schema.get("default"), dict):
+            fields[key] = merge(node_of(inner.schema["default"], node.where), fields[key])
+        if key in fields:
+            fields[key] = with_defaults(fields[key], inner)
+    return Node(fields, node.where)
 
 
 def shown_names(names: Sequence[object]) -> str:

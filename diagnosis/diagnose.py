@@ -128,7 +128,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         InputError: No stage of the simulator predicts such data, or none of the data can be used.
     """
     check_kind(measurement)
-    where = _where(measurement)
+    where = measurement.where
     robot = _nominal(measurement, nominal)
     bare = Hypothesis(robot, _spreads(measurement, robot))
     stages = STAGES[measurement.kind](measurement, robot)
@@ -197,11 +197,7 @@ def check_kind(measurement: Measurement) -> None:
         allowed = ", ".join(STAGES)
         what = f"no stage predicts data of kind {measurement.kind}"
         cure = "diagnose a bench or a drive; `symolo inspect` shows what these data contain"
-        raise InputError(what, where=_where(measurement), allowed=allowed, cure=cure)
-
-
-def _where(measurement: Measurement) -> str:
-    return next(iter(measurement.source.files), measurement.name)
+        raise InputError(what, where=measurement.where, allowed=allowed, cure=cure)
 
 
 def _nominal(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:

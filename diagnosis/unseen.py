@@ -12,7 +12,7 @@ from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
 from diagnosis.predictors.pose import Pose
 from diagnosis.predictors.ranges import Ranges
-from diagnosis.predictors.rows import given
+from diagnosis.predictors.rows import good_values
 from diagnosis.predictors.tof_bench import TofBenchStage
 from diagnosis.predictors.wheels import Wheels
 from symolo.core.arrays import Array
@@ -54,7 +54,7 @@ def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
         case "wheels", _:
             return _of_stage(Wheels(inputs, robot), robot)
         case "pose", _:
-            starts = np.stack([given(inputs, name) for name in PLACE], axis=-1)
+            starts = np.stack([good_values(inputs, name) for name in PLACE], axis=-1)
             first = np.cumsum([0, *(len(trial.t_s) for trial in inputs.trials[:-1])])
             path = Pose(inputs, robot).path(robot, starts[first])
             return dict(zip(PLACE, path.T, strict=True))

@@ -27,7 +27,7 @@ class SensorFrame:
     """Ranges [m] as the sensors report them, with the no-target value where there is no target; None for a missing
     sensor."""
     run: bool = True
-    """Whether the robot may drive; else it stands still and keeps state and odometry."""
+    """Whether the robot may drive; else it stops, and state and odometry do not change."""
     start: bool = False
     """Whether the board resets state, odometry and counters first."""
 
@@ -53,7 +53,7 @@ class CommandFrame:
 
 @dataclass(frozen=True)
 class HelloFrame:
-    """Which board and firmware is at the other end."""
+    """The identity of the board and of its firmware."""
 
     protocol: int
     """Version of the wire format."""

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from configs.schema.robot import Controller, RobotConfig
+from configs.schema.controller import Controller
+from configs.schema.robot import RobotConfig
 from physics.control.curves import FULL_SEARCH_RAD, IN_THE_MIDDLE
 from physics.control.following import MAX_ERROR
 from physics.control.paths import AvoidancePath, curve_path, straight_path

@@ -21,6 +21,8 @@ PROTOCOL = 1
 """Version of the wire format."""
 _CAUSES = frozenset({"damaged", "refused", "stale"})
 """Kinds of event that explain a missing command."""
+_AT_REST = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)
+"""Readings with which the robot stops: no line, no range, no motion."""
 _MAX_REASONS = 3
 """Largest number of reasons that the event about the damage of a tick names."""
 
@@ -66,7 +68,7 @@ class LoopSettings:
 
 @dataclass(frozen=True)
 class Orders:
-    """What the robot does at one tick."""
+    """State and motion of the robot from one tick on."""
 
     state: State
     right_rad_s: float
@@ -76,7 +78,7 @@ class Orders:
     line_lost: int
     """Number of ticks in the line state without a channel on the line; 0 where the framing does not transmit it."""
     stopped: bool
-    """Whether the wheels stand still because no command has come for too long."""
+    """Whether the wheels are stopped because no command has come for too long."""
 
 
 @dataclass
@@ -124,12 +126,11 @@ class BoardPilot(Closing):
         Raises:
             BoardLost: No board answers, or its wire format has another version.
         """
-        at_rest = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)
         for _ in range(max(1, round(self.settings.hello_s / self.settings.tick_s))):
             self.link.start_tick(self.settings.tick_s)
             seq = self._next_seq()
             hello = self.framing.hello(seq)
-            self.link.write(hello or self.framing.sensors(seq, at_rest))
+            self.link.write(hello or self.framing.sensors(seq, _AT_REST))
             while data := self.link.read():
                 for message in self._decoder.decode(data):
                     if isinstance(message, HelloFrame):
@@ -171,8 +172,7 @@ class BoardPilot(Closing):
         self._closed = True
         try:
             self.link.start_tick(self.settings.tick_s)
-            at_rest = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)
-            self.link.write(self.framing.sensors(self._next_seq(), at_rest))
+            self.link.write(self.framing.sensors(self._next_seq(), _AT_REST))
             self.link.read()
         except BoardLost:
             pass  # without frames the firmware stops the robot by itself

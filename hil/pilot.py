@@ -1,6 +1,7 @@
 """A board at a serial line as the pilot of a run."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 
@@ -14,9 +15,9 @@ from hil.links.base import BoardLink
 from hil.links.lockstep import LockstepLink
 from hil.links.serial_link import SerialLink
 from hil.loop import BoardEvent, BoardPilot, LoopSettings
-from hil.tally import tally
 from physics.control.base import Command, ControlInput
 from physics.run.pilot import Decision
+from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class PilotFromBoard:
         before = len(self.loop.events)
         orders = self.loop.step(SensorFrame(turned, seen.line, seen.front_m, seen.left_m, seen.right_m))
         command = Command(orders.v_m_s, orders.w_rad_s, orders.state)
-        counts = tally(self.loop.events[before:], stopped=orders.stopped)
+        counts = event_counts(self.loop.events[before:], stopped=orders.stopped)
         return Decision(command, (orders.right_rad_s, orders.left_rad_s), orders.line_lost, counts)
 
 
@@ -64,6 +65,17 @@ def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: st
     with closing(link), BoardPilot.for_robot(link, FRAMINGS[board.framing], robot, settings) as loop:
         hello = loop.start()
         yield PilotFromBoard(loop, hello.firmware_id if hello else firmware_id)
+
+
+def event_counts(events: Iterable[BoardEvent], *, stopped: bool) -> tuple[int, ...]:
+    """Return the counts of the events of one tick, in the order of `BOARD_COLUMNS`: a row of side/board.csv.
+
+    Args:
+        events: Events of that tick.
+        stopped: Whether the wheels are stopped because no command has come.
+    """
+    kinds = Counter(event.kind for event in events)
+    return (int(not kinds["no answer"]), int(stopped), *(kinds[kind] for kind in BOARD_EVENT_COLUMNS))
 
 
 def firmware_id_of(robot: RobotConfig, board: Board) -> str:

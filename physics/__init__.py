@@ -1,1 +1,1 @@
-"""What happens: arena geometry, motor and body dynamics, the controller, trajectories."""
+"""The simulated physics: arena geometry, motor and body dynamics, the controller, trajectories."""

@@ -22,6 +22,7 @@ from physics.robot.model import RobotModel, through
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
+from symolo.core.geometry.poses import PlanarPose
 
 MAX_SCALAR_TRIALS = 16
 """Number of trials of bare motors up to which a loop over plain floats is faster than arrays."""
@@ -192,7 +193,7 @@ class ReplayedWorld:
                 f"the time {self.time_s:g} s is after the end of the run at {end_s:g} s; drive it for longer"
             )
 
-    def pose(self) -> tuple[float, float, float]:
+    def pose(self) -> PlanarPose:
         poses = self._run.pose[:, self._trial]
         x, y, yaw = (float(np.interp(self.time_s, self._run.t_s, column)) for column in poses.T)
         return x, y, yaw

@@ -1,8 +1,8 @@
-"""What every sensor has in common: when it samples, what it may look at, and what it hands over.
+"""What every sensor has in common: when it samples, what it may read, and what it delivers.
 
 Rate, delay, noise, quantisation and dropout are separate settings. A sensor updates every `period_steps` and a value
-is delivered `delay_steps` later; between two deliveries the reader sees the one before. Only updates that somebody
-reads are computed.
+is delivered `delay_steps` later; between two deliveries the reader sees the one before. Only updates that are
+read are computed.
 """
 
 import inspect
@@ -20,6 +20,7 @@ from configs.schema.robot import RobotConfig
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.geometry.poses import PlanarPose
 from symolo.dataset.tables.column import Column, Series
 from symolo.dataset.tables.sensor_tables import SERIES, sensor_table
 from symolo.dataset.tables.side_tables import SideTable
@@ -28,34 +29,34 @@ Reading = NDArray[np.float64] | NDArray[np.int64]
 
 
 class Hits(Protocol):
-    """Result of a ray cast; the first thing each ray meets, the robot itself left out."""
+    """Result of a ray cast: the first surface that each ray meets; rays pass through the robot."""
 
     @property
     def fraction(self) -> Array:
-        """(N,), of the way from origin to end; 1 where nothing was met."""
+        """(N,), fraction of the distance from origin to end; 1 without a hit."""
         ...
 
     @property
     def surface(self) -> NDArray[np.int64]:
-        """(N,), -1 nothing, 0 the floor, 1 + i for box i of the arena."""
+        """(N,), -1 for no hit, 0 for the floor, 1 + i for box i of the arena."""
         ...
 
     @property
     def normal(self) -> Array:
-        """(N, 3), unit normal of what was met, in W; zero where nothing was."""
+        """(N, 3), unit normal of the surface in W; zero without a hit."""
         ...
 
 
 class World(Protocol):
-    """What a sensor may look at."""
+    """The part of the world that a sensor may read."""
 
     @property
     def time_s(self) -> float:
-        """Since the start of the run, which is also when everything was switched on."""
+        """Time since the start of the run, which is also when everything was switched on."""
         ...
 
-    def pose(self) -> tuple[float, float, float]:
-        """X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
+    def pose(self) -> PlanarPose:
+        """Return X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
         ...
 
     def cast(self, origins: Array, ends: Array) -> Hits:
@@ -63,7 +64,7 @@ class World(Protocol):
         ...
 
     def encoder_counts(self) -> tuple[int, int]:
-        """Right and left."""
+        """Return the counts of both encoders, right and left, since the start."""
         ...
 
 
@@ -79,7 +80,7 @@ class Sampling:
         return cls(max(1, round(period_s * physics_hz)), round(delay_s * physics_hz))
 
     def step_read_at(self, step: int) -> int:
-        """Physics step of the newest sample that has been delivered at `step`; the first sample until then."""
+        """Return the physics step of the newest sample that is delivered by `step`; until then, of the first sample."""
         return max(0, (step - self.delay_steps) // self.period_steps * self.period_steps)
 
 
@@ -92,14 +93,14 @@ class Sensor(ABC):
     """
 
     name: ClassVar[str]
-    """Name of the class in lower case with underscores, `RearBumper` is `rear_bumper`, unless a class says otherwise.
+    """Name of the class in lower case with underscores, `RearBumper` is `rear_bumper`, unless a class sets another.
     It is also the last part of the path of the random stream."""
     Settings: ClassVar[type[Section]] = Section
     """Settings in the description of the robot."""
     columns: ClassVar[tuple[Column, ...]] = ()
     """Columns of a dataset that hold a reading."""
     series: ClassVar[tuple[Series, ...]]
-    """Series of a recording that hold a reading; a single one with all columns unless a class says otherwise."""
+    """Series of a recording that hold a reading; a single one with all columns unless a class sets others."""
     sampling: Sampling
 
     def __init_subclass__(cls, **kwargs: object) -> None:
@@ -117,7 +118,7 @@ class Sensor(ABC):
 
         Args:
             settings: The settings with their values in this run.
-            arena: What the robot drives in.
+            arena: The arena in which the robot drives.
             physics_hz: Number of physics steps per second.
             rng: Random stream of this sensor alone.
         """
@@ -140,10 +141,10 @@ class Sensor(ABC):
 
     @abstractmethod
     def sample(self, world: World) -> Reading:
-        """Return one reading of the world as it stands now."""
+        """Return one reading of the world as it is now."""
 
     def recorded(self, reading: Reading) -> tuple[Reading, ...]:
-        """Return what of a reading goes into each series.
+        """Return the part of a reading that goes into each series.
 
         Raises:
             InputError: The reading is not one finite number for each column.
@@ -156,5 +157,5 @@ class Sensor(ABC):
 
 
 def quantise(value: Array, step: float) -> Array:
-    """Round to whole steps; a step of 0 leaves the value as it is."""
+    """Return the value rounded to whole steps; a step of 0 does not change it."""
     return np.rint(value / step) * step if step > 0 else value

@@ -7,7 +7,7 @@ import numpy as np
 from configs.robot_sensors import RobotSensors
 from configs.schema.robot import RobotConfig
 from sensors.base import Sensor
-from sensors.registry import SENSORS, sensor_classes
+from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError, nearest
 from symolo.dataset.tables.side_tables import SideTable
@@ -22,7 +22,7 @@ def fit_out(
         InputError: The class of a sensor of `robot.sensors` is not loaded.
     """
     sensor_tables(robot.sensors)
-    built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in sensor_classes()}
+    built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in SENSORS.classes()}
     return {name: sensor for name, sensor in built.items() if sensor is not None}
 
 
@@ -32,7 +32,7 @@ def sensor_tables(sensors: RobotSensors) -> tuple[SideTable, ...]:
     Raises:
         InputError: The class of one is not loaded.
     """
-    known = {kind.name: table for kind in sensor_classes() if (table := kind.table())}
+    known = {kind.name: table for kind in SENSORS.classes() if (table := kind.table())}
     for name in sensors.names:
         if name not in known:
             cure = f"name its file in the environment variable {SENSORS.variable}"

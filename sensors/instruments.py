@@ -1,6 +1,6 @@
-"""What current sensor and tachometer of the motors say, from what is true; without effects the same to the bit.
+"""Readings of the motors' current sensor and tachometer; without effects they are the true values to the bit.
 
-The numbers of many robots may be stacked, to be broadcast against the readings (`physics.robot.stack`).
+The numbers of many robots may be stacked and are then broadcast against the readings (`physics.robot.stack`).
 """
 
 import numpy as np
@@ -12,19 +12,19 @@ from symolo.core.arrays import Array
 
 
 def read_current_A(effects: RobotEffects, current_A: Array) -> Array:
-    """Of the same shape."""
+    """Return the readings of currents, of the same shape."""
     return through(effects.functions(Slot.CURRENT_READING), current_A)
 
 
 def read_settled_speed_rad_s(effects: RobotEffects, speed_rad_s: Array) -> Array:
-    """Of a speed that has stayed long enough for lag and delay not to matter; of the same shape."""
+    """Return the readings of speeds that are constant for long, so that lag and delay do not matter; same shape."""
     return through(effects.functions(Slot.SPEED_READING), speed_rad_s)
 
 
 def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array) -> Array:
-    """Readings (N, ...) at the times (N,) of the true speeds, which go on straight lines between them.
+    """Return the readings (N, ...) at the times (N,) of the true speeds, which are linear between these times.
 
-    Wheels stand still up to time 0. A log may begin later, as that of the motor bench does by one row.
+    Wheels are at rest up to time 0. A log may begin later: that of the motor bench begins one row later.
     """
     if t_s[0] > 0.0:
         at_rest = np.zeros_like(speed_rad_s[:1])
@@ -40,9 +40,9 @@ def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array) -> A
 
 
 def _earlier(reading: Array, t_s: Array, delay_s: float | Array) -> Array:
-    """Readings (N, ...) so much earlier than the times (N,), on lines between them and never before the first."""
-    wanted_s = np.maximum(t_s.reshape(-1, *(1,) * (reading.ndim - 1)) - delay_s, t_s[0])
-    after = np.clip(np.searchsorted(t_s, wanted_s), 1, len(t_s) - 1)
-    after, share = np.broadcast_arrays(after, (wanted_s - t_s[after - 1]) / (t_s[after] - t_s[after - 1]))
+    """Return the readings (N, ...) `delay_s` before the times (N,), linear between them and never before the first."""
+    read_at_s = np.maximum(t_s.reshape(-1, *(1,) * (reading.ndim - 1)) - delay_s, t_s[0])
+    after = np.clip(np.searchsorted(t_s, read_at_s), 1, len(t_s) - 1)
+    after, share = np.broadcast_arrays(after, (read_at_s - t_s[after - 1]) / (t_s[after] - t_s[after - 1]))
     before, later = (np.take_along_axis(reading, index, axis=0) for index in (after - 1, after))
     return before + share * (later - before)

@@ -1,4 +1,4 @@
-"""QTR-8A reflectance row: eight channels that see the floor through a blurred spot."""
+"""QTR-8A reflectance row: eight channels, each of which measures the floor over a blurred spot."""
 
 from math import cos, sin
 
@@ -36,7 +36,7 @@ class LineSensorModel(Sensor):
         return cls(robot.line_sensor, arena, physics_hz, rng)
 
     def sample(self, world: World) -> Array:
-        """Readings (8,) after gain, offset, noise and the ADC."""
+        """Return the readings (8,) after gain, offset, noise and the ADC."""
         x, y, yaw = world.pose()
         c, s = cos(yaw), sin(yaw)
         points = self._channels_R @ np.array([[c, s], [-s, c], [x, y]])
@@ -54,14 +54,14 @@ class LineSensorModel(Sensor):
 
 
 def channel_weights(channels: int) -> Array:
-    """Positions in units of the pitch, (channels,), from the robot's right to its left: -3.5 ... +3.5 for eight."""
+    """Return the positions (channels,) in units of the pitch, from right to left: -3.5 to 3.5 for eight channels."""
     return np.arange(channels) - 0.5 * (channels - 1)
 
 
 def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
-    """Share of a Gaussian spot that falls on the tape, (N,), for spots centred on the floor points (N, 2).
+    """Return the share (N,) of a Gaussian spot that falls on the tape, for spots centred on the floor points (N, 2).
 
-    Exact on straight pieces; on an arc the edge is taken as straight across the spot, which is true to
+    It is exact on straight pieces. On an arc the edge is assumed straight across the spot, with a relative error of
     spot / radius (about 1 % at 25 cm). Pieces that touch end to end add up to an unbroken tape.
     """
     from scipy.special import ndtr  # noqa: PLC0415 - the settings of this sensor are read without scipy
@@ -72,7 +72,8 @@ def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
     half = 0.5 * line.width_m
     xs, ys = points.T.tolist()
     x, y = min(xs), min(ys)
-    # From one corner of all points, and beyond eight standard deviations a double holds nothing of the spot.
+    # No point is farther than this from the corner (x, y) of all points; beyond eight standard deviations the share
+    # of the spot is 0 in double precision. Pieces farther from the corner are skipped, which saves most of the time.
     reach = max(xs) - x + max(ys) - y + half + 8.0 * spot_sd_m
     for piece in line.pieces:
         if piece.at_min_away_m(x, y) > reach:

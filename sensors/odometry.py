@@ -1,4 +1,4 @@
-"""Wheel odometry: the pose that the robot believes, from its encoder counts alone."""
+"""Wheel odometry: the pose that the robot estimates from its encoder counts alone."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
-
-Pose = tuple[float, float, float]
+from symolo.core.geometry.poses import PlanarPose
 
 
 @dataclass(frozen=True)
@@ -22,8 +21,8 @@ class Odometry:
         circumference = np.pi * robot.drive.wheel_diameter_m
         return cls(circumference / robot.encoder.counts_per_revolution, robot.drive.track_m)
 
-    def step(self, pose: Pose, counts: NDArray[np.int64]) -> Pose:
-        """The pose x [m], y [m], yaw [rad] after `counts` (2,), right and left, more."""
+    def step(self, pose: PlanarPose, counts: NDArray[np.int64]) -> PlanarPose:
+        """Return the pose x [m], y [m], yaw [rad] after the increments `counts` (2,) of right and left encoder."""
         right_m, left_m = float(counts[0]) * self.metres_per_count, float(counts[1]) * self.metres_per_count
         x, y, yaw = pose
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / self.track_m

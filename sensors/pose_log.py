@@ -1,4 +1,4 @@
-"""The pose that an external camera logs; a series of a run only where the robot has an effect for it."""
+"""The pose that an external camera logs; a run has this series only if an effect of the robot acts on it."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from symolo.dataset.tables.column import Series
 
 
 class PoseLog(Sensor):
-    """x [m], y [m], yaw [rad] of the tracked point, (3,), as old as the log is late, to a physics step."""
+    """Pose (3,) of the tracked point, x [m], y [m], yaw [rad], late by the delay of the log in whole physics steps."""
 
     name = "pose_log"
     series = (Series("pose_log", "m, m, rad"),)

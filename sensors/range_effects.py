@@ -1,4 +1,4 @@
-"""What a robot's effects do to a range reading, its noise and its limit: in the simulation, and to what is expected."""
+"""Effects of a robot on a range reading, its noise and its limit, for simulated readings and for expected ones."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ Functions = tuple[Callable[..., Any], ...]
 
 @dataclass(frozen=True)
 class RangeEffects:
-    """In the order in which they act; numbers of many robots may be stacked, to be broadcast against the readings."""
+    """Functions in the order in which they act; numbers of many robots may be stacked and are broadcast."""
 
     reading: Functions
     noise: Functions
@@ -33,20 +33,24 @@ class RangeEffects:
         return cls(*(effects.functions(slot) for slot in slots))
 
     @property
-    def look(self) -> bool:
-        """Whether any of them needs a view."""
+    def need_view(self) -> bool:
+        """Whether any of the functions needs a `RangeView`."""
         return bool(self.reading or self.noise)
 
     def seen(self, reading_m: Array, sd_m: Array, view: RangeView) -> tuple[Array, Array]:
-        """Reading without noise [m] and standard deviation of the noise [m]."""
+        """Return the reading without noise [m] and the standard deviation of its noise [m]."""
         return through(self.reading, reading_m, view), through(self.noise, sd_m, view)
 
     def limited(self, reading_m: Array) -> Array:
-        """A reading with its noise, rounded."""
+        """Return the reading [m], which has its noise and is rounded, after the limits."""
         return through(self.limit, reading_m)
 
     def expected(self, reading_m: Array, sd_m: Array, view: RangeView, resolution_m: float) -> tuple[Array, Array]:
-        """Mean and standard deviation [m] of readings that are rounded to a resolution, which adds its square / 12."""
+        """Return mean and standard deviation [m] of readings that are rounded to a resolution.
+
+        Rounding adds the variance resolution^2 / 12 of a uniform error. A limit is not linear, so that mean and
+        variance behind it are integrals over the Gaussian noise, computed by Gauss-Hermite quadrature.
+        """
         mean, sd = self.seen(reading_m, sd_m, view)
         if self.limit:
             drawn = [self.limited(mean + node * sd) for node in NODES]

@@ -1,4 +1,4 @@
-"""What a range reading may depend on beside the distance."""
+"""The quantities that a range reading may depend on."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from symolo.core.arrays import Array
 
 RANGE_SENSORS = np.array(["front", "left", "right"])
-"""In the order of every array of ranges."""
+"""Names of the sensors in the order of every array of ranges."""
 
 
 @dataclass(frozen=True)
@@ -17,12 +17,12 @@ class RangeView:
 
     distance_m: Array
     incidence_rad: Array
-    """Between the sensor's axis and the normal of what it sees."""
+    """Angle between the sensor's axis and the normal of the surface."""
     reflectance: Array
     material_share: Mapping[str, Array]
-    """By name of the material, the share of the returned light that comes from it."""
+    """Share of the returned light that comes from each material, by its name."""
     temperature_C: float | Array
     reference_temperature_C: float
     ambient_lux: float | Array
     time_s: float | Array
-    """Since power-on."""
+    """Time since power-on."""

@@ -1,7 +1,6 @@
-"""Which sensors there are: those of the project, and those of files that a user loads."""
+"""The table of all sensors: those of the project, and those of files that a user loads."""
 
 import re
-from pathlib import Path
 
 from configs.families import Family
 from configs.robot_sensors import SensorSettings
@@ -10,31 +9,9 @@ from symolo.core.errors import InputError
 from symolo.dataset.tables.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
 
 
-def sensor_classes() -> tuple[type[Sensor], ...]:
-    """Return all sensors in the order of their table; those of loaded files come last."""
-    return SENSORS.classes()
-
-
 def settings_by_name() -> tuple[tuple[str, type[SensorSettings]], ...]:
-    """Return name and settings of each sensor that may stand in `robot.sensors`."""
-    return tuple((s.name, s.Settings) for s in sensor_classes() if issubclass(s.Settings, SensorSettings))
-
-
-def load_sensor_file(path: str | Path) -> type[Sensor]:
-    """Add the sensor of a Python file, which from now on is a key of `robot.sensors`.
-
-    Args:
-        path: File with one class that derives from `Sensor`. A file that is loaded already changes nothing.
-
-    Raises:
-        InputError: There is no such file, it cannot be executed, or its sensor is not complete.
-    """
-    return SENSORS.load(path)
-
-
-def unload_sensor_file(path: str | Path) -> None:
-    """Forget the sensor of a file that was loaded."""
-    SENSORS.unload(path)
+    """Return name and settings of each sensor that `robot.sensors` may contain."""
+    return tuple((s.name, s.Settings) for s in SENSORS.classes() if issubclass(s.Settings, SensorSettings))
 
 
 def _check(sensor: type[Sensor], where: str) -> None:
@@ -58,3 +35,4 @@ def _check(sensor: type[Sensor], where: str) -> None:
 
 
 SENSORS: Family[Sensor] = Family("sensor", Sensor, "SENSORS", ("sensors",), _check)
+"""All sensors in the order of their table; those of loaded files, which `robot.sensors` may contain, come last."""

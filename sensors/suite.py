@@ -17,18 +17,18 @@ class SteppedWorld(World, Protocol):
 
 
 class SensorSuite:
-    """Runs the world to each control tick and hands over what every sensor has delivered by then."""
+    """Runs the world to each control tick and returns the readings that every sensor has delivered by then."""
 
     def __init__(self, sensors: Mapping[str, Sensor], tick_steps: int) -> None:
         self._sensors = dict(sensors)
         self._tick_steps = tick_steps
         self._next_tick = dict.fromkeys(self._sensors, 0)
         self._next_step = dict.fromkeys(self._sensors, 0)
-        """Of the sample that the next tick reads, by sensor; the first samples are at the start."""
+        """Physics step of the sample that the next tick reads, by sensor; the first samples are at the start."""
         self._samples: dict[str, dict[int, Reading]] = {name: {} for name in self._sensors}
 
     def recorded(self, readings: Mapping[str, Reading]) -> Iterator[tuple[Series, Reading]]:
-        """Yield each series of a recording with what belongs into its next row.
+        """Yield each series of a recording with its next row.
 
         Args:
             readings: The result of `read_at_tick`.
@@ -39,7 +39,7 @@ class SensorSuite:
     def read_at_tick(self, world: SteppedWorld, tick: int) -> dict[str, Reading]:
         """Advance `world` to control tick `tick` and return the delivered reading of each sensor by name.
 
-        Ticks are asked for in order, each once.
+        The ticks come in order, each once.
         """
         target = tick * self._tick_steps
         while self._next_step[first := min(self._next_step, key=self._next_step.__getitem__)] <= target:
@@ -56,8 +56,8 @@ class SensorSuite:
             self._next_step[name] = sensor.sampling.step_read_at(self._next_tick[name] * self._tick_steps)
 
     def _deliver(self, name: str, step: int) -> Reading:
-        wanted = self._sensors[name].sampling.step_read_at(step)
+        delivered = self._sensors[name].sampling.step_read_at(step)
         samples = self._samples[name]
-        for old in [s for s in samples if s < wanted]:
+        for old in [s for s in samples if s < delivered]:
             del samples[old]
-        return samples[wanted]
+        return samples[delivered]

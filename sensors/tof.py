@@ -27,11 +27,9 @@ from symolo.dataset.tables.side_tables import RANGE_STATUS
 NO_EFFECTS = RobotEffects()
 
 NOISE_AT_NEAR_MM = 1.41
-"""Eq. 23 up to 0.18 m."""
-
-
+"""Standard deviation of Eq. 23 up to 0.18 m."""
 VALID, NO_TARGET, HELD = map(float, TofStatus)
-"""As they stand in a reading; numpy takes ten times as long with an enum's members."""
+"""Status as a number in a reading; with an enum's members numpy takes ten times as long."""
 
 
 class TofArray(Sensor):
@@ -86,7 +84,7 @@ class TofArray(Sensor):
         return reading[:, 0], reading[:, 1].astype(np.int64)
 
     def sample(self, world: World) -> Array:
-        """Range [m] and `TofStatus`, (3, 2)."""
+        """Return range [m] and `TofStatus` of each sensor, (3, 2)."""
         config = self._config
         distance, cosine, surface, normal = self._cast(world)
         weight = self._profile * cosine
@@ -97,7 +95,7 @@ class TofArray(Sensor):
         offset, surface_sd = (share * self._offset_and_sd_m.take(surface, axis=1)).sum(axis=2)
         sd = noise_sd_m(surface_sd, true_range) * config.noise_scale
         reading = true_range + offset + config.error_scale * log_error_m(true_range)
-        if self._effects.look:
+        if self._effects.need_view:
             reading, sd = self._effects.seen(reading, sd, self._view(world, true_range, share, surface, normal))
         noise = sd * self._rng.standard_normal(3)
         reading = self._effects.limited(quantise(reading + noise, config.quantisation_m))
@@ -109,7 +107,7 @@ class TofArray(Sensor):
         return np.array(self._last)
 
     def _judged(self, signal: float, reading_m: float) -> tuple[float, float]:
-        """Range [m] and status of one sensor; three are too few for numpy to gain anything."""
+        """Return range [m] and status of one sensor; for three sensors numpy is not faster."""
         config = self._config
         if signal >= config.signal_threshold and config.min_range_m <= reading_m <= config.max_range_m:
             return reading_m, VALID
@@ -118,7 +116,7 @@ class TofArray(Sensor):
     def _view(
         self, world: World, distance_m: Array, share: Array, surface: NDArray[np.int64], normal: Array
     ) -> RangeView:
-        """For the effects; material, reflectance and normal are means over the light that returns."""
+        """Return the view for the effects; material, reflectance and normal are means over the returned light."""
         _, _, yaw = world.pose()
         c, s = np.cos(yaw), np.sin(yaw)
         axes = self._axes_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -139,15 +137,15 @@ class TofArray(Sensor):
         )
 
     def _cast(self, world: World) -> tuple[Array, Array, NDArray[np.int64], Array]:
-        """Slant distance [m], cosine of incidence and surface index, (3, rays) each, and normal, (3, rays, 3).
+        """Return slant distance [m], cosine of incidence and surface index, (3, rays) each, and normal, (3, rays, 3).
 
-        A ray that meets nothing has no normal, so its cosine is 0 and whatever surface stands for it weighs nothing.
+        A ray without a hit has a normal of 0 and so a cosine and a weight of 0, whatever its surface index.
         """
         x, y, yaw = world.pose()
         c, s = cos(yaw), sin(yaw)
         rays = self._rays_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0], [x, y, 0.0]])
         origins, directions = rays[: len(rays) // 2], rays[len(rays) // 2 :]
-        # Beyond the longest valid range nothing can change the reading but by its absence.
+        # A surface beyond the longest valid range changes the reading only by the light that it does not return.
         reach = 1.25 * self._config.max_range_m
         hits = world.cast(origins, origins + reach * directions)
         shape = (3, self._config.rays)
@@ -162,14 +160,17 @@ class TofArray(Sensor):
 
 
 def ray_pattern(rays: int, field_of_view_rad: float) -> tuple[Array, Array]:
-    """Angle off the axis and around it [rad], (rays,) each: a sunflower spiral, even over the cone's solid angle."""
+    """Return each ray's angle off the axis and around it [rad], (rays,) each.
+
+    The rays are a sunflower spiral, whose points are even over the cone's solid angle.
+    """
     index = np.arange(rays) + 0.5
     golden_angle = np.pi * (3.0 - np.sqrt(5.0))
     return 0.5 * field_of_view_rad * np.sqrt(index / rays), golden_angle * index
 
 
 def ray_directions(mount: TofMount, angle: Array, roll: Array, extra_yaw_rad: float = 0.0) -> Array:
-    """Unit directions in R, (rays, 3), of a cone whose axis is turned by the mount's yaw and pitch."""
+    """Return the unit directions (rays, 3) in R of a cone whose axis is turned by the mount's yaw and pitch."""
     x, y, z = np.cos(angle), np.sin(angle) * np.cos(roll), np.sin(angle) * np.sin(roll)
     pitch, yaw = np.radians(mount.pitch_up_deg), np.radians(mount.yaw_deg) + extra_yaw_rad
     x, z = x * np.cos(pitch) - z * np.sin(pitch), x * np.sin(pitch) + z * np.cos(pitch)
@@ -181,9 +182,9 @@ def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
 
     At short range it is that of the surface; farther away, the growth of Eq. 23 is added.
 
-    Tables 3 and 4 give each surface another deviation at 100 mm than Eq. 23's 1.41 mm. Both hold when variances add:
-    a surface of 1.41 mm follows Eq. 23 to the letter, and every other one comes to it as the distance grows. The
-    polynomial is taken in d = x - 0.18 m, where it is continuous.
+    Tables 3 and 4 list a deviation at 100 mm for each surface, which differs from the 1.41 mm of Eq. 23. Both hold if
+    variances add: a surface of 1.41 mm follows Eq. 23 exactly, and every other one approaches it as the distance grows.
+    The variable of the polynomial is d = x - 0.18 m, with which it is continuous at 0.18 m.
     """
     d = np.maximum(range_m - NEAR_LIMIT_M, 0.0)
     eq_23_mm = np.maximum(((1.15 * d + 2.51) * d + 4.88) * d + 1.40, NOISE_AT_NEAR_MM)
@@ -191,9 +192,9 @@ def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
 
 
 def log_error_m(range_m: Array) -> Array:
-    """Eq. 24 as 59.77 mm ln(x / 0.18 m) from 0.18 m on, 0 below.
+    """Return the error of Eq. 24 [m]: 59.77 mm ln(x / 0.18 m) from 0.18 m on, 0 below.
 
-    The printed 59.77 ln(x) - 116.86 has its zero at x = 7.065, which is 0.18 m in inches; in metres it would be
-    219 mm off at 0.18 m and is not used.
+    The printed 59.77 ln(x) - 116.86 is 0 at x = 7.065, which is 0.18 m in inches. With x in metres it would be 219 mm
+    off at 0.18 m, so it is not used.
     """
     return 0.05977 * log_beyond_near(range_m)

@@ -107,6 +107,7 @@ def pytest_deselected(items: list[pytest.Item]) -> None:
             item.config.workeroutput.setdefault("deselected", []).append(item.nodeid)
 
 
+@pytest.hookimpl(optionalhook=True)  # without pytest-xdist (`-p no:xdist`) there is no such hook
 def pytest_testnodedown(node: WorkerController) -> None:
     """Report what the workers have deselected, once, since each of them collects all tests."""
     reporter = node.config.pluginmanager.get_plugin("terminalreporter")

@@ -22,7 +22,7 @@ class Host:
     number: int
     holder: subprocess.Popen[bytes]
     pid: int
-    """Of the first process within."""
+    """Process id of the first process within the namespaces."""
 
     @property
     def address(self) -> str:
@@ -76,7 +76,7 @@ class Network:
 
 
 def refuse_where_there_are_none() -> None:
-    """End with a line where hosts cannot be made."""
+    """Exit with a message where hosts cannot be created."""
     missing = [name for name in ("ip", "nsenter", "setpriv", "unshare") if shutil.which(name) is None]
     if missing:
         sys.exit(f"{', '.join(missing)}: not found; apt-get install -y iproute2 util-linux")
@@ -87,7 +87,7 @@ def refuse_where_there_are_none() -> None:
 
 
 def _holder(program: str, *namespaces: str) -> subprocess.Popen[bytes]:
-    """A process in namespaces of its own, once it is ready."""
+    """Return a process in separate namespaces, once it is ready."""
     with_us = ["setpriv", "--pdeathsig", "KILL"]
     inside = [*with_us, "unshare", *namespaces, "sh", "-c", program]
     holder = subprocess.Popen(inside, stderr=subprocess.DEVNULL)

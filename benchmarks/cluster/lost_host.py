@@ -2,9 +2,9 @@
 
 python benchmarks/cluster/lost_host.py [--out FOLDER] [--lose kill|cable|blink|nothing] [--blink 20] [--seconds 21]
 
-One host asks for the release, one is the head of the cluster, two render with one core each. `kill` kills all
+One host requests the release, one is the head of the cluster, two render with one core each. `kill` kills all
 processes of one of these two; `cable` pulls its cable for good, as a power cut would, and `blink` for some seconds.
-Each release is held against the one made by one process here. Wants root, and Ray (`pip install "symolo[cluster]"`);
+Each release is compared with one of a single process here. Needs root, and Ray (`pip install "symolo[cluster]"`);
 all hosts share this machine's folders.
 """
 
@@ -40,7 +40,7 @@ def frames(out: Path) -> int:
 
 
 def rendered_again(out: Path) -> int:
-    """Frames that were put in place more than once, as the journals tell."""
+    """Frames that were put in place more than once, by the journals."""
     journals = (out / ".stages/render").rglob("*.jsonl")
     lines = [(path.parent, line) for path in journals for line in path.read_text().splitlines()]
     put = Counter((folder, json.loads(line)["frame"]["file"]) for folder, line in lines)
@@ -53,13 +53,13 @@ def manifest(out: Path) -> str:
 
 def start_ray(host: Host, *arguments: str, cores: int) -> None:
     ray = str(Path(sys.executable).with_name("ray"))
-    own = [f"--node-ip-address={host.address}", f"--num-cpus={cores}", "--disable-usage-stats"]
-    host.run(ray, "start", *arguments, *own, "--object-store-memory=100000000")
+    options = [f"--node-ip-address={host.address}", f"--num-cpus={cores}", "--disable-usage-stats"]
+    host.run(ray, "start", *arguments, *options, "--object-store-memory=100000000")
 
 
-def tell(started: subprocess.Popen[str], begin: float) -> None:
-    """Say what the command says, and when."""
-    assert started.stdout is not None  # noqa: S101 - it was asked for
+def print_output(started: subprocess.Popen[str], begin: float) -> None:
+    """Print each line of the command with its time."""
+    assert started.stdout is not None  # noqa: S101 - a pipe was requested
     for line in started.stdout:
         print(f"    {time.monotonic() - begin:5.1f} s  {line.strip()[:150]}", flush=True)
 
@@ -74,9 +74,9 @@ def with_loss(out: Path, how: str, seconds: float, blink_s: float) -> None:
             start_ray(worker, f"--address={address}", cores=1)
         start_ray(asking, f"--address={address}", cores=0)
         begin = time.monotonic()
-        asked = asking.command(*release(out, seconds, "--executor", "ray", "--address", address))
-        started = subprocess.Popen(asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        threading.Thread(target=tell, args=(started, begin), daemon=True).start()
+        command = asking.command(*release(out, seconds, "--executor", "ray", "--address", address))
+        started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        threading.Thread(target=print_output, args=(started, begin), daemon=True).start()
         while started.poll() is None and frames(out) < LOST_AFTER:
             time.sleep(0.1)
         lost_s, there = time.monotonic() - begin, frames(out)
@@ -97,20 +97,20 @@ def with_loss(out: Path, how: str, seconds: float, blink_s: float) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, help="an empty or new folder that is kept")
+    parser.add_argument("--out", type=Path, help="an empty or new folder, which stays")
     parser.add_argument("--lose", choices=["kill", "cable", "blink", "nothing"], action="append")
     parser.add_argument("--blink", type=float, default=20.0)
     parser.add_argument("--seconds", type=float, default=21.0, help="of each of the two drives")
-    asked = parser.parse_args()
+    arguments = parser.parse_args()
     refuse_where_there_are_none()
     with tempfile.TemporaryDirectory() as scratch:
-        folder = asked.out or Path(scratch)
+        folder = arguments.out or Path(scratch)
         alone = folder / "alone"
         if not (alone / "manifest-sha256.txt").exists():
-            subprocess.run(release(alone, asked.seconds, "--workers", "1"), check=True, stdout=subprocess.DEVNULL)
-        for how in asked.lose or ["kill", "cable", "blink"]:
+            subprocess.run(release(alone, arguments.seconds, "--workers", "1"), check=True, stdout=subprocess.DEVNULL)
+        for how in arguments.lose or ["kill", "cable", "blink"]:
             out = folder / how
-            with_loss(out, how, asked.seconds, asked.blink)
+            with_loss(out, how, arguments.seconds, arguments.blink)
             same = "the same bytes" if manifest(out) == manifest(alone) else "OTHER BYTES"
             print(f"{how}: {frames(out)} frames, {rendered_again(out)} twice; {same} as of one process")
 

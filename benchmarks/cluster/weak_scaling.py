@@ -1,4 +1,4 @@
-"""How much of a second worker is lost, with Cycles on one thread.
+"""Loss of efficiency by a second worker, with Cycles on one thread.
 
 python benchmarks/cluster/weak_scaling.py [--workers 2] [--images 25] [--repetitions 5] [--width 640]
 
@@ -25,7 +25,7 @@ class Silent(LineReport):
 
 
 def rendered_s(settings: list[str], out: Path, simulated: Path, workers: int, report: Report) -> float:
-    """All runs, whose trajectories are there [s]."""
+    """Return the time of rendering all runs [s], whose trajectories exist."""
     shutil.rmtree(out, ignore_errors=True)
     shutil.copytree(simulated, out)
     batch = Batch.open("smoke", settings, out, OneCore(workers), report)
@@ -41,21 +41,26 @@ def main() -> None:
     parser.add_argument("--images", type=int, default=25)
     parser.add_argument("--repetitions", type=int, default=5)
     parser.add_argument("--width", type=int, default=640)
-    asked = parser.parse_args()
-    size = [f"render.width_px={asked.width}", f"render.height_px={asked.width * 3 // 4}", "render.quality=draft"]
-    settings = [*size, f"stop.time_limit_s={(asked.images - 0.5) / 5}"]
-    settings += [f"routes=[{{name: CW, start: {{x_m: 0.55, y_m: -0.20, yaw_deg: -90}}, runs: {asked.workers}}}]"]
+    options = parser.parse_args()
+    size = [
+        f"render.width_px={options.width}",
+        f"render.height_px={options.width * 3 // 4}",
+        "render.quality=draft",
+    ]
+    settings = [*size, f"stop.time_limit_s={(options.images - 0.5) / 5}"]
+    settings += [f"routes=[{{name: CW, start: {{x_m: 0.55, y_m: -0.20, yaw_deg: -90}}, runs: {options.workers}}}]"]
     report = Silent()
     with tempfile.TemporaryDirectory() as scratch:
         simulated, out = Path(scratch) / "simulated", Path(scratch) / "out"
         assert not Batch.open("smoke", settings, simulated, OneCore(1), report).simulate(report)  # noqa: S101
-        taken: dict[int, list[float]] = {1: [], asked.workers: []}
-        for _ in range(asked.repetitions):
+        taken: dict[int, list[float]] = {1: [], options.workers: []}
+        for _ in range(options.repetitions):
             for workers, times in taken.items():
                 times.append(rendered_s(settings, out, simulated, workers, report))
     one_s, all_s = (statistics.median(times) for times in taken.values())
-    told = f"{asked.workers} runs of {asked.images} images: {one_s:.2f} s by 1 worker, {all_s:.2f} s by {asked.workers}"
-    print(f"{told}; efficiency {one_s / all_s / asked.workers:.3f} (medians of {asked.repetitions}, in turn)")
+    efficiency = one_s / all_s / options.workers
+    print(f"{options.workers} runs of {options.images} images, medians of {options.repetitions} in turn:")
+    print(f"{one_s:.2f} s by 1 worker, {all_s:.2f} s by {options.workers}; efficiency {efficiency:.3f}")
 
 
 if __name__ == "__main__":

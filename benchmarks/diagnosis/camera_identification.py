@@ -1,6 +1,6 @@
-"""Is what was hidden in rendered images found again?
+"""Does the camera identification name the deviations that are hidden in rendered images?
 
-python benchmarks/diagnosis/images.py RUN FOLDER [--workers 2]
+python benchmarks/diagnosis/camera_identification.py RUN FOLDER [--workers 2]
 
 RUN is a run of a dataset with its images, such as smoke/CW/test_1. Renders it again with other stains and other
 noise, once as it is and then with one thing changed each time, into FOLDER, and diagnoses each against RUN.
@@ -35,11 +35,11 @@ TRUE = {
     "focal length x 0.97": {"focal_length_scale"},
 }
 OTHER_SEED = 7
-"""Of stains and noise."""
+"""Seed of stains and noise."""
 
 
 def rendered(run: Path, name: str, folder: Path, quality: str, workers: int) -> Path:
-    """The run's images with something changed."""
+    """Return the folder of the run's images, rendered with the deviations of a case."""
     out = folder / name.replace(" ", "_")
     spec = json.loads((run / "side" / "spec.json").read_text())
     for path, added in HIDDEN[name].items():
@@ -50,11 +50,11 @@ def rendered(run: Path, name: str, folder: Path, quality: str, workers: int) -> 
     for section in ("robot", "look"):
         files[section] = folder / f"{out.name}_{section}.yaml"
         files[section].write_text(json.dumps(spec[section]))
-    given = ["rerender", str(run), "--look", str(files["look"]), "--robot", str(files["robot"]), "--out", str(out)]
-    given += ["--seed", str(OTHER_SEED), "--workers", str(workers)]
-    given += ["--set", f"render.quality={quality}"]
+    options = ["rerender", str(run), "--look", str(files["look"]), "--robot", str(files["robot"]), "--out", str(out)]
+    options += ["--seed", str(OTHER_SEED), "--workers", str(workers)]
+    options += ["--set", f"render.quality={quality}"]
     command = "import sys; from pipeline.cli import main; sys.exit(main(sys.argv[1:]))"
-    subprocess.run([sys.executable, "-c", command, *given], check=True)
+    subprocess.run([sys.executable, "-c", command, *options], check=True)
     return out
 
 
@@ -64,18 +64,18 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--quality", default="standard", help="of the renderings; draft for a quick look")
     parser.add_argument("--workers", type=int, default=2)
-    asked = parser.parse_args()
+    arguments = parser.parse_args()
     for name, expected in TRUE.items():
-        out = rendered(asked.run, name, asked.folder, asked.quality, asked.workers)
-        answer = diagnose_camera(read_camera_case(out, asked.run, PoseErrors())).answer()
-        found = {effect["name"] for effect in answer["effects"]}
-        told = ", ".join(
+        out = rendered(arguments.run, name, arguments.folder, arguments.quality, arguments.workers)
+        answer = diagnose_camera(read_camera_case(out, arguments.run, PoseErrors())).answer()
+        names = {effect["name"] for effect in answer["effects"]}
+        effects = ", ".join(
             f"{e['name']} {e['value']:.4g} +- {e['std']:.2g} {e['ambiguous_with']}" for e in answer["effects"]
         )
-        verdict = "right" if found == expected else "WRONG"
+        verdict = "right" if names == expected else "WRONG"
         held = ", ".join(f"{k} {v['before']:.3g} to {v['after']:.3g}" for k, v in answer["heldout"].items())
         print(
-            f"{name:20} {verdict:6} {told or 'nothing'} | held out: {held} | {answer.get('unexplained_where', '')}",
+            f"{name:20} {verdict:6} {effects or 'nothing'} | held out: {held} | {answer.get('unexplained_where', '')}",
             flush=True,
         )
 

@@ -1,4 +1,4 @@
-"""CPU seconds that a diagnosis takes, side by side with another checkout, and whether both find the same.
+"""CPU seconds of a diagnosis, beside another checkout, and whether both give the same answer.
 
 The checkouts take turns at every case, each in a process of its own on one thread, so that a slow spell of the machine
 meets both. The time is from the file's rows to the answer, without what it takes to start.
@@ -39,7 +39,7 @@ class Run:
     answer: dict
 
     @property
-    def found(self) -> list[tuple[str, frozenset[str]]]:
+    def effects(self) -> list[tuple[str, frozenset[str]]]:
         """Names, each with its ambiguity set, in any order."""
         return sorted((variant(each), frozenset(each["ambiguous_with"])) for each in self.answer["effects"])
 
@@ -73,16 +73,16 @@ def main() -> None:
             write(hidden_case(plan), case)
             other, here = (run(checkout, case) for checkout in (arguments.other, HERE))
         pairs.append((other, here))
-        found = ", ".join(name for name, _ in here.found) or "nothing"
+        names = ", ".join(name for name, _ in here.effects) or "nothing"
         times = f"{other.seconds:8.1f} {here.seconds:8.1f} {other.seconds / here.seconds:6.2f}"
-        print(f"{plan.name:30} {times}  {found}{difference(other, here)}", flush=True)
-    for name, of in (("median", median), ("longest", max)):
-        was, now = (of(pair[k].seconds for pair in pairs) for k in (0, 1))
+        print(f"{plan.name:30} {times}  {names}{difference(other, here)}", flush=True)
+    for name, statistic in (("median", median), ("longest", max)):
+        was, now = (statistic(pair[k].seconds for pair in pairs) for k in (0, 1))
         print(f"{name:30} {was:8.1f} {now:8.1f} {was / now:6.2f}")
 
 
 def run(checkout: Path, case: Path) -> Run:
-    """A diagnosis by the code of a checkout."""
+    """Return a diagnosis by the code of a checkout."""
     alone = {"PYTHONPATH": str(checkout.resolve()), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     command = [sys.executable, "-c", DIAGNOSE, str(case.resolve())]
     # The folder that python runs in comes first among those it imports from.
@@ -91,9 +91,9 @@ def run(checkout: Path, case: Path) -> Run:
 
 
 def difference(other: Run, here: Run) -> str:
-    """What the two do not agree on, in words; of numbers the largest difference in standard errors."""
-    if other.found != here.found:
-        return f"; OTHERWISE {', '.join(name for name, _ in other.found) or 'nothing'}, or other sets"
+    """Return the disagreement of two answers in words; for numbers the largest difference in standard errors."""
+    if other.effects != here.effects:
+        return f"; OTHERWISE {', '.join(name for name, _ in other.effects) or 'nothing'}, or other sets"
     places = [run.answer.get("unexplained_where") for run in (other, here)]
     if places[0] != places[1]:
         return f"; OTHERWISE unexplained {places[0]} and not {places[1]}"

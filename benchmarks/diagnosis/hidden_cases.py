@@ -1,4 +1,4 @@
-"""Which cases are made: a mix of one effect, two, none and one outside the tables, over all names, kinds and sizes."""
+"""The cases: a mix of one effect, two, none and one outside the tables, over all names, kinds and sizes."""
 
 import sys
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ class Plan:
     category: str
     kind: str
     turn: int
-    """Which of its category and kind it is: names go round."""
+    """Number among the cases of its category and kind; names are taken in turn."""
     seed: int
 
     @property
@@ -41,19 +41,19 @@ class Plan:
 
 
 def plans(cases: int, seed: int, kinds: Sequence[str]) -> list[Plan]:
-    """The first so many of an endless series."""
+    """Return the first plans of an endless series."""
     turns: dict[str, int] = {}
-    found = []
+    series = []
     for number in range(cases):
         category = PATTERN[number % len(PATTERN)]
         count = turns.setdefault(category, 0)
         turns[category] = count + 1
-        found.append(Plan(number, category, kinds[count % len(kinds)], count // len(kinds), seed))
-    return found
+        series.append(Plan(number, category, kinds[count % len(kinds)], count // len(kinds), seed))
+    return series
 
 
 def hidden_case(plan: Plan) -> Case:
-    """The case; what is hidden in it is detectable by itself, unless no size tried was."""
+    """Return the case of a plan, whose effects are detectable unless none of the drawn sizes is."""
     case = _drawn(plan, 0)
     for attempt in range(1, TRIES):
         if _shows(case):

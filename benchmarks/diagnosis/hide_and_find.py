@@ -1,4 +1,4 @@
-"""How often `symolo diagnose` finds what is hidden, and how often it says what is not there, over fresh cases.
+"""How often `symolo diagnose` names hidden effects, and how often it names effects that are absent, over new cases.
 
 The cases come from the oracle in tests/gap_cases, which shares no code with the models that are fitted; effects that
 are too small to be detected by anybody are drawn again. A run that was stopped goes on where it stopped.
@@ -52,23 +52,23 @@ def main() -> None:
         os.environ.setdefault(variable, "1")  # the workers are the parallel part, and inherit this
     _same_run(parser, arguments.out, {"seed": arguments.seed, "kinds": kinds})
     todo = plans(arguments.cases, arguments.seed, kinds)
-    scores = found(todo, arguments.out, arguments.workers)
+    scores = scores_of(todo, arguments.out, arguments.workers)
     write_csv(scores, arguments.out / "cases.csv")
     print("\n".join(table([each for _, each in scores])))
     print(f"\nevery case: {arguments.out / 'cases.csv'}")
 
 
-def _same_run(parser: argparse.ArgumentParser, out: Path, asked: dict) -> None:
+def _same_run(parser: argparse.ArgumentParser, out: Path, settings: dict) -> None:
     """Refuse to mix results of different runs in one folder."""
     note = out / "run.json"
-    if note.is_file() and (made := json.loads(note.read_text())) != asked:
+    if note.is_file() and (made := json.loads(note.read_text())) != settings:
         parser.error(f"--out: {out} holds a run with {made}; name another folder or remove it")
     (out / "scores").mkdir(parents=True, exist_ok=True)
-    note.write_text(json.dumps(asked))
+    note.write_text(json.dumps(settings))
 
 
-def found(todo: Sequence[Plan], out: Path, workers: int) -> list[tuple[str, Score]]:
-    """Scores of all plans in their order, those from before among them."""
+def scores_of(todo: Sequence[Plan], out: Path, workers: int) -> list[tuple[str, Score]]:
+    """Return the scores of all plans in their order, with those of an earlier run."""
     missing = [plan for plan in todo if not _file(plan, out).is_file()]
     print(f"{len(todo)} cases, {len(todo) - len(missing)} of them from before", file=sys.stderr)
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
@@ -80,25 +80,25 @@ def found(todo: Sequence[Plan], out: Path, workers: int) -> list[tuple[str, Scor
 
 
 def run(plan: Plan, out: Path) -> Score:
-    """Make a case, diagnose it, write down how right that was."""
+    """Make a case, diagnose it, write its score, and return it."""
     case = hidden_case(plan)
     folder = out / "wrong" / plan.name
     shutil.rmtree(folder, ignore_errors=True)
     write(case, folder)
     answer, seconds, failed = _answer(folder)
-    told = score(case, plan.category, answer, seconds, failed)
-    if not went_wrong(told):
+    result = score(case, plan.category, answer, seconds, failed)
+    if not went_wrong(result):
         shutil.rmtree(folder)
     else:
-        (folder / "truth.json").write_text(json.dumps(asdict(told), indent=1, default=str))
+        (folder / "truth.json").write_text(json.dumps(asdict(result), indent=1, default=str))
     part = _file(plan, out).with_suffix(".part")
-    part.write_text(json.dumps(asdict(told)))
+    part.write_text(json.dumps(asdict(result)))
     part.replace(_file(plan, out))
-    return told
+    return result
 
 
 def _answer(folder: Path) -> tuple[dict | None, float, str]:
-    """Of the diagnosis, with how long it took from the files to the answer, or the text of what it raised."""
+    """Return the answer, the time from the files to the answer, and the text of an exception."""
     begin, answer, failed = time.perf_counter(), None, ""
     try:
         diagnose = import_module("diagnosis.diagnose").diagnose
@@ -111,18 +111,18 @@ def _answer(folder: Path) -> tuple[dict | None, float, str]:
     return answer, time.perf_counter() - begin, failed
 
 
-def went_wrong(told: Score) -> bool:
-    """Whether the case is worth a look."""
-    if told.failed:
+def went_wrong(result: Score) -> bool:
+    """Return whether the answer is wrong in any respect."""
+    if result.failed:
         return True
-    if told.category == "outside":
-        return told.named or not told.unexplained or not told.place
-    return told.unexplained or told.right is False or (told.category == "none" and told.named)
+    if result.category == "outside":
+        return result.named or not result.unexplained or not result.place
+    return result.unexplained or result.right is False or (result.category == "none" and result.named)
 
 
-def _line(told: Score) -> str:
-    last = told.failed.strip().splitlines()[-1] if told.failed else told.told
-    return f"{'WRONG ' if went_wrong(told) else ''}{', '.join(told.truth) or 'nothing'} -> {last}"
+def _line(result: Score) -> str:
+    last = result.failed.strip().splitlines()[-1] if result.failed else result.answer
+    return f"{'WRONG ' if went_wrong(result) else ''}{', '.join(result.truth) or 'nothing'} -> {last}"
 
 
 def _file(plan: Plan, out: Path) -> Path:

@@ -38,7 +38,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class BenchResult:
-    of: str
+    name: str
     named: tuple[str, ...]
     withdrawn: tuple[str, ...]
     unexplained: tuple[str, ...]
@@ -50,19 +50,23 @@ class BenchResult:
 def motors(folder: Path) -> Iterator[BenchResult]:
     """Each wheel in each set fitted on three rows of four, and judged on the fourth, on the other set and wheel."""
     sets = {number: micromouse.IMPORTER.read(folder / f"wheelSpeedCalibration{number}.csv") for number in SETS}
-    parts = {f"set {number}, {side}": of_part(read, side) for number, read in sets.items() for side in SIDES}
+    parts = {f"set {number}, {wheel}": of_part(read, wheel) for number, read in sets.items() for wheel in SIDES}
     for name, measurement in parts.items():
-        of = diagnose(measurement)
-        robots = (of.nominal, of.selection.nominal.hypothesis.robot(of.selection.nominal.x), of.extended)
+        diagnosis = diagnose(measurement)
+        robots = (
+            diagnosis.nominal,
+            diagnosis.selection.nominal.hypothesis.robot(diagnosis.selection.nominal.x),
+            diagnosis.extended,
+        )
         judged = []
         for other, data in parts.items():
-            speeds = MotorSteady(data, of.nominal)
+            speeds = MotorSteady(data, diagnosis.nominal)
             (k,) = (k for k, quantity in enumerate(speeds.observed) if quantity.name == "omega_rad_s")
             quantity = speeds.observed[k]
             rows = quantity.usable & (quantity.holdout if other == name else True)
             errors = [_rms(quantity.values[rows] - mean[rows]) for mean in speeds.predict(robots)[k].mean]
             judged.append(Judged("its rows held out" if other == name else other, int(rows.sum()), *errors))
-        yield BenchResult(name, *_told(of), tuple(_faster_than_free(data=measurement)), tuple(judged))
+        yield BenchResult(name, *_conclusions(diagnosis), tuple(_faster_than_free(data=measurement)), tuple(judged))
 
 
 def _faster_than_free(data: Measurement) -> Iterator[str]:
@@ -114,26 +118,30 @@ def range_sensor_at_rest(path: Path) -> BenchResult:
         ),
     )
     trial = Trial("1", t_s, held, channels, (Label("material", ("board",) * seconds),), begins_s=0.0)
-    of = diagnose(
+    diagnosis = diagnose(
         Measurement(
             path.stem, CaseKind.TOF_BENCH, MeasurementSource("VL53L0X at rest", (str(path),)), (trial,), nominal
         )
     )
-    evidence = of.evidence
-    robots = (of.nominal, of.selection.nominal.hypothesis.robot(of.selection.nominal.x), of.extended)
+    evidence = diagnosis.evidence
+    robots = (
+        diagnosis.nominal,
+        diagnosis.selection.nominal.hypothesis.robot(diagnosis.selection.nominal.x),
+        diagnosis.extended,
+    )
     errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.of(robots).mean]
     judged = Judged("held out, mm", int(evidence.heldout.sum()), *errors)
-    return BenchResult(f"{path.stem}, one reading a second", *_told(of), (), (judged,))
+    return BenchResult(f"{path.stem}, one reading a second", *_conclusions(diagnosis), (), (judged,))
 
 
-def _told(of: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+def _conclusions(diagnosis: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
     named = []
-    for n in of.named:
+    for n in diagnosis.named:
         numbers = ", ".join(f"{k} {v:.3g} +- {n.std[k]:.2g}" for k, v in n.values.items())
         too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.kind.name, n.values, n.std)]
         named.append(f"{n.effect.name} ({numbers}; confidence {n.comparison.confidence:.2f}{''.join(too_large)})")
-    left = of.adequacy.structures[:1] if of.unexplained else ()
-    return tuple(named), of.withdrawn, tuple(f"{s.observed} along {s.covariate} (p {s.p:.0e})" for s in left)
+    left = diagnosis.adequacy.structures[:1] if diagnosis.unexplained else ()
+    return tuple(named), diagnosis.withdrawn, tuple(f"{s.observed} along {s.covariate} (p {s.p:.0e})" for s in left)
 
 
 def _rms(errors: Array | Sequence[float]) -> float:

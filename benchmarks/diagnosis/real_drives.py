@@ -1,4 +1,4 @@
-"""The OptiOdom robot: fitted on some runs, judged on others, by the diagnosis and by calibrations of the trade."""
+"""The OptiOdom robot: fitted on some runs, judged on others, by the diagnosis and by usual calibrations."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wheel_calibrations import Wheels, by_whole_paths, odometry, turned, umbmark, with_turned_camera
 
 from configs.draw import draw_robot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis, diagnose
@@ -38,14 +38,14 @@ class Missed:
     """The end of one run, predicted from its first pose and its counts, against the camera."""
 
     run: str
-    way_m: float
+    length_m: float
     place_m: float
     heading_rad: float
 
 
 @dataclass(frozen=True)
 class Fitted:
-    of: str
+    name: str
     """Session or kind of path."""
     fitted_runs: int
     named: tuple[str, ...]
@@ -73,37 +73,37 @@ def fitted_drives(folder: Path) -> Iterator[Fitted]:
 
 def _fitted(path: Path, measurement: Measurement, others: Sequence[Measurement]) -> Fitted:
     kind = path.name if path.name in KINDS else path.parent.name
-    of = diagnose(measurement)
-    whole = fitted_to_whole_runs(measurement, of.fit.hypothesis, of.fit.x, of.candidates.testable)
+    diagnosis = diagnose(measurement)
+    whole = fitted_to_whole_runs(measurement, diagnosis.fit.hypothesis, diagnosis.fit.x, diagnosis.candidates.testable)
     held, fit = _split(measurement)
     wheels = {"nominal": NOMINAL, "whole paths": by_whole_paths(fit, NOMINAL, COUNTS)}
     if kind == "square":
         wheels["umbmark"] = _umbmark([Path(f) for f, h in zip(measurement.source.files, held, strict=True) if not h])
     askew = with_turned_camera(fit, NOMINAL, COUNTS)
-    robots = {"windows": of.extended} | ({"extended": whole.robot} if whole else {})
-    judge = _Judge(of.nominal, wheels, askew, robots)
+    robots = {"windows": diagnosis.extended} | ({"extended": whole.robot} if whole else {})
+    judge = _Judge(diagnosis.nominal, wheels, askew, robots)
     return Fitted(
-        of=f"{kind}/{path.name}" if path.name != kind else kind,
+        name=f"{kind}/{path.name}" if path.name != kind else kind,
         fitted_runs=len(fit),
-        named=_named(of, whole),
-        withdrawn=of.withdrawn,
-        unexplained=_unexplained(of),
+        named=_named(diagnosis, whole),
+        withdrawn=diagnosis.withdrawn,
+        unexplained=_unexplained(diagnosis),
         numbers=(*_numbers(whole), f"camera's heading off by {1e3 * askew[1]:.1f} mrad (calibration with it)"),
-        windows=f"{of.gain.before:.3f} -> {of.gain.after:.3f}" if of.gain else "-",
-        missed={"held out": judge.of(measurement, held)}
-        | {o.name: judge.of(o, [True] * len(o.trials)) for o in others},
+        windows=f"{diagnosis.gain.before:.3f} -> {diagnosis.gain.after:.3f}" if diagnosis.gain else "-",
+        missed={"held out": judge.missed(measurement, held)}
+        | {o.name: judge.missed(o, [True] * len(o.trials)) for o in others},
     )
 
 
 def _all_together(folder: Path) -> Fitted:
-    """Whole runs of all kinds at once, which can say what no kind of path says alone; windows are left out."""
+    """Whole runs of all kinds at once, which show more than one kind of path alone; windows are left out."""
     measurement = IMPORTER.read(folder)
     if measurement.nominal is None:
         raise ValueError(measurement.name)
     nominal = nominal_robot(measurement.nominal, draw_robot(load_section("robot", "nominal"), 0, "real sets")[0])
     bare = Hypothesis(nominal, nuisances(measurement.nominal))
     effects = [
-        CandidateEffect(effect, choices) for effect in effect_classes() for choices in _WHOLE_RUN.get(effect.name, ())
+        CandidateEffect(effect, choices) for effect in EFFECTS.classes() for choices in _WHOLE_RUN.get(effect.name, ())
     ]
     whole = fitted_to_whole_runs(measurement, bare, bare.null(), effects)
     held, fit = _split(measurement)
@@ -114,15 +114,15 @@ def _all_together(folder: Path) -> Fitted:
         kind: [h and t.name.startswith(kind) for h, t in zip(held, measurement.trials, strict=True)] for kind in KINDS
     }
     return Fitted(
-        of="all together",
+        name="all together",
         fitted_runs=len(fit),
         named=_named(None, whole),
         withdrawn=(),
         unexplained=(),
         numbers=(*_numbers(whole), f"camera's heading off by {1e3 * askew[1]:.1f} mrad (calibration with it)"),
         windows="-",
-        missed={"held out": judge.of(measurement, held)}
-        | {f"{kind}, held out": judge.of(measurement, chosen) for kind, chosen in by_kind.items()},
+        missed={"held out": judge.missed(measurement, held)}
+        | {f"{kind}, held out": judge.missed(measurement, chosen) for kind, chosen in by_kind.items()},
     )
 
 
@@ -151,15 +151,15 @@ class _Judge:
     askew: tuple[Wheels, float]
     robots: Mapping[str, RobotConfig]
 
-    def of(self, judged: Measurement, chosen: Sequence[bool]) -> Mapping[str, tuple[Missed, ...]]:
+    def missed(self, judged: Measurement, chosen: Sequence[bool]) -> Mapping[str, tuple[Missed, ...]]:
         """What each method misses of the ends of the runs that are chosen."""
         names = [trial.name for trial, is_in in zip(judged.trials, chosen, strict=True) if is_in]
         raw = [_run(Path(f)) for f, is_in in zip(judged.source.files, chosen, strict=True) if is_in]
         ends = {name: [odometry(run, w, COUNTS)[-1] for run in raw] for name, w in self.wheels.items()}
         ends["and camera"] = [turned(odometry(run, self.askew[0], COUNTS), self.askew[1])[-1] for run in raw]
         for name, robot in self.robots.items():
-            found = _ends(judged, robot, self.nominal)
-            ends[name] = [end for end, is_in in zip(found, chosen, strict=True) if is_in]
+            predicted = _ends(judged, robot, self.nominal)
+            ends[name] = [end for end, is_in in zip(predicted, chosen, strict=True) if is_in]
         return {
             method: tuple(_missed(n, run, end) for n, run, end in zip(names, raw, ends[method], strict=True))
             for method in METHODS
@@ -173,7 +173,7 @@ def _run(path: Path) -> Array:
 
 def _umbmark(files: Sequence[Path]) -> Wheels:
     """Of each session by what its controller took for true; then the mean of the sessions."""
-    found = []
+    calibrated = []
     for session in sorted({file.parent for file in files}):
         (metadata,) = session.glob("*_metadata.csv")
         rows = dict(line.split(",", 1) for line in metadata.read_text(encoding="utf-8-sig").splitlines())
@@ -183,8 +183,8 @@ def _umbmark(files: Sequence[Path]) -> Wheels:
         w = umbmark(runs, side_m, Wheels(left_m, right_m, track_m), COUNTS)
         # Closed form and counts know the wheels up to a common factor, which is taken to be the nominal size.
         scale = 2.0 * WHEEL_DIAMETER_M / (w.left_diameter_m + w.right_diameter_m)
-        found.append([scale * w.left_diameter_m, scale * w.right_diameter_m, scale * w.track_m])
-    return Wheels(*np.mean(found, axis=0).tolist())
+        calibrated.append([scale * w.left_diameter_m, scale * w.right_diameter_m, scale * w.track_m])
+    return Wheels(*np.mean(calibrated, axis=0).tolist())
 
 
 def _ends(measurement: Measurement, robot: RobotConfig, nominal: RobotConfig) -> list[Array]:
@@ -195,27 +195,27 @@ def _ends(measurement: Measurement, robot: RobotConfig, nominal: RobotConfig) ->
 
 def _missed(name: str, run: Array, end: Array) -> Missed:
     off = end - run[-1, 1:4]
-    way_m = float(np.hypot(*np.diff(run[::10, 1:3], axis=0).T).sum())
-    return Missed(name, way_m, float(np.hypot(off[0], off[1])), float(off[2]))
+    length_m = float(np.hypot(*np.diff(run[::10, 1:3], axis=0).T).sum())
+    return Missed(name, length_m, float(np.hypot(off[0], off[1])), float(off[2]))
 
 
-def _named(of: Diagnosis | None, whole: WholeRunFit | None) -> tuple[str, ...]:
-    told = []
-    for named in of.named if of else ():
+def _named(diagnosis: Diagnosis | None, whole: WholeRunFit | None) -> tuple[str, ...]:
+    sentences = []
+    for named in diagnosis.named if diagnosis else ():
         numbers = ", ".join(f"{n} {v:.4g} +- {named.std[n]:.1g}" for n, v in named.values.items())
-        told.append(f"{named.effect.name} ({numbers}; confidence {named.comparison.confidence:.2f})")
-    known = {named.effect.name for named in of.named} if of else set()
+        sentences.append(f"{named.effect.name} ({numbers}; confidence {named.comparison.confidence:.2f})")
+    known = {named.effect.name for named in diagnosis.named} if diagnosis else set()
     for effect in whole.hypothesis.effects if whole else ():
         if effect.name not in known and whole:
             values, std = whole.hypothesis.values(effect, whole.x), whole.std(effect)
             numbers = ", ".join(f"{n} {v:.4g} +- {std[n]:.1g}" for n, v in values.items())
-            told.append(f"{effect.name} ({numbers}; by whole runs)")
-    return tuple(told)
+            sentences.append(f"{effect.name} ({numbers}; by whole runs)")
+    return tuple(sentences)
 
 
-def _unexplained(of: Diagnosis) -> tuple[str, ...]:
+def _unexplained(diagnosis: Diagnosis) -> tuple[str, ...]:
     best = {}
-    for structure in of.adequacy.structures if of.unexplained else ():
+    for structure in diagnosis.adequacy.structures if diagnosis.unexplained else ():
         if structure.p < 1e-3:
             best.setdefault(structure.observed, f"{structure.observed} along {structure.covariate} ({structure.what})")
     return tuple(best.values())
@@ -225,8 +225,10 @@ def _numbers(whole: WholeRunFit | None) -> tuple[str, ...]:
     if whole is None:
         return ()
     errors = np.sqrt(np.diag(whole.covariance)).tolist()
-    told = []
+    sentences = []
     for nuisance, x, error in zip(whole.hypothesis.nuisances, whole.x.tolist(), errors, strict=False):
         value = deviated(nuisance, x)
-        told.append(f"{nuisance.name} {value:.6f} +- {error * nuisance.tolerance:.6f} (nominal {nuisance.value:g})")
-    return tuple(told)
+        sentences.append(
+            f"{nuisance.name} {value:.6f} +- {error * nuisance.tolerance:.6f} (nominal {nuisance.value:g})"
+        )
+    return tuple(sentences)

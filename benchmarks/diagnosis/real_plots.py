@@ -1,4 +1,4 @@
-"""Where runs end, by the nominal robot, by calibrations of the trade, and by the extended robot."""
+"""Where runs end, by the nominal robot, by usual calibrations, and by the extended robot."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,19 +15,19 @@ SHOWN = {
 QUANTITIES = (("place_m", "end misplaced [mm]"), ("heading_rad", "heading off [mrad]"))
 
 
-def by_session(found: Sequence[Fitted], path: Path) -> None:
+def by_session(fits: Sequence[Fitted], path: Path) -> None:
     """Held-out runs of each session, predicted by what was fitted to its others."""
-    sessions = [fitted for fitted in found if "/" in fitted.of]
+    sessions = [fitted for fitted in fits if "/" in fitted.name]
     figure, panels = plt.subplots(2, 1, figsize=(11, 7.5), sharex=True)
     for axes, (name, label) in zip(panels, QUANTITIES, strict=True):
         begin, ticks = 0, []
         for fitted in sessions:
             by = fitted.missed["held out"]
-            for method, (told, colour, marker) in SHOWN.items():
+            for method, (legend, colour, marker) in SHOWN.items():
                 sizes = _sizes(by.get(method, ()), name)
                 x = range(begin, begin + len(sizes))
-                axes.semilogy(x, sizes, marker, color=colour, ms=6, label=told if "umbmark" in by else None)
-            ticks.append((begin + (len(by["nominal"]) - 1) / 2.0, fitted.of.replace("/", "\n")))
+                axes.semilogy(x, sizes, marker, color=colour, ms=6, label=legend if "umbmark" in by else None)
+            ticks.append((begin + (len(by["nominal"]) - 1) / 2.0, fitted.name.replace("/", "\n")))
             begin += len(by["nominal"])
             axes.axvline(begin - 0.5, color="0.88", lw=0.8, zorder=0)
         axes.set(ylabel=label, xlim=(-0.5, begin - 0.5))
@@ -48,11 +48,11 @@ def one_robot(fitted: Fitted, path: Path) -> None:
         begin = 0
         for kind in KINDS:
             by = fitted.missed[f"{kind}, held out"]
-            for method, (told, colour, marker) in SHOWN.items():
+            for method, (legend, colour, marker) in SHOWN.items():
                 if method in by:
                     sizes = _sizes(by[method], name)
                     x = range(begin, begin + len(sizes))
-                    axes.semilogy(x, sizes, marker, color=colour, ms=6, label=told if kind == KINDS[0] else None)
+                    axes.semilogy(x, sizes, marker, color=colour, ms=6, label=legend if kind == KINDS[0] else None)
             axes.text(begin, 1.02, f" {kind}", transform=axes.get_xaxis_transform(), fontsize=9, color="0.3")
             begin += len(by["nominal"])
             axes.axvline(begin - 0.5, color="0.8", lw=0.8)
@@ -66,4 +66,4 @@ def one_robot(fitted: Fitted, path: Path) -> None:
 
 
 def _sizes(missed: Sequence[Missed], name: str) -> list[float]:
-    return [1e3 * max(abs(getattr(of, name)), 1e-5) for of in missed]
+    return [1e3 * max(abs(getattr(one, name)), 1e-5) for one in missed]

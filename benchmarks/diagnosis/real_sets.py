@@ -1,4 +1,4 @@
-"""What the diagnosis makes of real robots: fitted on one part of each set and judged on another.
+"""The diagnosis of real robots: fitted on one part of each set and judged on another.
 
     python benchmarks/diagnosis/real_sets.py --measured DIR --out DIR [--only drives,motors,range,table-1]
 
@@ -60,62 +60,64 @@ def _table_1(out: Path) -> str:
 
 
 def _drives(folder: Path, out: Path) -> str:
-    found = []
+    results = []
     for fitted in fitted_drives(folder):
-        found.append(fitted)
-        print(f"{fitted.of}: {fitted.fitted_runs} runs fitted", flush=True)
-    (out / "drives.json").write_text(json.dumps([asdict(fitted) for fitted in found], indent=1), encoding="utf-8")
-    by_session(found, out / "drives_by_session.png")
-    one_robot(found[-1], out / "drives_one_robot.png")
-    return "\n".join([*drive_table(found), "", *found_table(found)])
+        results.append(fitted)
+        print(f"{fitted.name}: {fitted.fitted_runs} runs fitted", flush=True)
+    (out / "drives.json").write_text(json.dumps([asdict(fitted) for fitted in results], indent=1), encoding="utf-8")
+    by_session(results, out / "drives_by_session.png")
+    one_robot(results[-1], out / "drives_one_robot.png")
+    return "\n".join([*drive_table(results), "", *fit_table(results)])
 
 
 def rms(missed: Sequence[Missed]) -> tuple[float, float, float]:
-    """Of the ends of runs: place [mm], heading [mrad], and place over way [mm/m], that over runs of 0.5 m and more."""
-    place, heading, way = (np.array([getattr(m, n) for m in missed]) for n in ("place_m", "heading_rad", "way_m"))
-    long = way > 0.5
-    per_m = 1e3 * float(np.sqrt(np.mean((place[long] / way[long]) ** 2))) if long.any() else float("nan")
+    """Return the errors of the ends of runs: place [mm], heading [mrad], and place over length [mm/m]."""
+    place, heading, length = (np.array([getattr(m, n) for m in missed]) for n in ("place_m", "heading_rad", "length_m"))
+    long = length > 0.5
+    per_m = 1e3 * float(np.sqrt(np.mean((place[long] / length[long]) ** 2))) if long.any() else float("nan")
     return 1e3 * float(np.sqrt(np.mean(place**2))), 1e3 * float(np.sqrt(np.mean(heading**2))), per_m
 
 
-def drive_table(found: Sequence[Fitted]) -> list[str]:
+def drive_table(results: Sequence[Fitted]) -> list[str]:
     """A line for each fit and each set of runs that it is judged on."""
     lines = [f"| fitted on | judged on | runs | {' | '.join(METHODS)} |", f"|---|---|---|{'---|' * len(METHODS)}"]
-    for fitted in found:
+    for fitted in results:
         for judged, by in fitted.missed.items():
             cells = []
             for method in METHODS:
                 place, heading, per_m = rms(by[method]) if method in by else (np.nan, np.nan, np.nan)
-                told = f"{place:.1f} mm, {heading:.0f} mrad" + (f" ({per_m:.1f} mm/m)" if np.isfinite(per_m) else "")
-                cells.append(told if method in by else "-")
-            lines.append(f"| {fitted.of} | {judged} | {len(by['nominal'])} | {' | '.join(cells)} |")
+                cell = f"{place:.1f} mm, {heading:.0f} mrad" + (f" ({per_m:.1f} mm/m)" if np.isfinite(per_m) else "")
+                cells.append(cell if method in by else "-")
+            lines.append(f"| {fitted.name} | {judged} | {len(by['nominal'])} | {' | '.join(cells)} |")
     return lines
 
 
-def found_table(found: Sequence[Fitted]) -> list[str]:
+def fit_table(results: Sequence[Fitted]) -> list[str]:
     """What each fit named, with numbers, and what it could not."""
     lines = ["| fitted on | named | fitted within tolerance | given up | unexplained | windows held out [sigma] |"]
     lines.append("|---|---|---|---|---|---|")
-    for f in found:
-        cells = ("; ".join(of) or "-" for of in (f.named, f.numbers, f.withdrawn, f.unexplained))
-        lines.append(f"| {f.of} | {' | '.join(cells)} | {f.windows} |")
+    for f in results:
+        cells = ("; ".join(texts) or "-" for texts in (f.named, f.numbers, f.withdrawn, f.unexplained))
+        lines.append(f"| {f.name} | {' | '.join(cells)} | {f.windows} |")
     return lines
 
 
-def bench_table(found: Iterable[BenchResult]) -> list[str]:
+def bench_table(results: Iterable[BenchResult]) -> list[str]:
     """What was named, and the errors before and after."""
     lines = ["| fitted on | judged on | rows | nominal | calibrated | extended |", "|---|---|---|---|---|---|"]
-    told = []
-    for of in found:
+    notes = []
+    for result in results:
         lines += [
-            f"| {of.of} | {j.on} | {j.rows} | {j.nominal:.2f} | {j.calibrated:.2f} | {j.extended:.2f} |"
-            for j in of.judged
+            f"| {result.name} | {j.on} | {j.rows} | {j.nominal:.2f} | {j.calibrated:.2f} | {j.extended:.2f} |"
+            for j in result.judged
         ]
-        told.append(
-            f"{of.of}: named {'; '.join(of.named) or 'nothing'}; given up {', '.join(of.withdrawn) or 'nothing'}; "
-            f"unexplained {'; '.join(of.unexplained) or 'nothing'}{''.join(f'; {text}' for text in of.impossible)}"
+        notes.append(
+            f"{result.name}: named {'; '.join(result.named) or 'nothing'}; "
+            f"given up {', '.join(result.withdrawn) or 'nothing'}; "
+            f"unexplained {'; '.join(result.unexplained) or 'nothing'}"
+            f"{''.join(f'; {text}' for text in result.impossible)}"
         )
-    return [*lines, "", *told]
+    return [*lines, "", *notes]
 
 
 if __name__ == "__main__":

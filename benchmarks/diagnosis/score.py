@@ -1,4 +1,4 @@
-"""How right an answer is, in the form of the format, against the world that a case was made with."""
+"""The score of an answer of a diagnosis against the true world of a case."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -15,26 +15,25 @@ STD_ERRORS = 3.0
 
 @dataclass(frozen=True)
 class Score:
-    """What is said of one case; None where the question does not arise.
+    """The score of one case; None where a question does not apply.
 
     Attributes:
         category: What was hidden.
-        kind: Of data.
+        kind: Kind of data.
         truth: Names, with their discrete parameters.
-        drops: Expected, of each.
+        drops: Expected drop of the cost for each.
         nameless: What no single name can take of an outside effect.
         right: The names, each or a member of its set of at most three, and no other.
-        exact: The names themselves, or what these data cannot tell from them.
-        named: Whether any name was given.
-        unexplained: Whether structure was said to remain.
+        exact: The names themselves, or names that these data cannot distinguish from them.
+        named: Whether any name was reported.
+        unexplained: Whether remaining structure was reported.
         place: Whether it was placed in the right channel and covariate.
-        within: Of every parameter of an effect that was named by its own name, whether it is within three standard
-            errors.
-        close: Of those of large effects, whether it is within a tenth.
-        gain_error: Of the held-out gain.
-        seconds: That the diagnosis took.
+        within: Whether each parameter of an effect that was named correctly is within three standard errors.
+        close: Whether each parameter of a large effect is within a tenth.
+        gain_error: Error of the held-out gain.
+        seconds: Duration of the diagnosis.
         failed: Text of an exception.
-        told: The answer in short.
+        answer: The answer in short.
         sizes: Parameters of what was hidden.
     """
 
@@ -53,12 +52,12 @@ class Score:
     gain_error: float | None = None
     seconds: float = 0.0
     failed: str = ""
-    told: str = ""
+    answer: str = ""
     sizes: tuple[str, ...] = ()
 
 
 def score(case: Case, category: str, answer: Mapping | None, seconds: float = 0.0, failed: str = "") -> Score:
-    """Of an answer, or of none where the diagnosis `failed`."""
+    """Return the score of an answer, or of none where the diagnosis `failed`."""
     hidden = [*case.world.effects, *([case.world.outside] if case.world.outside else [])]
     truth = tuple(each.variant if hasattr(each, "variant") else each.name for each in hidden)
     verdict = judge(case)
@@ -70,21 +69,21 @@ def score(case: Case, category: str, answer: Mapping | None, seconds: float = 0.
         wrong = False if expects_names else None
         return replace(known, right=wrong, exact=wrong, failed=failed or "no answer")
     effects = answer["effects"]
-    told = [variant(each) for each in effects]
-    sets = [{name, *each.get("ambiguous_with", ())} for name, each in zip(told, effects, strict=True)]
+    names = [variant(each) for each in effects]
+    sets = [{name, *each.get("ambiguous_with", ())} for name, each in zip(names, effects, strict=True)]
     within, close = _parameters(case, drops, effects)
     gain = answer.get("heldout_gain")
     return replace(
         known,
         right=_matches([{name} for name in truth], sets, LARGEST_SET) if expects_names else None,
-        exact=_exact(truth, verdict.equivalent, told) if expects_names else None,
+        exact=_exact(truth, verdict.equivalent, names) if expects_names else None,
         named=bool(effects),
         unexplained=bool(answer["unexplained"]),
         place=_placed(case, answer),
         within=within,
         close=close,
         gain_error=abs(gain - verdict.gain) if gain is not None and category != "outside" else None,
-        told=_told(answer, told),
+        answer=_summary(answer, names),
     )
 
 
@@ -101,9 +100,9 @@ def _matches(truths: Sequence[set[str]], sets: Sequence[set[str]], largest: int)
     return any(all(a & b for a, b in zip(truths, order, strict=True)) for order in itertools.permutations(sets))
 
 
-def _exact(truth: Sequence[str], equivalent: Sequence[Sequence[str]], told: Sequence[str]) -> bool:
+def _exact(truth: Sequence[str], equivalent: Sequence[Sequence[str]], names: Sequence[str]) -> bool:
     accepted = [{name, *same} for name, same in zip(truth, equivalent, strict=True)]
-    return _matches(accepted, [{name} for name in told], 1)
+    return _matches(accepted, [{name} for name in names], 1)
 
 
 def _placed(case: Case, answer: Mapping) -> bool | None:
@@ -135,9 +134,9 @@ def _parameters(
     return tuple(within), tuple(close)
 
 
-def _told(answer: Mapping, told: Sequence[str]) -> str:
+def _summary(answer: Mapping, names: Sequence[str]) -> str:
     parts = []
-    for name, each in zip(told, answer["effects"], strict=True):
+    for name, each in zip(names, answer["effects"], strict=True):
         rivals = each.get("ambiguous_with", ())
         parts.append(f"{name} {_short(each['parameters'])}" + (f" or {' or '.join(rivals)}" if rivals else ""))
     if answer["unexplained"]:

@@ -44,13 +44,13 @@ class Mechanism:
 
 
 def mechanisms() -> list[Mechanism]:
-    """Each alone beside the two straight lines."""
-    found = [Mechanism("none: the paper's straight lines", None, "", "", _left_out(None))]
-    for name, extra, told in _CANDIDATES:
+    """Return each mechanism alone beside the two straight lines."""
+    rows = [Mechanism("none: the paper's straight lines", None, "", "", _left_out(None))]
+    for name, extra, judge in _CANDIDATES:
         number, error = _number(extra)
-        size, verdict = told(number, error)
-        found.append(Mechanism(name, extra, size, verdict, _left_out(extra)))
-    return found
+        size, verdict = judge(number, error)
+        rows.append(Mechanism(name, extra, size, verdict, _left_out(extra)))
+    return rows
 
 
 def _moving() -> tuple[Array, Array, Array]:
@@ -65,9 +65,9 @@ def _regressors(extra: Extra | None, u: Array, i: Array, w: Array) -> Array:
 def _number(extra: Extra) -> tuple[float, float]:
     u, i, w = _moving()
     H = _regressors(extra, u, i, w)
-    found, (squares,), _, _ = np.linalg.lstsq(H, u, rcond=None)
+    solution, (squares,), _, _ = np.linalg.lstsq(H, u, rcond=None)
     covariance = np.linalg.inv(H.T @ H) * squares / (len(u) - H.shape[1])
-    return float(found[2]), float(np.sqrt(covariance[2, 2]))
+    return float(solution[2]), float(np.sqrt(covariance[2, 2]))
 
 
 def _left_out(extra: Extra | None) -> float:
@@ -81,14 +81,14 @@ def _left_out(extra: Extra | None) -> float:
         def surplus_V(
             speed: float, k: int = k, volts: Array = volts, slope: float = slope, begin: float = begin
         ) -> float:
-            of = (np.array([value]) for value in (u[k], begin + slope * speed, speed))
-            return float((_regressors(extra, *of) @ volts)[0] - u[k])
+            arrays = (np.array([value]) for value in (u[k], begin + slope * speed, speed))
+            return float((_regressors(extra, *arrays) @ volts)[0] - u[k])
 
         missed.append(w[k] - brentq(surplus_V, 0.0, 30.0))
     return float(np.sqrt(np.mean(np.square(missed))))
 
 
-def _told_sag(number: float, error: float) -> tuple[str, str]:
+def _judge_sag(number: float, error: float) -> tuple[str, str]:
     limit = SupplySag.plausible_sizes()["source_resistance_ohm"].high
     lost_V = number * (5.0 / SUPPLY_V) * TABLE_1.current_A[-1]
     return (
@@ -97,7 +97,7 @@ def _told_sag(number: float, error: float) -> tuple[str, str]:
     )
 
 
-def _told_counts(number: float, error: float) -> tuple[str, str]:
+def _judge_counts(number: float, error: float) -> tuple[str, str]:
     _, constant = np.linalg.lstsq(np.stack(_moving()[1:], axis=1), _moving()[0], rcond=None)[0]
     top = TABLE_1.speed_rad_s[-1]
     share, spread = number * top / constant, error * top / constant
@@ -106,27 +106,27 @@ def _told_counts(number: float, error: float) -> tuple[str, str]:
     return f"{size} at {top:.1f} rad/s, where {per_s:.0f} come in a second", "possible where an interrupt counts them"
 
 
-def _told_constant(number: float, error: float) -> tuple[str, str]:
-    size, _ = _told_counts(number, error)
+def _judge_constant(number: float, error: float) -> tuple[str, str]:
+    size, _ = _judge_counts(number, error)
     return (
         f"+{size.split(' of')[0]} from standstill to {TABLE_1.speed_rad_s[-1]:.1f} rad/s",
         "ruled out: current and heat weaken a magnet, nothing strengthens it",
     )
 
 
-def _told_heat(number: float, error: float) -> tuple[str, str]:
+def _judge_heat(number: float, error: float) -> tuple[str, str]:
     u, i, _ = _moving()
     cold, _, rise = np.linalg.lstsq(_regressors(_heat, *_moving()), u, rcond=None)[0]
     kelvin = rise * i[-1] ** 2 / cold / COPPER_PER_K
     watt = (cold + rise * i[-1] ** 2) * i[-1] ** 2
-    low, high = (watt * of for of in KELVIN_PER_WATT)
+    low, high = (watt * kelvin_per_watt for kelvin_per_watt in KELVIN_PER_WATT)
     return (
         f"{kelvin:.0f} +- {kelvin * error / number:.0f} K warmer at 5 V than cold",
         f"ruled out by size: {watt:.2f} W warm it by {low:.0f} to {high:.0f} K",
     )
 
 
-def _told_drop(number: float, error: float) -> tuple[str, str]:
+def _judge_drop(number: float, error: float) -> tuple[str, str]:
     return f"{number:.2f} +- {error:.2f} V", "ruled out: bends nothing, and would have to add voltage"
 
 
@@ -152,11 +152,11 @@ def _constant(u: Array, i: Array, w: Array) -> Array:
 
 
 _CANDIDATES: tuple[tuple[str, Extra, Callable[[float, float], tuple[str, str]]], ...] = (
-    ("resistance of the supply", _source, _told_sag),
-    ("counts lost at speed", _square, _told_counts),
-    ("torque constant that grows with speed", _square, _told_constant),
-    ("winding that gets warm", _heat, _told_heat),
-    ("drop of bridge or brushes", _constant, _told_drop),
+    ("resistance of the supply", _source, _judge_sag),
+    ("counts lost at speed", _square, _judge_counts),
+    ("torque constant that grows with speed", _square, _judge_constant),
+    ("winding that gets warm", _heat, _judge_heat),
+    ("drop of bridge or brushes", _constant, _judge_drop),
 )
 
 
@@ -165,37 +165,40 @@ def drag() -> tuple[float, float, float]:
     u, i, w = _moving()
     resistance, constant, number = np.linalg.lstsq(_regressors(_square, u, i, w), u, rcond=None)[0]
     H = np.stack([np.ones_like(w), w, w**2], axis=1)
-    found, (squares,), _, _ = np.linalg.lstsq(H, constant * i, rcond=None)
+    solution, (squares,), _, _ = np.linalg.lstsq(H, constant * i, rcond=None)
     covariance = np.linalg.inv(H.T @ H) * squares / (len(w) - 3)
-    return float(number * constant / resistance), float(found[2]), float(np.sqrt(covariance[2, 2]))
+    return float(number * constant / resistance), float(solution[2]), float(np.sqrt(covariance[2, 2]))
 
 
 def table_1() -> str:
     """The whole story as Markdown."""
-    of = diagnose(IMPORTER.read(Path("table-1")))
-    return "\n".join([*diagnosed(of), "", *_mechanism_table(), "", *_effect_table(of)])
+    diagnosis = diagnose(IMPORTER.read(Path("table-1")))
+    return "\n".join([*diagnosed(diagnosis), "", *_mechanism_table(), "", *_effect_table(diagnosis)])
 
 
-def diagnosed(of: Diagnosis) -> list[str]:
+def diagnosed(diagnosis: Diagnosis) -> list[str]:
     """What was named, what it mends of rows left out, and the stuck rows."""
     rms = {}
-    for name, fit in (("before", of.selection.nominal), ("after", of.fit)):
-        rms[name] = {k: float(np.sqrt(np.nanmean(v[1:] ** 2))) for k, v in leave_one_out(of.evidence, fit).items()}
+    for name, fit in (("before", diagnosis.selection.nominal), ("after", diagnosis.fit)):
+        rms[name] = {
+            k: float(np.sqrt(np.nanmean(v[1:] ** 2))) for k, v in leave_one_out(diagnosis.evidence, fit).items()
+        }
     lines = [
-        "The diagnosis names " + "; ".join(_told(n.name, n.values, n.std, n.comparison.confidence) for n in of.named)
+        "The diagnosis names "
+        + "; ".join(_sentence(n.name, n.values, n.std, n.comparison.confidence) for n in diagnosis.named)
     ]
     lines += [
         f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g}, then by {rms['after'][quantity]:.3g}"
         for quantity in rms["before"]
     ]
-    for row in stuck_rows(of.measurement, of.nominal):
-        coulomb = of.nominal.motor.coulomb_friction_N_m
+    for row in stuck_rows(diagnosis.measurement, diagnosis.nominal):
+        motor = diagnosis.nominal.motor
         lines.append(
             f"row {row.row}, {row.voltage_V:g} V: stands still where the nominal motor turns at "
             f"{row.nominal_speed_rad_s:.2f} rad/s. Friction holds {1e3 * row.holds_N_m:.1f} mN m, "
-            f"{row.holds_N_m / coulomb:.2f} times the Coulomb friction, and less than "
+            f"{row.holds_N_m / motor.coulomb_friction_N_m:.2f} times the Coulomb friction, and less than "
             f"{1e3 * (row.moves_N_m or np.nan):.1f} mN m, with which it moves at {row.moves_at_V:g} V; u / i is "
-            f"{row.resistance_ohm:.2f} ohm there, {of.nominal.motor.winding_resistance_ohm:.2f} by the paper's line."
+            f"{row.resistance_ohm:.2f} ohm there, {motor.winding_resistance_ohm:.2f} by the paper's line."
         )
     return lines
 
@@ -203,39 +206,39 @@ def diagnosed(of: Diagnosis) -> list[str]:
 def _mechanism_table() -> list[str]:
     lines = ["| mechanism | size it needs | verdict | speed left out [rad/s] |", "|---|---|---|---|"]
     lines += [f"| {m.name} | {m.size} | {m.verdict} | {m.missed_rad_s:.3f} |" for m in mechanisms()]
-    wanted, found, error = drag()
+    needed_drag, allowed_drag, error = drag()
     lines.append(
-        f"| drag with the square of speed | {1e6 * wanted:.0f}e-6 N m s2/rad2 | ruled out: the current allows "
-        f"{1e6 * found:.1f} +- {1e6 * error:.1f} of these | - |"
+        f"| drag with the square of speed | {1e6 * needed_drag:.0f}e-6 N m s2/rad2 | ruled out: the current allows "
+        f"{1e6 * allowed_drag:.1f} +- {1e6 * error:.1f} of these | - |"
     )
     return lines
 
 
-def _effect_table(of: Diagnosis) -> list[str]:
+def _effect_table(diagnosis: Diagnosis) -> list[str]:
     """Each effect that the bench can show, alone on the nominal motor."""
     lines = [
         "| effect alone, by the diagnosis | number | fall of the cost | speed left out [rad/s] |",
         "|---|---|---|---|",
     ]
-    base = of.selection.nominal
-    for effect in of.candidates.testable:
+    base = diagnosis.selection.nominal
+    for effect in diagnosis.candidates.testable:
         having = base.hypothesis.with_effect(effect)
         start = having.null()
         start[: len(base.x)] = base.x
         begun = start.copy()
         begun[having.parameters(effect)] = [c.start for c in effect.coordinates]
-        best = min(fits(of.evidence, [(having, start), (having, begun)]), key=lambda fit: fit.cost)
+        best = min(fits(diagnosis.evidence, [(having, start), (having, begun)]), key=lambda fit: fit.cost)
         numbers = ", ".join(
             f"{k} {v:.3g} +- {best.std(effect)[k]:.2g}" for k, v in having.values(effect, best.x).items()
         )
-        left = float(np.sqrt(np.nanmean(leave_one_out(of.evidence, best)["omega_rad_s"][1:] ** 2)))
+        left = float(np.sqrt(np.nanmean(leave_one_out(diagnosis.evidence, best)["omega_rad_s"][1:] ** 2)))
         lines.append(
             f"| {effect.name} | {numbers} | {base.cost - best.cost:.1f} of {needed(effect):.0f} | {left:.3f} |"
         )
     return lines
 
 
-def _told(name: str, values: Mapping[str, float], std: Mapping[str, float], confidence: float) -> str:
+def _sentence(name: str, values: Mapping[str, float], std: Mapping[str, float], confidence: float) -> str:
     numbers = ", ".join(f"{k} {v:.3g} +- {std[k]:.2g}" for k, v in values.items())
     return f"{name}: {numbers} (confidence {100 * confidence:.0f} %)"
 

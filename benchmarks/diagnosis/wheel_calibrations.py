@@ -1,4 +1,4 @@
-"""Calibrations of two driven wheels as the trade does them, to hold the diagnosis against; they share no code with it.
+"""Calibrations of two driven wheels as they are usual, to compare the diagnosis with; they share no code with it.
 
 A run is an array (n, 6): t [s], x [m], y [m], heading [rad], counts of the right wheel in this row, of the left wheel.
 """
@@ -22,22 +22,22 @@ class Wheels:
 
 
 def odometry(run: Array, wheels: Wheels, counts_per_turn: float) -> Array:
-    """Poses (n, 3) from the first one and the counts, by the mid-point rule."""
+    """Return poses (n, 3) from the first one and the counts, by the mid-point rule."""
     right_m = pi * wheels.right_diameter_m / counts_per_turn * run[:, 4]
     left_m = pi * wheels.left_diameter_m / counts_per_turn * run[:, 5]
-    way_m, turn_rad = (right_m + left_m) / 2.0, (right_m - left_m) / wheels.track_m
-    way_m[0] = turn_rad[0] = 0.0
+    forward_m, turn_rad = (right_m + left_m) / 2.0, (right_m - left_m) / wheels.track_m
+    forward_m[0] = turn_rad[0] = 0.0
     yaw = run[0, 3] + np.cumsum(turn_rad)
     middle = yaw - turn_rad / 2.0
-    x, y = run[0, 1] + np.cumsum(way_m * np.cos(middle)), run[0, 2] + np.cumsum(way_m * np.sin(middle))
+    x, y = run[0, 1] + np.cumsum(forward_m * np.cos(middle)), run[0, 2] + np.cumsum(forward_m * np.sin(middle))
     return np.stack([x, y, yaw], axis=1)
 
 
 def by_whole_paths(runs: Sequence[Array], nominal: Wheels, counts_per_turn: float) -> Wheels:
-    """Both diameters and the track for which all poses of all runs are hit best, in the sense of least squares.
+    """Return both diameters and the track for which all poses of all runs are hit best, in the sense of least squares.
 
     The authors of the OptiOdom data fit whole paths too (Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)). A radian
-    counts as half the track, the way of a wheel about the middle, without which turns on the spot would say nothing.
+    counts as half the track, the distance of a wheel from the middle, without which turns on the spot would not count.
     """
     start = np.array([nominal.left_diameter_m, nominal.right_diameter_m, nominal.track_m])
 
@@ -80,17 +80,17 @@ def umbmark(runs: Sequence[Array], side_m: float, driven: Wheels, counts_per_tur
 def with_turned_camera(runs: Sequence[Array], nominal: Wheels, counts_per_turn: float) -> tuple[Wheels, float]:
     """`by_whole_paths` with one number more: how far the tracked heading stands off the wheels' own [rad].
 
-    It says how much of what a calibration leaves is the camera's body and not the robot's.
+    It shows the part of the remaining error that belongs to the camera's body and not to the robot.
     """
     start = np.array([nominal.left_diameter_m, nominal.right_diameter_m, nominal.track_m])
 
     def missed(numbers: Array) -> Array:
         wheels, off = Wheels(*(start * numbers[:3]).tolist()), 1e-2 * numbers[3]
-        found = []
+        errors = []
         for run in runs:
             path = turned(odometry(run, wheels, counts_per_turn), off)
-            found.append((lever * (path - run[:, 1:4])).ravel())
-        return np.concatenate(found)
+            errors.append((lever * (path - run[:, 1:4])).ravel())
+        return np.concatenate(errors)
 
     lever = np.array([1.0, 1.0, nominal.track_m / 2.0])
 

@@ -1,6 +1,6 @@
-"""The firmware's own ears, compiled for this machine, beside those in Python on the same damaged bytes.
+"""The firmware's decoder, compiled for this machine, beside the one in Python on the same damaged bytes.
 
-Both must find the same frames whole; the firmware answers each of them once, with its number. Where they disagree, one
+Both must decode the same frames; the firmware answers each of them once, with its number. Where they disagree, one
 of them is wrong.
 
     python benchmarks/hil/firmware_line_faults.py [--frames 1000000] [--robot nominal] [--seed 1]
@@ -21,8 +21,8 @@ from hil.frames import HelloFrame
 from hil.framings import FRAMINGS
 from hil.framings.base import CommandMessage, Framing, HelloRequest, SensorsMessage
 
-MOST = 65536
-"""Bytes of an answer."""
+MAX_BYTES = 65536
+"""Largest length of an answer."""
 TICK_MS = 50
 
 
@@ -31,7 +31,7 @@ class NativeFirmware:
 
     def __init__(self, robot: RobotConfig, framing: Framing, folder: Path) -> None:
         self._library = ctypes.CDLL(str(build_native(robot, folder, framing.name)))
-        self._answer = ctypes.create_string_buffer(MOST)
+        self._answer = ctypes.create_string_buffer(MAX_BYTES)
         self._library.native_begin()
 
     def exchange(self, data: bytes) -> bytes:
@@ -40,18 +40,20 @@ class NativeFirmware:
 
 
 def disagreements(firmware: NativeFirmware, framing: Framing, pieces: list[bytes]) -> int:
-    """Of so many pieces of a stream, those of which the two hear different frames."""
+    """Return the number of pieces of a stream in which the two decode different frames."""
     decoder, back = framing.to_board(), framing.from_board()
     different = 0
-    firmware.exchange(b"\0")  # ends what it may have half heard before
+    firmware.exchange(b"\0")  # ends a frame that it may have received in part
     for piece in pieces:
-        heard = [found for found in decoder.decode(piece) if isinstance(found, SensorsMessage | HelloRequest)]
+        received = [message for message in decoder.decode(piece) if isinstance(message, SensorsMessage | HelloRequest)]
         answers = [
-            found for found in back.decode(firmware.exchange(piece)) if isinstance(found, CommandMessage | HelloFrame)
+            message
+            for message in back.decode(firmware.exchange(piece))
+            if isinstance(message, CommandMessage | HelloFrame)
         ]
-        asked = [found.seq if isinstance(found, SensorsMessage) else None for found in heard]
-        answered = [found.seq if isinstance(found, CommandMessage) else None for found in answers]
-        different += asked != answered
+        requested = [message.seq if isinstance(message, SensorsMessage) else None for message in received]
+        answered = [message.seq if isinstance(message, CommandMessage) else None for message in answers]
+        different += requested != answered
     return different
 
 
@@ -83,12 +85,12 @@ def main() -> None:
                 different += disagreements(firmware, framing, pieces)
                 left -= 1000
             print(
-                f"{kind:>22}: {arguments.frames // len(KINDS)} damaged frames, heard differently {different}",
+                f"{kind:>22}: {arguments.frames // len(KINDS)} damaged frames, decoded differently {different}",
                 flush=True,
             )
         noise = np.random.Generator(np.random.PCG64(arguments.seed)).bytes(arguments.frames)
         pieces = [noise[at : at + 1000] for at in range(0, len(noise), 1000)]
-        print(f"{'noise':>22}: {len(noise)} bytes, heard differently {disagreements(firmware, framing, pieces)}")
+        print(f"{'noise':>22}: {len(noise)} bytes, decoded differently {disagreements(firmware, framing, pieces)}")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""What a bad serial line does to frames: of so many damaged ones, how many are taken for good and wrong.
+"""Effect of a bad serial line on frames: how many damaged ones are accepted and wrong.
 
-Each damaged frame is followed by two whole ones, of which the second must always be heard. A wrong frame "passes" when
-the framing takes it for good; it is "obeyed" when the loop would take it for the answer to the last frame too: right
-number, speeds within the robot's limits and agreeing with each other, a count of frames that can be.
+Each damaged frame is followed by two whole ones, of which the second must always be received. A wrong frame "passes" if
+the framing accepts it; it is "obeyed" if the loop would accept it as the answer to the last frame too: with the right
+number, consistent speeds within the robot's limits, and a possible count of frames.
 
     python benchmarks/hil/line_faults.py [--frames 1000000] [--framing framed] [--robot nominal] [--seed 1]
 """
@@ -30,19 +30,19 @@ KINDS = (
 
 @dataclass
 class Tally:
-    """Of damaged frames of one kind."""
+    """Counts of damaged frames of one kind."""
 
     damaged: int = 0
     passed: int = 0
-    """Wrong ones that the framing took for good."""
+    """Number of wrong frames that the framing accepted."""
     obeyed: int = 0
-    """Of those, what the loop would have obeyed."""
+    """Number of these that the loop would have obeyed."""
     unharmed: int = 0
-    """Damaged so that they still said what was sent."""
+    """Number of damaged frames whose content is still right."""
     first_lost: int = 0
-    """Whole frames right after a damaged one that were not heard."""
+    """Number of whole frames right after a damaged one that were not decoded."""
     second_lost: int = 0
-    """Whole frames after that which were not heard; re-synchronisation has failed."""
+    """Number of whole frames after that which were not decoded; re-synchronisation has failed."""
 
     def __add__(self, other: "Tally") -> "Tally":
         return Tally(*(getattr(self, name) + getattr(other, name) for name in self.__dataclass_fields__))
@@ -88,10 +88,10 @@ def bits_of(kind: str, size: int, draw: np.random.Generator) -> list[int]:
         inside = np.flatnonzero(draw.integers(0, 2, length - 2)) + begin + 1
         return [begin, begin + length - 1, *inside.tolist()]
     many = int(draw.integers(4, 9)) if kind == "4 to 8 bits" else int(kind[0])
-    found: set[int] = set()
-    while len(found) < many:
-        found.add(int(draw.integers(size)))
-    return sorted(found)
+    chosen: set[int] = set()
+    while len(chosen) < many:
+        chosen.add(int(draw.integers(size)))
+    return sorted(chosen)
 
 
 def drawn_command(limits: DriveLimits, ticks: int, draw: np.random.Generator) -> CommandFrame:
@@ -115,18 +115,18 @@ def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, d
     decoder, tally, older = framing.from_board(), Tally(), [b"\0"] * 4
     frames, tick = TickCount(), 0
 
-    def tell(damage: Callable[[bytes, list[bytes]], bytes]) -> tuple[CommandFrame, list[CommandMessage]]:
+    def transmit(damage: Callable[[bytes, list[bytes]], bytes]) -> tuple[CommandFrame, list[CommandMessage]]:
         nonlocal tick
         tick += 1
         sent = drawn_command(limits, min(tick, 65535), draw)
         data = framing.command(tick & 0xFF, sent)
-        heard = decoder.decode(damage(data, older))
+        received = decoder.decode(damage(data, older))
         older.insert(0, data)
         older.pop()
         frames.sent((0, 0))
-        return sent, [found for found in heard if isinstance(found, CommandMessage)]
+        return sent, [message for message in received if isinstance(message, CommandMessage)]
 
-    def said(answer: CommandMessage, sent: CommandFrame) -> bool:
+    def matches(answer: CommandMessage, sent: CommandFrame) -> bool:
         whole = sent if framing.numbers_frames else CommandFrame(sent.state, sent.right_rad_s, sent.left_rad_s)
         return answer.command == whole and answer.seq in {None, tick & 0xFF}
 
@@ -140,18 +140,18 @@ def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, d
         ][:1]
 
     for _ in range(count):
-        sent, answers = tell(lambda data, before: damaged(data, before, kind, draw))
+        sent, answers = transmit(lambda data, before: damaged(data, before, kind, draw))
         tally.damaged += 1
         taken = obeyed(answers)
-        tally.unharmed += any(said(answer, sent) for answer in answers)
-        tally.passed += any(not said(answer, sent) for answer in answers)
-        tally.obeyed += any(not said(answer, sent) for answer in taken)
+        tally.unharmed += any(matches(answer, sent) for answer in answers)
+        tally.passed += any(not matches(answer, sent) for answer in answers)
+        tally.obeyed += any(not matches(answer, sent) for answer in taken)
         for place in ("first_lost", "second_lost"):
-            sent, answers = tell(lambda data, _before: data)
+            sent, answers = transmit(lambda data, _before: data)
             taken = obeyed(answers)
-            whole = any(said(answer, sent) for answer in taken)
+            whole = any(matches(answer, sent) for answer in taken)
             setattr(tally, place, getattr(tally, place) + (not whole))
-            tally.obeyed += any(not said(answer, sent) for answer in taken)
+            tally.obeyed += any(not matches(answer, sent) for answer in taken)
             if whole:
                 frames.answered(replace(taken[0].command))
         if tick >= 60_000:
@@ -167,15 +167,15 @@ def to_board(framing: Framing, kind: str, count: int, draw: np.random.Generator)
             sent = drawn_sensors(draw)
             data = framing.sensors((3 * number) & 0xFF, sent)
             spoilt = damaged(data, older, kind, draw) if place == "damaged" else data
-            heard = [found for found in decoder.decode(spoilt) if not isinstance(found, HelloRequest)]
+            received = [message for message in decoder.decode(spoilt) if not isinstance(message, HelloRequest)]
             older = [data, *older[:-1]]
-            said = [found.sensors for found in heard if isinstance(found, SensorsMessage)]
+            decoded = [message.sensors for message in received if isinstance(message, SensorsMessage)]
             if place == "damaged":
                 tally.damaged += 1
-                tally.unharmed += sent in said
-                tally.passed += any(found != sent for found in said)
+                tally.unharmed += sent in decoded
+                tally.passed += any(frame != sent for frame in decoded)
             else:
-                setattr(tally, place, getattr(tally, place) + (sent not in said))
+                setattr(tally, place, getattr(tally, place) + (sent not in decoded))
     tally.obeyed = tally.passed
     return tally
 
@@ -190,14 +190,13 @@ def main() -> None:
     framing = FRAMINGS[arguments.framing]
     limits = DriveLimits.from_robot(RobotConfig.model_validate(load_section("robot", arguments.robot).tree))
     each = arguments.frames // len(KINDS)
-    for way in ("to the simulator", "to the board"):
-        print(
-            f"{way + ':':>18}{'damage':>22} {'damaged':>9} {'passed':>8} {'obeyed':>8} {'unharmed':>9}   lost 1  lost 2"
-        )
+    for direction in ("to the simulator", "to the board"):
+        titles = f"{'damage':>22} {'damaged':>9} {'passed':>8} {'obeyed':>8} {'unharmed':>9}   lost 1  lost 2"
+        print(f"{direction + ':':>18}{titles}")
         whole = Tally()
         for index, kind in enumerate(KINDS):
             draw = np.random.Generator(np.random.PCG64([arguments.seed, index]))
-            if way == "to the board":
+            if direction == "to the board":
                 tally = to_board(framing, kind, each, draw)
             else:
                 tally = to_simulator(framing, kind, each, limits, draw)

@@ -1,6 +1,6 @@
-"""How many times faster than real time the firmware runs on the simulated board in lock-step, and how long it thinks.
+"""How many times faster than real time the firmware runs on the simulated board in lock-step, and its time to answer.
 
-A lap is driven once by the Python controller; what its sensors said is then told to the board, tick by tick, so that no
+A lap is driven once by the Python controller; its sensor readings are then sent to the board, tick by tick, so that no
 engine is timed. Two such drives must be the same to the cycle.
 
     python benchmarks/hil/lockstep_speed.py [--scenario symolo] [--route CW] [--framing framed]
@@ -59,7 +59,7 @@ def main() -> None:
 
 
 def sensor_frames(recording: Recording) -> list[SensorFrame]:
-    """What the sensors of a run said at each tick."""
+    """Return the sensor readings of a run at each tick."""
     by_name = {series.name: series.values for series in recording.series}
     counts = np.concatenate([[[0, 0]], by_name["encoder_counts"]]).astype(int)
     increments = [(int(now[0] - before[0]), int(now[1] - before[1])) for before, now in pairwise(counts)]

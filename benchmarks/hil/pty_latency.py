@@ -1,6 +1,6 @@
 """How long the firmware behind a pty takes to answer at the control rate in real time, and whether it misses a tick.
 
-The robot stands before nothing, on a line that swings; timed from writing the sensors to having the whole command.
+The robot has free space ahead and a line that swings; the time is from writing the sensors to the whole command.
 With `--port` the same of a real board.
 
     python benchmarks/hil/pty_latency.py [--seconds 60] [--framing framed] [--robot nominal] [--port /dev/ttyACM0]
@@ -45,10 +45,10 @@ class TimedLink(SerialLink):
         super().write(data)
 
     def read(self) -> bytes:
-        heard = super().read()
-        if heard:
+        data = super().read()
+        if data:
             self.answered_ms = 1000.0 * (time.monotonic() - self.wrote_s)
-        return heard
+        return data
 
 
 def main() -> None:
@@ -86,9 +86,9 @@ def measure(link: TimedLink, framing: Framing, robot: RobotConfig, ticks: int) -
     for event in pilot.events:
         print(f"  tick {event.tick}: {event.kind}: {event.text}, answer after {answered[event.tick]:.2f} ms")
     for name, values in (("answer [ms]", answered), ("tick begins late [ms]", late)):
-        found = np.array(values)
-        marks = ", ".join(f"{mark} % {np.nanpercentile(found, mark):.2f}" for mark in (50, 90, 99))
-        print(f"{name}: {marks}, worst {np.nanmax(found):.2f}")
+        sample = np.array(values)
+        marks = ", ".join(f"{mark} % {np.nanpercentile(sample, mark):.2f}" for mark in (50, 90, 99))
+        print(f"{name}: {marks}, worst {np.nanmax(sample):.2f}")
 
 
 if __name__ == "__main__":

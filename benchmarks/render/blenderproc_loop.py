@@ -9,7 +9,7 @@ Runs in an environment of its own, outside of this project's, made by `python3.1
 
 `blenderproc run` starts a Blender that it downloads; release 2.8.0 takes no bpy module instead. All that comes after is
 the same, so its package is entered past its `__init__`, which asks for that start, and `init` is followed step by step
-but for the language, of which a bpy module has one. Changed are: CPU alone, as for the others; pictures in OpenEXR, so
+but for the language, of which a bpy module has one. Changed are: CPU alone, as for the others; images in OpenEXR, so
 that all contenders' light goes through one camera.
 Settings: {"light_paths": "defaults"}, or {"light_paths": "ours"} to set bounces, clamping and caustics as ours are.
 """
@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from painter_side import Asked, Paint, own_replies, serve
+from painter_side import Paint, PaintRequest, reply_stream, serve
 
 from symolo.core.files.exr import read_exr
 from symolo.core.geometry.poses import pose_X_WR
@@ -31,13 +31,13 @@ _LIGHT_PATHS = ("caustics_reflective", "caustics_refractive", "sample_clamp_indi
 
 
 def main() -> None:
-    replies = own_replies()
-    asked = Asked.from_arguments(sys.argv[1:])
+    replies = reply_stream()
+    request = PaintRequest.from_arguments(sys.argv[1:])
     import bpy  # noqa: F401, PLC0415 - loaded before what stands on it
 
     _enter()
-    _set_up(asked)
-    serve(replies, asked.folder, _loop(asked))
+    _set_up(request)
+    serve(replies, request.folder, _loop(request))
 
 
 def _enter() -> None:
@@ -49,8 +49,8 @@ def _enter() -> None:
     sys.modules["blenderproc"] = package
 
 
-def _set_up(asked: Asked) -> None:
-    import bpy  # noqa: PLC0415 - after own_replies
+def _set_up(request: PaintRequest) -> None:
+    import bpy  # noqa: PLC0415 - after reply_stream
     from blenderproc.python.renderer import RendererUtility  # noqa: PLC0415 - after _enter
     from blenderproc.python.utility.Initializer import _Initializer, clean_up  # noqa: PLC0415 - as above
 
@@ -60,13 +60,13 @@ def _set_up(asked: Asked) -> None:
     bpy.context.scene.render.engine = "CYCLES"
     RendererUtility.set_render_devices(use_only_cpu=True)
     _Initializer.set_default_parameters()
-    build.build(asked.job.scene, asked.job.camera)
-    camera, render = asked.job.camera, bpy.context.scene.render
+    build.build(request.job.scene, request.job.camera)
+    camera, render = request.job.camera, bpy.context.scene.render
     render.resolution_x, render.resolution_y = camera.width_px, camera.height_px
     RendererUtility.set_output_format(file_format="OPEN_EXR", color_depth=32)
     render.image_settings.exr_codec = "NONE"
-    if asked.settings["light_paths"] == "ours":
-        ours = asked.job.sampling
+    if request.settings["light_paths"] == "ours":
+        ours = request.job.sampling
         most = max(ours.diffuse_bounces, ours.glossy_bounces, ours.transmission_bounces)
         RendererUtility.set_light_bounces(
             ours.diffuse_bounces, ours.glossy_bounces, 0, most, ours.transmission_bounces, 8, 0
@@ -75,7 +75,7 @@ def _set_up(asked: Asked) -> None:
             setattr(bpy.context.scene.cycles, name, value)
 
 
-def _loop(asked: Asked) -> Paint:
+def _loop(request: PaintRequest) -> Paint:
     import bpy  # noqa: PLC0415 - as above
     from blenderproc.python.camera import CameraUtility  # noqa: PLC0415 - as above
     from blenderproc.python.renderer import RendererUtility  # noqa: PLC0415 - as above
@@ -84,7 +84,7 @@ def _loop(asked: Asked) -> Paint:
 
     from blender_scenes.blender_side.build import ROBOT  # noqa: PLC0415 - as above
 
-    views = {view.number: view for view in asked.job.frames}
+    views = {view.number: view for view in request.job.frames}
     samples = bpy.context.scene.cycles.samples
 
     def paint(numbers: Sequence[int], warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
@@ -98,8 +98,8 @@ def _loop(asked: Asked) -> Paint:
             robot.matrix_world = Matrix(pose_X_WR(*view.robot_pose).tolist())
             for channel in ("location", "rotation_euler"):
                 robot.keyframe_insert(channel, frame=frame)
-        RendererUtility.render(output_dir=str(asked.folder), file_prefix=_PREFIX, output_key=None, return_data=False)
-        return {number: _light(asked.folder, i, views[number].light_gain) for i, number in enumerate(numbers)}
+        RendererUtility.render(output_dir=str(request.folder), file_prefix=_PREFIX, output_key=None, return_data=False)
+        return {number: _light(request.folder, i, views[number].light_gain) for i, number in enumerate(numbers)}
 
     return paint
 

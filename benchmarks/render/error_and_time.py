@@ -1,9 +1,9 @@
-"""What a picture costs and how true it is: this renderer, a plain loop of Cycles, and BlenderProc, in turns.
+"""Cost and error of an image: this renderer, a plain loop of Cycles, and BlenderProc, in turns.
 
-Each contender renders the same views in a process of its own, which is asked in its turn after a warm-up with one
-sample; core-seconds are those of all its threads. Ours and the plain loop develop and encode each picture within that
+Each contender renders the same views in a process of its own, which renders in its turn after a warm-up with one
+sample; core-seconds are those of all its threads. Ours and the plain loop develop and encode each image within that
 time, BlenderProc writes its own OpenEXR instead. Light of all goes through one camera without noise, and its 8-bit
-pictures are compared with a converged reference's, beside what JPEG does to that. BlenderProc's defaults leave out
+images are compared with a converged reference's, beside what JPEG does to that. BlenderProc's defaults leave out
 mirror images and more, which counts as error; "our light paths" sets these as ours are.
 
     python benchmarks/render/error_and_time.py --cache refs --out bench [--looks classroom lab] [--size 320 240]
@@ -25,7 +25,7 @@ from typing import Any
 import cv2
 import matplotlib as mpl
 import numpy as np
-from image_error import HAS_FLIP, Picture, flip, mean_square, psnr_dB, ssim
+from image_error import HAS_FLIP, Image, flip, mean_square, psnr_dB, ssim
 from painters import Cost, Painter
 from reference import MIN_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
@@ -76,47 +76,50 @@ class Row:
     flip: float | None
 
 
-def contenders(asked: argparse.Namespace) -> list[Contender]:
-    found = [
+def contenders(options: argparse.Namespace) -> list[Contender]:
+    rivals = [
         Contender(f"ours, {name}", "ours", "painter.py", {"kind": "ours", "sampling": {**settings, "denoise": True}})
-        for name, settings in _ours(asked).items()
+        for name, settings in _ours(options).items()
     ]
-    for samples in asked.plain:
+    for samples in options.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
-        found.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
-    for own in _hybrid_of(asked):
-        name = f"parts, {own.near}, {own.far}, {own.surfaces}"
-        found.append(Contender(name, "hybrid", "painter.py", {"kind": "ours", "hybrid": asdict(own)}))
-    if asked.blenderproc:
-        for paths in asked.blenderprocs_light_paths:
-            python, settings = str(asked.blenderproc), {"light_paths": paths}
+        rivals.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
+    for samples in _hybrid_of(options):
+        name = f"hybrid, {samples.near}, {samples.far}, {samples.surfaces}"
+        rivals.append(Contender(name, "hybrid", "painter.py", {"kind": "ours", "hybrid": asdict(samples)}))
+    if options.blenderproc:
+        for paths in options.blenderprocs_light_paths:
+            python, settings = str(options.blenderproc), {"light_paths": paths}
             words = "defaults" if paths == "defaults" else "our light paths"
-            found.append(Contender(f"BlenderProc, {words}", "BlenderProc", "blenderproc_loop.py", settings, python))
-    elif asked.blenderprocs_settings:
+            rivals.append(Contender(f"BlenderProc, {words}", "BlenderProc", "blenderproc_loop.py", settings, python))
+    elif options.blenderprocs_settings:
         settings = {"kind": "plain", "cycles": BLENDERPROCS}
-        found.append(Contender("plain loop, BlenderProc's settings", "plain loop", "painter.py", settings))
-    return found
+        rivals.append(Contender("plain loop, BlenderProc's settings", "plain loop", "painter.py", settings))
+    return rivals
 
 
-def _ours(asked: argparse.Namespace) -> dict[str, dict[str, Any]]:
+def _ours(options: argparse.Namespace) -> dict[str, dict[str, Any]]:
     """Fields of `TracingSettings` by what they are called; those of a quality as a run of that size has them."""
-    found = {}
-    for own in asked.ours:
-        if isinstance(own, QualitySettings):
-            name, settings = f"{own.samples} {own.prefilter}/{own.denoise_quality}", asdict(own)
+    by_name = {}
+    for choice in options.ours:
+        if isinstance(choice, QualitySettings):
+            name, settings = f"{choice.samples} {choice.prefilter}/{choice.denoise_quality}", asdict(choice)
         else:
-            of_run = tracing_settings(_render(asked, own), seed=0)
-            name, settings = own, {field: getattr(of_run, field) for field in QualitySettings.__dataclass_fields__}
-        found[name] = settings
-    return found
+            of_run = tracing_settings(_render(options, choice), seed=0)
+            name, settings = choice, {field: getattr(of_run, field) for field in QualitySettings.__dataclass_fields__}
+        by_name[name] = settings
+    return by_name
 
 
-def _hybrid_of(asked: argparse.Namespace) -> list[HybridSamples]:
-    return [own if isinstance(own, HybridSamples) else hybrid_samples(_render(asked, own)) for own in asked.hybrid]
+def _hybrid_of(options: argparse.Namespace) -> list[HybridSamples]:
+    return [
+        choice if isinstance(choice, HybridSamples) else hybrid_samples(_render(options, choice))
+        for choice in options.hybrid
+    ]
 
 
-def _render(asked: argparse.Namespace, quality: RenderQuality) -> Render:
-    width_px, height_px = asked.size
+def _render(options: argparse.Namespace, quality: RenderQuality) -> Render:
+    width_px, height_px = options.size
     return Render(width_px=width_px, height_px=height_px, quality=quality)
 
 
@@ -127,31 +130,34 @@ def _quality(text: str) -> str | QualitySettings:
     return QualitySettings(int(samples), prefilter, denoise_quality)
 
 
-def measured(views: Views, found: dict[int, Reference], asked: argparse.Namespace) -> list[Row]:
+def measured(views: Views, converged: dict[int, Reference], options: argparse.Namespace) -> list[Row]:
     """All contenders under one look."""
     numbers = [view.number for view in views.job.frames]
-    metered = median_luminance(np.concatenate([found[n].light().reshape(-1, 3) for n in numbers]))
-    true = {n: develop(found[n].light(), views.job.response, metered, n) for n in numbers}
+    metered = median_luminance(np.concatenate([converged[n].light().reshape(-1, 3) for n in numbers]))
+    true = {n: develop(converged[n].light(), views.job.response, metered, n) for n in numbers}
     with ExitStack() as stack:
         painters = [
-            (rival, stack.enter_context(Painter(rival.script, views.job, rival.settings, asked.threads, rival.python)))
-            for rival in contenders(asked)
+            (
+                rival,
+                stack.enter_context(Painter(rival.script, views.job, rival.settings, options.threads, rival.python)),
+            )
+            for rival in contenders(options)
         ]
         costs: dict[str, list[Cost]] = {rival.name: [] for rival, _ in painters}
         warm = {rival.name: painter.paint(numbers, warm_up=True) for rival, painter in painters}
-        for repetition in range(asked.repetitions):
+        for repetition in range(options.repetitions):
             for rival, painter in painters:
-                if rival.family == "BlenderProc" and repetition >= asked.blenderprocs_repetitions:
+                if rival.family == "BlenderProc" and repetition >= options.blenderprocs_repetitions:
                     continue
                 costs[rival.name].append(painter.paint(numbers))
                 _say(f"  {views.look} {repetition + 1}: {rival.name} {costs[rival.name][-1].core_s:.1f} core-s")
         rows = []
         for rival, painter in painters:
-            pictures = {n: develop(painter.light(n), views.job.response, metered, n) for n in numbers}
+            images = {n: develop(painter.light(n), views.job.response, metered, n) for n in numbers}
             start = painter.set_up.core_s + warm[rival.name].core_s
-            rows.append(row(views.look, rival, costs[rival.name], start, pictures, true))
-            if asked.out:
-                _keep_pictures(asked.out, views.look, rival.name, pictures, true)
+            rows.append(row(views.look, rival, costs[rival.name], start, images, true))
+            if options.out:
+                _keep_images(options.out, views.look, rival.name, images, true)
     return rows
 
 
@@ -160,11 +166,11 @@ def row(  # noqa: PLR0917 - what a row is made of
     rival: Contender,
     costs: list[Cost],
     start_s: float,
-    pictures: dict[int, Picture],
-    true: dict[int, Picture],
+    images: dict[int, Image],
+    true: dict[int, Image],
 ) -> Row:
-    squares = [mean_square(pictures[n], true[n]) for n in true]
-    flips = [flip(pictures[n], true[n]) for n in true] if HAS_FLIP else []
+    squares = [mean_square(images[n], true[n]) for n in true]
+    flips = [flip(images[n], true[n]) for n in true] if HAS_FLIP else []
     core_s = median(cost.core_s for cost in costs) / len(true)
     return Row(
         look=look,
@@ -175,22 +181,22 @@ def row(  # noqa: PLR0917 - what a row is made of
         core_s_in_a_run=core_s + start_s / RUN_FRAMES,
         psnr_dB=psnr_dB(mean(squares)),
         worst_psnr_dB=psnr_dB(max(squares)),
-        ssim=mean(ssim(pictures[n], true[n]) for n in true),
+        ssim=mean(ssim(images[n], true[n]) for n in true),
         flip=mean(f for f in flips if f is not None) if flips else None,
     )
 
 
-def yardsticks(views: Views, found: dict[int, Reference]) -> list[Row]:
+def yardsticks(views: Views, converged: dict[int, Reference]) -> list[Row]:
     """What JPEG adds to the reference, and how far apart the two halves of the reference are."""
     quality = views.job.response.jpeg_quality
-    lights = {n: reference.light() for n, reference in found.items()}
+    lights = {n: reference.light() for n, reference in converged.items()}
     metered = median_luminance(np.concatenate([light.reshape(-1, 3) for light in lights.values()]))
     rows = []
     for name, job in (("without noise", views.job), ("with camera noise", views.noisy())):
         true = {n: develop(light, job.response, metered, n) for n, light in lights.items()}
-        packed = {n: _decoded(encode_jpeg(picture, quality)) for n, picture in true.items()}
+        packed = {n: _decoded(encode_jpeg(image, quality)) for n, image in true.items()}
         rows.append(row(views.look, _yardstick(f"JPEG {quality} {name}"), [Cost(0, 0)], 0, packed, true))
-    halves = [{n: develop(found[n].halves[i], views.job.response, metered, n) for n in found} for i in range(2)]
+    halves = [{n: develop(converged[n].halves[i], views.job.response, metered, n) for n in converged} for i in range(2)]
     rows.append(row(views.look, _yardstick("reference, seed against seed"), [Cost(0, 0)], 0, *halves))
     return rows
 
@@ -199,20 +205,20 @@ def _yardstick(name: str) -> Contender:
     return Contender(name, "yardstick", "", {})
 
 
-def _decoded(data: bytes) -> Picture:
+def _decoded(data: bytes) -> Image:
     return cv2.cvtColor(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
 
 
-def _keep_pictures(folder: Path, look: str, name: str, pictures: dict[int, Picture], true: dict[int, Picture]) -> None:
-    """Picture, reference, and their difference eight times as strong about grey, side by side."""
-    for number, picture in pictures.items():
-        apart = np.clip(128 + 8.0 * (picture.astype(float) - true[number]), 0, 255).astype(np.uint8)
-        sheet = np.hstack([picture, true[number], apart])
+def _keep_images(folder: Path, look: str, name: str, images: dict[int, Image], true: dict[int, Image]) -> None:
+    """Image, reference, and their difference eight times as strong about grey, side by side."""
+    for number, image in images.items():
+        apart = np.clip(128 + 8.0 * (image.astype(float) - true[number]), 0, 255).astype(np.uint8)
+        sheet = np.hstack([image, true[number], apart])
         file = folder / f"{look}_{number}_{''.join(c if c.isalnum() else '_' for c in name)}.png"
         cv2.imwrite(str(file), cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))
 
 
-def tell(rows: list[Row]) -> None:
+def print_rows(rows: list[Row]) -> None:
     print(f"{'':38} core-s  in a run  wall s    PSNR   worst     SSIM    FLIP")
     for look in dict.fromkeys(r.look for r in rows):
         print(look)
@@ -258,7 +264,7 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def asked_for() -> argparse.Namespace:
+def parsed_options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--looks", nargs="+", choices=LOOKS, default=["classroom", "lab"])
     parser.add_argument("--poses", nargs="+", type=_pose, default=list(POSES), help="x [m],y [m],yaw [deg]")
@@ -277,35 +283,35 @@ def asked_for() -> argparse.Namespace:
     parser.add_argument("--blenderprocs-light-paths", nargs="+", choices=paths, default=paths)
     parser.add_argument("--blenderprocs-settings", action="store_true", help="in a plain loop, for want of it")
     parser.add_argument("--cache", type=Path, default=Path("references"))
-    parser.add_argument("--out", type=Path, help="folder for JSON, plot and pictures")
-    asked = parser.parse_args()
-    if asked.reference_samples < MIN_SAMPLES:
-        parser.error(f"--reference-samples {asked.reference_samples}: at least {MIN_SAMPLES}")
-    if asked.blenderproc and not asked.blenderproc.exists():
-        parser.error(f"--blenderproc {asked.blenderproc}: no such interpreter; see blenderproc_loop.py")
-    return asked
+    parser.add_argument("--out", type=Path, help="folder for JSON, plot and images")
+    options = parser.parse_args()
+    if options.reference_samples < MIN_SAMPLES:
+        parser.error(f"--reference-samples {options.reference_samples}: at least {MIN_SAMPLES}")
+    if options.blenderproc and not options.blenderproc.exists():
+        parser.error(f"--blenderproc {options.blenderproc}: no such interpreter; see blenderproc_loop.py")
+    return options
 
 
 def main() -> None:
-    asked = asked_for()
-    if asked.out:
-        asked.out.mkdir(parents=True, exist_ok=True)
+    options = parsed_options()
+    if options.out:
+        options.out.mkdir(parents=True, exist_ok=True)
     rows: list[Row] = []
-    for look in asked.looks:
-        views = views_of(look, tuple(asked.poses), tuple(asked.size))
-        found = references(views.job, asked.reference_samples, asked.cache, asked.threads)
-        rows += yardsticks(views, found) + measured(views, found, asked)
-        if asked.out:
-            keep(rows, asked)  # after each look: the whole takes hours
-    tell(rows)
+    for look in options.looks:
+        views = views_of(look, tuple(options.poses), tuple(options.size))
+        converged = references(views.job, options.reference_samples, options.cache, options.threads)
+        rows += yardsticks(views, converged) + measured(views, converged, options)
+        if options.out:
+            keep(rows, options)  # after each look: the whole takes hours
+    print_rows(rows)
 
 
-def keep(rows: list[Row], asked: argparse.Namespace) -> None:
-    told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
-    told["ours"], told["hybrid"] = _ours(asked), [asdict(own) for own in _hybrid_of(asked)]
-    text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
-    (asked.out / "error_and_time.json").write_text(text + "\n")
-    plot(rows, tuple(asked.size), asked.out / "error_and_time.png")
+def keep(rows: list[Row], options: argparse.Namespace) -> None:
+    settings = {name: value for name, value in vars(options).items() if name not in {"out", "cache", "blenderproc"}}
+    settings["ours"], settings["hybrid"] = _ours(options), [asdict(samples) for samples in _hybrid_of(options)]
+    text = json.dumps({"arguments": settings, "rows": [asdict(r) for r in rows]}, indent=1)
+    (options.out / "error_and_time.json").write_text(text + "\n")
+    plot(rows, tuple(options.size), options.out / "error_and_time.png")
 
 
 if __name__ == "__main__":

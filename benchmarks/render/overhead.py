@@ -1,4 +1,4 @@
-"""What a whole picture costs beside Cycles: placing, Blender's own copies, reading, developing, encoding, writing.
+"""Cost of an image besides Cycles: placing, Blender's own copies, reading, developing, encoding, writing.
 
     python benchmarks/render/overhead.py [--look classroom] [--size 640 480] [--frames 10]
 
@@ -32,12 +32,12 @@ class Clock:
 
     def __init__(self, module: ModuleType, name: str) -> None:
         self.spent_s = 0.0
-        of = getattr(module, name)
+        function = getattr(module, name)
 
         def timed(*arguments: object, **named: object) -> object:
             begin = time.process_time()
             try:
-                return of(*arguments, **named)
+                return function(*arguments, **named)
             finally:
                 self.spent_s += time.process_time() - begin
 
@@ -49,25 +49,25 @@ def main() -> None:
     parser.add_argument("--look", choices=LOOKS, default="classroom")
     parser.add_argument("--size", nargs=2, type=int, default=[640, 480], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--frames", type=int, default=10)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     load_bpy(1)
     import _cycles  # noqa: PLC0415 - of bpy, loaded above
 
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
-    width_px, height_px = asked.size
-    own = tracing_settings(Render(width_px=width_px, height_px=height_px, method="full"), seed=1)
-    job = replace(job_along_the_line(asked.look, asked.frames + 1, (width_px, height_px)), sampling=own)
+    width_px, height_px = options.size
+    settings = tracing_settings(Render(width_px=width_px, height_px=height_px, method="full"), seed=1)
+    job = replace(job_along_the_line(options.look, options.frames + 1, (width_px, height_px)), sampling=settings)
     build.start()
     build.build(job.scene, job.camera)
     cycles = Clock(_cycles, "render")
     taken: list[tuple[float, float]] = []
     with tempfile.TemporaryDirectory() as scratch:
         engine.configure(job, 1, Path(scratch))
-        pictures = engine.FrameTracer(job, 1, Path(scratch))
+        images = engine.FrameTracer(job, 1, Path(scratch))
         for view in job.frames:
             begin = time.process_time(), cycles.spent_s
-            pixels = develop(pictures.light(view), job.response, _METERED, view.number)
+            pixels = develop(images.light(view), job.response, _METERED, view.number)
             data = encode_jpeg(pixels, job.response.jpeg_quality)
             put_in_place(data, Path(scratch, frame_name(view.number)), width_px, height_px)
             taken.append((time.process_time() - begin[0], cycles.spent_s - begin[1]))

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from painter_side import Asked, Paint, own_replies, serve
+from painter_side import Paint, PaintRequest, reply_stream, serve
 
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.sampling import HybridSamples
@@ -27,73 +27,73 @@ _METERED = 1.0
 
 
 def main() -> None:
-    replies = own_replies()
-    asked = Asked.from_arguments(sys.argv[1:])
-    load_bpy(asked.threads)
+    replies = reply_stream()
+    request = PaintRequest.from_arguments(sys.argv[1:])
+    load_bpy(request.threads)
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
-    kind = asked.settings["kind"]
-    parts = asked.settings.get("hybrid")
-    own = {**asked.settings.get("sampling", {}), "hybrid": HybridSamples(**parts) if parts else None}
-    sampling = replace(asked.job.sampling, **own)
-    asked = replace(asked, job=replace(asked.job, sampling=sampling))
+    kind = request.settings["kind"]
+    parts = request.settings.get("hybrid")
+    sampling_fields = {**request.settings.get("sampling", {}), "hybrid": HybridSamples(**parts) if parts else None}
+    sampling = replace(request.job.sampling, **sampling_fields)
+    request = replace(request, job=replace(request.job, sampling=sampling))
     build.start()
-    build.build(asked.job.scene, asked.job.camera)
-    engine.configure(asked.job, asked.threads, asked.folder)
-    serve(replies, asked.folder, _KINDS[kind](asked))
+    build.build(request.job.scene, request.job.camera)
+    engine.configure(request.job, request.threads, request.folder)
+    serve(replies, request.folder, _KINDS[kind](request))
 
 
-def _ours(asked: Asked) -> Paint:
+def _ours(request: PaintRequest) -> Paint:
     from blender_scenes.blender_side import engine  # noqa: PLC0415 - it imports bpy
 
-    pictures = engine.FrameTracer(asked.job, asked.threads, asked.folder)
-    return _painted(asked, lambda view, _warm_up: pictures.light(view))
+    images = engine.FrameTracer(request.job, request.threads, request.folder)
+    return _painted(request, lambda view, _warm_up: images.light(view))
 
 
-def _plain(asked: Asked) -> Paint:
-    """Cycles told to render, and nothing else."""
+def _plain(request: PaintRequest) -> Paint:
+    """Return a painter that only lets Cycles render."""
     import bpy  # noqa: PLC0415 - as above
 
     cycles = bpy.context.scene.cycles
-    for name, value in asked.settings["cycles"].items():
+    for name, value in request.settings["cycles"].items():
         setattr(cycles, name, value)
     samples = cycles.samples
 
     def light(view: FrameView, warm_up: bool) -> np.ndarray:  # noqa: FBT001 - as a Paint
         cycles.seed, cycles.samples = view.number, 1 if warm_up else samples
-        return _rgb(_rendered(view, asked)) * np.array(view.light_gain, np.float32)
+        return _rgb(_rendered(view, request)) * np.array(view.light_gain, np.float32)
 
-    return _painted(asked, light)
+    return _painted(request, light)
 
 
-def _painted(asked: Asked, light: Callable[[FrameView, bool], np.ndarray]) -> Paint:
-    """Develops and encodes each picture too, as a run does."""
-    views = {view.number: view for view in asked.job.frames}
+def _painted(request: PaintRequest, light: Callable[[FrameView, bool], np.ndarray]) -> Paint:
+    """Develops and encodes each image too, as a run does."""
+    views, response = {view.number: view for view in request.job.frames}, request.job.response
 
     def paint(numbers: Sequence[int], warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
         seen = {}
         for number in numbers:
             seen[number] = light(views[number], warm_up)
-            encode_jpeg(develop(seen[number], asked.job.response, _METERED, number), asked.job.response.jpeg_quality)
+            encode_jpeg(develop(seen[number], response, _METERED, number), response.jpeg_quality)
         return seen
 
     return paint
 
 
-def _passes(asked: Asked) -> Paint:
+def _passes(request: PaintRequest) -> Paint:
     """(5, H, W, 3): `PASSES`, traced without a denoiser."""
     import bpy  # noqa: PLC0415 - as above
 
     scene, layer = bpy.context.scene, bpy.context.view_layer
     scene.cycles.use_denoising = False
-    scene.cycles.samples, scene.cycles.seed = asked.settings["samples"], asked.settings["seed"]
+    scene.cycles.samples, scene.cycles.seed = request.settings["samples"], request.settings["seed"]
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     for name in ("diffuse_color", "diffuse_direct", "diffuse_indirect", "normal"):
         setattr(layer, f"use_pass_{name}", True)
-    views = {view.number: view for view in asked.job.frames}
+    views = {view.number: view for view in request.job.frames}
 
     def paint(numbers: Sequence[int], _warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
-        return {number: _split(_rendered(views[number], asked)) for number in numbers}
+        return {number: _split(_rendered(views[number], request)) for number in numbers}
 
     return paint
 
@@ -102,21 +102,23 @@ _KINDS = {"ours": _ours, "plain": _plain, "passes": _passes}
 
 
 def _split(channels: dict[str, np.ndarray]) -> np.ndarray:
-    found: dict[str, dict[str, np.ndarray]] = {}
+    by_pass: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():
-        *_, of, component = name.split(".")
-        found.setdefault(of, {})[component] = values
+        *_, pass_name, component = name.split(".")
+        by_pass.setdefault(pass_name, {})[component] = values
     letters = {name: "XYZ" if name == "Normal" else "RGB" for name in PASSES}
-    return np.stack([np.stack([found[name][c] for c in letters[name]], axis=-1) for name in PASSES]).astype(np.float32)
+    return np.stack([np.stack([by_pass[name][c] for c in letters[name]], axis=-1) for name in PASSES]).astype(
+        np.float32
+    )
 
 
-def _rendered(view: FrameView, asked: Asked) -> dict[str, Any]:
+def _rendered(view: FrameView, request: PaintRequest) -> dict[str, Any]:
     import bpy  # noqa: PLC0415 - as above
 
     from blender_scenes.blender_side.placing import place  # noqa: PLC0415 - as above
 
     render = bpy.context.scene.render
-    render.resolution_x, render.resolution_y = asked.job.camera.width_px, asked.job.camera.height_px
+    render.resolution_x, render.resolution_y = request.job.camera.width_px, request.job.camera.height_px
     place(view)
     bpy.ops.render.render(write_still=True)
     return read_exr(Path(render.filepath).read_bytes())

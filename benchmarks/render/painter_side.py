@@ -1,7 +1,7 @@
-"""What every process that renders for a benchmark does alike: it is told numbers of frames and says what they cost.
+"""The common part of all processes that render for a benchmark: they receive numbers of frames and reply their cost.
 
-A process gets the files of its job and settings, a folder and a number of threads. It says one line once it is ready
-and one for each line that it is told; what Blender prints goes to the standard error.
+A process gets the files of its job and settings, a folder and a number of threads. It writes one line once it is ready
+and one for each line that it receives; the output of Blender goes to the standard error.
 """
 
 import json
@@ -19,7 +19,7 @@ from blender_scenes.render.job import RenderJob
 
 
 @dataclass(frozen=True)
-class Asked:
+class PaintRequest:
     """The arguments of such a process."""
 
     job: RenderJob
@@ -28,7 +28,7 @@ class Asked:
     threads: int
 
     @classmethod
-    def from_arguments(cls, arguments: Sequence[str]) -> "Asked":
+    def from_arguments(cls, arguments: Sequence[str]) -> "PaintRequest":
         job, settings, folder, threads = arguments
         return cls(RenderJob.from_json(Path(job).read_text()), json.loads(settings), Path(folder), int(threads))
 
@@ -37,7 +37,7 @@ Paint = Callable[[Sequence[int], bool], dict[int, np.ndarray]]
 """Frames' numbers, and whether they only warm up -> (H, W, 3) linear light, or (H, W, 3) of several passes."""
 
 
-def own_replies() -> TextIO:
+def reply_stream() -> TextIO:
     """The standard output for replies alone, to be called before Blender is loaded."""
     replies = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
@@ -45,17 +45,17 @@ def own_replies() -> TextIO:
 
 
 def serve(replies: TextIO, folder: Path, paint: Paint) -> None:
-    """Answers until nobody asks any more; pictures are left as NUMBER.npy, which is not counted."""
-    _say(replies, time.process_time(), 0.0)
+    """Answer requests until the input ends; images are left as NUMBER.npy, which is not timed."""
+    _reply(replies, time.process_time(), 0.0)
     for line in sys.stdin:
-        asked = json.loads(line)
+        request = json.loads(line)
         wall, core = time.perf_counter(), time.process_time()
-        seen = paint(asked["numbers"], asked["warm_up"])
+        seen = paint(request["numbers"], request["warm_up"])
         wall, core = time.perf_counter() - wall, time.process_time() - core
         for number, light in seen.items():
             np.save(folder / f"{number}.npy", light)
-        _say(replies, core, wall)
+        _reply(replies, core, wall)
 
 
-def _say(replies: TextIO, core_s: float, wall_s: float) -> None:
+def _reply(replies: TextIO, core_s: float, wall_s: float) -> None:
     replies.write(json.dumps({"core_s": core_s, "wall_s": wall_s}) + "\n")

@@ -1,4 +1,4 @@
-"""Processes that render side by side, each asked in its turn, so that all share the machine's good and bad moments."""
+"""Processes that render side by side, each in its turn, so that all share the machine's good and bad moments."""
 
 import json
 import os
@@ -27,7 +27,7 @@ class Cost:
 
 
 class Painter:
-    """A process with a scene of its own, as `painter_side` has it; `with` ends it.
+    """A process with its own scene, as `painter_side` has it; `with` ends it.
 
     Raises:
         ChildProcessError: It died; with the last lines of its log.
@@ -49,8 +49,8 @@ class Painter:
             env=environment,
             text=True,
         )
-        self.set_up = self._heard()
-        """From the process' start to where the scene stands."""
+        self.set_up = self._reply()
+        """Cost from the start of the process until the scene is ready."""
 
     def paint(self, numbers: Sequence[int], *, warm_up: bool = False) -> Cost:
         """Renders frames of the job, one after the other; the cost of all of them."""
@@ -61,7 +61,7 @@ class Painter:
                 stdin.flush()
         except BrokenPipeError:
             raise ChildProcessError(self._ended()) from None
-        return self._heard()
+        return self._reply()
 
     def light(self, number: int) -> np.ndarray:
         """(H, W, 3) linear light of a frame that was rendered last, or its passes."""
@@ -78,7 +78,7 @@ class Painter:
         self._log.close()
         self._folder.cleanup()
 
-    def _heard(self) -> Cost:
+    def _reply(self) -> Cost:
         line = self._child.stdout.readline() if self._child.stdout is not None else ""
         if not line:
             raise ChildProcessError(self._ended())

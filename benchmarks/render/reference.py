@@ -1,8 +1,8 @@
-"""Pictures to measure others against, made once and kept.
+"""Converged images to compare others with, rendered once and stored.
 
 Even thousands of samples leave noise near 40 dB here. So the light on diffuse surfaces, which is smooth, is denoised
 apart from their colour, which is not and hardly has noise; both are multiplied again, and gloss and the rest, denoised
-by themselves, added. Two such pictures with different seeds say how good it is; the reference is their mean.
+by themselves, added. Two such images with different seeds say how good it is; the reference is their mean.
 """
 
 import hashlib
@@ -22,7 +22,7 @@ from blender_scenes.render.job import RenderJob
 MIN_SAMPLES = 256
 SEEDS = (101, 202)
 _METHOD = 1
-"""To be raised when what follows makes other pictures from the same job."""
+"""Version of the method, to be raised when it gives other images of the same job."""
 
 
 @dataclass(frozen=True)
@@ -63,19 +63,19 @@ def _of_seed(job: RenderJob, samples: int, seed: int, folder: Path, threads: int
 
 def _file_name(job: RenderJob, number: int, samples: int, seed: int) -> str:
     one = replace(job, frames=tuple(view for view in job.frames if view.number == number))
-    told = json.dumps([_METHOD, samples, seed, one.to_json()])
-    return f"{hashlib.sha256(told.encode()).hexdigest()[:24]}.npy"
+    content = json.dumps([_METHOD, samples, seed, one.to_json()])
+    return f"{hashlib.sha256(content.encode()).hexdigest()[:24]}.npy"
 
 
 def clean(passes: np.ndarray) -> np.ndarray:
     """(H, W, 3) light of the (5, H, W, 3) `PASSES`."""
-    of = dict(zip(PASSES, passes, strict=True))
-    diffuse = of["DiffDir"] + of["DiffInd"]
-    rest = np.maximum(of["Combined"] - of["DiffCol"] * diffuse, 0)
+    by_name = dict(zip(PASSES, passes, strict=True))
+    diffuse = by_name["DiffDir"] + by_name["DiffInd"]
+    rest = np.maximum(by_name["Combined"] - by_name["DiffCol"] * diffuse, 0)
     denoise = Denoiser(os.cpu_count() or 1, "HIGH")
-    parts = (denoise(part, of["Normal"], of["DiffCol"]) for part in (diffuse, rest))
+    parts = (denoise(part, by_name["Normal"], by_name["DiffCol"]) for part in (diffuse, rest))
     smooth, remaining = parts
-    return of["DiffCol"] * smooth + remaining
+    return by_name["DiffCol"] * smooth + remaining
 
 
 def _keep(light: np.ndarray, file: Path) -> None:

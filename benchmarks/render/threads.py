@@ -6,8 +6,8 @@ status 1 if any differs.
 
     python benchmarks/render/threads.py [--looks night extreme] [--qualities draft high] [--size 64 48] [--samples 2]
 
-Of a quality the denoiser is taken; the samples are `--samples`. `parts` is what `standard` takes of pictures from
-parts, whose light has fewer pixels than they have from 160 x 120 on.
+Of a quality the denoiser is taken; the samples are `--samples`. `hybrid` has the samples of `standard` for hybrid
+rendering, whose light has fewer pixels than they have from 160 x 120 on.
 """
 
 import argparse
@@ -35,15 +35,15 @@ def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> 
         file = Path(scratch, "job.json")
         file.write_text(job.to_json())
         sets = [render_job(file, Path(scratch, "images"), threads=threads, numbers=part) for part in parts]
-        return {picture.number: picture.sha256 for frames in sets for picture in frames.files}
+        return {image.number: image.sha256 for frames in sets for image in frames.files}
 
 
-def _settings(name: str, asked: argparse.Namespace) -> dict[str, Any]:
+def _settings(name: str, options: argparse.Namespace) -> dict[str, Any]:
     """Fields of `TracingSettings`."""
     if name == "hybrid":
-        width_px, height_px = asked.size
+        width_px, height_px = options.size
         return {"hybrid": hybrid_samples(Render(width_px=width_px, height_px=height_px))}
-    return asdict(replace(QUALITIES[name], samples=asked.samples))
+    return asdict(replace(QUALITIES[name], samples=options.samples))
 
 
 def main() -> None:
@@ -53,18 +53,18 @@ def main() -> None:
     parser.add_argument("--qualities", nargs="+", choices=[*QUALITIES, "hybrid"], default=qualities)
     parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--samples", type=int, default=2)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     differ = 0
-    for look, name in product(asked.looks, asked.qualities):
-        job = views_of(look, POSES[: len(PLANS)], tuple(asked.size)).noisy()
-        job = replace(job, sampling=replace(job.sampling, **_settings(name, asked)))
-        found = {threads: hashes(job, threads, parts) for threads, parts in PLANS.items()}
-        for number in sorted(found[1]):
-            of_frame = {threads: found[threads][number] for threads in PLANS}
+    for look, name in product(options.looks, options.qualities):
+        job = views_of(look, POSES[: len(PLANS)], tuple(options.size)).noisy()
+        job = replace(job, sampling=replace(job.sampling, **_settings(name, options)))
+        by_threads = {threads: hashes(job, threads, parts) for threads, parts in PLANS.items()}
+        for number in sorted(by_threads[1]):
+            of_frame = {threads: by_threads[threads][number] for threads in PLANS}
             same = len(set(of_frame.values())) == 1
             differ += not same
-            told = of_frame[1][:16] if same else "  ".join(f"{n} threads {h[:16]}" for n, h in of_frame.items())
-            print(f"{look:10} {name:9} frame {number}: {'same' if same else 'DIFFERS'}  {told}", flush=True)
+            shown = of_frame[1][:16] if same else "  ".join(f"{n} threads {h[:16]}" for n, h in of_frame.items())
+            print(f"{look:10} {name:9} frame {number}: {'same' if same else 'DIFFERS'}  {shown}", flush=True)
     print(f"{differ} frames differ" if differ else "every frame is the same with 1, 2 and 4 threads, in any order")
     sys.exit(bool(differ))
 

@@ -18,7 +18,7 @@ _STEP_M = 0.032
 
 @dataclass(frozen=True)
 class Views:
-    """A look's pictures of sharp, steady moments: light paths are compared, not shutters."""
+    """A look's images of sharp, steady moments: light paths are compared, not shutters."""
 
     look: str
     job: RenderJob
@@ -43,7 +43,7 @@ def views_of(look: str, poses: tuple[tuple[float, float, float], ...], size: tup
 
 
 def job_along_the_line(look: str, frames: int, size: tuple[int, int]) -> RenderJob:
-    """A robot that follows the line without error, 0.16 m/s and 5 pictures a second, round after round."""
+    """A robot that follows the line without error, 0.16 m/s and 5 images a second, round after round."""
     spec = _drawn(look, size)
     arena = Arena.from_config(spec.arena)
     pieces = arena.line.pieces

@@ -1,4 +1,4 @@
-"""What a run of pictures along the line costs, all of it: start, scene, maps, tracing, developing, encoding.
+"""Cost of a run of images along the line, all of it: start, scene, maps, tracing, developing, encoding.
 
     python benchmarks/render/whole_run.py [--look classroom] [--size 640 480] [--frames 200] [--plain 2] [--every 10]
 
@@ -26,27 +26,27 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--plain", nargs="*", type=int, default=[2], help="samples")
     parser.add_argument("--every", type=int, default=10)
-    asked = parser.parse_args()
-    job = job_along_the_line(asked.look, asked.frames, tuple(asked.size))
-    width_px, height_px = asked.size
-    parts = hybrid_samples(Render(width_px=width_px, height_px=height_px))
-    settings = {"kind": "ours", "hybrid": asdict(parts)}
+    options = parser.parse_args()
+    job = job_along_the_line(options.look, options.frames, tuple(options.size))
+    width_px, height_px = options.size
+    samples = hybrid_samples(Render(width_px=width_px, height_px=height_px))
+    settings = {"kind": "ours", "hybrid": asdict(samples)}
     with Painter("painter.py", job, settings, 1, sys.executable) as painter:
-        tell("hybrid", painter, [view.number for view in job.frames], asked.frames)
-    for samples in asked.plain:
-        few = replace(job, frames=job.frames[:: asked.every])
+        print_cost("hybrid", painter, [view.number for view in job.frames], options.frames)
+    for samples in options.plain:
+        few = replace(job, frames=job.frames[:: options.every])
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
         with Painter("painter.py", few, settings, 1, sys.executable) as painter:
-            tell(f"plain loop, {samples}", painter, [view.number for view in few.frames], asked.frames)
+            print_cost(f"plain loop, {samples}", painter, [view.number for view in few.frames], options.frames)
 
 
-def tell(name: str, painter: Painter, numbers: list[int], frames: int) -> None:
+def print_cost(name: str, painter: Painter, numbers: list[int], frames: int) -> None:
     """Prints the cost of a frame in a run of so many, and the median of one."""
     costs = [painter.paint([number]) for number in numbers]
     each = np.array([cost.core_s for cost in costs])
     whole = (painter.set_up.core_s + each.sum() * frames / len(numbers)) / frames
-    told = f"median {np.median(each):.2f}, most {each.max():.1f}"
-    print(f"{name:16} {whole:6.2f} core-s a frame, all counted; {told}", flush=True)
+    spread = f"median {np.median(each):.2f}, most {each.max():.1f}"
+    print(f"{name:16} {whole:6.2f} core-s a frame, all counted; {spread}", flush=True)
 
 
 if __name__ == "__main__":

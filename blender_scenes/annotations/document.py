@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, replace
 
 from blender_scenes.annotations.job import AnnotationJob
-from blender_scenes.annotations.record import FrameRecord, Thing
+from blender_scenes.annotations.record import FrameRecord, ObjectRecord
 from symolo.dataset.annotations import (
     CATEGORIES,
     ENCODINGS,
@@ -20,11 +20,11 @@ from symolo.dataset.layout import frame_name
 _IDS_PER_IMAGE = 100_000
 
 
-def annotation_entry(thing: Thing) -> AnnotationEntry:
+def annotation_entry(item: ObjectRecord) -> AnnotationEntry:
     """Return the entry of an instance that a frame's record holds."""
-    number = _IDS_PER_IMAGE * thing.image_id + thing.instance_id
-    entry = AnnotationEntry(number, thing.image_id, thing.category_id, thing.instance_id, box_3d=thing.box_3d)
-    return entry if thing.box_2d is None else replace(entry, **asdict(thing.box_2d))
+    number = _IDS_PER_IMAGE * item.image_id + item.instance_id
+    entry = AnnotationEntry(number, item.image_id, item.category_id, item.instance_id, box_3d=item.box_3d)
+    return entry if item.box_2d is None else replace(entry, **asdict(item.box_2d))
 
 
 def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) -> AnnotationDocument:
@@ -46,6 +46,6 @@ def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) ->
             ImageEntry(view.number, f"{images}/{frame_name(view.number)}", *size, view.t_s, view.X_WC)
             for view in job.frames
         ),
-        annotations=tuple(annotation_entry(thing) for frame in frames for thing in frame.things),
+        annotations=tuple(annotation_entry(item) for frame in frames for item in frame.things),
         sightings=tuple(sighting for frame in frames for sighting in frame.key_points),
     )

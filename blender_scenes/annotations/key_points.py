@@ -3,10 +3,9 @@
 import numpy as np
 
 from blender_scenes.annotations.instances import ON_THE_FLOOR
-from blender_scenes.annotations.seen import VisibleScene
-from blender_scenes.annotations.sight import hidden, triangles
-from blender_scenes.scene.description import Point3
-from symolo.core.arrays import Array
+from blender_scenes.annotations.occlusion import hidden, triangles
+from blender_scenes.annotations.visible_scene import VisibleScene
+from symolo.core.arrays import Array, triple
 from symolo.core.geometry.pinhole import project
 from symolo.core.geometry.poses import pose_X_WR
 from symolo.dataset.annotations import KeyPointSighting
@@ -31,7 +30,7 @@ def key_points(seen: VisibleScene) -> tuple[KeyPointSighting, ...]:
             image_id=seen.view.number,
             key_point_id=job.key_points[i].id,
             pixel=(round(float(pixels[i, 0]), _PIXEL_DECIMALS), round(float(pixels[i, 1]), _PIXEL_DECIMALS)),
-            p_C=_rounded(points_C[i]),
+            p_C=triple(np.round(points_C[i], _METRE_DECIMALS) + 0.0),
             visible=not covers,
         )
         for i, covers in zip(within.tolist(), covered.tolist(), strict=True)
@@ -42,16 +41,11 @@ def _screens_W(seen: VisibleScene) -> Array:
     """Return the triangles (T, 3, 3) in W that can hide something: all that the camera sees but floor and line."""
     scene, instances = seen.job.scene, seen.job.instances
     categories = [instances.known[instance - 1].category for instance in instances.of_mesh[1 : len(scene.meshes) + 1]]
-    found = [
+    screens = [
         triangles(mesh) for mesh, category in zip(scene.meshes, categories, strict=True) if category not in ON_THE_FLOOR
     ]
     on_robot = [(mesh, seen.view.robot_pose) for mesh in scene.robot_in_sight]
     for mesh, pose in (*on_robot, *zip(scene.moving, seen.view.moving, strict=True)):
         X_WI = pose_X_WR(*pose)
-        found.append(triangles(mesh) @ X_WI[:3, :3].T + X_WI[:3, 3])
-    return np.concatenate([np.empty((0, 3, 3)), *found])
-
-
-def _rounded(p: Array) -> Point3:
-    x, y, z = (np.round(p, _METRE_DECIMALS) + 0.0).tolist()
-    return x, y, z
+        screens.append(triangles(mesh) @ X_WI[:3, :3].T + X_WI[:3, 3])
+    return np.concatenate([np.empty((0, 3, 3)), *screens])

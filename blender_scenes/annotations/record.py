@@ -5,16 +5,14 @@ from dataclasses import dataclass
 
 from pydantic import TypeAdapter
 
-from blender_scenes.annotations.boxes_2d import Box2D, box_2d
-from blender_scenes.annotations.boxes_3d import box_3d
+from blender_scenes.annotations.boxes import Box2D, box_2d, box_3d, silhouette
 from blender_scenes.annotations.key_points import key_points
-from blender_scenes.annotations.seen import VisibleScene
-from blender_scenes.annotations.silhouette import silhouette
+from blender_scenes.annotations.visible_scene import VisibleScene
 from symolo.dataset.annotations import Box3D, KeyPointSighting
 
 
 @dataclass(frozen=True)
-class Thing:
+class ObjectRecord:
     """A wall or an obstacle that is partly in the field of view, hidden or not."""
 
     image_id: int
@@ -26,7 +24,7 @@ class Thing:
 
 @dataclass(frozen=True)
 class FrameRecord:
-    things: tuple[Thing, ...]
+    things: tuple[ObjectRecord, ...]
     key_points: tuple[KeyPointSighting, ...]
 
     def to_json(self) -> bytes:
@@ -44,19 +42,19 @@ _RECORD = TypeAdapter(FrameRecord)
 def record(seen: VisibleScene) -> FrameRecord:
     """Return the record of a frame with the kinds of annotation that the job names."""
     kinds = seen.job.kinds
-    wants_things = "boxes_2d" in kinds or "boxes_3d" in kinds
+    has_boxes = "boxes_2d" in kinds or "boxes_3d" in kinds
     return FrameRecord(
-        things=tuple(_things(seen)) if wants_things else (),
+        things=tuple(_objects(seen)) if has_boxes else (),
         key_points=key_points(seen) if "key_points" in kinds else (),
     )
 
 
-def _things(seen: VisibleScene) -> Iterator[Thing]:
+def _objects(seen: VisibleScene) -> Iterator[ObjectRecord]:
     kinds = seen.job.kinds
     for solid in seen.job.solids:
         whole = silhouette(seen, solid)
         if whole.any():
-            yield Thing(
+            yield ObjectRecord(
                 image_id=seen.view.number,
                 instance_id=solid.instance_id,
                 category_id=int(seen.job.instances.category_ids[solid.instance_id]),

@@ -17,6 +17,7 @@ from blender_scenes.render.protocol import FrameBegun, FrameDone, Ready, RenderR
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from sensors.camera.response import develop, encode_jpeg, median_luminance
 from symolo.core.child_process import SCRATCH, Failed, Finished, Owner
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import lacking
 from symolo.dataset.layout import frame_name
 
@@ -38,8 +39,8 @@ def main() -> int:
         owner.send(Failed(error="environment", text=f"{error}; {cure}"))
         raise
     except (OSError, ValueError, RuntimeError, MemoryError) as error:
-        told = lacking(error)
-        owner.send(Failed(error="environment" if told else "engine", text=told or str(error)))
+        cause = lacking(error)
+        owner.send(Failed(error="environment" if cause else "engine", text=cause or str(error)))
         raise
     owner.send(Finished())
     return 0
@@ -49,18 +50,18 @@ def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
     begin = time.perf_counter()
-    job = RenderJob.from_json(Path(request.job_path).read_text())
+    job = RenderJob.from_json(read_file(Path(request.job_path), FileKind.JOB).decode())
     views = {view.number: view for view in job.frames}
     build.start()
     build.build(job.scene, job.camera, Path(request.user_files) if request.user_files else None)
     engine.configure(job, request.threads, scratch)
     metered = median_luminance(engine.metered_light(job))
-    pictures = engine.FrameTracer(job, request.threads, scratch)
+    tracer = engine.FrameTracer(job, request.threads, scratch)
     owner.send(Ready(seconds=time.perf_counter() - begin))
     for number in request.numbers:
         begin = time.perf_counter()
         owner.send(FrameBegun(number=number))
-        pixels = develop(pictures.light(views[number]), job.response, metered, number)
+        pixels = develop(tracer.light(views[number]), job.response, metered, number)
         data = encode_jpeg(pixels, job.response.jpeg_quality)
         path = Path(request.folder) / frame_name(number)
         sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
@@ -72,7 +73,7 @@ def _annotate(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     from blender_scenes.blender_side import annotate  # noqa: PLC0415 - it imports bpy
 
     begin = time.perf_counter()
-    job = AnnotationJob.from_json(Path(request.job_path).read_text())
+    job = AnnotationJob.from_json(read_file(Path(request.job_path), FileKind.JOB).decode())
     views = {view.number: view for view in job.frames}
     annotate.start(job, request.threads, scratch)
     owner.send(Ready(seconds=time.perf_counter() - begin))

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import bpy
 
-from blender_scenes.annotations import IMAGE_ANNOTATIONS
+from blender_scenes.annotations.images import IMAGE_ANNOTATIONS, encode_png
 from blender_scenes.annotations.job import AnnotationJob, record_file
-from blender_scenes.annotations.png import encode_png
 from blender_scenes.annotations.record import record
-from blender_scenes.annotations.seen import Passes, VisibleScene
+from blender_scenes.annotations.visible_scene import Passes, VisibleScene
 from blender_scenes.blender_side import build, engine
 from blender_scenes.blender_side.shaders import ShaderGraph
 from blender_scenes.render.frame_files import FrameFile, put_data_in_place, put_in_place

@@ -9,7 +9,7 @@ from mathutils import Matrix
 
 from blender_scenes.blender_side.shaders import ShaderGraph, material
 from blender_scenes.blender_side.user_images import UserImages
-from blender_scenes.scene.description import Mesh, Panel, Scene, Sky, Sun
+from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky, Sun
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import Intrinsics
 
@@ -84,7 +84,7 @@ def _axes(right: tuple, up: tuple, center: tuple) -> Matrix:
     return Matrix(pose.tolist())
 
 
-def _panel(panel: Panel) -> None:
+def _panel(panel: LightPanel) -> None:
     light = bpy.data.lights.new(panel.name, "AREA")
     light.shape, light.size, light.size_y = "RECTANGLE", panel.width_m, panel.height_m
     peak = max(panel.radiance)

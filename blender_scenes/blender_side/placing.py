@@ -23,8 +23,8 @@ def open_shutter(exposure: Window) -> None:
         point.location[1] = 1.0  # fully open from the start
     cycles.rolling_shutter_type = "NONE" if exposure.row_share == 1.0 else "TOP"
     cycles.rolling_shutter_duration = exposure.row_share
-    for thing in bpy.data.objects:
-        thing.cycles.motion_steps = 1 + int(np.log2(MOMENTS - 1))
+    for item in bpy.data.objects:
+        item.cycles.motion_steps = 1 + int(np.log2(MOMENTS - 1))
     scene.frame_set(_FRAME)
 
 
@@ -38,32 +38,32 @@ def place(view: FrameView) -> None:
     for number in range(len(view.moving)):
         poses[moving_name(number)] = [pose_X_WR(*moment.moving[number]) for moment in moments]
     for name, motion in poses.items():
-        thing = bpy.data.objects[name]
-        _clear(thing)
+        item = bpy.data.objects[name]
+        _clear(item)
         if view.exposure:
-            _animate(thing, motion)
+            _animate(item, motion)
         else:
-            thing.matrix_world = Matrix(motion[0].tolist())
+            item.matrix_world = Matrix(motion[0].tolist())
 
 
-def _clear(thing: bpy.types.Object) -> None:
+def _clear(item: bpy.types.Object) -> None:
     """Delete the keyframes of an object, which Blender would keep even when nothing uses them any more."""
-    action = thing.animation_data.action if thing.animation_data else None
-    thing.animation_data_clear()
+    action = item.animation_data.action if item.animation_data else None
+    item.animation_data_clear()
     if action is not None:
         bpy.data.actions.remove(action)
 
 
-def _animate(thing: bpy.types.Object, motion: list[np.ndarray]) -> None:
+def _animate(item: bpy.types.Object, motion: list[np.ndarray]) -> None:
     """Set keyframes at equal distances over the window, with linear interpolation."""
-    thing.rotation_mode = "QUATERNION"
+    item.rotation_mode = "QUATERNION"
     for number, pose in enumerate(motion):
-        before = thing.rotation_quaternion.copy()
-        thing.matrix_world = Matrix(pose.tolist())
+        before = item.rotation_quaternion.copy()
+        item.matrix_world = Matrix(pose.tolist())
         if number:
-            thing.rotation_quaternion.make_compatible(before)
+            item.rotation_quaternion.make_compatible(before)
         for channel in ("location", "rotation_quaternion"):
-            thing.keyframe_insert(channel, frame=_FRAME - 0.5 + number / (MOMENTS - 1))
-    for curve in thing.animation_data.action.fcurves:
+            item.keyframe_insert(channel, frame=_FRAME - 0.5 + number / (MOMENTS - 1))
+    for curve in item.animation_data.action.fcurves:
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"

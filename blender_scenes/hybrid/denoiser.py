@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.float32]
+from symolo.core.arrays import FloatImage
+
 _CPU, _FLOAT3 = 1, 3
 _QUALITIES = {"BALANCED": 5, "HIGH": 6}
 _INPUTS = ("color", "albedo", "normal")
@@ -31,9 +31,9 @@ class Denoiser:
         self._library.oidnSetDeviceInt(self._device, b"numThreads", threads)
         self._library.oidnSetDeviceBool(self._device, b"setAffinity", False)  # noqa: FBT003 - a C function's
         self._library.oidnCommitDevice(self._device)
-        self._filters: dict[tuple[int, ...], tuple[int, dict[str, Image]]] = {}
+        self._filters: dict[tuple[int, ...], tuple[int, dict[str, FloatImage]]] = {}
 
-    def __call__(self, light: Image, normal: Image, albedo: Image | None = None) -> Image:
+    def __call__(self, light: FloatImage, normal: FloatImage, albedo: FloatImage | None = None) -> FloatImage:
         """Return linear light (H, W, 3) without its noise; an albedo of None is white.
 
         Raises:
@@ -47,7 +47,7 @@ class Denoiser:
         self._require_success()
         return images["output"].copy()
 
-    def _filter(self, shape: tuple[int, ...]) -> tuple[int, dict[str, Image]]:
+    def _filter(self, shape: tuple[int, ...]) -> tuple[int, dict[str, FloatImage]]:
         if shape not in self._filters:
             height, width, _ = shape
             images = {name: np.zeros(shape, np.float32) for name in (*_INPUTS, "output")}

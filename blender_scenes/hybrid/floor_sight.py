@@ -3,17 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sensors.camera.shutter import MOMENTS
 from sensors.camera.views import FrameView
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, FloatImage
 from symolo.core.geometry.pinhole import Intrinsics
 from symolo.core.geometry.poses import pose_X_WR
 
-Image = NDArray[np.float32]
 _MAX_BYTES = 128 * 2**20
-"""Maximum size of what is kept from frame to frame."""
+"""Maximum size of the points that are cached from frame to frame."""
 _POINTS = 3
 """Number of points of a pixel's filter from left to right."""
 _CYCLES_FILTER = 2.0
@@ -60,14 +58,14 @@ class FloorSight:
         """Take a camera without distortion, a view for its pose on the robot, and `row_share` of `shutter.Window`."""
         self._camera, self._row_share = camera, row_share
         self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
-        self._cache: dict[tuple[float, float], Image] = {}
+        self._cache: dict[tuple[float, float], FloatImage] = {}
         self._max_cached = _MAX_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
 
-    def depth_m(self) -> Image:
+    def depth_m(self) -> FloatImage:
         """Return the depth (H, W) of the floor in the middle of each pixel; NaN above the horizon."""
         return (-self._X_RC[2, 3] / self._rays(0.0, 0.0)[2]).astype(np.float32)
 
-    def pixel_m(self) -> tuple[Image, Image]:
+    def pixel_m(self) -> tuple[FloatImage, FloatImage]:
         """Return the size of the floor (H, W) that a pixel covers across and along the view; NaN above the horizon.
 
         At the depth z a pixel covers z^3 / (f^2 h) of a plane at the distance h, and z / f across.
@@ -76,7 +74,7 @@ class FloorSight:
         across_m = depth_m / self._camera.fx_px
         return across_m, across_m * depth_m / np.float32(self._X_RC[2, 3])
 
-    def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> Image:
+    def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> FloatImage:
         """Return x and y in W (H, W, 2) [m] of the floor that pixels see, in some rows; NaN above the horizon."""
         x, y, yaw = (values[rows, None] for values in self._robot_poses(view, point.time))
         ahead, left = self._in_robot(point.right_px, point.down_px, rows)
@@ -98,14 +96,14 @@ class FloorSight:
         known = np.linspace(0.0, 1.0, MOMENTS)
         return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
 
-    def _in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
+    def _in_robot(self, right_px: float, down_px: float, rows: slice) -> FloatImage:
         """Return x and y in R (2, rows, W), equal in every frame; large images keep those of some points only."""
         at = right_px, down_px
         if at not in self._cache and len(self._cache) < self._max_cached:
             self._cache[at] = self._seen_in_robot(*at, slice(None))
         return self._cache[at][:, rows] if at in self._cache else self._seen_in_robot(*at, rows)
 
-    def _seen_in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
+    def _seen_in_robot(self, right_px: float, down_px: float, rows: slice) -> FloatImage:
         ahead, left, down = self._rays(right_px, down_px, rows)
         reach = self._X_RC[2, 3] / down
         x_m, y_m = self._X_RC[:2, 3]

@@ -5,9 +5,8 @@ He, Sun, Tang, Guided Image Filtering, IEEE Trans. Pattern Anal. Mach. Intell. 3
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.float32]
+from symolo.core.arrays import FloatImage
 
 _SPREAD_PX = 1.5
 """Standard deviation of a pixel's neighbourhood."""
@@ -16,7 +15,7 @@ _MIN_VARIANCE = np.float32(1e-4)
 _MIN_WEIGHT = np.float32(1e-3)
 
 
-def local_lines(values: Image, guide: Image, weight: Image) -> Image:
+def local_lines(values: FloatImage, guide: FloatImage, weight: FloatImage) -> FloatImage:
     """Return (H, W, 2 K): the slope of the values around each pixel over the guide, and the line's value at its guide.
 
     Args:

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Image = NDArray[np.float32]
+from symolo.core.arrays import FloatImage
 
 _STEPS = 32
 """Steps of OpenCV's bilinear interpolation between two texels."""
@@ -35,9 +35,9 @@ class Tile:
         return Tile((x - self.texel_m, y - self.texel_m), self.texel_m, self.texels + 2, self.key)
 
 
-Make = Callable[[Tile], Image]
+Make = Callable[[Tile], FloatImage]
 """Function that makes the texels (N, N, K) of a tile, rows along y."""
-Unpack = Callable[[Image], Image]
+Unpack = Callable[[FloatImage], FloatImage]
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Tiling:
     def side(self) -> int:
         return self.core + 2 * self.margin
 
-    def shares(self) -> Image:
+    def shares(self) -> FloatImage:
         """Return the weight (side,) of a tile along an axis; the weights of all tiles sum to 1 everywhere."""
         if not self.margin:
             return np.ones(self.core, np.float32)
@@ -69,10 +69,10 @@ class MapPatch:
     first: NDArray[np.int64]
     """Column and row of its first texel on the plane."""
     texel_m: float
-    texels: Image
+    texels: FloatImage
     """(H, W, K), NaN where no tile was needed."""
 
-    def at(self, points: NDArray[np.floating]) -> Image:
+    def at(self, points: NDArray[np.floating]) -> FloatImage:
         """Return the interpolated values (M, N, K) at points (M, N, 2) [m]."""
         # Rounding to OpenCV's steps before the corner is subtracted makes the result independent of the corner.
         where = points * (_STEPS / self.texel_m)
@@ -167,7 +167,7 @@ def _tiles_at(texels: NDArray[np.floating], reach: int, core: int) -> NDArray[np
     return np.argwhere(touched) + first
 
 
-def _copy_common(patch: MapPatch, texels: Image, first: NDArray[np.int64]) -> None:
+def _copy_common(patch: MapPatch, texels: FloatImage, first: NDArray[np.int64]) -> None:
     """Copy the part of a patch that lies on texels (H, W, K), the first of which is `first` on the plane."""
     theirs, ours = np.array(patch.texels.shape[1::-1]), np.array(texels.shape[1::-1])
     low, high = np.maximum(patch.first, first), np.minimum(patch.first + theirs, first + ours)
@@ -175,7 +175,7 @@ def _copy_common(patch: MapPatch, texels: Image, first: NDArray[np.int64]) -> No
     texels[to_y : to_y + rows, to_x : to_x + columns] = patch.texels[y : y + rows, x : x + columns]
 
 
-def without_holes(light: Image, level: Image) -> Image:
+def without_holes(light: FloatImage, level: FloatImage) -> FloatImage:
     """Return light (N, N, K) on a floor with the holes below obstacles filled from around them.
 
     The floor beside a box would be too dark otherwise, because texels at the border of a hole are half below the box.
@@ -190,7 +190,7 @@ def without_holes(light: Image, level: Image) -> Image:
     return np.where(free > 0, light, _spread(light * free, free)).astype(np.float32)
 
 
-def _spread(weighted: Image, weight: Image) -> Image:
+def _spread(weighted: FloatImage, weight: FloatImage) -> FloatImage:
     """Return weighted values (N, N, K) divided by their weight, filled by means of larger squares where it is 0."""
     if weight.all() or min(weight.shape[:2]) == 1:
         return weighted / np.maximum(weight, 1e-9)
@@ -204,7 +204,7 @@ def _spread(weighted: Image, weight: Image) -> Image:
     return np.where(weight > 0, weighted / np.maximum(weight, 1e-9), far).astype(np.float32)
 
 
-def normals(height_m: Image, surfaces: Image, texel_m: float) -> Image:
+def normals(height_m: FloatImage, surfaces: FloatImage, texel_m: float) -> FloatImage:
     """Return unit normals (N-2, N-2, 3) of a relief (N, N) of several `surfaces` (N, N); flat where two meet."""
     slopes = []
     for axis in (1, 0):

@@ -5,9 +5,8 @@ lie on the same surface.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.float32]
+from symolo.core.arrays import FloatImage
 
 _DEPTH_SHARE = 0.05
 """Difference of two pixels' depths, as a share of the depth, for which their weight is 1/e."""
@@ -16,14 +15,14 @@ _MIN_WEIGHT = np.float32(1e-4)
 """Minimum weight, so that a pixel without a similar neighbour takes the mean of all."""
 
 
-def reduced(image: Image, times: int) -> Image:
+def reduced(image: FloatImage, times: int) -> FloatImage:
     """Return the means (H / times, W / times, K) of squares of pixels."""
     height, width, channels = image.shape
     squares = image.reshape(height // times, times, width // times, times, channels)
     return squares.mean(axis=(1, 3), dtype=np.float32)
 
 
-def upsampled(low: Image, nearness: Image, normal: Image) -> Image:
+def upsampled(low: FloatImage, nearness: FloatImage, normal: FloatImage) -> FloatImage:
     """Return (H, W, K) from (H / times, W / times, K) for an integer number of times.
 
     Args:
@@ -58,7 +57,7 @@ def _neighbours(place: int, times: int) -> list[tuple[int, float]]:
     return [(1, 1 - abs(away)), (2 if away > 0 else 0, abs(away))]
 
 
-def _similarity(a: Image, b: Image) -> Image:
+def _similarity(a: FloatImage, b: FloatImage) -> FloatImage:
     apart = np.abs(a[..., :1] - b[..., :1]) / (_DEPTH_SHARE * np.maximum(a[..., :1], _MIN_WEIGHT))
     along = np.maximum((a[..., 1:] * b[..., 1:]).sum(axis=-1, keepdims=True), 0)
     return np.exp(-apart) * along**_NORMAL_POWER

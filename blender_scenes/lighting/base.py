@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-from blender_scenes.scene.description import Mesh, Panel, Sky, Sun
+from blender_scenes.scene.description import LightPanel, Mesh, Sky, Sun
 from blender_scenes.scene.shading import Surface
 
 
 @dataclass(frozen=True)
 class Lights:
-    panels: tuple[Panel, ...] = ()
+    panels: tuple[LightPanel, ...] = ()
     suns: tuple[Sun, ...] = ()
     skies: tuple[Sky, ...] = ()
     meshes: tuple[Mesh, ...] = ()

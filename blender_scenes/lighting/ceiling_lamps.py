@@ -7,7 +7,7 @@ import numpy as np
 from blender_scenes.lighting.base import Lights
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import RoomModel
-from blender_scenes.scene.description import Mesh, Panel, Point3
+from blender_scenes.scene.description import LightPanel, Mesh, Point3
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined, lathe, moved, rod
 from configs.schema.lighting import LampsLook
@@ -43,7 +43,7 @@ def ceiling_lamps(look: LookConfig, room: RoomModel) -> Lights:
             y = y0 + (y1 - y0) * (row + 0.5) / config.rows
             name, center = f"lamp_{row}_{column}", (x, y, z)
             if config.flux_klm > 0:
-                panels.append(Panel(name, center, (1, 0, 0), (0, -1, 0), length, width, radiance, on_mains=True))
+                panels.append(LightPanel(name, center, (1, 0, 0), (0, -1, 0), length, width, radiance, on_mains=True))
             if config.housing != "none":
                 body = _batten if config.housing == "batten" else _shade
                 meshes.append(body(name, center, (length, width), room.height_m))

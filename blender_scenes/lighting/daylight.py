@@ -9,10 +9,11 @@ from blender_scenes.lighting.panoramas import mean_color
 from blender_scenes.lighting.sun import towards_sun
 from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
 from blender_scenes.rooms.base import RoomModel
-from blender_scenes.scene.description import Panel, Sky
+from blender_scenes.scene.description import LightPanel, Sky
 from configs.schema.asset import Asset
 from configs.schema.look import LookConfig
-from sensors.camera.colour import LUMINANCE, RGB, light_rgb
+from sensors.camera.colour import LUMINANCE, light_rgb
+from symolo.core.arrays import triple
 
 _BRIGHTEST = 2.0
 """Maximum luminance of the sky as a multiple of its mean; the overcast sky of CIE S 011 has 9/7 at its zenith.
@@ -43,14 +44,14 @@ def daylight(look: LookConfig, room: RoomModel) -> Lights:
         return Lights(skies=skies)
     window = room.window
     behind = room.wall_depth_m if not sheer else CURTAIN_M
-    panel = Panel(
+    panel = LightPanel(
         "window",
         tuple(np.subtract(window.center, np.multiply(window.inward, behind)).tolist()),
         window.right,
         window.up,
         window.width_m,
         window.height_m,
-        _rgb(radiance),
+        triple(radiance),
         seen=sheer,
     )
     meshes, surfaces = curtain(window) if sheer else ((), ())
@@ -66,8 +67,3 @@ def _sun_on_the_window(look: LookConfig, room: RoomModel) -> np.ndarray:
     """Return the sun's illuminance [klx] on the plane of the window."""
     facing = -float(np.dot(towards_sun(look, room), room.window.inward))
     return np.multiply(light_rgb(look.sun.color_temperature_K), look.sun.illuminance_klx * max(0.0, facing))
-
-
-def _rgb(values: np.ndarray) -> RGB:
-    r, g, b = values.tolist()
-    return r, g, b

@@ -8,12 +8,12 @@ from blender_scenes.lighting.base import Lights
 from blender_scenes.lighting.ceiling_lamps import hood
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import RoomModel, Top
-from blender_scenes.scene.description import Mesh, Panel
+from blender_scenes.scene.description import LightPanel, Mesh
 from blender_scenes.scene.solids import joined, lathe, moved, posed, rod
 from configs.schema.lighting import DeskLampsLook
 from configs.schema.look import LookConfig
 from sensors.camera.colour import light_rgb, scaled
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, triple
 
 _BULB_M = 0.07
 _NECK_M, _RIM_M, _HOOD_M = 0.052, 0.085, 0.11
@@ -38,11 +38,11 @@ def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
     for number, top in enumerate(room.tops[: config.count]):
         foot, towards = _stand(top, middle)
         head, axes = _head(foot, towards, config)
-        right, up, axis = (_triple(axes[:, i]) for i in range(3))
+        right, up, axis = (triple(axes[:, i]) for i in range(3))
         bulb = head - _BULB_DEPTH_M * np.array(axis)
         name = f"desk_lamp_{number}"
         if config.flux_klm > 0:
-            panels.append(Panel(name, _triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
+            panels.append(LightPanel(name, triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
         meshes.append(_body(name, foot, head, axes))
     surfaces = moulded("desk_lamp_enamel", (0.05, 0.05, 0.055), 0.35), moulded("desk_lamp_hood", (0.5, 0.5, 0.48), 0.4)
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces if meshes else ())
@@ -70,14 +70,9 @@ def _head(foot: Array, towards: Array, config: DeskLampsLook) -> tuple[Array, Ar
 
 
 def _body(name: str, foot: Array, head: Array, axes: Array) -> Mesh:
-    base = moved(lathe("base", [(0.075, 0.0), (0.075, 0.012), (0.02, 0.02)], "desk_lamp_enamel"), _triple(foot))
+    base = moved(lathe("base", [(0.075, 0.0), (0.075, 0.012), (0.02, 0.02)], "desk_lamp_enamel"), triple(foot))
     neck = head - _HOOD_M * axes[:, 2]
-    arm = rod("arm", (_triple(foot + np.array([0.0, 0.0, 0.015])), _triple(neck)), (0.008, 0.006), "desk_lamp_enamel")
+    arm = rod("arm", (triple(foot + np.array([0.0, 0.0, 0.015])), triple(neck)), (0.008, 0.006), "desk_lamp_enamel")
     # The hood opens along -z of its own frame.
-    shade = posed(hood(_NECK_M, _RIM_M, _HOOD_M, "desk_lamp_hood"), axes @ np.diag([1.0, -1.0, -1.0]), _triple(head))
+    shade = posed(hood(_NECK_M, _RIM_M, _HOOD_M, "desk_lamp_hood"), axes @ np.diag([1.0, -1.0, -1.0]), triple(head))
     return joined(name, [base, arm, shade])
-
-
-def _triple(vector: Array) -> tuple[float, float, float]:
-    x, y, z = vector.tolist()
-    return x, y, z

@@ -23,7 +23,7 @@ def mains_phase_rad(seed: int) -> float:
     return float(stream(seed, "mains phase").uniform(0.0, 2 * np.pi))
 
 
-def frame_gains(  # noqa: PLR0917 - each is a number of its own
+def frame_gains(  # noqa: PLR0917 - six separate quantities
     flicker: FlickerLook, t_s: Array, exposure_s: float, lamps: RGB, all_light: RGB, seed: int
 ) -> list[RGB]:
     """Return the gains of the three channels for each frame.

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from blender_scenes.scene.description import Panel, Point3
+from blender_scenes.scene.description import LightPanel, Point3
 from sensors.camera.colour import RGB
+from symolo.core.arrays import triple
 
 
-def on_the_floor(panels: Sequence[Panel], at: Point3) -> RGB:
+def on_the_floor(panels: Sequence[LightPanel], at: Point3) -> RGB:
     """Return the direct illuminance of a level surface [klx]; each panel counts as a small, far Lambertian source."""
     total = np.zeros(3)
     for panel in panels:
@@ -18,4 +19,4 @@ def on_the_floor(panels: Sequence[Panel], at: Point3) -> RGB:
         arriving = float(ray[2]) / distance
         area = panel.width_m * panel.height_m
         total += np.multiply(panel.radiance, area * max(leaving, 0.0) * max(arriving, 0.0) / distance**2)
-    return float(total[0]), float(total[1]), float(total[2])
+    return triple(total)

@@ -8,7 +8,7 @@ from sensors.camera.colour import RGB
 CEILING = 10.0
 """Components above this belong to a sun or a lamp in the panorama, not to the sky."""
 
-MEAN_COLOR: dict[PanoramaName, RGB] = {
+MEAN_COLOR: dict[str, RGB] = {
     "city": (1.1422, 1.2265, 1.3952),
     "courtyard": (0.8434, 0.8878, 1.0983),
     "forest": (1.0518, 1.1792, 1.3717),
@@ -18,9 +18,7 @@ MEAN_COLOR: dict[PanoramaName, RGB] = {
     "sunrise": (0.3824, 0.4797, 0.5808),
     "sunset": (0.7437, 0.7732, 1.0392),
 }
-"""Mean linear colour above the horizon by solid angle, each component cut off at `CEILING`."""
-
-_BY_NAME: dict[str, RGB] = {**MEAN_COLOR}
+"""Mean linear colour above the horizon by solid angle of each `PanoramaName`, components cut off at `CEILING`."""
 
 
 def mean_color(panorama: PanoramaName | Asset) -> RGB:
@@ -30,4 +28,4 @@ def mean_color(panorama: PanoramaName | Asset) -> RGB:
 
 def mean_of_sky(sky: Sky) -> RGB:
     """Return the mean linear colour of a scene's sky above the horizon."""
-    return sky.mean if sky.mean is not None else _BY_NAME[sky.panorama]
+    return sky.mean if sky.mean is not None else MEAN_COLOR[sky.panorama]

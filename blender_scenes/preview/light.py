@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from blender_scenes.lighting.panoramas import mean_of_sky
 from blender_scenes.preview.triangles import Triangles
-from blender_scenes.scene.description import Panel, Sky, Sun
+from blender_scenes.scene.description import LightPanel, Sky, Sun
 from sensors.camera.colour import LUMINANCE
 from symolo.core.arrays import Array
 
@@ -18,7 +18,7 @@ Floats = NDArray[np.float32]
 """Single precision halves the time."""
 
 
-def from_panels(panels: Sequence[Panel], points: Floats, normals: Floats) -> Floats:
+def from_panels(panels: Sequence[LightPanel], points: Floats, normals: Floats) -> Floats:
     """Return the illuminance (3, N) of surfaces at points (3, N) with unit normals (3, N).
 
     A panel counts as a disc of its area A in its middle: L A cos cos / (r2 + A / pi), exact on the disc's axis at any
@@ -50,7 +50,7 @@ def _dot(a: Iterable[Floats], b: Iterable[Floats]) -> Floats:
     return ax * bx + ay * by + az * bz
 
 
-def from_all_around(panels: Sequence[Panel], scene: Triangles, colors: Array) -> Array:
+def from_all_around(panels: Sequence[LightPanel], scene: Triangles, colors: Array) -> Array:
     """Return the illuminance (3,) by light between the scene's surfaces, which is taken to be the same everywhere.
 
     It is that of an integrating sphere: flux / area x rho / (1 - rho), with the area of the box around the scene and

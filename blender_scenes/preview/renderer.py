@@ -17,9 +17,9 @@ from blender_scenes.scene.typical import typical_color
 from configs.assets.images import read_image
 from sensors.camera.lens_warp import pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
-from sensors.camera.response import Image, develop, median_luminance
+from sensors.camera.response import develop, median_luminance
 from sensors.camera.views import FrameView
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, FloatImage
 from symolo.core.geometry.pinhole import Intrinsics
 from symolo.core.geometry.poses import pose_X_WR
 
@@ -53,13 +53,13 @@ class FlatRenderer:
             np.concatenate([self.light(view, small) for view in metered_views(job.frames)])
         )
 
-    def picture(self, view: FrameView) -> NDArray[np.uint8]:
+    def image(self, view: FrameView) -> NDArray[np.uint8]:
         """Return the 8-bit RGB image (H, W, 3) of one of the job's frames, developed like Blender's images."""
         light = self.light(view, self._pinhole) * np.array(view.light_gain, np.float32)
         seen = through_lens(light, self._job.camera)
         return develop(seen, self._job.response, self._metered, view.number)
 
-    def light(self, view: FrameView, camera: Intrinsics) -> Image:
+    def light(self, view: FrameView, camera: Intrinsics) -> FloatImage:
         """Return the linear light (H, W, 3) of a pinhole camera at the view's pose and time."""
         moved = [part.placed(pose_X_WR(*pose)) for part, pose in zip(self._moving, view.moving, strict=True)]
         triangles = Triangles.joined([self._still, self._robot.placed(pose_X_WR(*view.robot_pose)), *moved])

@@ -31,7 +31,7 @@ def device_for(choice: RenderDevice, listed: Callable[[], Collection[str]] | Non
     """Return the kind of device for a command; `listed` returns the kinds of the machine's cards, by default Blender's.
 
     Raises:
-        EnvironmentLacking: A card is asked for and there is none, or Blender does not start.
+        EnvironmentLacking: A card is required and there is none, or Blender does not start.
     """
     if choice == "cpu":
         return "CPU"

@@ -16,6 +16,7 @@ from blender_scenes.render.surroundings import without_blender_settings
 from symolo.core.child_process import SCRATCH, ChildProcess, Failed
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder
+from symolo.core.files.plain_files import FileKind, read_file
 
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob, "annotations": AnnotationJob}
 _LOG_LINES = 15
@@ -53,7 +54,7 @@ def render_job(
     """Put the files of a job's frames below `folder`: images, or annotations.
 
     Their bytes depend on the job and the frame's number alone. Finished files are recorded in a journal beside the
-    folder, `<folder>.jsonl`; a frame whose files are all there and undamaged is not made again.
+    folder, `<folder>.jsonl`; a frame whose files are all there and undamaged is not rendered again.
 
     Args:
         job_path: File of the job.
@@ -71,21 +72,21 @@ def render_job(
         RenderError: The Blender process failed.
         ValueError: The job is damaged or has no such frame.
     """
-    text = job_path.read_bytes()
+    text = read_file(job_path, FileKind.JOB)
     job = _JOBS[work].from_json(text.decode())
     known = [view.number for view in job.frames]
-    wanted = sorted(set(known if numbers is None else numbers))
-    if unknown := sorted(set(wanted) - set(known)):
+    requested = sorted(set(known if numbers is None else numbers))
+    if unknown := sorted(set(requested) - set(known)):
         raise ValueError(f"{job_path}: no frame {unknown[0]}; the job has {len(known)} frames")
     ledger = Ledger(folder, hashlib.sha256(text).hexdigest())
     whole = ledger.whole_files()
-    files = {number: job.files(number) for number in wanted}
-    left = {number: set(files[number]) - whole.keys() for number in wanted}
-    missing = tuple(number for number in wanted if left[number])
+    files = {number: job.files(number) for number in requested}
+    left = {number: set(files[number]) - whole.keys() for number in requested}
+    missing = tuple(number for number in requested if left[number])
     report = on_frame or (lambda _number: None)
     for place in {(folder / name).parent for number in missing for name in left[number]}:
         make_folder(place)
-    for number in wanted:
+    for number in requested:
         if not left[number]:
             report(number)
     if missing:
@@ -104,12 +105,12 @@ def render_job(
             left[file.number].discard(file.file)
             if not left[file.number]:
                 report(file.number)
-    return FrameSet(tuple(whole[name] for number in wanted for name in files[number]), made=len(missing))
+    return FrameSet(tuple(whole[name] for number in requested for name in files[number]), made=len(missing))
 
 
 def seed_of(job_path: Path, work: Work) -> int:
     """Return the seed from which the frames of a job draw their noise, by their numbers."""
-    return _JOBS[work].from_json(job_path.read_text(encoding="utf-8")).sampling.seed
+    return _JOBS[work].from_json(read_file(job_path, FileKind.JOB).decode("utf-8")).sampling.seed
 
 
 def _blender_files(request: RenderRequest, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator[FrameFile]:

@@ -1,5 +1,1 @@
-"""Rooms around the arena, one file each."""
-
-from blender_scenes.rooms.plain import plain_room
-
-ROOMS = {"plain": plain_room}
+"""The room around the arena: walls, window and furniture."""

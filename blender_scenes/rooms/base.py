@@ -1,4 +1,4 @@
-"""A room as the rest of the scene sees it: meshes, surfaces, and the window that lets the daylight in."""
+"""A room for the rest of the scene: meshes, surfaces, and the window that lets the daylight in."""
 
 from dataclasses import dataclass
 

@@ -17,13 +17,13 @@ from symolo.arena.footprints import Rectangle
 from symolo.core.random_streams import stream
 
 _DOORWAY_M = 0.7
-"""Floor kept free before a door."""
+"""Depth of the floor before a door that stays free."""
 
 
 def furnished(  # noqa: PLR0917 - the room and what the draws depend on
     look: LookConfig, low: Point2, high: Point2, window: Opening, arena: Rectangle, seed: int
 ) -> list[PlacedPiece]:
-    """Return all pieces that the look asks for and for which there is room.
+    """Return all pieces that the look names and for which there is room.
 
     Args:
         look: Its `room.furniture` counts the pieces.

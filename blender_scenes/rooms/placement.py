@@ -46,7 +46,7 @@ class PlacedPiece:
 
 @dataclass
 class Ground:
-    """The floor of a room and what stands on it."""
+    """The floor of a room and the pieces on it."""
 
     low: Point2
     high: Point2
@@ -128,7 +128,7 @@ class WallFace:
 
 
 def hang(piece: Piece, faces: dict[WallSide, WallFace], rng: np.random.Generator) -> PlacedPiece | None:
-    """Draw places along the walls until one is free; the piece keeps its height. None if none is free."""
+    """Draw places along the walls until one is free; the height of the piece does not change. None if none is free."""
     for _ in range(_TRIES):
         face = list(faces.values())[int(rng.integers(len(faces)))]
         reach = 0.5 * max(0.0, face.wall.length_m - piece.size_m[0])

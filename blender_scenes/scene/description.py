@@ -43,7 +43,7 @@ class Mesh:
 
 
 @dataclass(frozen=True)
-class Panel:
+class LightPanel:
     """A rectangle that emits light to one side, evenly over its area."""
 
     name: str
@@ -86,7 +86,7 @@ class Sky:
     ceiling: float
     """Maximum of the panorama's components before the gain, which removes its sun."""
     saturation: float
-    """1 for the panorama's colours, 0 for grey."""
+    """Factor on the saturation of the panorama; 0 for grey."""
     mean: Annotated[RGB | None, Field(exclude_if=_is_none)] = None
     """Mean colour above the horizon of a user's file; None for a panorama of bpy."""
 
@@ -98,7 +98,7 @@ class Scene:
     """Meshes that stand still: floor, pieces of the line, walls and obstacles in the arena's order, room."""
     robot: tuple[Mesh, ...]
     """The robot's parts that its camera does not see, in R; they have shadows and mirror images."""
-    panels: tuple[Panel, ...]
+    panels: tuple[LightPanel, ...]
     sun: Sun | None
     sky: Sky
     moving: Annotated[tuple[Mesh, ...], Field(exclude_if=_is_empty)] = ()

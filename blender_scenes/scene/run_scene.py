@@ -12,9 +12,8 @@ from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
-from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.base import RoomModel
-from blender_scenes.rooms.plain import room_bounds
+from blender_scenes.rooms.plain import plain_room, room_bounds
 from blender_scenes.scene import line_mesh
 from blender_scenes.scene import meshes as geometry
 from blender_scenes.scene.bevel import BEVEL_M, bevelled_box
@@ -58,7 +57,7 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
 def room_around(arena: Arena, look: LookConfig, seed: int) -> RoomModel:
     """Return the room of the scene with its furniture."""
     low, high = arena_bounds(arena)
-    return ROOMS["plain"](look, low, high, seed)
+    return plain_room(look, low, high, seed)
 
 
 def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from configs.arena_generation.site import Site
-from configs.arena_generation.track import Pose
 from configs.schema.arena import Obstacle
 from configs.schema.arena_generator import ArenaGenerator
+from symolo.core.geometry.poses import PlanarPose
 
 MAX_PLACES = 40
 """Number of places that are tried for one box before it is left out."""
@@ -49,7 +49,7 @@ def add_decoy(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -> N
 
 
 def _box(
-    name: str, pose: Pose, sizes: tuple[float, float], recipe: ArenaGenerator, rng: np.random.Generator
+    name: str, pose: PlanarPose, sizes: tuple[float, float], recipe: ArenaGenerator, rng: np.random.Generator
 ) -> Obstacle:
     length_m, width_m = rng.uniform(*sizes, 2).tolist()
     return Obstacle(

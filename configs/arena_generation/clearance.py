@@ -9,14 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from configs.arena_generation.track import Pose
 from symolo.arena.footprints import Rectangle
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import PlanarPose
 
-FRONT_SENSOR: Pose = (0.085, 0.0, 0.0)
+FRONT_SENSOR: PlanarPose = (0.085, 0.0, 0.0)
 """x [m], y [m], yaw [rad] in R."""
-LEFT_SENSOR: Pose = (0.075, 0.03, math.radians(45))
-RIGHT_SENSOR: Pose = (0.075, -0.03, math.radians(-45))
+LEFT_SENSOR: PlanarPose = (0.075, 0.03, math.radians(45))
+RIGHT_SENSOR: PlanarPose = (0.075, -0.03, math.radians(-45))
 HALF_FIELD_RAD = math.radians(12.5)
 """Half of the field of view of a range sensor."""
 HEADING_RAD = math.radians(10)
@@ -31,7 +31,7 @@ def distance_to(rectangle: Rectangle, points: Array) -> Array:
     return np.hypot(beyond[:, 0], beyond[:, 1])
 
 
-def in_frame_of(frame: Pose, points: Array) -> Array:
+def in_frame_of(frame: PlanarPose, points: Array) -> Array:
     """Return points (N, 2) of W in the frame of a pose in W."""
     x, y, yaw = frame
     c, s = math.cos(yaw), math.sin(yaw)
@@ -48,7 +48,7 @@ def outline_of(rectangle: Rectangle) -> Array:
     return np.concatenate(parts)
 
 
-def seen_m(poses: Array, sensor: Pose, half_angle_rad: float, points: Array) -> Array:
+def seen_m(poses: Array, sensor: PlanarPose, half_angle_rad: float, points: Array) -> Array:
     """Return the distance to the nearest of points (M, 2) in a sensor's cone per robot pose (N, 3); inf if none is."""
     if not len(points):
         return np.full(len(poses), np.inf)
@@ -56,7 +56,7 @@ def seen_m(poses: Array, sensor: Pose, half_angle_rad: float, points: Array) -> 
     return np.where(np.abs(bearing) <= half_angle_rad, distance, np.inf).min(axis=1)
 
 
-def blocked_m(pose: Array, sensor: Pose, half_angle_rad: float, points: Array) -> float:
+def blocked_m(pose: Array, sensor: PlanarPose, half_angle_rad: float, points: Array) -> float:
     """Return the distance within which every direction of a sensor's cone is blocked at one pose; inf for a gap."""
     distance, bearing = _polar(pose[None], sensor, points)
     sectors = np.linspace(-half_angle_rad, half_angle_rad, 9)
@@ -64,7 +64,7 @@ def blocked_m(pose: Array, sensor: Pose, half_angle_rad: float, points: Array) -
     return float(max(nearest))
 
 
-def _polar(poses: Array, sensor: Pose, points: Array) -> tuple[Array, Array]:
+def _polar(poses: Array, sensor: PlanarPose, points: Array) -> tuple[Array, Array]:
     """Return distance [m] and angle from a sensor's axis [rad], (N, M) each, of points (M, 2) at robot poses (N, 3)."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     x = poses[:, 0] + c * sensor[0] - s * sensor[1]

@@ -10,9 +10,9 @@ from configs.arena_generation.enclosure import draw_walls
 from configs.arena_generation.outline import draw_outline
 from configs.arena_generation.rejection import BEYOND_THE_FLOOR, Rejected
 from configs.arena_generation.site import SPACING_M, Site
-from configs.arena_generation.track import Pose
 from configs.schema.arena import ArenaConfig
 from configs.schema.arena_generator import ArenaGenerator
+from symolo.core.geometry.poses import PlanarPose
 
 ATTEMPTS = 200
 """Number of attempts; a recipe with which one attempt in twenty succeeds fails once in 28,000 arenas."""
@@ -22,12 +22,12 @@ class NoArenaError(Exception):
     """No attempt had enough room; the text contains the number of attempts and the most frequent reason."""
 
 
-def generate_arena(config: ArenaConfig, start: Pose, rng: np.random.Generator) -> ArenaConfig:
+def generate_arena(config: ArenaConfig, start: PlanarPose, rng: np.random.Generator) -> ArenaConfig:
     """Return the arena with line, walls and obstacles in place of its recipe.
 
     Args:
         config: An arena with `generate`; floor, tape and name are kept.
-        start: Pose at which the line is straight.
+        start: PlanarPose at which the line is straight.
         rng: Generator of all draws.
 
     Raises:
@@ -54,7 +54,7 @@ def generate_arena(config: ArenaConfig, start: Pose, rng: np.random.Generator) -
     raise NoArenaError(f"no arena came out in {ATTEMPTS} attempts, in {count} of them because {reason}")
 
 
-def _attempt(recipe: ArenaGenerator, half_extent_m: float, start: Pose, rng: np.random.Generator) -> Site:
+def _attempt(recipe: ArenaGenerator, half_extent_m: float, start: PlanarPose, rng: np.random.Generator) -> Site:
     track = draw_outline(recipe, start, rng)
     line = track.poses(np.linspace(0.0, track.length_m, math.ceil(track.length_m / SPACING_M)))[:, :2]
     walls = draw_walls(recipe, line, half_extent_m, rng)

@@ -5,9 +5,10 @@ import math
 import numpy as np
 
 from configs.arena_generation.rejection import Rejected
-from configs.arena_generation.track import Pose, Segment, Track
+from configs.arena_generation.track import Segment, Track
 from configs.schema.arena_generator import ArenaGenerator
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import PlanarPose
 
 START_BEHIND_M, START_AHEAD_M = 0.20, 0.45
 """Lengths of straight line behind and ahead of the start; `physics.run.lap` closes a lap on the second one."""
@@ -17,7 +18,7 @@ MAX_EDGE_SHARE = 0.45
 """Largest share of an edge for the bend at one of its ends, so that a straight remains between two bends."""
 
 
-def draw_outline(recipe: ArenaGenerator, start: Pose, rng: np.random.Generator) -> Track:
+def draw_outline(recipe: ArenaGenerator, start: PlanarPose, rng: np.random.Generator) -> Track:
     """Return a closed track that begins on a straight, behind the start.
 
     Raises:

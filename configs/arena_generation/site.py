@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from configs.arena_generation import clearance as room
 from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M
 from configs.arena_generation.rejection import Rejected
-from configs.arena_generation.track import Pose, Track
+from configs.arena_generation.track import Track
 from configs.schema.arena import Obstacle, WallConfig
 from configs.schema.arena_generator import Clearance
 from symolo.arena.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import PlanarPose
 
 SPACING_M = 0.02
 """Distance between two poses on the line at which the room is checked."""
@@ -74,7 +75,7 @@ class Site:
             return False
         if np.ptp(self.track.poses(np.array([begin_m, at_m, end_m]))[:, 2]) > STRAIGHT_RAD:
             return False
-        frame: Pose = tuple(self.track.poses(np.array([at_m]))[0].tolist())
+        frame: PlanarPose = tuple(self.track.poses(np.array([at_m]))[0].tolist())
         if np.abs(room.in_frame_of(frame, np.array(rectangle.corners()))[:, 1]).max() > limits.obstacle_reach_m:
             return False
         elsewhere = self._poses[(self._s < begin_m) | (self._s > end_m)]

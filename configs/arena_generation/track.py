@@ -9,9 +9,7 @@ import numpy as np
 
 from configs.schema.arena import ArcPiece, LinePiece, StraightPiece
 from symolo.core.arrays import Array
-
-Pose = tuple[float, float, float]
-"""x [m], y [m], yaw [rad] in W."""
+from symolo.core.geometry.poses import PlanarPose
 
 
 @dataclass(frozen=True)
@@ -20,7 +18,7 @@ class Segment:
     curvature_1_m: float
     """Curvature, positive to the left, 0 for a straight."""
 
-    def along(self, begin: Pose, s: Array) -> Array:
+    def along(self, begin: PlanarPose, s: Array) -> Array:
         """Return poses (N, 3) at distances s (N,) from the beginning."""
         x, y, yaw = begin
         turned = self.curvature_1_m * s
@@ -34,7 +32,7 @@ class Segment:
 class Track:
     """Segments end to end, whose tangent is always continuous."""
 
-    begin: Pose
+    begin: PlanarPose
     segments: tuple[Segment, ...]
     start_m: float = 0.0
     """Distance along the track at which the robot starts."""
@@ -44,8 +42,8 @@ class Track:
         return sum(segment.length_m for segment in self.segments)
 
     @cached_property
-    def begins(self) -> list[Pose]:
-        """Pose at the beginning of each segment, and at the end of the track."""
+    def begins(self) -> list[PlanarPose]:
+        """PlanarPose at the beginning of each segment, and at the end of the track."""
         poses = [self.begin]
         for segment in self.segments:
             x, y, yaw = segment.along(poses[-1], np.array([segment.length_m]))[0]
@@ -79,7 +77,7 @@ class Track:
         )
 
 
-def _piece(segment: Segment, begin: Pose, end: Pose) -> LinePiece:
+def _piece(segment: Segment, begin: PlanarPose, end: PlanarPose) -> LinePiece:
     if segment.curvature_1_m == 0:
         return StraightPiece(kind="straight", start=begin[:2], end=end[:2])
     x, y, yaw = begin

@@ -4,9 +4,9 @@ import re
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.assets.quiet import decoded
+from symolo.core.arrays import FloatImage
 from symolo.core.files.exr import is_exr, read_exr
 
 MAX_BYTES = 256 << 20
@@ -24,10 +24,8 @@ _RADIANCE = (b"#?RADIANCE", b"#?RGBE")
 _FORMAT = b"\nFORMAT=32-bit_rle_rgbe\n"
 _RESOLUTION = re.compile(rb"-Y ([0-9]{1,7}) \+X ([0-9]{1,7})\n")
 
-Light = NDArray[np.float32]
 
-
-def read_panorama(data: bytes) -> Light:
+def read_panorama(data: bytes) -> FloatImage:
     """Return linear Rec. 709 light (H, W, 3) of a file's bytes, zenith first; negative components become 0.
 
     Raises:
@@ -51,7 +49,7 @@ def read_panorama(data: bytes) -> Light:
     return np.ascontiguousarray(light, np.float32)
 
 
-def mean_above(light: Light) -> tuple[float, float, float]:
+def mean_above(light: FloatImage) -> tuple[float, float, float]:
     """Return the mean colour of (H, W, 3) above the horizon by solid angle, without sun and lamps."""
     above = light[: max(1, len(light) // 2)].astype(np.float64)
     elevation = np.pi * (0.5 - (np.arange(len(above)) + 0.5) / len(light))
@@ -61,7 +59,7 @@ def mean_above(light: Light) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _radiance(data: bytes) -> Light:
+def _radiance(data: bytes) -> FloatImage:
     """Read header lines, an empty one, the resolution, and pixels (https://radsite.lbl.gov/radiance/refer/filefmts.pdf)."""
     end = data.find(b"\n\n", 0, 1 << 16)
     match = _RESOLUTION.match(data, end + 2)
@@ -75,7 +73,7 @@ def _radiance(data: bytes) -> Light:
     return np.asarray(light[..., ::-1], np.float32)
 
 
-def _open_exr(data: bytes) -> Light:
+def _open_exr(data: bytes) -> FloatImage:
     channels = read_exr(data, _check_size, "RGB")
     return np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=-1)
 

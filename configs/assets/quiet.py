@@ -46,7 +46,7 @@ def decoded(data: bytes, flags: int, size: tuple[int, int], *, is_strict: bool =
 
 
 @contextmanager
-def unsaid() -> Iterator[None]:
+def silenced() -> Iterator[None]:
     """Discard all messages of decoders; nothing else may write to the standard error stream meanwhile."""
     with Path(os.devnull).open("wb") as nowhere, _stderr_into(nowhere):
         yield

@@ -1,1 +1,1 @@
-"""What an effect is, which effects there are, and the effects of one robot."""
+"""The base class of effects, the table of all effects, and the effects of one robot."""

@@ -1,8 +1,8 @@
-"""What an effect is: one way in which a robot differs from its description, written as one class in one file.
+"""An effect: one deviation of a robot from its description, written as one class in one file.
 
-The class carries all that the project knows of the effect. Its fields are config keys with units and bounds
+The class holds all that the project knows about the effect. Its fields are config keys with units and bounds
 (`robot.effects.<name>.<field>`), axes of randomisation and numbers of a hypothesis of the diagnosis; `slot` and `apply`
-are what the simulation does; `cause` and `excitation` are what report and documentation write.
+define the simulation; `cause` and `excitation` are texts of report and documentation.
 """
 
 import re
@@ -22,7 +22,7 @@ Metadata = TypeVar("Metadata")
 
 
 class Slot(TextEnum):
-    """The places of the signal chain, with what `apply` takes there and what it returns.
+    """The places of the signal chain, with the arguments of `apply` and its result.
 
     Arrays of wheels have the wheels as their last axis, right and left; a single motor on a bench has one of length 1.
     """
@@ -78,7 +78,7 @@ class Slot(TextEnum):
 
 
 class Setup(TextEnum):
-    """What is measured: a motor alone, a range sensor alone, or a robot that drives."""
+    """The object of a measurement: a motor alone, a range sensor alone, or a robot that drives."""
 
     MOTOR_BENCH = "motor bench"
     RANGE_BENCH = "range bench"
@@ -92,12 +92,11 @@ class Effect(Section):
     """Name of the class in lower case with underscores: `SupplySag` is `supply_sag`."""
     slot: ClassVar[Slot]
     cause: ClassVar[str]
-    """What in a robot causes the effect."""
+    """Cause of the effect in a robot."""
     excitation: ClassVar[str]
-    """What a measurement must contain to reveal the effect."""
+    """Excitation that a measurement must contain to reveal the effect."""
     setups: ClassVar[tuple[Setup, ...]] = tuple(Setup)
-    """Measurements in which the diagnosis looks for the effect. What does not show in one of them is reported as
-    untestable there."""
+    """Measurements in which the diagnosis looks for the effect; in any other one it reports it as untestable."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:  # noqa: ANN401 - as pydantic declares it
@@ -105,11 +104,11 @@ class Effect(Section):
         cls.name = re.sub(r"(?<=.)(?=[A-Z])", "_", cls.__name__).lower()
 
     def apply(self, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401 - each slot has its own arguments
-        """Return the first argument as it is with this effect; a pure function, whose arguments the slot says."""
+        """Return the first argument changed by this effect. The function is pure; `Slot` lists its arguments."""
         raise NotImplementedError
 
     def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
-        """Yield what no robot can have, or no simulation can do, with these values; paths start at the effect's fields.
+        """Yield the faults of values that are impossible or cannot be simulated; paths start at the effect's fields.
 
         Args:
             in_simulation: Whether PyBullet drives the robot; otherwise a bench may measure it.
@@ -132,7 +131,7 @@ class Effect(Section):
     @classmethod
     @cache
     def options(cls) -> Mapping[str, tuple[str, ...]]:
-        """Return the values of each parameter that is no number; empty where any name may stand."""
+        """Return the allowed values of each parameter that is not a number; empty where any name is allowed."""
         numbers, fields = cls.parameters(), cls.model_fields
         return MappingProxyType({n: get_args(f.annotation) for n, f in fields.items() if n not in numbers})
 
@@ -141,16 +140,16 @@ class Effect(Section):
         """Return the effect with values at which it changes nothing.
 
         Args:
-            choices: Values of the parameters that are no numbers.
+            choices: Values of the parameters that are not numbers.
         """
         return cls.model_validate({**choices, **{n: p.without_effect for n, p in cls.parameters().items()}})
 
     @classmethod
     def start(cls, choices: Mapping[str, str] = MappingProxyType({})) -> Self:
-        """Return the effect with plausible values that show.
+        """Return the effect with plausible values, from which a fit starts.
 
         Args:
-            choices: Values of the parameters that are no numbers.
+            choices: Values of the parameters that are not numbers.
         """
         return cls.model_validate({**choices, **{n: p.start for n, p in cls.parameters().items()}})
 

@@ -1,4 +1,4 @@
-"""What is known of a parameter of an effect, written once: unit, value without effect, start of a fit, and bounds."""
+"""Properties of an effect's parameter, defined once: unit, value without effect, start of a fit, and bounds."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -18,13 +18,13 @@ class Parameter:
     start: float
     """Plausible value with a visible effect, from which a fit starts."""
     low: float
-    """Lowest value that a file may give."""
+    """Smallest value that a file may contain."""
     high: float
-    """Highest value that a file may give."""
+    """Largest value that a file may contain."""
 
     @property
     def without_effect(self) -> float:
-        """Value in an effect that changes nothing: a parameter of shape keeps its start."""
+        """Value in an effect that changes nothing; for a parameter of shape it is the start."""
         return self.start if self.null is None else self.null
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:  # noqa: ANN401
@@ -35,11 +35,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Plausible:
-    """Part of a field's annotation: range of sizes that are met in small robots at all.
+    """Part of a field's annotation: range of the sizes that occur in small robots.
 
-    A fit knows no physics beyond its model; without a limit it takes a supply of twenty ohms. The limits are generous,
-    for gear motors of a few watts with their drivers, cells and tyres. A parameter without limits has no impossible
-    size.
+    A fit knows no physics beyond its model: without limits it may choose a supply of twenty ohms. The limits are
+    generous, for gear motors of a few watts with their drivers, cells and tyres. Of a parameter without limits, any
+    size is possible.
     """
 
     low: float

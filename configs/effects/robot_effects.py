@@ -9,7 +9,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from configs.effects.base import Effect, Slot
-from configs.effects.registry import effect_classes, effects_section
+from configs.effects.registry import EFFECTS, effects_section
 
 AnEffect = TypeVar("AnEffect", bound=Effect)
 
@@ -22,7 +22,7 @@ class RobotEffects:
 
     def __post_init__(self) -> None:
         if len(self.members) > 1:
-            place = {effect: place for place, effect in enumerate(effect_classes())}
+            place = {effect: place for place, effect in enumerate(EFFECTS.classes())}
             object.__setattr__(self, "members", tuple(sorted(self.members, key=lambda effect: place[type(effect)])))
 
     def __iter__(self) -> Iterator[Effect]:
@@ -41,11 +41,11 @@ class RobotEffects:
         return tuple(member.apply for member in self.members if member.slot is slot)
 
     def with_effect(self, effect: Effect) -> "RobotEffects":
-        """Return these and one more, which replaces one of its class."""
+        """Return these effects and one more, which replaces one of its class."""
         return RobotEffects((*self.without(effect.name), effect))
 
     def without(self, name: str) -> "RobotEffects":
-        """Return these but for the one of this name."""
+        """Return these effects without the one of this name."""
         return RobotEffects(tuple(member for member in self.members if member.name != name))
 
     @classmethod

@@ -11,43 +11,64 @@ from configs.schema.surface import SurfaceName
 
 class StraightPiece(Section):
     kind: Literal["straight"]
+    """Kind of the piece: a straight from `start` to `end`."""
     start: Point2
+    """First point: x, y [m] in W."""
     end: Point2
+    """Last point: x, y [m] in W."""
 
 
 class ArcPiece(Section):
     kind: Literal["arc"]
+    """Kind of the piece: an arc about `center`."""
     center: Point2
+    """Centre of the arc: x, y [m] in W."""
     radius_m: float = Field(gt=0.02, le=5.0)
+    """Radius of the arc [m]."""
     start_deg: float = Field(ge=-720, le=720)
     """Direction from the centre to the first point, counter-clockwise from +x."""
     end_deg: float = Field(ge=-720, le=720)
+    """Direction from the centre to the last point; larger than `start_deg` for an arc to the left."""
 
 
 LinePiece = Annotated[StraightPiece | ArcPiece, Field(discriminator="kind")]
 
 
 class LineConfig(Section):
+    """The line on the floor; its course is a sequence of straights and arcs."""
+
     width_m: float = Field(default=0.015, ge=0.004, le=0.1)
+    """Width of the line [m]."""
     reflectance: float = Field(default=0.05, ge=0, le=1)
     """Reflectance at the line sensor's infrared wavelength; 0 black, 1 white."""
     pieces: Annotated[tuple[LinePiece, ...], FromList] = ()
+    """Straights and arcs, in driving order."""
 
 
 class Floor(Section):
+    """The floor of the arena, a square."""
+
     half_extent_m: float = Field(default=4.0, ge=0.5, le=50)
+    """Half the side of the square floor around the origin of W [m]."""
     reflectance: float = Field(default=0.85, ge=0, le=1)
+    """Reflectance at the line sensor's infrared wavelength; 0 black, 1 white."""
 
 
 class WallConfig(Section):
-    """A straight wall given by the face that the robot sees; the body lies to the right of start -> end."""
+    """A straight wall, defined by the face that the robot sees; its body is on the right, seen from start to end."""
 
     name: Slug
+    """Name of the wall, unique in the arena."""
     start: Point2
+    """First point of the face at the floor: x, y [m] in W."""
     end: Point2
+    """Last point of the face at the floor: x, y [m] in W."""
     height_m: float = Field(default=0.15, ge=0.01, le=3)
+    """Height of the wall [m]."""
     thickness_m: float = Field(default=0.02, ge=0.001, le=0.5)
+    """Thickness of the wall behind the face [m]."""
     surface: SurfaceName = "white_board"
+    """Surface of the wall, which range sensors and images show."""
 
 
 class Waypoint(Section):
@@ -56,6 +77,7 @@ class Waypoint(Section):
     t_s: float = Field(gt=0, le=36_000)
     """Time since the start of the run."""
     offset: Point2 = (0.0, 0.0)
+    """Displacement since t = 0: x, y [m] in W."""
     turn_deg: float = Field(default=0.0, ge=-36_000, le=36_000)
     """Turn since t = 0, counter-clockwise; 360 is a whole turn."""
 
@@ -64,26 +86,39 @@ class MotionConfig(Section):
     """A timed path, at constant speed from each waypoint to the next; the first leg begins at t = 0 with offset 0."""
 
     waypoints: Annotated[tuple[Waypoint, ...], FromList, Field(min_length=1)]
+    """Places in the order of their times."""
     repeat: Literal["once", "loop", "back_and_forth"] = "once"
     """After the last waypoint: stay there, start again (a closed path), or go back and forth along the path."""
 
 
 class Obstacle(Section):
+    """A box on the floor, which may move."""
+
     name: Slug
+    """Name of the obstacle, unique in the arena; a moving one has columns of this name."""
     center: Point2
+    """Middle of the box's footprint: x, y [m] in W."""
     size: Size3 = (0.08, 0.08, 0.12)
+    """Length, width and height of the box [m], before the rotation."""
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
+    """Rotation of the box, counter-clockwise."""
     surface: SurfaceName = "cardboard"
+    """Surface of the box, which range sensors and images show."""
     motion: MotionConfig | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
     """Path of the obstacle, from `center` and `yaw_deg` at t = 0; without it the obstacle does not move."""
 
 
 class ArenaConfig(Section):
+    """Floor, line, walls and obstacles."""
+
     name: Slug
+    """Name of the arena."""
     description: str = ""
+    """Description for people."""
     floor: Floor = Floor()
     line: LineConfig
     walls: Annotated[tuple[WallConfig, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
     generate: ArenaGenerator | None = Field(default_factory=absent, exclude=True)
-    """Recipe that draws line, walls and obstacles for each run. A specification has the drawn ones in its place."""
+    """Recipe from which line, walls and obstacles are drawn for each run; the specification of a run has the drawn ones
+    instead."""

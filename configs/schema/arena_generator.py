@@ -1,4 +1,4 @@
-"""Recipe of a generated arena: numbers that each run may draw, and the room that is always kept."""
+"""Recipe of a generated arena: numbers that each run may draw, and the room that every arena leaves."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from configs.schema.surface import SurfaceName
 
 
 class Clearance(Section):
-    """Room that every generated arena keeps, measured from the line's middle unless stated otherwise.
+    """Room that every generated arena leaves, measured from the line's middle unless stated otherwise.
 
     The defaults are for robot `nominal`, 0.18 x 0.17 m, with its straight avoidance path of 0.68 m, 0.19 m to the side.
     """
@@ -19,11 +19,11 @@ class Clearance(Section):
     beside_m: float = Field(default=0.16, ge=0.02, le=5)
     """Distance to everything that must not be touched: half the robot's width, 35 mm for its corners, 40 mm reserve."""
     ahead_m: float = Field(default=0.32, ge=0.02, le=5)
-    """Distance from the front sensor to things beside the line; below 0.20 m they would count as obstacles."""
+    """Distance from the front sensor to bodies beside the line; below 0.20 m they would count as obstacles."""
     before_m: float = Field(default=0.50, ge=0.02, le=5)
-    """Straight line before an obstacle's middle: 0.33 m at which passing begins, and some to approach straight."""
+    """Length of straight line before an obstacle's middle: 0.33 m, at which passing begins, and a margin to line up."""
     after_m: float = Field(default=0.62, ge=0.02, le=5)
-    """Straight line after an obstacle's middle: the rest of the path, and some to settle on the line."""
+    """Length of straight line after an obstacle's middle: the rest of the path, and a margin to settle on the line."""
     obstacle_reach_m: float = Field(default=0.10, ge=0.005, le=5)
     """Distance from the line to the far edge of an obstacle: the path's 0.19 m minus half the robot's width."""
     passing_m: float = Field(default=0.35, ge=0.02, le=5)
@@ -35,8 +35,8 @@ class Clearance(Section):
     blocked_side_m: float = Field(default=0.36, ge=0.02, le=5)
     """Largest reading of the left sensor where an obstacle is passed on the right."""
     regained_side_m: float = Field(default=0.38, ge=0.02, le=5)
-    """Smallest distance of boxes from a side sensor where the robot overshoots the line after an obstacle: without a
-    line it follows anything within 0.34 m like a wall."""
+    """Smallest distance of boxes from a side sensor where the robot overshoots the line after an obstacle. While the
+    robot sees no line, it follows any body within 0.34 m as if it were a wall."""
 
 
 class ArenaGenerator(Section):
@@ -57,18 +57,25 @@ class ArenaGenerator(Section):
     clockwise: bool = False
     """Whether the robot drives clockwise."""
     min_bend_radius_m: float = Field(default=0.22, ge=0.05, le=5)
+    """Smallest radius of a bend of the line [m]."""
     max_bend_radius_m: float = Field(default=0.60, ge=0.05, le=5)
+    """Largest radius of a bend of the line [m]."""
     walls: int = Field(default=4, ge=0, le=12)
     """Number of walls of the enclosure; 4 make a rectangle, 0 is no enclosure."""
     min_wall_clearance_m: float = Field(default=0.35, ge=0.02, le=10)
     """Smallest distance between the line and a wall."""
     max_wall_clearance_m: float = Field(default=0.90, ge=0.02, le=10)
+    """Largest distance between the line and a wall [m]."""
     wall_height_m: float = Field(default=0.15, ge=0.01, le=3)
+    """Height of the walls [m]."""
     min_obstacles: int = Field(default=0, ge=0, le=12)
+    """Smallest number of boxes on the line."""
     max_obstacles: int = Field(default=1, ge=0, le=12)
     """Largest number of boxes to be passed, on straight parts of the line; fewer if there is no room."""
     min_obstacle_m: float = Field(default=0.08, ge=0.01, le=1)
+    """Smallest length and width of a box on the line [m]."""
     max_obstacle_m: float = Field(default=0.10, ge=0.01, le=1)
+    """Largest length and width of a box on the line [m]."""
     max_obstacle_offset_m: float = Field(default=0.01, ge=0, le=1)
     """Largest distance between the middles of line and obstacle."""
     max_obstacle_yaw_deg: float = Field(default=15, ge=0, le=45)
@@ -76,7 +83,9 @@ class ArenaGenerator(Section):
     max_decoys: int = Field(default=3, ge=0, le=40)
     """Largest number of boxes beside the line, not to be touched; fewer if there is no room."""
     min_decoy_m: float = Field(default=0.05, ge=0.01, le=1)
+    """Smallest length and width of a box beside the line [m]."""
     max_decoy_m: float = Field(default=0.15, ge=0.01, le=1)
+    """Largest length and width of a box beside the line [m]."""
     max_decoy_distance_m: float = Field(default=0.60, ge=0.05, le=10)
     """Largest distance from the line to the middle of a decoy."""
     surfaces: Annotated[tuple[SurfaceName, ...], FromList, Field(min_length=1)] = ("white_board", "cardboard", "wood")

@@ -25,7 +25,9 @@ class Asset(Section):
     sha256: str = Field(pattern=r"^[0-9a-f]{64}$")
     """SHA-256 of the file's bytes."""
     width_px: int = Field(ge=1, le=1_000_000)
+    """Width of the image [px]."""
     height_px: int = Field(ge=1, le=1_000_000)
+    """Height of the image [px]."""
     mean_rgb: Annotated[tuple[_Component, _Component, _Component], FromList]
     """Mean linear Rec. 709 colour: of an image (white is 1), or of a panorama's sky by solid angle, without suns."""
 
@@ -56,7 +58,9 @@ class ImageLook(Section):
     """Offset of the lower left corner of one repetition: on a floor from the origin of W, on a face of a wall or
     obstacle from its lower left corner."""
     up_m: float = Field(default=0.0, ge=-50, le=50)
+    """Offset of the same corner upwards: towards +y of W on a floor, towards the top of a face [m]."""
     roughness: float = Field(default=0.5, ge=0.05, le=1)
+    """Roughness of the surface; 0 is a mirror, 1 is matt."""
     white_reflectance: float = Field(default=0.85, ge=0.05, le=0.95)
     """Reflectance of white in the image; other colours are scaled with it."""
 

@@ -27,6 +27,7 @@ class TapeLook(Section):
     roughness: float = Field(default=0.5, ge=0.05, le=1)
     """Roughness: 0.5 for a matt cloth or crepe tape, 0.2 for a glossy PVC tape."""
     thickness_m: float = Field(default=0.00013, ge=0.00001, le=0.001)
+    """Thickness of the tape [m]."""
     wear: float = Field(default=0.4, ge=0, le=1)
     """Amount of scuffs, dust and glossy spots."""
     gap_m: float = Field(default=0.0004, ge=0, le=0.002)
@@ -44,7 +45,9 @@ class LinePaintLook(Section):
 
     paint: Paint = Paint(reflectance=0.04, hue_deg=220, saturation=0.05)
     roughness: float = Field(default=0.65, ge=0.05, le=1)
+    """Roughness of the surface; 0 is a mirror, 1 is matt."""
     thickness_m: float = Field(default=0.00005, ge=0.00001, le=0.001)
+    """Thickness of the paint [m]."""
     bleeding_m: float = Field(default=0.0004, ge=0, le=0.0009)
     """Largest distance that the paint crept under the masking tape; the mean edge is that of the line."""
     wear: float = Field(default=0.3, ge=0, le=1)
@@ -55,17 +58,25 @@ class BoardLook(Section):
     """Painted walls and boards of the arena; the reflectance follows from the surface's name."""
 
     roughness: float = Field(default=0.55, ge=0.05, le=1)
+    """Roughness of the surface; 0 is a mirror, 1 is matt."""
     tint_hue_deg: float = Field(default=45.0, ge=-360, le=360)
+    """Hue of the boards: 0 red, 60 yellow, 120 green, 240 blue."""
     tint_saturation: float = Field(default=0.04, ge=0, le=1)
+    """Saturation of that hue; 0 is grey."""
     wear: float = Field(default=0.3, ge=0, le=1)
+    """Amount of scuffs, and of grime along the floor."""
     length_m: float = Field(default=0.6, ge=0.05, le=10)
     """Length of one board; a wall consists of several with narrow seams."""
 
 
 class CardboardLook(Section):
+    """Cardboard of boxes, with packing tape."""
+
     paint: Paint = Paint(reflectance=0.3, hue_deg=30, saturation=0.52)
     wear: float = Field(default=0.3, ge=0, le=1)
+    """Amount of worn edges and creases."""
     tape: Paint = Paint(reflectance=0.26, hue_deg=28, saturation=0.6)
+    """Colour of the packing tape."""
     tape_drop_m: float = Field(default=0.035, ge=0, le=1)
     """Length of the packing tape on the sides."""
 
@@ -75,11 +86,15 @@ class BrickLook(Section):
 
     paint: Paint = Paint(reflectance=0.2, hue_deg=14, saturation=0.62)
     joint: Paint = Paint(reflectance=0.42, hue_deg=40, saturation=0.1)
+    """Colour of the mortar."""
     variation: float = Field(default=0.3, ge=0, le=1)
     """Spread of reflectance from brick to brick."""
     length_m: float = Field(default=0.21, ge=0.02, le=1)
+    """Length of a brick [m]."""
     height_m: float = Field(default=0.052, ge=0.01, le=0.5)
+    """Height of a brick [m]."""
     joint_m: float = Field(default=0.009, ge=0.001, le=0.05)
+    """Width of the joints [m]."""
 
 
 class PaintedLook(Section):
@@ -87,12 +102,14 @@ class PaintedLook(Section):
 
     paint: Paint
     roughness: float = Field(ge=0.02, le=1)
+    """Roughness of the surface; 0 is a mirror, 1 is matt."""
 
 
 class GlossLook(Section):
     """A material of fixed colour."""
 
     roughness: float = Field(ge=0.0, le=1)
+    """Roughness of the surface; 0 is a mirror, 1 is matt."""
 
 
 class CameraLook(Section):
@@ -101,6 +118,7 @@ class CameraLook(Section):
     brightness: float = Field(default=0.25, ge=0.01, le=0.9)
     """Linear value to which the exposure brings the median luminance; 0.18 is a photographer's middle grey."""
     compensation_ev: float = Field(default=0.0, ge=-6, le=6)
+    """Exposure compensation in stops; +1 doubles the light."""
     exposure_adaption: float = Field(default=0.5, ge=0, le=1)
     """Adaption of the exposure: 0 is one exposure per run, metered on a few of its views; 1 meters each frame."""
     exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
@@ -111,7 +129,9 @@ class CameraLook(Section):
     white_balance_adaption: float = Field(default=0.8, ge=0, le=1)
     """Adaption of the white balance: 0 uses `white_balance_K`; 1 renders the mixed light over the arena neutral."""
     contrast: float = Field(default=1.15, ge=0.5, le=2)
+    """Slope of the tone curve around its middle; 1 leaves the contrast unchanged."""
     saturation: float = Field(default=1.1, ge=0, le=2)
+    """Factor on the saturation of colours; 0 is grey."""
     vignetting: float = Field(default=0.25, ge=0, le=1)
     """Share of light that is lost in the corners."""
     lens_blur_px: float = Field(default=0.0, ge=0, le=5)
@@ -121,6 +141,7 @@ class CameraLook(Section):
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
     """Standard deviation at full white, proportional to the root of the light."""
     read_noise: float = Field(default=0.003, ge=0, le=0.5)
+    """Standard deviation of the noise in the dark, relative to full white."""
     sharpening: float = Field(default=0.0, ge=0, le=3)
     """Strength of an unsharp mask; 0 is none."""
     sharpening_radius_px: float = Field(default=1.0, ge=0.3, le=10)
@@ -132,13 +153,18 @@ _SHIPPED_NAMES = {"file": frozenset[str](), "panorama": frozenset(get_args(Panor
 
 
 class LookConfig(Section):
+    """Materials, room, light and camera response."""
+
     name: Slug
+    """Name of the look."""
     description: str = ""
+    """Description for people."""
     assets: Annotated[tuple[Asset, ...], FromList] | None = Field(default_factory=absent, exclude=True)
     """Folder of the user's images and panoramas, relative to the file that names it. After loading, the files that the
     look names; a specification has these files in the places of their names."""
     floor: FloorLook = FloorLook()
     line: LineKind = "tape"
+    """Material of the line: `tape` or `paint`; only the section of that kind is used."""
     tape: TapeLook = TapeLook()
     line_paint: LinePaintLook = LinePaintLook()
     boards: BoardLook = BoardLook()

@@ -13,3 +13,4 @@ class Paint(Section):
     hue_deg: float = Field(default=40.0, ge=-360, le=360)
     """Hue: 0 red, 60 yellow, 120 green, 240 blue."""
     saturation: float = Field(default=0.0, ge=0, le=1)
+    """Saturation of the hue; 0 is grey."""

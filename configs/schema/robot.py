@@ -1,69 +1,93 @@
-"""The robot: body, drive, sensors and controller. R is the frame at the middle of the axle, x forward, y left."""
+"""The robot: body, drive and sensors. R is the frame at the middle of the axle, x forward, y left."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
 from configs.effects.base import Effect
 from configs.effects.robot_effects import RobotEffects
 from configs.robot_sensors import RobotSensors
-from configs.schema.base import FromList, Point2, Section, Slug
+from configs.schema.base import Section, Slug
+from configs.schema.controller import Controller
 
 
 class Chassis(Section):
     """A box centred on the axle that encloses the wheels, so that its footprint is that of the robot."""
 
     length_m: float = Field(ge=0.05, le=1)
+    """Length of the box [m]."""
     width_m: float = Field(ge=0.05, le=1)
+    """Width of the box, wheels included [m]."""
     clearance_m: float = Field(ge=0.002, le=0.2)
     """Height of the chassis' underside above the floor."""
     base_height_m: float = Field(ge=0.01, le=0.5)
     """Height of the base plate's top above the floor, from which the height of the camera is measured."""
     mass_kg: float = Field(gt=0.05, le=20)
+    """Mass of the robot without its wheels [kg]."""
     center_of_mass_x_m: float = Field(ge=-0.2, le=0.2)
+    """Centre of that mass ahead of the axle [m]."""
     center_of_mass_z_m: float = Field(ge=0.0, le=0.5)
+    """Height of that centre above the floor [m]."""
 
 
 class Drive(Section):
+    """The two driven wheels and the caster."""
+
     track_m: float = Field(ge=0.03, le=1)
     """Distance b between the two ground contact points (paper Eq. 2)."""
     wheel_diameter_m: float = Field(ge=0.01, le=0.5)
+    """Diameter of the wheels [m]."""
     wheel_width_m: float = Field(ge=0.002, le=0.1)
+    """Width of the wheels [m]."""
     wheel_mass_kg: float = Field(gt=0, le=2)
+    """Mass of one wheel [kg]."""
     wheel_friction: float = Field(ge=0, le=2)
-    """Coulomb coefficient between tyre and floor."""
+    """Coulomb friction coefficient between tyre and floor."""
     caster_x_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the caster ahead of the axle [m]; below 0 it is behind."""
     caster_radius_m: float = Field(ge=0.002, le=0.1)
+    """Radius of the caster's ball [m]."""
     caster_friction: float = Field(ge=0, le=2)
+    """Coulomb coefficient between caster and floor; small for a ball that rolls."""
 
 
 class Motor(Section):
     """Paper Eq. 15-21 with the inductance neglected; all parameters at the wheel shaft."""
 
     winding_resistance_ohm: float = Field(gt=0, le=1000)
+    """Resistance of the winding [ohm]."""
     torque_constant_N_m_A: float = Field(gt=0, le=100)
-    """Also the back-EMF constant in V s/rad."""
+    """Torque constant, which is also the back-EMF constant in V s/rad."""
     viscous_friction_N_m_s_rad: float = Field(ge=0, le=10)
+    """Friction torque per speed [N m s/rad]."""
     coulomb_friction_N_m: float = Field(ge=0, le=10)
+    """Friction torque at any speed [N m]."""
     rotor_inertia_kg_m2: float = Field(ge=0, le=1)
-    """Rotor and gearbox, reflected to the wheel shaft."""
+    """Inertia of rotor and gearbox, reflected to the wheel shaft."""
     motor_side_inertia_fraction: float = Field(default=0.9, ge=0.01, le=0.99)
-    """Share of that inertia on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
+    """Share of the rotor inertia on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
     motor_side_friction_fraction: float = Field(default=0.5, ge=0, le=1)
     """Share of all friction on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
 
 
 class Power(Section):
+    """Battery and motor driver."""
+
     battery_voltage_V: float = Field(gt=0, le=60)
+    """Voltage of the battery without load [V]."""
     motor_voltage_limit_V: float = Field(gt=0, le=60)
     """Largest voltage that the H-bridge applies, at any battery voltage."""
 
 
 class Encoder(Section):
+    """Incremental encoders of the wheels."""
+
     counts_per_revolution: int = Field(ge=4, le=1_000_000)
+    """Counts per turn of the wheel, all edges counted."""
     period_s: float = Field(gt=0, le=1)
-    """Period of the readings by the controller; the wheel loop reads at its own rate."""
+    """Period of the readings by the controller; the wheel loop reads at `rates.wheel_loop_hz`."""
     delay_s: float = Field(ge=0, le=1)
+    """Age of a reading when the controller receives it [s]."""
     dropout_probability: float = Field(ge=0, le=1)
     """Probability that a reading fails, so that the controller keeps the previous one."""
 
@@ -72,25 +96,36 @@ class WheelLoop(Section):
     """Wheel-speed controller on the encoder counts, one per wheel: feed-forward plus PI on the speed error."""
 
     speed_filter_s: float = Field(ge=0, le=1)
+    """Time constant of the low-pass filter on the measured speed [s]; 0 for none."""
     feedforward_V_s_rad: float = Field(ge=0, le=10)
+    """Voltage per set speed [V s/rad]."""
     feedforward_static_V: float = Field(ge=0, le=10)
+    """Voltage against Coulomb friction, with the sign of the set speed [V]."""
     proportional_V_s_rad: float = Field(ge=0, le=10)
+    """Voltage per speed error [V s/rad]."""
     integral_V_rad: float = Field(ge=0, le=100)
+    """Voltage per integral of the speed error [V/rad]."""
 
 
 class LineSensor(Section):
     """QTR-8A: a row of reflectance channels across the robot, L0 at the robot's right end, L7 at its left."""
 
     x_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the row ahead of the axle [m]."""
     height_m: float = Field(ge=0.0005, le=0.05)
+    """Height of the sensors above the floor [m]."""
     channels: Literal[8] = 8
+    """Number of channels, as in SyMoLo's columns L0 to L7."""
     pitch_m: float = Field(ge=0.001, le=0.05)
+    """Distance between neighbouring channels [m]."""
     spot_diameter_at_floor_m: float = Field(ge=0, le=0.05)
     """Diameter of one channel's spot at zero height."""
     spot_growth: float = Field(ge=0, le=5)
     """Growth of the spot's diameter per metre of height [m/m]."""
     period_s: float = Field(gt=0, le=1)
+    """Time between readings [s]."""
     delay_s: float = Field(ge=0, le=1)
+    """Age of a reading when the controller receives it [s]."""
     gain_sd: float = Field(ge=0, le=0.5)
     """Standard deviation of the channels' gains, drawn once per run."""
     offset_sd: float = Field(ge=0, le=0.5)
@@ -98,39 +133,60 @@ class LineSensor(Section):
     noise_sd: float = Field(ge=0, le=0.5)
     """Standard deviation of the noise of each reading; 1 is full scale."""
     adc_bits: int = Field(ge=1, le=16)
+    """Resolution of the converter [bit]."""
     threshold: float = Field(gt=0, lt=1)
     """Reading below which a channel is on the line."""
     dropout_probability: float = Field(ge=0, le=1)
+    """Probability that a reading fails, so that the previous one stands."""
 
 
 class TofMount(Section):
+    """Place and direction of one range sensor on the robot."""
+
     x_m: float = Field(ge=-0.5, le=0.5)
+    """Place ahead of the axle [m]."""
     y_m: float = Field(ge=-0.5, le=0.5)
+    """Place to the left of the robot's middle [m]."""
     z_m: float = Field(ge=0.005, le=1)
+    """Height above the floor [m]."""
     yaw_deg: float = Field(ge=-180, le=180)
+    """Direction of the beam to the left of straight ahead."""
     pitch_up_deg: float = Field(default=0.0, ge=-45, le=45)
+    """Direction of the beam above the horizon."""
 
 
 class TofMounts(Section):
+    """Place and direction of the three range sensors."""
+
     front: TofMount
+    """Mounting of the front sensor, column d_f."""
     left: TofMount
+    """Mounting of the left sensor, column d_l."""
     right: TofMount
+    """Mounting of the right sensor, column d_r."""
 
 
 class TofSensor(Section):
     """VL53L0X: rays over a cone, weighted mean, then error and noise (paper section 5.2, Eq. 23-24)."""
 
     mounts: TofMounts
+    """Place and direction of each of the three sensors on the robot."""
     rays: int = Field(ge=1, le=1000)
+    """Number of rays in the cone."""
     field_of_view_deg: float = Field(gt=0, le=90)
+    """Full angle of the cone."""
     beam_sigma_deg: float = Field(gt=0, le=90)
     """Standard deviation of the Gaussian beam profile that weighs the rays."""
     signal_threshold: float = Field(ge=0, le=1)
     """Weighted share of returned light, relative to a wall at right angles, below which there is no target."""
     period_s: float = Field(gt=0, le=1)
+    """Time between readings [s]."""
     delay_s: float = Field(ge=0, le=1)
+    """Age of a reading when the controller receives it [s]."""
     min_range_m: float = Field(ge=0, le=1)
+    """Smallest range that the device reports [m]; below it there is no target."""
     max_range_m: float = Field(gt=0, le=10)
+    """Largest range that the device reports [m]; beyond it there is no target."""
     no_target_m: float = Field(ge=0, le=10)
     """Range in data.csv when the device reports "no target"."""
     error_scale: float = Field(ge=-2, le=2)
@@ -146,6 +202,7 @@ class TofSensor(Section):
     ambient_lux: float = Field(default=500.0, ge=0, le=200_000)
     """Illuminance at the device; used only with the effect `ambient_noise`."""
     dropout_probability: float = Field(ge=0, le=1)
+    """Probability that a reading fails, so that the previous one stands."""
 
 
 class LensDistortion(Section):
@@ -154,17 +211,24 @@ class LensDistortion(Section):
     k1: float = Field(default=0.0, ge=-1, le=1)
     """Radial coefficient; below 0 barrel, above 0 pincushion."""
     k2: float = Field(default=0.0, ge=-1, le=1)
+    """Radial coefficient of the fourth power of the radius."""
     p1: float = Field(default=0.0, ge=-0.1, le=0.1)
+    """First tangential coefficient."""
     p2: float = Field(default=0.0, ge=-0.1, le=0.1)
+    """Second tangential coefficient."""
     k3: float = Field(default=0.0, ge=-1, le=1)
+    """Radial coefficient of the sixth power of the radius."""
 
 
 class Camera(Section):
     """Camera that looks forward and down; heights are measured from the base plate (paper section 8.1)."""
 
     x_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the lens ahead of the axle [m]."""
     y_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the lens to the left of the robot's middle [m]."""
     height_above_base_m: float = Field(ge=0, le=1)
+    """Height of the lens above the base plate's top [m]."""
     pitch_down_deg: float = Field(ge=-10, le=90)
     """Angle of the optical axis below the horizon: 90 degrees minus the paper's 60 degrees from straight down."""
     yaw_left_deg: float = Field(default=0.0, ge=-180, le=180)
@@ -172,10 +236,14 @@ class Camera(Section):
     roll_deg: float = Field(default=0.0, ge=-180, le=180)
     """Rotation about the optical axis, clockwise as seen from behind the camera."""
     focal_length_mm: float = Field(ge=1, le=500)
+    """Focal length of the lens; with `sensor_width_mm` it gives the horizontal field of view, 2 atan(sensor width /
+    (2 focal length))."""
     sensor_width_mm: float = Field(ge=1, le=100)
+    """Width of the image sensor [mm]."""
     principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)
     """Offset of the optical axis from the middle of the sensor, to the right in the image."""
     principal_point_down_mm: float = Field(default=0.0, ge=-10, le=10)
+    """Offset of the optical axis from the middle of the sensor, downwards in the image."""
     distortion: LensDistortion = LensDistortion()
     read_out_s: float = Field(default=0.0, ge=0, le=0.1)
     """Rolling shutter: delay of the exposure of the image's bottom after its top; 0 is a global shutter."""
@@ -183,133 +251,13 @@ class Camera(Section):
     """Whether images show the robot's body, without the camera; they always show its shadow."""
 
 
-class FollowGains(Section):
-    """v = K1 - K3 |e|, w = K2 e (paper Eq. 6-7), with e in units of the line sensor's weights."""
-
-    k1_m_s: float = Field(gt=0, le=2)
-    k2_rad_s: float = Field(ge=0, le=20)
-    k3_m_s: float = Field(ge=0, le=2)
-
-
-class WallFollowing(Section):
-    gains: FollowGains
-    target_distance_m: float = Field(gt=0, le=1)
-    """Perpendicular distance of the sensor from the wall (paper Eq. 14)."""
-    error_scale_per_m: float = Field(gt=0, le=1000)
-    """Factor from the wall error to the range of the line error."""
-    far_error_limit: float = Field(gt=0, le=3.5)
-    """Limit of the error when too far: small, so that mixed ranges at a wall's end do not turn the robot around it."""
-    lost_beyond_m: float = Field(gt=0, le=2)
-    """Reading of the side sensor above which the followed wall is lost."""
-    found_within_m: float = Field(gt=0, le=2)
-    """Reading of the side sensor below which a wall can be followed."""
-
-
-class Corner(Section):
-    front_below_m: float = Field(gt=0, le=2)
-    turn_rate_rad_s: float = Field(gt=0, le=20)
-    front_clear_m: float = Field(gt=0, le=2)
-
-
-class CurvePath(Section):
-    """A spline in the frame of the robot where avoidance began, x forward, y left, for a bend to the left."""
-
-    points: Annotated[tuple[Point2, ...], FromList, Field(min_length=4, max_length=100)]
-    """Control points; the first is the robot itself."""
-
-
-class FaceObstacle(Section):
-    """How the robot turns to an obstacle on a bend, so that a stored path fits every encounter."""
-
-    speed_m_s: float = Field(gt=0, le=2)
-    turn_rate_rad_s: float = Field(gt=0, le=20)
-    back_below_m: float = Field(ge=0, le=2)
-    """Reading of the sensor that detected the obstacle below which the robot first backs off, for room to turn."""
-    back_m: float = Field(ge=0, le=0.5)
-    seen_below_m: float = Field(gt=0, le=2)
-    """Reading of the front sensor below which it sees the obstacle."""
-    max_out_rad: float = Field(gt=0, le=3.2)
-    """Largest turn away from the inside of the bend in the search for the obstacle's outer edge."""
-    max_in_rad: float = Field(gt=0, le=3.2)
-    """Largest turn towards the inside of the bend."""
-    edge_m: float = Field(gt=0, le=1)
-    """Readings within this distance of the smallest belong to the middle of the obstacle."""
-    face_gain_1_s: float = Field(gt=0, le=20)
-    """Yaw rate per angle between the heading and the obstacle's middle."""
-    tolerance_rad: float = Field(gt=0, le=1)
-    tolerance_m: float = Field(gt=0, le=0.1)
-    max_trim_m: float = Field(gt=0, le=0.5)
-    """Longest drive that brings the obstacle to the distance at which the paths begin."""
-
-
-class CurveAvoidance(Section):
-    """Paths for obstacles on a bend (paper section 4.3, Fig. 7b and 7c), mirrored for a bend to the right.
-
-    They begin where the obstacle stands straight ahead at `avoidance.front_below_m`.
-    """
-
-    side_below_m: float = Field(gt=0, le=2)
-    """Reading of a side sensor below which it sees an obstacle on a bend that the front sensor cannot see."""
-    ahead_below_m: float = Field(gt=0, le=2)
-    """Front reading below which a thing ahead on a straight is an obstacle; partly in the beam it reads too far."""
-    both_below_m: float = Field(ge=0, le=2)
-    """Reading of the front and of a side sensor below which, on a straight, an obstacle is between the two beams."""
-    memory_m: float = Field(gt=0, le=10)
-    """Length of the recent path over which the turn is measured."""
-    straight_below_rad: float = Field(gt=0, le=3.2)
-    """Turn below which the recent path is straight."""
-    face: FaceObstacle
-    inner: CurvePath
-    outer: CurvePath
-    turn_rate_rad_s: float = Field(gt=0, le=20)
-    """Yaw rate of turns on the spot and largest yaw rate on the path; sharper bends are driven more slowly."""
-    turn_above_rad: float = Field(gt=0, le=3.2)
-    """Angle between heading and path above which the robot turns on the spot."""
-    line_after_m: float = Field(gt=0, le=2)
-    """Distance without the line after which the robot follows it again when it sees it."""
-    cross_m: float = Field(gt=0, le=0.5)
-    """Distance that the robot drives on after it meets the line, before it turns into it."""
-
-
-class Avoidance(Section):
-    """A pre-computed path beside the obstacle: out, along, back (paper section 4.3, Fig. 7a)."""
-
-    front_below_m: float = Field(gt=0, le=2)
-    free_side_beyond_m: float = Field(gt=0, le=2)
-    out_length_m: float = Field(gt=0, le=2)
-    along_length_m: float = Field(gt=0, le=2)
-    back_length_m: float = Field(gt=0, le=2)
-    side_m: float = Field(gt=0, le=1)
-    points: int = Field(ge=10, le=100_000)
-    speed_m_s: float = Field(gt=0, le=2)
-    look_ahead_m: float = Field(gt=0, le=0.5)
-    behind_beyond_m: float = Field(gt=0, le=2)
-    """Reading of the side sensor towards the obstacle above which the obstacle is passed."""
-    curves: CurveAvoidance | None = None
-    """With these, obstacles on a line are passed by the curve paths; without, by the straight one."""
-
-
-class Lost(Section):
-    """States 33 and 44: a lost wall is looked for on its side, at first nearly straight on, as beyond a gap."""
-
-    speed_m_s: float = Field(ge=0, le=2)
-    turn_rate_rad_s: float = Field(ge=0, le=20)
-    gap_m: float = Field(ge=0, le=5)
-    """How far the robot goes before it takes the wall for ended; a turn at once would run into the end left behind."""
-    gap_turn_rate_rad_s: float = Field(ge=0, le=20)
-
-
-class Controller(Section):
-    line: FollowGains
-    wall: WallFollowing
-    corner: Corner
-    avoidance: Avoidance
-    lost: Lost
-
-
 class RobotConfig(Section):
+    """Body, drive, sensors and controller of the robot."""
+
     name: Slug
+    """Name of the robot."""
     description: str = ""
+    """Description for people."""
     chassis: Chassis
     drive: Drive
     motor: Motor
@@ -323,7 +271,7 @@ class RobotConfig(Section):
     sensors: RobotSensors = Field(default_factory=RobotSensors, exclude_if=lambda sensors: not sensors)
     """Sensors beside line sensor, range sensors and encoders; each has its table in `side/`."""
     effects: RobotEffects = Field(default_factory=RobotEffects, json_schema_extra={"default": {}})
-    """Differences of this robot from everything that is described above; its controller does not know of them."""
+    """Deviations of the real robot from the values above, which its controller does not know."""
 
     def with_effect(self, effect: Effect) -> "RobotConfig":
         """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""

@@ -14,32 +14,50 @@ from symolo.dataset.annotations import AnnotationName
 
 
 class StartPose(Section):
+    """Pose of the robot at the start of a run."""
+
     x_m: float = Field(ge=-50, le=50)
+    """Start of the axle's middle along x of W [m]."""
     y_m: float = Field(ge=-50, le=50)
+    """Start of the axle's middle along y of W [m]."""
     yaw_deg: float = Field(ge=-360, le=360)
+    """Heading at the start, counter-clockwise from +x of W."""
 
 
 class Route(Section):
+    """A start pose and the number of runs from it."""
+
     name: Slug
+    """Name of the route, and of the folder of its runs."""
     start: StartPose
+    """Pose in which each run begins."""
     runs: Annotated[int, PLANNED] = Field(default=1, ge=1, le=100_000)
+    """Number of runs, each with draws of its own."""
 
 
 class Stop(Section):
     """When a run ends. A lap that is not finished within the time limit fails the run."""
 
     lap: Annotated[bool, PLANNED] = True
+    """Whether a run ends when the robot is back at its start; if not, it ends at the time limit."""
     time_limit_s: Annotated[float, PLANNED] = Field(default=90.0, ge=0.1, le=36_000)
+    """Longest duration of a run [s]."""
 
 
 class Rates(Section):
-    """Each slower rate must be a whole number of periods of the next faster one."""
+    """Rates of simulation, control and camera.
+
+    Each slower rate must be a whole number of periods of the next faster one.
+    """
 
     physics_hz: Annotated[int, PLANNED] = Field(default=1000, ge=50, le=100_000)
+    """Rate of PyBullet's steps."""
     wheel_loop_hz: Annotated[int, PLANNED] = Field(default=100, ge=1, le=100_000)
+    """Rate of the controllers of the wheel speeds."""
     control_hz: Annotated[int, PLANNED] = Field(default=20, ge=1, le=1000)
     """Rate of the controller and of the rows of data.csv."""
     camera_hz: Annotated[int, PLANNED] = Field(default=5, ge=1, le=1000)
+    """Rate of the images."""
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> "Rates":
@@ -67,18 +85,22 @@ _HYBRID_QUALITIES: tuple[RenderQuality, ...] = ("draft", "standard")
 
 
 def _is_auto(method: RenderMethod) -> bool:
-    """Return whether the method is left out of a specification, which keeps the bytes of those without a method."""
+    """Return whether a specification omits the method, so that it has the same bytes as those without a method."""
     return method == "auto"
 
 
 class Render(Section):
+    """Size, quality and annotations of the images."""
+
     width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
+    """Width of the images [px]."""
     height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
+    """Height of the images [px]."""
     quality: RenderQuality = "standard"
     """Accuracy of the image: `standard` has errors no larger than those of JPEG, `draft` is for a quick look."""
     method: RenderMethod = Field(default="auto", exclude_if=_is_auto)
-    """`full` traces every image whole. `hybrid` combines maps of the floor with light of few samples: several times
-    faster, with small errors. `auto` is `hybrid` for `standard` quality and 320 pixels or more on the processor."""
+    """`full` traces all pixels of every image. `hybrid` combines maps of the floor with light of few samples: several
+    times faster, with small errors. `auto` is `hybrid` for `standard` quality and 320 pixels or more on the CPU."""
     samples: int | None = Field(default=None, ge=1, le=65_536)
     """Light paths per pixel, instead of those of the quality."""
     device: Annotated[RenderDevice, Fixed("it belongs to the machine, for the whole command")] = "cpu"
@@ -86,6 +108,7 @@ class Render(Section):
     denoise: bool = True
     """Whether images are denoised; off only for many samples, or to measure noise."""
     jpeg_quality: int = Field(default=92, ge=1, le=100)
+    """Quality of the JPEG files; 100 is the best."""
     annotations: Annotated[
         tuple[Annotated[AnnotationName, PLANNED], ...], FromList, AfterValidator(_each_once), PLANNED
     ] = ()
@@ -106,23 +129,33 @@ class Render(Section):
 
 
 class Scenario(Section):
+    """A dataset to make: routes, arena, robot and look."""
+
     name: Slug
+    """Name of the scenario, and of the dataset."""
     description: str = ""
+    """Description for people; the dataset's README shows it."""
     seed: Annotated[int, PLANNED] = Field(default=1, ge=0, le=2**63 - 1)
+    """Seed of all draws; the same scenario and seed give the same bytes."""
     licence: str = "CC-BY-4.0"
+    """Licence of the dataset, as an SPDX identifier."""
     routes: Annotated[tuple[Route, ...], FromList, Field(min_length=1)]
+    """Routes that the robot drives."""
     stop: Stop = Stop()
     rates: Rates = Rates()
     render: Render = Render()
     arena: ArenaConfig
+    """Arena: the name of a shipped one, the path of a YAML file, or its settings here."""
     robot: RobotConfig
+    """Robot: the name of a shipped one, the path of a YAML file, or its settings here."""
     board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
     """Board that drives the robot instead of the built-in controller."""
     look: LookConfig
+    """Look: the name of a shipped one, the path of a YAML file, or its settings here."""
 
 
 class RunSpec(Section):
-    """Everything one run needs; `spec.json`. Numbers only, each drawn value listed in `drawn` by its field path."""
+    """The specification of one run, `spec.json`, in numbers only; `drawn` lists the drawn ones by field path."""
 
     scenario: Slug
     seed: int

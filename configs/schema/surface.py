@@ -16,4 +16,4 @@ SurfaceName = Literal[
     "plastic",
     "brick",
 ]
-"""Surface of a wall or obstacle, which determines its range reading (`physics.arena.surfaces`) and its look."""
+"""Surface of a wall or obstacle, which determines its range readings (`physics.arena.surfaces`) and its look."""

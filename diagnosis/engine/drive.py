@@ -21,7 +21,7 @@ from diagnosis.predictors.base import Observed, Predicted
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
-from diagnosis.predictors.rows import given, joined, rows_after
+from diagnosis.predictors.rows import good_values, joined, rows_after
 from diagnosis.predictors.wheels import Wheels
 from physics.robot.model import through
 from physics.robot.stack import stacked_effects
@@ -66,7 +66,7 @@ class EngineDrive:
         self._lasts_s = self._grid.period_s * (numbers[self._next[1]] - numbers[self._next[0]])
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._rows = [len(trial.t_s) for trial in measurement.trials]
-        self._measured = np.stack([given(measurement, name) for name in POSE], axis=-1)
+        self._measured = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         self._known: dict[str, Array] = {}
         self.observed: tuple[Observed, ...] = (
             *Wheels(measurement, nominal).observed,

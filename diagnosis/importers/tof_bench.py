@@ -41,6 +41,4 @@ def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
     return scale_note(ratio, "reading_m", "m", "the distance")
 
 
-IMPORTER = case_importer(
-    CaseKind.TOF_BENCH, "measured case: a range sensor at known distances (nominal.yaml, data.csv)", _noise, _notes
-)
+IMPORTER = case_importer(CaseKind.TOF_BENCH, _noise, _notes)

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from configs.effects.base import Effect, Setup
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.measured.measurement import CaseKind, Measurement
@@ -41,7 +41,7 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     """Return the candidate effects of a measurement; `hypothesis` has the nuisances and no effects."""
     effects = [
         CandidateEffect(effect, choices)
-        for effect in effect_classes()
+        for effect in EFFECTS.classes()
         if SETUPS[measurement.kind] in effect.setups
         for choices in _choices(effect, measurement)
     ]

@@ -11,8 +11,8 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
-from diagnosis.predictors.rows import given, joined, observed_channel
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.rows import good_values, joined, observed_channel, session_time_s
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
@@ -34,7 +34,7 @@ class TofBenchStage:
         known = measurement.nominal.tof.reflectance if isinstance(measurement.nominal, NominalTof) else {}
         materials = [name for trial in trials for name in _materials(trial)]
         distance_m, incidence_rad, temperature_C, ambient_lux = (
-            given(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
+            good_values(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
         )
         self._distance_m = distance_m
         # What was not logged is assumed to be as during the calibration of the sensor.
@@ -46,7 +46,7 @@ class TofBenchStage:
                 (ambient_lux, 0.0),
             )
         )
-        self._since_on_s = joined(trial.t_s + (trial.begins_s or 0.0) for trial in trials)
+        self._since_on_s = session_time_s(measurement)
         self._materials = np.array(materials)
         self._reflectance = np.array([known.get(name, UNKNOWN_REFLECTANCE) for name in materials])
         self._bare_sd_m = _noise_sd_m(measurement, self._distance_m)
@@ -120,8 +120,3 @@ def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:
         if channel.noise_sd is not None:
             by_paper_m[first : first + len(channel.values)] = channel.noise_sd
     return by_paper_m
-
-
-def tof_bench_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Return the only stage of the bench."""
-    return (TofBenchStage(measurement, nominal),)

@@ -54,7 +54,7 @@ class ReportData:
     structures: tuple[Structure, ...]
     """Strongest structure in the residuals of each observed quantity, for the nominal robot with fitted nuisances."""
     ablations: tuple[Ablation, ...]
-    """The model without each named effect, in the order of the effects."""
+    """Model without each named effect, in the order of the effects."""
     intervals: Mapping[str, Mapping[str, tuple[Interval, ...]]]
     """Profile intervals by effect and parameter, for the parameters that the data determine."""
     by_quantity: tuple[QuantityGain, ...]
@@ -113,10 +113,10 @@ def _strongest(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
     """Yield one structure for each observed quantity: of the significant ones that which explains most."""
     structures = adequacy(evidence, fit).structures
     for observed in evidence.observed:
-        own = [structure for structure in structures if structure.observed == observed.name]
-        significant = [structure for structure in own if structure.p < LEVEL]
-        if own:
-            yield max(significant, key=lambda structure: structure.explainable) if significant else own[0]
+        candidates = [structure for structure in structures if structure.observed == observed.name]
+        significant = [structure for structure in candidates if structure.p < LEVEL]
+        if candidates:
+            yield max(significant, key=lambda structure: structure.explainable) if significant else candidates[0]
 
 
 def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:

@@ -96,6 +96,7 @@ def without_effect(ablation: Ablation) -> str:
 def reach(intervals: Sequence[Interval]) -> str:
     """Return the widest profile interval of a parameter in words."""
     widest = intervals[-1]
+    # Enough digits to show the width of an interval that is narrow compared with its ends.
     digits = max(3, 2 + ceil(log10(max(abs(widest.low), abs(widest.high)) / (widest.high - widest.low))))
     ends = f"{widest.low:.{digits}g} to {widest.high:.{digits}g}"
     return f"{percent(widest.level)} profile interval {ends}" + (", open at a bound" if widest.is_open else "")

@@ -1,4 +1,4 @@
-"""Every key of a scenario file, from its JSON Schema: what may stand there, the default, what it means."""
+"""Every key of a scenario file, from its JSON Schema: its allowed values, default and meaning."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -11,10 +11,10 @@ from configs.json_schema import scenario_json_schema
 from configs.references import SECTIONS, shipped_names
 from configs.schema.base import FIXED_KEY
 
-ABOUT = """What may stand in a scenario, with bounds and defaults; units are in the names. A key is written below its
-section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
-[distribution](../scenarios.md#distributions) may stand there. Sections without a path of their own stand wherever a key
-refers to them."""
+ABOUT = """Every setting of a scenario, with its bounds and its default; units are in the names. A key is written
+below its section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
+[distribution](../scenarios.md#distributions) is allowed there. A section without a path of its own is allowed
+wherever a key links to it."""
 
 OFTEN = 3
 """A section that more paths than this lead to has a name of its own."""
@@ -38,17 +38,19 @@ def configuration() -> str:
     schema = scenario_json_schema()
     definitions = {**schema["$defs"], "Scenario": {key: value for key, value in schema.items() if key != "$defs"}}
     sections = _sections(definitions)
-    return page("Settings", ABOUT, (part for section in sections.values() for part in _told(section, sections)))
+    return page(
+        "Settings", ABOUT, (part for section in sections.values() for part in _section_parts(section, sections))
+    )
 
 
 def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
     """In the order in which a reader of a scenario meets them, with all paths that lead to each."""
-    found: dict[str, _Section] = {}
+    sections: dict[str, _Section] = {}
 
     def walk(name: str, path: str, within: tuple[str, ...]) -> None:
         if name == "RobotEffects" or name in within:
             return  # docs/reference/effects.md has those
-        section = found.setdefault(name, _Section(name, definitions[name]))
+        section = sections.setdefault(name, _Section(name, definitions[name]))
         section.paths.append(path)
         for key, value in section.schema.get("properties", {}).items():
             listed = "items" in value
@@ -56,7 +58,7 @@ def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
                 walk(inner, f"{path}.{key}".lstrip(".") + ("[]" if listed else ""), (*within, name))
 
     walk("Scenario", "", ())
-    return found
+    return sections
 
 
 def _referred(schema: Mapping[str, Any]) -> Iterator[str]:
@@ -72,7 +74,7 @@ def _referred(schema: Mapping[str, Any]) -> Iterator[str]:
         yield from _referred(schema["items"])
 
 
-def _told(section: _Section, sections: Mapping[str, _Section]) -> Iterator[str]:
+def _section_parts(section: _Section, sections: Mapping[str, _Section]) -> Iterator[str]:
     yield f"## {section.heading}"
     if section.schema.get("description"):
         yield text(section.schema["description"])
@@ -80,8 +82,14 @@ def _told(section: _Section, sections: Mapping[str, _Section]) -> Iterator[str]:
     rows = []
     for key, value in section.schema.get("properties", {}).items():
         default = "required" if key in needed else _default(value)
-        rows.append((f"`{key}`", _allowed(key, value, sections), default, text(value.get("description", ""))))
-    yield table(("key", "what may stand there", "default", ""), rows)
+        rows.append((f"`{key}`", _allowed(key, value, sections), default, text(_meaning(value, sections))))
+    yield table(("key", "allowed values", "default", "meaning"), rows)
+
+
+def _meaning(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
+    """The description of a field; without one, the first paragraph of that of its section."""
+    described = (sections[name].schema.get("description", "") for name in _referred(schema) if name in sections)
+    return schema.get("description") or next(described, "").split("\n\n")[0]
 
 
 def _default(schema: Mapping[str, Any]) -> str:
@@ -111,8 +119,8 @@ def _value(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
         return f"a list of: {_value(schema['items'], sections)}"
     choices = [inner for key in ("anyOf", "oneOf") for inner in schema.get(key, ())]
     if choices:
-        told = [_value(inner, sections) for inner in choices]
-        return ", ".join(dict.fromkeys(one for one in told if one))
+        values = [_value(inner, sections) for inner in choices]
+        return ", ".join(dict.fromkeys(value for value in values if value))
     return _leaf(schema)
 
 

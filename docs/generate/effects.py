@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from markdown import page, table, text
 
 from configs.effects.base import Effect
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 
 ABOUT = """All effects that a robot can have, one by one. [Effects](../effects.md) explains what they have in common.
 Each is a setting, `robot.effects.<name>.<parameter>`, an axis of randomisation and a hypothesis of the diagnosis.
@@ -13,7 +13,7 @@ Each is a setting, `robot.effects.<name>.<parameter>`, an axis of randomisation 
 
 
 def effects() -> str:
-    return page("Effects", ABOUT, (part for effect in effect_classes() for part in _section(effect)))
+    return page("Effects", ABOUT, (part for effect in EFFECTS.classes() for part in _section(effect)))
 
 
 def _section(effect: type[Effect]) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What a framing is: it encodes frames as bytes on the serial line and decodes the bytes of a bad line."""
+"""The interface of a framing, which encodes frames as bytes on the serial line and decodes also damaged bytes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from hil.frames import CommandFrame, HelloFrame, SensorFrame
 
 @dataclass(frozen=True)
 class Damaged:
-    """Bytes that are no frame."""
+    """Bytes that are not a frame."""
 
     reason: str
 
 
 @dataclass(frozen=True)
 class CommandMessage:
-    """A command that came in undamaged, as far as the framing can tell."""
+    """A command without damage that the framing can detect."""
 
     command: CommandFrame
     seq: int | None
@@ -33,7 +33,7 @@ class SensorsMessage:
 
 @dataclass(frozen=True)
 class HelloRequest:
-    """The simulator asks which board and firmware is there."""
+    """A request of the simulator for the identity of board and firmware."""
 
     seq: int | None
 
@@ -89,7 +89,7 @@ class Framing(Protocol):
         ...
 
     def hello(self, seq: int) -> bytes:
-        """Encode the question which board is there; empty where the framing has none."""
+        """Encode the request for the board's identity; empty where the framing has none."""
         ...
 
     def sensors(self, seq: int, frame: SensorFrame) -> bytes: ...

@@ -18,7 +18,7 @@ def stuffed(data: bytes) -> bytes:
 
 
 def unstuffed(data: bytes) -> bytes | None:
-    """Return the data before stuffing, or None where `data`, which holds no zero, is no stuffed data."""
+    """Return the data before stuffing, or None where `data`, which holds no zero, is not stuffed data."""
     out = bytearray()
     at = 0
     while at < len(data):

@@ -41,7 +41,7 @@ def crc16(data: bytes) -> int:
 
 @dataclass(frozen=True)
 class Framed:
-    """Frames with a checksum; docs/hil_protocol.md says how often damage goes unnoticed."""
+    """Frames with a checksum; docs/hil_protocol.md lists how often damage is not detected."""
 
     name: str = "framed"
     baud: int = 500_000

@@ -1,4 +1,4 @@
-"""What a serial line to a board is: it sends bytes, receives bytes and knows when a tick begins."""
+"""The interface of a serial line to a board: it sends bytes, receives bytes and starts ticks."""
 
 from typing import Protocol
 

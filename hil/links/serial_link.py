@@ -96,7 +96,7 @@ def _open(port: str, baud: int) -> Any:  # noqa: ANN401 - of a package that need
 
 
 def _number(error: BaseException) -> int | None:
-    """The system's, which pyserial leaves in the error that it caught where it is one of termios."""
+    """Return the system's error number, which pyserial leaves in the error that it caught if that is one of termios."""
     caught = error.__context__
     number = getattr(error, "errno", None) or (caught.args[0] if caught is not None and caught.args else None)
     return number if isinstance(number, int) else None

@@ -1,6 +1,6 @@
 """Effect of each surface on a range reading at 100 mm (paper Tables 3 and 4).
 
-Range sensor and image use the same names: `blender_scenes.materials` has a member for every key here.
+Range sensor and image use the same names: `blender_scenes.materials` has a function for each key here.
 """
 
 from dataclasses import dataclass

@@ -12,12 +12,13 @@ from physics.drivetrain.motor import MotorModel
 from physics.robot.links import CASTER, LEFT_WHEEL, RIGHT_WHEEL
 from physics.robot.model import RobotModel
 from physics.robot.urdf import robot_urdf
+from symolo.core.geometry.poses import PlanarPose
 
 MAX_JOINT_SPEED_RAD_S = 1000.0
 """Limit of joint speeds; Bullet's default of 100 rad/s is too low."""
 
 
-def add_robot(client: int, robot: RobotConfig, start: tuple[float, float, float]) -> tuple[int, list[int]]:
+def add_robot(client: int, robot: RobotConfig, start: PlanarPose) -> tuple[int, list[int]]:
     """Put the robot on the floor at x [m], y [m], yaw [rad]; return its body id and wheel joints, right and left."""
     body = _load(client, robot_urdf(robot), start)
     pybullet.changeDynamics(
@@ -40,7 +41,7 @@ def add_robot(client: int, robot: RobotConfig, start: tuple[float, float, float]
     return body, wheels
 
 
-def _load(client: int, urdf: str, start: tuple[float, float, float]) -> int:
+def _load(client: int, urdf: str, start: PlanarPose) -> int:
     x, y, yaw = start
     with TemporaryDirectory() as folder:
         path = Path(folder) / "robot.urdf"

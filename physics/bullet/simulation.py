@@ -1,4 +1,4 @@
-"""One robot in one arena, stepped by PyBullet, with the wheel-speed loop at its own rate.
+"""One robot in one arena, stepped by PyBullet, with the wheel-speed loop at a lower rate.
 
 Back-EMF and viscous friction are linear in speed and are joint damping in the robot's URDF, so that a step needs only
 the stall torque of the present voltages. Coulomb friction is the joint's velocity motor at zero speed with limited
@@ -26,6 +26,7 @@ from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
 from physics.robot.model import RobotModel
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import PlanarPose
 
 LIFT_M = 0.1
 REACTION_PERIOD_S = 0.002
@@ -37,7 +38,7 @@ heavy rotor would shake a light body."""
 class BulletSimulation:
     """A PyBullet client, of which one process may have several. Close it, or use it as a context manager."""
 
-    def __init__(self, robot: RobotConfig, arena: Arena, start: tuple[float, float, float], rates: Rates) -> None:
+    def __init__(self, robot: RobotConfig, arena: Arena, start: PlanarPose, rates: Rates) -> None:
         self._rates = rates
         self._steps = 0
         model = RobotModel.from_config(robot)
@@ -200,7 +201,7 @@ class BulletSimulation:
         self._touched.update(self._surface_of_body[contact[2]] - 1 for contact in contacts if contact[8] <= 0.0)
         self.pose()
 
-    def pose(self) -> tuple[float, float, float]:
+    def pose(self) -> PlanarPose:
         """Return X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
         if self._pose_step != self._steps:
             self._pose_step, self._pose = self._steps, self._look()

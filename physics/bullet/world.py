@@ -4,6 +4,7 @@ from math import cos, sin
 
 import pybullet
 
+from physics.robot.body_inertia import GRAVITY_M_S2
 from symolo.arena.geometry import Arena, Box
 
 RAYS, BOXES, CHASSIS, TREADS, FLOOR = 1, 2, 4, 8, 16
@@ -12,8 +13,6 @@ RAYS, BOXES, CHASSIS, TREADS, FLOOR = 1, 2, 4, 8, 16
 Bullet puts its rays into group 1; tests compare them with `physics.arena.rays`. They pass through the robot.
 """
 
-
-GRAVITY_M_S2 = 9.81
 SOLVER_RESIDUAL = 1e-16
 """Residual at which the solver stops; Bullet's default 1e-7 lets a straight drive of 1 m drift 0.5 mm to one side."""
 

@@ -1,1 +1,1 @@
-"""What the robot decides: line, wall, corner, avoidance and lost behaviour at the control rate."""
+"""The controller of the robot: line, wall, corner, avoidance and lost behaviour at the control rate."""

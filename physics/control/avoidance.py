@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from physics.control.base import Pose
 from physics.control.paths import AvoidancePath
+from symolo.core.geometry.poses import PlanarPose
 
 
 class PathFollower:
@@ -15,7 +15,7 @@ class PathFollower:
     path moves forward with the robot.
     """
 
-    def __init__(self, path: AvoidancePath, start: Pose, look_ahead_m: float) -> None:
+    def __init__(self, path: AvoidancePath, start: PlanarPose, look_ahead_m: float) -> None:
         self._path = path
         self._start = start
         self._look_ahead_m = look_ahead_m
@@ -30,19 +30,19 @@ class PathFollower:
     def is_returning(self) -> bool:
         return self._nearest >= self._path.back_begins
 
-    def step(self, odometry: Pose, *, obstacle_beside: bool) -> float:
+    def step(self, odometry: PlanarPose, *, obstacle_beside: bool) -> float:
         """Return the curvature [1/m] to drive at, positive to the left, for a pose from odometry."""
         ahead = self._goal(odometry, obstacle_beside=obstacle_beside)
         yaw = odometry[2] - self._start[2]
         lateral = -math.sin(yaw) * ahead[0] + math.cos(yaw) * ahead[1]
         return 2.0 * lateral / max(ahead[0] ** 2 + ahead[1] ** 2, 1e-6)
 
-    def bearing(self, odometry: Pose) -> float:
+    def bearing(self, odometry: PlanarPose) -> float:
         """Return the direction [rad] of the goal point relative to the robot's heading, positive to the left."""
         ahead = self._goal(odometry, obstacle_beside=False)
         return math.remainder(math.atan2(ahead[1], ahead[0]) - odometry[2] + self._start[2], 2.0 * math.pi)
 
-    def _goal(self, odometry: Pose, *, obstacle_beside: bool) -> tuple[float, float]:
+    def _goal(self, odometry: PlanarPose, *, obstacle_beside: bool) -> tuple[float, float]:
         """Return the vector [m] from the robot to the point one look-ahead further along the path, in path axes."""
         x, y = self._in_path_frame(odometry)
         if obstacle_beside and not self.is_returning:
@@ -56,7 +56,7 @@ class PathFollower:
         beyond_m = max(0.0, self._look_ahead_m - self._path.spacing_m * (len(points) - 1 - self._nearest))
         return float(goal[0] + self._shift_m + beyond_m - x), float(goal[1] - y)
 
-    def _in_path_frame(self, odometry: Pose) -> tuple[float, float]:
+    def _in_path_frame(self, odometry: PlanarPose) -> tuple[float, float]:
         dx, dy = odometry[0] - self._start[0], odometry[1] - self._start[1]
         c, s = math.cos(self._start[2]), math.sin(self._start[2])
         return c * dx + s * dy, c * dy - s * dx

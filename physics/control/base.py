@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from symolo.core.geometry.poses import PlanarPose
 from symolo.dataset.codes import State
 
 Side = Literal["left", "right"]
-Pose = tuple[float, float, float]
-"""x [m], y [m], yaw [rad]."""
 
 
 def other(side: Side) -> Side:
@@ -29,8 +28,8 @@ class ControlInput:
     left_m: float
     right_m: float
     """Range of each sensor; the configured no-target value if it sees nothing."""
-    odometry: Pose
-    """Pose estimated from the wheels, in the frame of the start."""
+    odometry: PlanarPose
+    """PlanarPose estimated from the wheels, in the frame of the start."""
 
     def side_m(self, side: Side) -> float:
         return self.left_m if side == "left" else self.right_m

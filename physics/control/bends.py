@@ -5,9 +5,10 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Literal
 
-from configs.schema.robot import Avoidance, CurveAvoidance
-from physics.control.base import ControlInput, Pose, Side, other
+from configs.schema.controller import Avoidance, CurveAvoidance
+from physics.control.base import ControlInput, Side, other
 from physics.control.paths import AvoidancePath, curve_path
+from symolo.core.geometry.poses import PlanarPose
 
 Variant = Literal["inner", "outer"]
 
@@ -51,16 +52,15 @@ class BendMemory:
     turned_rad: float = 0.0
     """Change of the heading over the last `length_m` of the path."""
     _travelled_m: float = 0.0
-    _recent: deque[tuple[float, Pose]] = field(default_factory=deque)
+    _recent: deque[tuple[float, PlanarPose]] = field(default_factory=deque)
 
     @property
     def is_straight(self) -> bool:
         return abs(self.turned_rad) < self.straight_below_rad
 
-    def update(self, odometry: Pose) -> None:
+    def update(self, odometry: PlanarPose) -> None:
         if self._recent:
-            x, y, _ = self._recent[-1][1]
-            self._travelled_m += math.hypot(odometry[0] - x, odometry[1] - y)
+            self._travelled_m += math.dist(odometry[:2], self._recent[-1][1][:2])
         self._recent.append((self._travelled_m, odometry))
         while self._travelled_m - self._recent[0][0] > self.length_m:
             self._recent.popleft()

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from configs.schema.robot import Controller
+from configs.schema.controller import Controller
 from physics.control.avoidance import PathFollower
 from physics.control.base import ControlInput, Side, other
 from physics.control.bends import CurvePass

@@ -5,15 +5,16 @@ configs/state_machine.yaml is the whole table. In each tick the first row whose 
 
 import math
 
-from configs.schema.robot import Controller
+from configs.schema.controller import Controller
 from physics.control.avoidance import PathFollower
-from physics.control.base import Command, ControlInput, Pose, Side
+from physics.control.base import Command, ControlInput, Side
 from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
 from physics.control.conditions import ControlView
 from physics.control.curves import CurveFollower
 from physics.control.following import MAX_ERROR, follow, line_error, wall_error
 from physics.control.paths import AvoidancePath, straight_path
 from physics.control.transitions import load_transitions
+from symolo.core.geometry.poses import PlanarPose
 from symolo.dataset.codes import State
 
 
@@ -34,7 +35,7 @@ class RobotController:
         self._state = State.LINE
         self._return_state = State.LINE
         self._follower: PathFollower | CurveFollower | None = None
-        self._entered_at: Pose = (0.0, 0.0, 0.0)
+        self._entered_at: PlanarPose = (0.0, 0.0, 0.0)
         self._last_line_error = 0.0
         self.line_lost_count = 0
         """Number of ticks in the line state without any channel on the line."""
@@ -104,7 +105,7 @@ class RobotController:
     def _search_rate(self, seen: ControlInput) -> float:
         """Return the yaw rate [rad/s] towards the side of a lost wall."""
         lost = self._config.lost
-        travelled_m = math.hypot(seen.odometry[0] - self._entered_at[0], seen.odometry[1] - self._entered_at[1])
+        travelled_m = math.dist(seen.odometry[:2], self._entered_at[:2])
         return lost.gap_turn_rate_rad_s if travelled_m < lost.gap_m else lost.turn_rate_rad_s
 
     def _drive_path(self, seen: ControlInput, error: float | None) -> tuple[float, float]:

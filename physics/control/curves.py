@@ -3,11 +3,12 @@
 import math
 from enum import Enum, auto
 
-from configs.schema.robot import Avoidance, CurveAvoidance
+from configs.schema.controller import Avoidance, CurveAvoidance
 from physics.control.avoidance import PathFollower
-from physics.control.base import ControlInput, Pose, sign_of
+from physics.control.base import ControlInput, sign_of
 from physics.control.bends import CurveBook, CurvePass
 from physics.control.facing import ObstacleFacing
+from symolo.core.geometry.poses import PlanarPose
 
 FULL_SEARCH_RAD = math.radians(200.0)
 """Turn on the spot after which the search for a line that was crossed is given up."""
@@ -31,7 +32,7 @@ class CurveFollower:
     at whatever angle it arrives.
     """
 
-    def __init__(self, book: CurveBook, chosen: CurvePass, start: Pose, config: Avoidance) -> None:
+    def __init__(self, book: CurveBook, chosen: CurvePass, start: PlanarPose, config: Avoidance) -> None:
         if config.curves is None:
             raise ValueError("a curve path without settings for curves")
         self._config = config
@@ -41,11 +42,11 @@ class CurveFollower:
         self._turn = sign_of(chosen.side)
         self._facing = ObstacleFacing(config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m)
         self._phase = _CurvePhase.FACE
-        self._line_seen_at: Pose = start
+        self._line_seen_at: PlanarPose = start
         self._met_error = 0.0
         """Line error at the place where the line was met."""
-        self._since: Pose = start
-        """Pose at which the present phase began."""
+        self._since: PlanarPose = start
+        """PlanarPose at which the present phase began."""
 
     @property
     def finished(self) -> bool:
@@ -72,7 +73,7 @@ class CurveFollower:
             case _CurvePhase.TURN | _CurvePhase.DONE:
                 return 0.0, self._turn * self._curves.turn_rate_rad_s
 
-    def _drive_path(self, odometry: Pose) -> tuple[float, float]:
+    def _drive_path(self, odometry: PlanarPose) -> tuple[float, float]:
         bearing, rate = self._follower.bearing(odometry), self._curves.turn_rate_rad_s
         if abs(bearing) > self._curves.turn_above_rad:
             return 0.0, math.copysign(rate, bearing)
@@ -80,16 +81,17 @@ class CurveFollower:
         speed = min(self._config.speed_m_s, rate / max(abs(curvature), 1e-6))
         return speed, speed * curvature
 
-    def _next_phase(self, odometry: Pose, line_error: float | None) -> _CurvePhase:
+    def _next_phase(self, odometry: PlanarPose, line_error: float | None) -> _CurvePhase:
         on_line = line_error is not None
         in_the_middle = line_error is not None and abs(line_error) < IN_THE_MIDDLE
         # A line on the side that the robot heads for is not crossed yet, or bends back under the robot.
         ahead = line_error is not None and self._turn * line_error <= -IN_THE_MIDDLE
-        travelled_m = _apart_m(odometry, self._since)
+        travelled_m = math.dist(odometry[:2], self._since[:2])
+        since_line_m = math.dist(odometry[:2], self._line_seen_at[:2])
         match self._phase:
             case _CurvePhase.FACE if self._facing.done:
                 return _CurvePhase.PATH
-            case _CurvePhase.PATH if on_line and _apart_m(odometry, self._line_seen_at) > self._curves.line_after_m:
+            case _CurvePhase.PATH if on_line and since_line_m > self._curves.line_after_m:
                 return _CurvePhase.CROSS
             case _CurvePhase.PATH if self._follower.finished:
                 return _CurvePhase.DONE
@@ -101,7 +103,3 @@ class CurveFollower:
                 return _CurvePhase.DONE
             case _:
                 return self._phase
-
-
-def _apart_m(one: Pose, other: Pose) -> float:
-    return math.hypot(one[0] - other[0], one[1] - other[1])

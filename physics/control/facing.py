@@ -3,8 +3,9 @@
 import math
 from enum import Enum, auto
 
-from configs.schema.robot import FaceObstacle
-from physics.control.base import ControlInput, Pose, Side, sign_of
+from configs.schema.controller import FaceObstacle
+from physics.control.base import ControlInput, Side, sign_of
+from symolo.core.geometry.poses import PlanarPose
 
 
 class _FacingPhase(Enum):
@@ -19,7 +20,7 @@ class _FacingPhase(Enum):
 class ObstacleFacing:
     """Back off, sweep the front sensor over the obstacle, turn to its middle, then drive to the required distance."""
 
-    def __init__(self, config: FaceObstacle, distance_m: float, start: Pose, bend: Side, near_m: float) -> None:
+    def __init__(self, config: FaceObstacle, distance_m: float, start: PlanarPose, bend: Side, near_m: float) -> None:
         """Start facing an obstacle.
 
         Args:
@@ -65,7 +66,7 @@ class ObstacleFacing:
     def _next_phase(self, seen: ControlInput) -> _FacingPhase:
         config, yaw = self._config, seen.odometry[2]
         visible = seen.front_m < config.seen_below_m
-        travelled_m = math.hypot(seen.odometry[0] - self._since[0], seen.odometry[1] - self._since[1])
+        travelled_m = math.dist(seen.odometry[:2], self._since[:2])
         turned_rad = abs(yaw - self._since[2])
         match self._phase:
             case _FacingPhase.BACK if travelled_m >= config.back_m:

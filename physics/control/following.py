@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from configs.schema.robot import FollowGains, WallFollowing
+from configs.schema.controller import FollowGains, WallFollowing
 
 MAX_ERROR = 3.5
 """Outermost channel of the line sensor; the wall error saturates there too when the robot is too close."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from configs.schema.robot import Avoidance, CurvePath
+from configs.schema.controller import Avoidance, CurvePath
 from physics.control.base import Side, sign_of
 from symolo.core.arrays import Array
 

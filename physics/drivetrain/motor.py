@@ -15,7 +15,7 @@ from configs.schema.robot import Motor
 class MotorModel:
     resistance_ohm: float
     torque_constant_N_m_A: float
-    """Also the back-EMF constant [V s/rad]."""
+    """Torque constant, which is also the back-EMF constant [V s/rad]."""
     viscous_N_m_s_rad: float
     coulomb_N_m: float
     inertia_kg_m2: float

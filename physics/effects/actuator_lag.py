@@ -13,7 +13,7 @@ class ActuatorLag(Effect):
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     time_constant_s: LagTime
-    """The voltage follows the command with a first-order lag."""
+    """Time constant of the first-order lag of the voltage behind the command."""
 
-    def apply(self, held_V: Array, wanted_V: Array, duration_s: float) -> Array:
-        return relaxed(held_V, wanted_V, duration_s, self.time_constant_s)
+    def apply(self, held_V: Array, command_V: Array, duration_s: float) -> Array:
+        return relaxed(held_V, command_V, duration_s, self.time_constant_s)

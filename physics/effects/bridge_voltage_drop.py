@@ -20,7 +20,7 @@ class BridgeVoltageDrop(Effect):
         Parameter("V", null=0.0, start=0.3, low=0.0, high=5.0),
         Plausible(0.0, 5.0, "both transistors of an L298 lose 1.8 V at 1 A and at most 4.9 V at 2 A by its datasheet"),
     ]
-    """Lost in the bridge, against the current: I = sgn(e) max(|e| - drop, 0) / R with e = u - K w."""
+    """Voltage lost in the bridge, against the current: I = sgn(e) max(|e| - drop, 0) / R with e = u - K w."""
 
     def apply(self, emf_V: Array) -> Array:
         return np.copysign(np.maximum(np.abs(emf_V) - self.drop_V, 0.0), emf_V)

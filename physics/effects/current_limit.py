@@ -16,7 +16,7 @@ class CurrentLimit(Effect):
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     limit_A: Annotated[float, Parameter("A", null=1000.0, start=0.8, low=0.01, high=1000.0)]
-    """|I| <= limit; the upper bound stands for none."""
+    """|I| <= limit; the upper bound means no limit."""
 
     def apply(self, current_A: Array) -> Array:
         return np.minimum(np.maximum(current_A, -self.limit_A), self.limit_A)

@@ -21,7 +21,7 @@ class EncoderMissedTicks(Effect):
 
     side: Literal["left", "right"]
     fraction: Annotated[float, Parameter("1", null=0.0, start=0.1, low=0.0, high=1.0)]
-    """This side loses that fraction of its ticks above the threshold, whose edge is 0.3 rad/s soft."""
+    """Fraction of its ticks that this side loses above the threshold, which is smooth over 0.3 rad/s."""
     threshold_rad_s: Annotated[float, Parameter("rad/s", null=None, start=3.0, low=0.0, high=100.0)]
 
     def apply(self, turned_rad: Array, duration_s: float) -> Array:

@@ -11,7 +11,7 @@ class InputDelay(Effect):
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     delay_s: Delay
-    """The commanded voltage acts this much later."""
+    """Time from a command until its voltage acts."""
 
     def apply(self, delay_s: float) -> float:
         return delay_s + self.delay_s

@@ -28,8 +28,8 @@ class SupplySag(Effect):
             0.0, 1.0, "two lithium cells with protection and leads have 0.1 to 0.5 ohm, four worn alkaline cells 1 ohm"
         ),
     ]
-    """In series with the supply, which gives |duty| |I| of each motor; u falls in proportion to the supply's voltage.
-    Of one motor alone I = e / (R + source_resistance duty^2)."""
+    """Resistance in series with the supply, which delivers |duty| |I| to each motor; u falls in proportion to the
+    supply's voltage. With one motor alone, I = e / (R + source_resistance duty^2)."""
 
     def apply(self, emf_V: Array, bridge: Bridge) -> Array:
         """Return the current of each motor [A], the motors of one supply along the last axis.

@@ -1,4 +1,4 @@
-"""Turns that fall short of what the wheels say, the more the harder."""
+"""Turns that are smaller than those of the wheels, the more so the larger the lateral force."""
 
 from typing import Annotated
 

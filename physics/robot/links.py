@@ -44,7 +44,7 @@ class RobotLink:
     """Shape for collisions."""
     shape_center: Vector
     friction: float | None
-    """Coulomb coefficient of its surface; None for the chassis, whose contacts end a run."""
+    """Coulomb friction coefficient of its surface; None for the chassis, whose contacts end a run."""
     motor: MotorModel | None = None
     """Motor that turns it about y; None if it is fixed to the base."""
 

@@ -3,14 +3,14 @@
 import math
 from dataclasses import dataclass
 
-Pose = tuple[float, float, float]
+from symolo.core.geometry.poses import PlanarPose
 
 
 @dataclass
 class Lap:
     """Watches the true pose of one run."""
 
-    start: Pose
+    start: PlanarPose
     away_m: float = 1.0
     """Driven distance [m] after which the robot has been away, whatever the size of the arena."""
     half_width_m: float = 0.10
@@ -21,13 +21,13 @@ class Lap:
     max_turn_rad: float = math.radians(45.0)
     closed: bool = False
     _driven_m: float = 0.0
-    _last: Pose | None = None
+    _last: PlanarPose | None = None
 
-    def update(self, pose: Pose, *, on_track: bool) -> None:
+    def update(self, pose: PlanarPose, *, on_track: bool) -> None:
         """Take the pose of one tick; the lap closes only while the robot follows its track."""
         dx, dy = pose[0] - self.start[0], pose[1] - self.start[1]
         if self._last is not None:
-            self._driven_m += math.hypot(pose[0] - self._last[0], pose[1] - self._last[1])
+            self._driven_m += math.dist(pose[:2], self._last[:2])
         self._last = pose
         c, s = math.cos(self.start[2]), math.sin(self.start[2])
         along_m, beside_m = c * dx + s * dy, c * dy - s * dx

@@ -18,7 +18,7 @@ class Decision:
     line_lost: int
     """Number of ticks so far in the line state without any channel on the line."""
     board: tuple[int, ...] = ()
-    """Counts of the events of a board at this tick, as of `hil.tally`; empty without a board."""
+    """Counts of the events of a board at this tick, as of `hil.pilot.event_counts`; empty without a board."""
 
 
 class Pilot(Protocol):

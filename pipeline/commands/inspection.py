@@ -40,7 +40,7 @@ def verify(
 
     Example: symolo verify data --key symolo.pub
     """
-    from configs.assets.quiet import unsaid
+    from configs.assets.quiet import silenced
     from pipeline.run_folder.stored_runs import spec_problem
     from symolo.core.progress import plural
     from symolo.signing.key_files import read_public_key
@@ -48,7 +48,7 @@ def verify(
     from symolo.verification.verify import verify as findings_of
 
     public, count = read_public_key(key) if key is not None else None, 0
-    with unsaid():
+    with silenced():
         for finding in findings_of(folder, spec_problem, public):
             typer.echo(str(finding))
             count += 1

@@ -96,7 +96,7 @@ def pack(
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import plural, report_here
     from symolo.publishing.about import read_about
-    from symolo.publishing.limits import told
+    from symolo.publishing.limits import fits_archives
     from symolo.publishing.pack import pack as packed
     from symolo.publishing.pack import plan
 
@@ -112,7 +112,7 @@ def pack(
         written = packed(planned, out, report_here())
         parts = f"{plural(len(planned.shards), 'shard')}, {plural(len(planned.tables), 'table')}, {DOCUMENTS} documents"
         typer.echo(f"{out}: {parts}, {written / 1e6:.1f} MB")
-    for line in told([*(file.size for file in (*planned.shards, *planned.tables)), *[0] * DOCUMENTS]):
+    for line in fits_archives([*(file.size for file in (*planned.shards, *planned.tables)), *[0] * DOCUMENTS]):
         typer.echo(line)
 
 
@@ -156,12 +156,13 @@ def upload(
     """
     from symolo.core.progress import plural, report_here
     from symolo.storage.address import store_of
-    from symolo.storage.comparison import compare
-    from symolo.storage.upload import files_to_upload, planned
+    from symolo.storage.comparison import compare, released_files
+    from symolo.storage.upload import check_apart, planned
     from symolo.storage.upload import upload as uploaded
 
     store = store_of(url, endpoint, allow_http=allow_http)
-    files, report = files_to_upload(folder, store), report_here()
+    check_apart(folder, store)
+    files, report = released_files(folder), report_here()
     if check:
         findings = list(compare(files, store, report).findings())
         for finding in findings:

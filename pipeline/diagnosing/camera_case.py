@@ -13,6 +13,7 @@ from pipeline.run_folder.stored_runs import run_name
 from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.layout import DATA, frame_name
 from symolo.dataset.tables.rows import Rows
 
@@ -130,7 +131,7 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
 
 def _read_image(path: Path) -> ImagePixels:
     try:
-        data = path.read_bytes()
+        data = read_file(path, FileKind.IMAGE)
     except OSError as error:
         raise InputError(
             f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv"

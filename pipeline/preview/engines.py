@@ -17,6 +17,7 @@ from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
 from symolo.core.files.disk_space import check_scratch
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import frame_name
@@ -58,7 +59,7 @@ def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Re
         for view in views:
             try:
                 job = view.job()
-                image = FlatRenderer(job, user_files).picture(job.frames[0])
+                image = FlatRenderer(job, user_files).image(job.frames[0])
             except ValueError as error:
                 failures.append(FailedRun.of(view.name, "preview", str(error)))
             else:
@@ -82,5 +83,8 @@ def _cycles(
     failures = render_runs(orders, Local(workers), report)
     failed = {failure.run for failure in failures}
     good = [view.number for view in views if view.name not in failed]
-    files = {number: folders[number].path / IMAGES / frame_name(number) for number in good}
-    return {number: np.asarray(cv2.imread(str(file)), np.uint8) for number, file in files.items()}, failures
+    images = {}
+    for number in good:
+        data = read_file(folders[number].path / IMAGES / frame_name(number), FileKind.IMAGE)
+        images[number] = np.asarray(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR), np.uint8)
+    return images, failures

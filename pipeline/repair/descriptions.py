@@ -13,6 +13,7 @@ from pipeline.stages.annotate import processors
 from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 from pipeline.work.processors import cpu_class
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION, SIDE
@@ -22,7 +23,7 @@ def flip_back(state: RepairState, names: Iterable[str]) -> None:
     """Restore the files in which a single bit is wrong; this needs no source."""
     for name in sorted(set(names) & state.wanted.keys()):
         try:
-            data = (state.out / name).read_bytes()
+            data = read_file(state.out / name, FileKind.ANY)
         except OSError:
             continue
         if (repaired := with_one_bit_flipped(data, state.wanted[name])) is not None:

@@ -18,6 +18,7 @@ from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import holds
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
 from symolo.dataset.layout import ANNOTATIONS, DATA
 from symolo.dataset.tables.rows import read_rows
@@ -56,7 +57,7 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
         for file in sorted(each.wanted):
             name = f"{each.run}/{each.inner}/{file}"
             try:
-                data = _document(each.task) if file == DOCUMENT else (each.task.files / file).read_bytes()
+                data = _document(each.task) if file == DOCUMENT else read_file(each.task.files / file, FileKind.ANY)
             except OSError:
                 state.tried[name] = "it cannot be rendered again"
             else:
@@ -112,7 +113,7 @@ def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
 
 
 def _document(task: FrameTask) -> bytes:
-    job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
+    job = AnnotationJob.from_json(read_file(task.folder.path / JOB, FileKind.JOB).decode())
     names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
-    records = [FrameRecord.from_json((task.files / name).read_bytes()) for name in names]
+    records = [FrameRecord.from_json(read_file(task.files / name, FileKind.JOB)) for name in names]
     return document(job, IMAGES, records).to_json()

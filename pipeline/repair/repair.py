@@ -11,6 +11,7 @@ from pipeline.repair.repair_state import RepairState, RepairTools, with_one_bit_
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import remove_file, remove_folder, write_file
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
@@ -114,7 +115,10 @@ def _device(name: str) -> DeviceKind:
 def _flip_manifest_back(out: Path, on_repaired: Callable[[str], None]) -> bool:
     """Restore a manifest in which a single bit is wrong, which is possible even if other files are damaged."""
     try:
-        data, noted = (out / MANIFEST).read_bytes(), read_manifest((out / TAG_MANIFEST).read_bytes())[MANIFEST]
+        data, noted = (
+            read_file(out / MANIFEST, FileKind.CHECKSUMS),
+            read_manifest(read_file(out / TAG_MANIFEST, FileKind.CHECKSUMS))[MANIFEST],
+        )
     except (OSError, ValueError, KeyError):
         return False
     right = with_one_bit_flipped(data, noted)
@@ -130,8 +134,7 @@ def _write_lists(state: RepairState) -> None:
     expected = state.inventory.expected
     for name, text in ((MANIFEST, manifest(expected)), (TAG_MANIFEST, tag_manifest(expected))):
         if state.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
-            write_file(state.out / name, text)
-            state.on_repaired(f"repaired: {name}: written again")
+            state.write(name, text, "written again")
 
 
 def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:

@@ -9,6 +9,7 @@ from configs.schema.scenario import RunSpec
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.time_series import Recording
 from symolo.dataset.layout import STAGES
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table
@@ -43,7 +44,7 @@ def read_spec(path: Path, cure: str = "make the run again") -> RunSpec:
         InputError: The file is missing or damaged.
     """
     try:
-        return RunSpec.model_validate_json(path.read_bytes())
+        return RunSpec.model_validate_json(read_file(path, FileKind.DOCUMENT))
     except OSError as error:
         reason = error.strerror
     except ValidationError as error:

@@ -12,6 +12,7 @@ from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFind
 from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import read_known, sha256_of
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.annotations import DOCUMENT
 from symolo.dataset.layout import ANNOTATIONS
 
@@ -25,7 +26,7 @@ class AnnotationTask(FrameTask):
     def of(cls, images: FrameTask, appearance: Appearance, folder: StageFolder) -> Order:
         """Return the order for the images that a task rendered; only its job is read."""
         arena = Arena.from_config(appearance.arena)
-        rendered = RenderJob.from_json((images.folder.path / JOB).read_text())
+        rendered = RenderJob.from_json(read_file(images.folder.path / JOB, FileKind.JOB).decode())
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
         return cls.order(images.run, folder, job, images.frames)
 
@@ -35,8 +36,8 @@ class AnnotationTask(FrameTask):
 
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         job = self._job()
-        names = [record_file(frame.number) for frame in self.frames]
-        records = [FrameRecord.from_json((self.files / name).read_bytes()) for name in names if name in hashes]
+        names = [name for name in (record_file(frame.number) for frame in self.frames) if name in hashes]
+        records = [FrameRecord.from_json(read_file(self.files / name, FileKind.JOB)) for name in names]
         write_file(self.files / DOCUMENT, document(job, IMAGES, records).to_json())
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, f"{ANNOTATIONS}/{DOCUMENT}")}
         files = {f"{ANNOTATIONS}/{name}": digest for name, digest in hashes.items()}
@@ -44,7 +45,7 @@ class AnnotationTask(FrameTask):
         return ImageFindings()
 
     def _job(self) -> AnnotationJob:
-        return AnnotationJob.from_json((self.folder.path / JOB).read_text())
+        return AnnotationJob.from_json(read_file(self.folder.path / JOB, FileKind.JOB).decode())
 
 
 def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:

@@ -3,9 +3,9 @@
 import colorsys
 
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.schema.look import Paint
+from symolo.core.arrays import triple
 
 RGB = tuple[float, float, float]
 """Linear Rec. 709 components; reflectances lie within 0 to 1."""
@@ -22,7 +22,7 @@ def paint_rgb(paint: Paint, *, times: float = 1.0) -> RGB:
     """Return the paint's colour at `times` its reflectance; a component is at most 0.95."""
     tint = np.array(colorsys.hsv_to_rgb((paint.hue_deg / 360.0) % 1.0, paint.saturation, 1.0))
     rgb = tint * (paint.reflectance * times / float(tint @ LUMINANCE))
-    return _triple(np.clip(rgb, 0.0, 0.95))
+    return triple(np.clip(rgb, 0.0, 0.95))
 
 
 def light_rgb(temperature_K: float) -> RGB:
@@ -44,12 +44,8 @@ def light_rgb(temperature_K: float) -> RGB:
         else:
             y = -1.1063814 * x**3 - 1.34811020 * x**2 + 2.18555832 * x - 0.20219683
     rgb = np.clip(_XYZ_TO_RGB @ np.array([x / y, 1.0, (1 - x - y) / y]), 0.0, None)
-    return _triple(rgb / float(rgb @ LUMINANCE))
+    return triple(rgb / float(rgb @ LUMINANCE))
 
 
 def scaled(rgb: RGB, factor: float) -> RGB:
     return rgb[0] * factor, rgb[1] * factor, rgb[2] * factor
-
-
-def _triple(rgb: NDArray[np.float64]) -> RGB:
-    return float(rgb[0]), float(rgb[1]), float(rgb[2])

@@ -9,12 +9,10 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from symolo.core.arrays import FloatImage
 from symolo.core.geometry.lens import NO_DISTORTION, border_rays, refined
 from symolo.core.geometry.pinhole import Intrinsics, rays_of
-
-Image = NDArray[np.float32]
 
 LIGHT_WIDTH_PX = 80
 """Minimum width of the light image of hybrid rendering, which is the final one halved as often as this allows."""
@@ -64,7 +62,7 @@ def pinhole_image(camera: Intrinsics) -> PinholeImage:
     return PinholeImage(pinhole, left, top)
 
 
-def through_lens(light: Image, camera: Intrinsics, late: Image | None = None) -> Image:
+def through_lens(light: FloatImage, camera: Intrinsics, late: FloatImage | None = None) -> FloatImage:
     """Return the light (H, W, 3) of the final image.
 
     Args:
@@ -81,7 +79,7 @@ def through_lens(light: Image, camera: Intrinsics, late: Image | None = None) ->
 
 
 @lru_cache(maxsize=1)
-def sources(camera: Intrinsics) -> Image:
+def sources(camera: Intrinsics) -> FloatImage:
     """Return the place (H, W, 2) of each pixel's ray in the pinhole image, u and v.
 
     Only the rays of a coarse grid are found from scratch, which takes a hundredth of the time; Newton's method refines

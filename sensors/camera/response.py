@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from configs.schema.look import CameraLook
 from sensors.camera.colour import LUMINANCE, RGB, light_rgb
+from symolo.core.arrays import FloatImage
 from symolo.core.random_streams import stream
-
-Image = NDArray[np.float32]
 
 _MIN_SHARE = 0.02
 """Minimum share of a component in light that is balanced to white, so that gains stay below 50; 1900 K has no blue."""
@@ -79,7 +78,7 @@ def _white_balance(look: CameraLook, light: RGB) -> RGB:
     return 1.0 / float(white[0]), 1.0, 1.0 / float(white[2])
 
 
-def median_luminance(light: Image) -> float:
+def median_luminance(light: FloatImage) -> float:
     """Return the metered value of linear light (..., 3).
 
     Raises:
@@ -91,11 +90,11 @@ def median_luminance(light: Image) -> float:
     return median
 
 
-def _median_luminance(light: Image) -> float:
+def _median_luminance(light: FloatImage) -> float:
     return float(np.median(light @ LUMINANCE.astype(np.float32)))
 
 
-def develop(light: Image, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
+def develop(light: FloatImage, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
     """Return the 8-bit RGB image (H, W, 3) of linear light (H, W, 3).
 
     The exposure follows the frame's median and that `metered` over the run, but it never makes more than a small share
@@ -124,7 +123,7 @@ def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
     return data.tobytes()
 
 
-def _through_glass(light: Image, response: CameraResponse) -> Image:
+def _through_glass(light: FloatImage, response: CameraResponse) -> FloatImage:
     """Return light with a Gaussian point spread function and with even veiling glare (ISO 9358)."""
     if response.lens_blur_px > 0:
         light = cv2.GaussianBlur(light, (0, 0), response.lens_blur_px).astype(np.float32)
@@ -134,7 +133,7 @@ def _through_glass(light: Image, response: CameraResponse) -> Image:
     return light
 
 
-def _vignette(width: int, height: int, loss: float) -> Image:
+def _vignette(width: int, height: int, loss: float) -> FloatImage:
     """Return the transmitted share of light: 1 in the middle, 1 - `loss` in the corner, quadratic in the distance."""
     x = np.arange(width, dtype=np.float32)[None, :]
     y = np.arange(height, dtype=np.float32)[:, None]
@@ -148,7 +147,7 @@ def corner_share(u: NDArray[Any], v: NDArray[Any], width: int, height: int) -> N
     return (x**2 + y**2) / (0.25 + 0.25 * (height / width) ** 2)
 
 
-def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
+def _noise(raw: FloatImage, response: CameraResponse, number: int) -> FloatImage:
     """Return shot and read noise of the sensor, slightly blurred as by the interpolation of a colour filter."""
     draw = stream(response.seed, "camera noise", number).standard_normal(raw.shape, np.float32)
     soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
@@ -156,7 +155,7 @@ def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
     return (2.0 * sd * soft).astype(np.float32)  # the blur halves its standard deviation
 
 
-def tone(linear: Image, contrast: float) -> Image:
+def tone(linear: FloatImage, contrast: float) -> FloatImage:
     """Apply contrast about middle grey, a soft shoulder, and the transfer function of sRGB (IEC 61966-2-1)."""
     scaled = 0.18 * (linear / 0.18) ** np.float32(contrast)
     over = np.maximum(scaled - np.float32(_KNEE), 0)
@@ -173,7 +172,7 @@ def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
     return 0.18 * (np.maximum(scaled, 0.0) / 0.18) ** (1.0 / contrast)
 
 
-def _sharpened(image: Image, response: CameraResponse) -> Image:
+def _sharpened(image: FloatImage, response: CameraResponse) -> FloatImage:
     """Apply an unsharp mask to the luma, so that edges keep their colour, and clip to 0 to 1."""
     if response.sharpening == 0:
         return image

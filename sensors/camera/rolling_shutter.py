@@ -7,14 +7,15 @@ for a turning camera exactly, for a moving one for points on the floor.
 
 import numpy as np
 
-from sensors.camera.lens_warp import Image, pinhole_image, sources
+from sensors.camera.lens_warp import pinhole_image, sources
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView
+from symolo.core.arrays import FloatImage
 from symolo.core.geometry.lens import NO_DISTORTION
 from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
 
-def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> Image | None:
+def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> FloatImage | None:
     """Return the shift (H, W, 2) [px] for `through_lens`; None where nothing needs correction."""
     if camera.distortion == NO_DISTORTION or shutter.read_out_s == 0 or not view.exposure:
         return None

@@ -9,7 +9,7 @@ from physics.robot.path import RobotPath
 from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView, Moment
 from symolo.arena.geometry import Arena
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, triple
 from symolo.core.geometry.pinhole import Intrinsics, Shutter
 from symolo.core.geometry.poses import Matrix4, PlanarPose, pose_X_WR
 
@@ -44,7 +44,7 @@ def window(shutter: Shutter, camera: Intrinsics) -> Window:
 
 def moment(arena: Arena, X_RC: Array, pose: PlanarPose, t_s: float) -> Moment:
     """Return the poses of camera and obstacles with the robot at a pose."""
-    moving = tuple(_planar(box.poses_at(np.array([max(t_s, 0.0)]))[0]) for box in arena.moving)
+    moving = tuple(triple(box.poses_at(np.array([max(t_s, 0.0)]))[0]) for box in arena.moving)
     return Moment(pose, _rows(pose_X_WR(*pose) @ X_RC), moving)
 
 
@@ -56,13 +56,9 @@ def exposed(
     for view in views:
         times = view.t_s + exposure.opens_s + exposure.length_s * np.linspace(0.0, 1.0, MOMENTS)
         poses = zip(path.poses_at(times), times.tolist(), strict=True)
-        moments = tuple(moment(arena, X_RC, _planar(pose), t_s) for pose, t_s in poses)
+        moments = tuple(moment(arena, X_RC, triple(pose), t_s) for pose, t_s in poses)
         result.append(replace(view, exposure=moments))
     return tuple(result)
-
-
-def _planar(pose: Array) -> PlanarPose:
-    return float(pose[0]), float(pose[1]), float(pose[2])
 
 
 def _rows(matrix: Array) -> Matrix4:

@@ -16,7 +16,7 @@ class MarkerOffset(Effect):
     setups = (Setup.DRIVE,)
 
     offset_m: Annotated[float, Parameter("m", null=0.0, start=0.02, low=-0.5, high=0.5)]
-    """The tracked point lies this far ahead of the axle."""
+    """Distance of the tracked point ahead of the axle."""
 
     def apply(self, pose: Array) -> Array:
         """Return the pose (..., 3) of the tracked point, x [m], y [m], yaw [rad]."""

@@ -11,7 +11,7 @@ class PoseTimeOffset(Effect):
     setups = (Setup.DRIVE,)
 
     delay_s: Delay
-    """The logged pose is this much old."""
+    """Age of the logged pose."""
 
     def apply(self, delay_s: float) -> float:
         return delay_s + self.delay_s

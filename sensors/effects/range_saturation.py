@@ -16,7 +16,7 @@ class RangeSaturation(Effect):
     setups = (Setup.RANGE_BENCH,)
 
     saturation_m: Annotated[float, Parameter("m", null=100.0, start=0.5, low=0.05, high=100.0)]
-    """reading <= saturation; the upper bound stands for none."""
+    """reading <= saturation; the upper bound means no limit."""
 
     def apply(self, reading_m: Array) -> Array:
         return np.minimum(reading_m, self.saturation_m)

@@ -13,7 +13,7 @@ class SpeedFilterLag(Effect):
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     time_constant_s: LagTime
-    """The measured speed is low-pass filtered, first order."""
+    """Time constant of the first-order low-pass filter of the measured speed."""
 
     def apply(self, held_rad_s: Array, before_rad_s: Array, speed_rad_s: Array, duration_s: float) -> Array:
         return followed(held_rad_s, before_rad_s, speed_rad_s, duration_s, self.time_constant_s)

@@ -11,7 +11,7 @@ class SpeedTimeOffset(Effect):
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     delay_s: Delay
-    """The measured speed is logged this much late; the current is not."""
+    """Delay of the logged speed; the current has none."""
 
     def apply(self, delay_s: float) -> float:
         return delay_s + self.delay_s

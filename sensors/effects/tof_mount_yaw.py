@@ -18,7 +18,7 @@ class TofMountYaw(Effect):
 
     sensor: Literal["front", "left", "right"]
     angle_rad: Annotated[float, Parameter("rad", null=0.0, start=0.1, low=-1.5, high=1.5)]
-    """That sensor points this much further counter-clockwise."""
+    """Turn of that sensor from its nominal direction, counter-clockwise."""
 
     def apply(self, yaw_rad: Array) -> Array:
         return yaw_rad + np.where(self.sensor == RANGE_SENSORS, self.angle_rad, 0.0)

@@ -11,7 +11,7 @@ class TofTimeOffset(Effect):
     setups = (Setup.DRIVE,)
 
     delay_s: Delay
-    """The logged ranges are this much old."""
+    """Age of the logged ranges."""
 
     def apply(self, delay_s: float) -> float:
         return delay_s + self.delay_s

@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 from symolo.compare import documents, pictures, tables
 from symolo.compare.likeness import EQUAL, Likeness, shown_db
 from symolo.core.errors import InputError, one_line
+from symolo.core.files.plain_files import FileKind, open_file, read_file
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import BAG_INFO, DECLARATION
 from symolo.dataset.layout import DESCRIPTION, STAGES
@@ -100,7 +101,8 @@ def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:
         if name in FOLLOWS:
             return FileResult(name, Verdict.FOLLOWS)
         kind = KINDS.get(PurePosixPath(name).suffix.lower())
-        found = kind(a.read_bytes(), b.read_bytes(), name) if kind else Likeness.none("other bytes")
+        contents = (read_file(path, FileKind.ANY) for path in (a, b))
+        found = kind(*contents, name) if kind else Likeness.none("other bytes")
     except OSError as error:
         found = Likeness.none(f"cannot be read: {error.strerror}")
     return FileResult(name, Verdict.CLOSE if found.level_db >= tolerance_db else Verdict.DIFFERENT, found)
@@ -109,7 +111,7 @@ def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:
 def _same_bytes(a: Path, b: Path) -> bool:
     if a.stat().st_size != b.stat().st_size:
         return False
-    with a.open("rb") as one, b.open("rb") as other:
+    with open_file(a) as one, open_file(b) as other:
         while chunk := one.read(_CHUNK_BYTES):
             if chunk != other.read(_CHUNK_BYTES):
                 return False

@@ -14,7 +14,7 @@ from symolo.core.geometry.poses import Matrix4
 AnnotationName = Literal[
     "depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points"
 ]
-"""`blender_scenes.annotations` has a member for every one."""
+"""`blender_scenes.annotations` has a function for each."""
 RECORD_KINDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
 """Annotations that stand in annotations.json; of the others each has a PNG file for each image."""
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
@@ -165,7 +165,10 @@ class AnnotationDocument:
     @classmethod
     def from_json(cls, data: bytes) -> "AnnotationDocument":
         """Return the document that `to_json` wrote; raise ValueError for any other content."""
-        content = json.loads(data)
+        try:
+            content = json.loads(data)
+        except RecursionError:
+            raise ValueError("is nested too deeply") from None
         version = content.get("format") if isinstance(content, dict) else None
         if version != FORMAT:
             raise ValueError(f"format {version}, expected {FORMAT}; annotate again with this version")

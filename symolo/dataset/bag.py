@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from symolo.core.errors import one_line
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.versions import versions
 
 BAG_INFO, DECLARATION = "bag-info.txt", "bagit.txt"
@@ -39,6 +40,6 @@ def cpu_classes(info: bytes) -> tuple[str, ...]:
 def read_cpu_classes(root: Path) -> tuple[str, ...]:
     """Of a dataset; nothing where it does not tell."""
     try:
-        return cpu_classes((root / BAG_INFO).read_bytes())
+        return cpu_classes(read_file(root / BAG_INFO, FileKind.DOCUMENT))
     except OSError:
         return ()

@@ -3,83 +3,55 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image
 
 
-class ExportedFile(Protocol):
+@dataclass(frozen=True)
+class ExportedFile:
     """One file of an export; the same bytes for the same release."""
 
-    @property
-    def name(self) -> str:
-        """Its path within the folder of the format."""
-        ...
-
-    def size_bytes(self) -> int:
-        """How large it will be."""
-        ...
-
-    def room_bytes(self) -> int:
-        """About how large, told at once."""
-        ...
-
-    def content(self) -> bytes: ...
-
-
-@dataclass(frozen=True)
-class MadeFile:
-    """One that is worked out."""
-
     name: str
-    make: Callable[[], bytes]
-    about: Callable[[], int] | None = None
-    """About how large it will be, of one that takes long to make."""
+    """Path within the folder of the format."""
+    content: Callable[[], bytes]
+    """Function that returns the bytes of the file."""
+    estimated_bytes: Callable[[], int] | None = None
+    """Function that returns the approximate size, for a file that takes long to make."""
+    exact_bytes: Callable[[], int] | None = None
+    """Function that returns the exact size, where it is known without the content."""
 
     def size_bytes(self) -> int:
-        return len(self.make())
+        """Return the exact size; makes the file where nothing else gives it."""
+        return self.exact_bytes() if self.exact_bytes else len(self.content())
 
     def room_bytes(self) -> int:
-        return self.about() if self.about else self.size_bytes()
-
-    def content(self) -> bytes:
-        return self.make()
+        """Return the size, or the estimate where there is one."""
+        return self.estimated_bytes() if self.estimated_bytes else self.size_bytes()
 
 
-@dataclass(frozen=True)
-class CopiedFile:
-    """One of the release as it is, under another name."""
-
-    name: str
-    source: Path
-
-    def size_bytes(self) -> int:
-        return self.source.stat().st_size
-
-    def room_bytes(self) -> int:
-        return self.size_bytes()
-
-    def content(self) -> bytes:
-        return self.source.read_bytes()
+def copied_file(name: str, source: Path) -> ExportedFile:
+    """Return a file of the release under another name."""
+    return ExportedFile(name, lambda: read_file(source, FileKind.ANY), exact_bytes=lambda: source.stat().st_size)
 
 
-def pictures_bytes(images: Iterable[Image]) -> int:
-    """The files of some images, without their annotations."""
+def image_bytes(images: Iterable[Image]) -> int:
+    """Return the size of the files of some images, without their annotations."""
     return sum(image.path.stat().st_size for image in images)
 
 
 @dataclass(frozen=True)
 class ExportSettings:
     shard_bytes: int
-    """Largest shard, of formats that have shards."""
+    """Largest size of a shard, for formats that have shards."""
 
 
 @dataclass(frozen=True)
 class Exporter:
     name: str
-    """What `--format` takes, and the folder of what it makes."""
+    """Name of the format for `--format`, and name of its output folder."""
     what: str
-    """What it makes, in a line for people."""
+    """Description of the output in one line."""
     files: Callable[[Dataset, ExportSettings], Iterable[ExportedFile]]
     """Lists every file before one is written; raises InputError for a release that lacks what the format needs."""

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationDocument, AnnotationEntry, KeyPointSighting, pixel_box
-from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image, Run
 
 _CORNERS = tuple(f"corner_{number}" for number in range(8))
-"""0-3 at the foot, 4-7 above them, counter-clockwise, as the names of our key points end."""
+"""Names of a box's corners: 0-3 at the foot, 4-7 above them, counter-clockwise, as the names of our key points end."""
 _EDGES = ((1, 2), (2, 3), (3, 4), (4, 1), (5, 6), (6, 7), (7, 8), (8, 5), (1, 5), (2, 6), (3, 7), (4, 8))
-"""COCO counts the points of a skeleton from 1."""
-_OF_CORNERS = ("wall", "obstacle")
+"""Edges of a box between its corners; COCO counts the points of a skeleton from 1."""
+_WITH_CORNERS = ("wall", "obstacle")
 """Categories whose instances have corners."""
 _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
 """COCO's flag v of a key point; one outside of the image is not labelled."""
@@ -26,8 +26,8 @@ _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs:
-        if "instance" not in run.annotation_pictures:
-            what = f"run {run.name} has no pictures of its instances, from which the masks come"
+        if "instance" not in run.annotation_kinds:
+            what = f"run {run.name} has no images of its instances, from which the masks come"
             cure = (
                 "release it with `--set render.annotations=[instance,boxes_2d,key_points]`, or leave it out by --runs"
             )
@@ -36,21 +36,21 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs[1:]:
         if run.annotations.categories != known:
             raise InputError("has other categories than the first run", where=str(run.folder), cure="use --runs")
-    yield MadeFile("annotations/instances.json", lambda: _document(data), lambda: _about_bytes(data))
+    yield ExportedFile("annotations/instances.json", lambda: _document(data), lambda: _estimated_bytes(data))
     for run in data.runs:
         for image in run.images:
-            yield CopiedFile(f"images/{_file_name(image)}", image.path)
+            yield copied_file(f"images/{_file_name(image)}", image.path)
 
 
 def _file_name(image: Image) -> str:
-    """Within images/."""
+    """Return the path of an image within images/."""
     return f"{image.run.name}/{image.path.name}"
 
 
-def _about_bytes(data: Dataset) -> int:
+def _estimated_bytes(data: Dataset) -> int:
     """Return the estimated size of the JSON, as if every image had as many labels as the first of its run."""
-    firsts = [(run, json.dumps([*_Labels(run).of(run.images[0])])) for run in data.runs if run.numbers]
-    return sum(len(run.numbers) * len(of_first) for run, of_first in firsts)
+    labels = [(run, json.dumps([*_Labels(run).annotations(run.images[0])])) for run in data.runs if run.numbers]
+    return sum(len(run.numbers) * len(first_labels) for run, first_labels in labels)
 
 
 def _document(data: Dataset) -> bytes:
@@ -60,11 +60,14 @@ def _document(data: Dataset) -> bytes:
         for image in run.images:
             number = len(images) + 1
             images.append(_image(image, number, run))
-            for annotation in labels.of(image):
+            for annotation in labels.annotations(image):
                 annotations.append({"id": len(annotations) + 1, "image_id": number, **annotation})
+    metadata = data.metadata
+    description = metadata.description or metadata.name if metadata else data.root.name
     content = {
-        "info": _info(data),
-        "licenses": [{"id": 1, "name": data.metadata.licence if data.metadata else "", "url": ""}],
+        # Without the year and the day that COCO has: a release has no date.
+        "info": {"description": description, "version": "1"},
+        "licenses": [{"id": 1, "name": metadata.licence if metadata else "", "url": ""}],
         "images": images,
         "annotations": annotations,
         "categories": _categories(data.runs[0].annotations),
@@ -72,14 +75,8 @@ def _document(data: Dataset) -> bytes:
     return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()
 
 
-def _info(data: Dataset) -> dict[str, object]:
-    """Without the year and the day that COCO has: a release tells none."""
-    told = data.metadata
-    return {"description": told.description or told.name if told else data.root.name, "version": "1"}
-
-
 def _image(image: Image, number: int, run: Run) -> dict[str, object]:
-    """`run`, `img`, `t_s`, `X_WC` are ours."""
+    """Return the entry of an image; `run`, `img`, `t_s` and `X_WC` are no keys of COCO."""
     return {
         "id": number,
         "file_name": _file_name(image),
@@ -94,24 +91,24 @@ def _image(image: Image, number: int, run: Run) -> dict[str, object]:
 
 
 def _categories(document: AnnotationDocument) -> list[dict[str, object]]:
-    """Without the sky, which has no instances, and whose id 0 means none to many readers."""
+    """Return all categories but the sky, which has no instances, and whose id 0 means none to many readers."""
     return [
         {"id": one.id, "name": one.name, "supercategory": "scene"}
-        | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in _OF_CORNERS else {})
+        | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in _WITH_CORNERS else {})
         for one in document.categories
         if one.id
     ]
 
 
 class _Labels:
-    """What the annotations of a run say of its images."""
+    """Labels of the images of a run, from its annotations."""
 
     def __init__(self, run: Run) -> None:
         document = run.annotations
         names = {one.id: one.name for one in document.categories}
         self._instances = document.instances
         self._has_corners = {
-            one.id: "key_points" in document.kinds and names[one.category_id] in _OF_CORNERS
+            one.id: "key_points" in document.kinds and names[one.category_id] in _WITH_CORNERS
             for one in document.instances
         }
         corners = {
@@ -126,8 +123,8 @@ class _Labels:
                 self._sighted.setdefault((sighting.image_id, instance), {})[corner] = sighting
         self._entries = {(one.image_id, one.instance_id): one for one in document.annotations}
 
-    def of(self, image: Image) -> Iterator[dict[str, object]]:
-        """One for each instance of which a pixel is seen."""
+    def annotations(self, image: Image) -> Iterator[dict[str, object]]:
+        """Yield the annotation of each instance of which a pixel is seen."""
         ids = image.annotation("instance")
         seen = set(np.unique(ids).tolist())
         for one in self._instances:
@@ -155,21 +152,25 @@ class _Labels:
 
 
 def _flagged(sighting: KeyPointSighting | None) -> tuple[float, float, int]:
-    """x, y, v; as ours, COCO's (0, 0) is the middle of the first pixel."""
+    """Return x, y and the flag v; (0, 0) is the middle of the first pixel, in COCO as in our annotations."""
     if sighting is None:
         return 0, 0, _NOT_LABELLED
     return *sighting.pixel, _VISIBLE if sighting.visible else _HIDDEN
 
 
 def _amodal(entry: AnnotationEntry | None) -> dict[str, object]:
-    """What `boxes_2d` says beyond what the mask does; COCO's readers pass over it."""
+    """Return the numbers of `boxes_2d` that do not follow from the mask; COCO's readers ignore them."""
     names = ("amodal_bbox", "amodal_area", "visible_fraction", "truncated")
-    told = asdict(entry) if entry else {}
-    return {name: told[name] for name in names if told.get(name) is not None}
+    values = asdict(entry) if entry else {}
+    return {name: values[name] for name in names if values.get(name) is not None}
 
 
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
-    """COCO's uncompressed RLE of a mask (H, W): lengths of runs down the columns, in turns of 0 and 1, 0 first."""
+    """Return COCO's uncompressed RLE of a mask (H, W): lengths of runs down the columns, in turns of 0 and 1, 0 first.
+
+    pycocotools (2.0.11) writes only the compressed form, which is not readable, and would be a compiled package for
+    these few lines.
+    """
     pixels = mask.ravel(order="F")
     bounds = [0, *(np.flatnonzero(pixels[1:] != pixels[:-1]) + 1).tolist(), pixels.size]
     lengths = [after - before for before, after in pairwise(bounds)]

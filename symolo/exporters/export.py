@@ -1,6 +1,6 @@
-"""A release in other formats, all of them derived from it alone: `OUT/<format>/`, and what they were made from."""
+"""A release in other formats, in the folders `OUT/<format>/`, and a file that names the release."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -19,24 +19,24 @@ from symolo.reader.dataset import Dataset, load
 from symolo.verification.inventory import Inventory
 
 _BLOCK_BYTES = 4096
-"""What a disk gives to a file at a time, commonly; a small file takes one."""
+"""Usual block size of a disk; even a small file occupies one block."""
 SOURCE = "export.json"
-"""At the top of an export: which release it is of."""
+"""File at the top of an export that names the release, its runs and the programs."""
 
 
 @dataclass(frozen=True)
-class Planned:
-    """What a format will be made of."""
+class PlannedFormat:
+    """The files of a format, none of which is made yet."""
 
     exporter: Exporter
     files: tuple[ExportedFile, ...]
 
 
 def exporters_of(names: Sequence[str], where: str) -> tuple[Exporter, ...]:
-    """Each once, in the order of `names`.
+    """Return the exporter of each name once, in the order of `names`.
 
     Raises:
-        InputError: There is none of a name.
+        InputError: There is no exporter of a name.
     """
     known = {exporter.name: exporter for exporter in EXPORTERS}
     for name in names:
@@ -47,15 +47,15 @@ def exporters_of(names: Sequence[str], where: str) -> tuple[Exporter, ...]:
 
 
 def open_release(root: Path, runs: str | None) -> Dataset:
-    """A release that is as it was released, or those of its runs whose name a pattern matches.
+    """Return a release that is as it was released, or only the runs whose name matches a pattern.
 
     Raises:
         InputError: It is no release or a damaged one, or no run matches.
     """
     data = load(root)
     if data.metadata is None and data.runs[0].is_rerendered:
-        what = "holds pictures of `symolo rerender`, which are no release: they have no specification and no checksums"
-        raise InputError(what, where=str(root), cure="export the release that their run is of")
+        what = "holds images of `symolo rerender`, which are no release: they have no specification and no checksums"
+        raise InputError(what, where=str(root), cure="export the release that their run belongs to")
     if data.metadata is None:
         cure = "name the folder of the release, and the run by --runs"
         raise InputError("is one run, which has no checksums to rely on", where=str(root), cure=cure)
@@ -69,72 +69,59 @@ def open_release(root: Path, runs: str | None) -> Dataset:
     return replace(data, runs=chosen)
 
 
-def plan(data: Dataset, exporters: Sequence[Exporter], settings: ExportSettings) -> tuple[Planned, ...]:
-    """What would be written.
+def plan(data: Dataset, exporters: Sequence[Exporter], settings: ExportSettings) -> tuple[PlannedFormat, ...]:
+    """Return the files of each format, none of which is made yet.
 
     Raises:
         InputError: The release lacks what a format needs.
     """
-    return tuple(Planned(exporter, tuple(exporter.files(data, settings))) for exporter in exporters)
+    return tuple(PlannedFormat(exporter, tuple(exporter.files(data, settings))) for exporter in exporters)
 
 
-def check_room(planned: Sequence[Planned], out: Path) -> None:
-    """Refuse what would fill the disk.
-
-    Raises:
-        EnvironmentLacking: There is no room where `out` will be; says what is needed and what is free.
-    """
+def check_room(planned: Sequence[PlannedFormat], out: Path) -> None:
+    """Raise EnvironmentLacking, with the needed and the free space, where the disk of `out` has too little room."""
     sizes = (file.room_bytes() for one in planned for file in one.files)
     check_disk(out, sum(-(-size // _BLOCK_BYTES) * _BLOCK_BYTES for size in sizes), "choose runs by --runs")
 
 
-def export(data: Dataset, planned: Sequence[Planned], out: Path, report: Report) -> int:
-    """Write an export, which comes into being at once; the number of its bytes.
+def export(data: Dataset, planned: Sequence[PlannedFormat], out: Path, report: Report) -> int:
+    """Write an export, which appears complete or not at all, and return the number of its bytes.
 
     Args:
-        data: What `open_release` gave.
-        planned: What `plan` gave for it.
-        out: New or empty.
-        report: Where to tell.
+        data: The result of `open_release`.
+        planned: The result of `plan` for it.
+        out: A new or empty folder.
+        report: Receives the progress.
 
     Raises:
-        InputError: There is something at `out`, or a file of the release cannot be read as what it should be.
+        InputError: `out` is not empty, or a file of the release is damaged.
     """
     check_new(out, data.root)
-    with new_folder(out) as partial:
-        return _fill(partial, data, planned, report)
-
-
-def _fill(folder: Path, data: Dataset, planned: Sequence[Planned], report: Report) -> int:
-    files = list(_named(planned))
+    files = [(f"{one.exporter.name}/{file.name}", file) for one in planned for file in one.files]
     written = 0
-    with report.stage("export", len(files), "files") as stage:
-        for number, (name, file) in enumerate(files, start=1):
-            content = file.content()
-            make_folder((folder / name).parent)
-            write_file(folder / name, content)
-            written += len(content)
-            stage.update("all", number)
-    about = _source(data, planned)
-    write_file(folder / SOURCE, about)
-    return written + len(about)
+    with new_folder(out) as folder:
+        with report.stage("export", len(files), "files") as stage:
+            for number, (name, file) in enumerate(files, start=1):
+                content = file.content()
+                make_folder((folder / name).parent)
+                write_file(folder / name, content)
+                written += len(content)
+                stage.update("all", number)
+        source = _source(data, planned)
+        write_file(folder / SOURCE, source)
+    return written + len(source)
 
 
-def _named(planned: Sequence[Planned]) -> Iterator[tuple[str, ExportedFile]]:
-    for one in planned:
-        yield from ((f"{one.exporter.name}/{file.name}", file) for file in one.files)
-
-
-def _source(data: Dataset, planned: Sequence[Planned]) -> bytes:
-    """Which release, known by the checksum of its checksums, which runs, and what made it."""
-    told = data.metadata
+def _source(data: Dataset, planned: Sequence[PlannedFormat]) -> bytes:
+    """Return the content of export.json; the checksum of its manifest identifies the release."""
+    metadata = data.metadata
     return canonical_json(
         {
             "formats": {one.exporter.name: one.exporter.what for one in planned},
-            "licence": told.licence if told else "",
+            "licence": metadata.licence if metadata else "",
             "made_with": versions("symolo"),
             "manifest_sha256": sha256_of(data.root / MANIFEST),
-            "name": told.name if told else data.root.name,
+            "name": metadata.name if metadata else data.root.name,
             "runs": [run.name for run in data.runs],
         }
     )

@@ -1,6 +1,7 @@
-"""Columns of Parquet files that tell `datasets` what they are (https://huggingface.co/docs/datasets/about_dataset_features).
+"""Parquet files with typed columns for `datasets` (https://huggingface.co/docs/datasets/about_dataset_features).
 
-What `datasets` calls the features of a file stands in the metadata of its schema, as JSON under `huggingface`.
+`datasets` reads the types, which it calls features, from the metadata of the schema: JSON under `huggingface`. Its own
+writer (5.2.0) is not used: it needs a dozen more packages and has no place for the units of the columns.
 """
 
 import io
@@ -20,67 +21,65 @@ from symolo.reader.tables import UNITS
 
 @dataclass(frozen=True)
 class Feature:
-    """What a column holds."""
+    """Type of a column."""
 
-    told: Mapping[str, Any]
-    """As `datasets` writes it down."""
+    description: Mapping[str, Any]
+    """Description of the type as `datasets` writes it."""
     arrow: Any
-    """Type of the library."""
+    """Type in pyarrow."""
 
 
 def value(kind: str) -> Feature:
-    """A number, text or bytes, such as `float64`, `string`, `binary`."""
+    """Return the type of a number, text or bytes, such as `float64`, `string`, `binary`."""
     arrow = optional_module("pyarrow")
     return Feature({"dtype": kind, "_type": "Value"}, getattr(arrow, kind)())
 
 
 def column(values: np.ndarray) -> tuple[Feature, Any]:
-    """Numbers or texts (N,) as what they are."""
+    """Return numbers or texts (N,) with their type."""
     return value("string" if values.dtype.kind in "OU" else str(values.dtype)), values
 
 
-def vector(of: Feature, length: int) -> Feature:
-    """So many of another; of vectors, a matrix by rows. Told by the name that old and new readers know."""
+def vector(item: Feature, length: int) -> Feature:
+    """Return the type of a list with a fixed length; a vector of vectors is a matrix by rows."""
     arrow = optional_module("pyarrow")
-    return Feature({"feature": of.told, "length": length, "_type": "Sequence"}, arrow.list_(of.arrow, length))
+    # Old and new versions of `datasets` know the name "Sequence"; new ones write "List".
+    return Feature(
+        {"feature": item.description, "length": length, "_type": "Sequence"}, arrow.list_(item.arrow, length)
+    )
 
 
-def picture() -> Feature:
-    """A file of a picture, which `datasets` decodes by Pillow; values as `pictured` makes them."""
+def image_file() -> Feature:
+    """Return the type of an image file, decoded with Pillow; values are dicts of `bytes` and `path`."""
     arrow = optional_module("pyarrow")
     return Feature({"_type": "Image"}, arrow.struct({"bytes": arrow.binary(), "path": arrow.string()}))
-
-
-def pictured(content: bytes, name: str) -> dict[str, object]:
-    return {"bytes": content, "path": name}
 
 
 def parquet_bytes(
     columns: Mapping[str, tuple[Feature, Sequence[Any]]], units: Mapping[str, str], *, rows_per_group: int | None = None
 ) -> bytes:
-    """A file with these columns, the unit of each in the metadata of its field.
+    """Return a file with these columns; the unit of each stands in the metadata of its field.
 
     Args:
-        columns: Feature and values of each.
-        units: By name; columns that are not named have none.
-        rows_per_group: How many rows a reader has to take at once; as many as the library likes by default.
+        columns: Type and values of each column.
+        units: Units by the name of the column.
+        rows_per_group: Number of rows that a reader loads at once; the library's default if None.
     """
     arrow = optional_module("pyarrow")
     fields = [
         arrow.field(name, feature.arrow, metadata={"unit": units[name]} if name in units else None)
         for name, (feature, _values) in columns.items()
     ]
-    told = {"info": {"features": {name: feature.told for name, (feature, _values) in columns.items()}}}
+    info = {"info": {"features": {name: feature.description for name, (feature, _values) in columns.items()}}}
     arrays = [arrow.array(values, feature.arrow) for feature, values in columns.values()]
-    table = arrow.Table.from_arrays(arrays, schema=arrow.schema(fields, metadata={"huggingface": json.dumps(told)}))
+    table = arrow.Table.from_arrays(arrays, schema=arrow.schema(fields, metadata={"huggingface": json.dumps(info)}))
     file = io.BytesIO()
-    writer = optional_module("pyarrow.parquet")
-    writer.write_table(table, file, compression="zstd", row_group_size=rows_per_group)
+    optional_module("pyarrow.parquet").write_table(table, file, compression="zstd", row_group_size=rows_per_group)
     return file.getvalue()
 
 
 def stacked_bytes(data: Dataset, read: Callable[[Run], pd.DataFrame]) -> bytes:
-    """A file of the tables of all runs under each other, the name of the run in the first column."""
+    """Return a file with the tables of all runs below each other and the name of the run in the first column."""
     tables = [read(run) for run in data.runs]
     columns = {RUN: column(np.repeat([run.name for run in data.runs], [len(table) for table in tables]))}
     columns |= {str(name): column(np.concatenate([table[name].to_numpy() for table in tables])) for name in tables[0]}

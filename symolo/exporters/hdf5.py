@@ -14,31 +14,31 @@ import numpy as np
 
 from symolo.core.extras import optional_module
 from symolo.dataset.annotations import DEPTH_UNIT_M, FLOW_PER_PX, FLOW_ZERO, NORMAL_SCALE, NORMAL_ZERO
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 FAR_M = 1e10
-"""What Blender's depth is where nothing is met."""
+"""Depth [m] in Blender where there is no surface."""
 _CAMERA = "camera"
 _PACKED = {"compression": "gzip", "track_times": False}
-"""Without times the same content is the same bytes."""
+"""Arguments for compressed data; without times, the same content gives the same bytes."""
 Entries = dict[str, np.ndarray | bytes]
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     h5py = optional_module("h5py")
-    yield MadeFile("tables.hdf5", lambda: _tables(h5py, data))
+    yield ExportedFile("tables.hdf5", lambda: _tables(h5py, data))
     for run in data.runs:
-        like_first = cache(lambda run=run: len(_frame(h5py, run.images[0])))
+        first_bytes = cache(lambda run=run: len(_frame(h5py, run.images[0])))
         for image in run.images:
-            yield MadeFile(f"{run.name}/{image.index}.hdf5", lambda image=image: _frame(h5py, image), like_first)
+            yield ExportedFile(f"{run.name}/{image.index}.hdf5", lambda image=image: _frame(h5py, image), first_bytes)
 
 
 def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
-    """A file in memory."""
+    """Return the bytes of a file that `fill` fills, made in memory."""
     with h5py.File.in_memory() as file:
         fill(file)
         file.flush()
@@ -46,7 +46,7 @@ def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
 
 
 def _tables(h5py: ModuleType, data: Dataset) -> bytes:
-    """A group for each run, in it one for each table, in it each column with its unit."""
+    """Return a file with a group for each run, a group in it for each table, and each column with its unit."""
 
     def fill(file: Any) -> None:  # noqa: ANN401 - of the library
         for run in data.runs:
@@ -54,18 +54,18 @@ def _tables(h5py: ModuleType, data: Dataset) -> bytes:
             tables = {"rows": run.rows} | {name: run.side(name) for name in (*names, _CAMERA)}
             for name, table in tables.items():
                 for column in table:
-                    place = f"{run.name}/{name}/{column}"
-                    made = file.create_dataset(place, data=table[column].to_numpy(), **_PACKED)
-                    made.attrs["unit"] = table.attrs[UNITS][column]
+                    dataset = file.create_dataset(
+                        f"{run.name}/{name}/{column}", data=table[column].to_numpy(), **_PACKED
+                    )
+                    dataset.attrs["unit"] = table.attrs[UNITS][column]
 
     return _whole(h5py, fill)
 
 
 def _frame(h5py: ModuleType, image: Image) -> bytes:
     entries: Entries = {"colors": image.pixels(), "camera_pose": _pose(image), "row": record_of(image)}
-    for kind in image.run.annotation_pictures:
-        if kind != "flow" or image.number != image.run.numbers[-1]:  # the last image has none
-            entries |= _DECODED[kind](image.annotation(kind), image.run)
+    for kind in image.annotation_files:
+        entries |= _DECODED[kind](image.annotation(kind), image.run)
 
     def fill(file: Any) -> None:  # noqa: ANN401 - of the library
         for name, value in entries.items():
@@ -78,11 +78,12 @@ def _frame(h5py: ModuleType, image: Image) -> bytes:
 
 
 def _pose(image: Image) -> bytes:
-    """The camera in OpenCV's convention, as BlenderProc has it with `save_world2cam`."""
+    """Return the camera in OpenCV's convention, as BlenderProc writes it with `save_world2cam`."""
     X_CW = np.linalg.inv(image.X_WC)
     K = np.array(image.run.camera.K)
-    told = {"cam_K": K.ravel(), "cam_R_w2c": X_CW[:3, :3].ravel(), "cam_t_w2c": X_CW[:3, 3]}
-    return json.dumps({name: (values + 0.0).tolist() for name, values in told.items()}, allow_nan=False).encode()
+    pose = {"cam_K": K.ravel(), "cam_R_w2c": X_CW[:3, :3].ravel(), "cam_t_w2c": X_CW[:3, 3]}
+    without_negative_zeros = {name: (values + 0.0).tolist() for name, values in pose.items()}
+    return json.dumps(without_negative_zeros, allow_nan=False).encode()
 
 
 def _depth(stored: np.ndarray, _run: Run) -> Entries:
@@ -91,25 +92,25 @@ def _depth(stored: np.ndarray, _run: Run) -> Entries:
 
 
 def _normals(stored: np.ndarray, _run: Run) -> Entries:
-    """In 0..1, in Blender's axes of a camera: x right, y up, z back; 0.5 where nothing is met."""
+    """Return normals in 0..1, in Blender's axes of a camera: x right, y up, z back; 0.5 where there is no surface."""
     normal_C = (stored.astype(np.float64) - NORMAL_ZERO) / NORMAL_SCALE
-    met = np.any(stored > 0, axis=-1, keepdims=True)
-    return {"normals": np.where(met, 0.5 + 0.5 * normal_C * (1, -1, -1), 0.5).astype(np.float32)}
+    has_surface = np.any(stored > 0, axis=-1, keepdims=True)
+    return {"normals": np.where(has_surface, 0.5 + 0.5 * normal_C * (1, -1, -1), 0.5).astype(np.float32)}
 
 
 def _flow(stored: np.ndarray, _run: Run) -> Entries:
     valid = stored[..., 2] > 0
     change_px = (stored[..., :2].astype(np.float64) - FLOW_ZERO) / FLOW_PER_PX
-    shown = np.where(valid[..., None], change_px, 0).astype(np.float32)
-    return {"forward_flow": shown, "forward_flow_valid": valid.astype(np.uint8)}
+    flow_px = np.where(valid[..., None], change_px, 0).astype(np.float32)
+    return {"forward_flow": flow_px, "forward_flow_valid": valid.astype(np.uint8)}
 
 
 def _instances(stored: np.ndarray, run: Run) -> Entries:
     seen = set(np.unique(stored).tolist())
     known = [{"idx": one.id, "name": one.name, "category_id": one.category_id} for one in run.annotations.instances]
     sky = {"idx": 0, "name": "sky", "category_id": 0}
-    told = [one for one in (sky, *known) if one["idx"] in seen]
-    return {"instance_segmaps": stored, "instance_attribute_maps": json.dumps(told, allow_nan=False).encode()}
+    attributes = [one for one in (sky, *known) if one["idx"] in seen]
+    return {"instance_segmaps": stored, "instance_attribute_maps": json.dumps(attributes, allow_nan=False).encode()}
 
 
 def _categories(stored: np.ndarray, _run: Run) -> Entries:

@@ -1,10 +1,11 @@
 """A dataset of LeRobot (https://huggingface.co/docs/lerobot/lerobot-dataset-v3): a run is an episode, an image a frame.
 
-Pictures are of the type `image`, files within the Parquet files, so that they stay what they are, byte by byte.
+Images are of the type `image`: the Parquet files hold the image files byte by byte. The writer of lerobot 0.4.4 is not
+used: it needs torch, diffusers, wandb and a rerun-sdk that needs numpy 2, beside which Blender's module does not load.
 """
 
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,25 +16,37 @@ import pandas as pd
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.file_hashes import canonical_json
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile, pictures_bytes
-from symolo.exporters.features import parquet_bytes, picture, pictured, value, vector
+from symolo.core.files.plain_files import FileKind, read_file
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, image_bytes
+from symolo.exporters.features import image_file, parquet_bytes, value, vector
+from symolo.exporters.hub_card import hub_card
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
 _VERSION = "v3.0"
 _FRONT, _STATE, _ACTION, _POSE = "observation.images.front", "observation.state", "action", "pose"
-"""A pose is no observation: policies shall not see the truth."""
+"""Names of features; the pose is no observation, since policies must not see the truth."""
 _STATE_NAMES = ("speed_right", "speed_left", "d_f", "d_l", "d_r", *(f"L{i}" for i in range(8)))
 _ACTION_NAMES = ("speed_right", "speed_left")
 _POSE_NAMES = ("x", "y", "theta")
 _VECTORS = {_STATE: _STATE_NAMES, _ACTION: _ACTION_NAMES, _POSE: _POSE_NAMES}
 _COUNTS = ("frame_index", "episode_index", "index", "task_index")
+_FRONT_MATTER = (
+    "task_categories:",
+    "- robotics",
+    "tags:",
+    "- LeRobot",
+    "configs:",
+    "- config_name: default",
+    "  data_files: data/*/*.parquet",
+)
+"""Lines by which the Hugging Face Hub recognises a dataset of LeRobot."""
 _FILES_PER_CHUNK = 1000
 _FRAMES_PER_GROUP = 100
 _STATS_BYTES = 10_000
-"""What the statistics of an episode take, about."""
-_PLACE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+"""Approximate size of the statistics of an episode."""
+_DATA_FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 
 
 @dataclass(frozen=True)
@@ -41,7 +54,7 @@ class _Episode:
     run: Run
     index: int
     first: int
-    """Index of its first frame among all."""
+    """Index of the first frame among the frames of all episodes."""
     task_index: int
 
     def __len__(self) -> int:
@@ -49,24 +62,24 @@ class _Episode:
 
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
-        """All but the pictures, by feature, (frames,) or (frames, components)."""
+        """All features but the images, (frames,) or (frames, components)."""
         at = [image.row for image in self.run.images]
         drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[at]
         table = self.run.table
         speed_rad_s = wheels[["speed_r", "speed_l"]].to_numpy()
         v_m_s, w_rad_s = (wheels[f"command_{one}"].to_numpy() for one in "vw")
-        aside_m_s = 0.5 * drive.track_m * w_rad_s
-        asked_m_s = np.column_stack((v_m_s + aside_m_s, v_m_s - aside_m_s))
+        turn_m_s = 0.5 * drive.track_m * w_rad_s
+        commanded_m_s = np.column_stack((v_m_s + turn_m_s, v_m_s - turn_m_s))  # right and left wheel
         stamps_s = np.array([image.t_s for image in self.run.images])
         count = np.arange(len(self))
-        found = {
+        vectors = {
             _STATE: np.column_stack((speed_rad_s, table.tof_m[at], table.line[at])).astype(np.float32),
-            _ACTION: (asked_m_s / (0.5 * drive.wheel_diameter_m)).astype(np.float32),
+            _ACTION: (commanded_m_s / (0.5 * drive.wheel_diameter_m)).astype(np.float32),
             _POSE: table.pose[at].astype(np.float32),
             "timestamp": (stamps_s - stamps_s[0]).astype(np.float32),
         }
-        whole = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
-        return found | {name: one.astype(np.int64) for name, one in zip(_COUNTS, whole, strict=True)}
+        counts = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
+        return vectors | {name: one.astype(np.int64) for name, one in zip(_COUNTS, counts, strict=True)}
 
     @cached_property
     def levels(self) -> Levels:
@@ -75,12 +88,12 @@ class _Episode:
 
 @dataclass(frozen=True)
 class _Plan:
-    """Everything but the content of the pictures."""
+    """Everything but the content of the images."""
 
     data: Dataset
     tasks: tuple[str, ...]
     files: tuple[tuple[_Episode, ...], ...]
-    """Episodes of each file of frames; none is torn apart."""
+    """Episodes of each file of frames; an episode lies in one file."""
     max_bytes: int
 
     @property
@@ -91,16 +104,16 @@ class _Plan:
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     optional_module("pyarrow")
     plan = _plan(data, settings.shard_bytes)
-    yield MadeFile("README.md", lambda: _card(plan))
-    yield MadeFile("meta/info.json", lambda: canonical_json(_info(plan)))
-    yield MadeFile("meta/stats.json", lambda: canonical_json(_stats(plan.episodes)), lambda: _STATS_BYTES)
-    yield MadeFile("meta/tasks.parquet", lambda: _tasks(plan))
-    about = _STATS_BYTES * len(plan.episodes)
-    yield MadeFile(f"meta/episodes/{_place(0)}", lambda: _episodes(plan), lambda: about)
+    yield ExportedFile("README.md", lambda: hub_card(data, _FRONT_MATTER))
+    yield ExportedFile("meta/info.json", lambda: canonical_json(_info(plan)))
+    yield ExportedFile("meta/stats.json", lambda: canonical_json(_stats(plan.episodes)), lambda: _STATS_BYTES)
+    yield ExportedFile("meta/tasks.parquet", lambda: _tasks(plan))
+    estimated_bytes = _STATS_BYTES * len(plan.episodes)
+    yield ExportedFile(f"meta/episodes/{_data_file(0)}", lambda: _episodes(plan), lambda: estimated_bytes)
     for number, episodes in enumerate(plan.files):
-        size = sum(pictures_bytes(one.run.images) for one in episodes)
-        name = f"data/{_place(number)}"
-        yield MadeFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
+        size = sum(image_bytes(one.run.images) for one in episodes)
+        name = f"data/{_data_file(number)}"
+        yield ExportedFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
 
 
 def _plan(data: Dataset, max_bytes: int) -> _Plan:
@@ -114,7 +127,7 @@ def _plan(data: Dataset, max_bytes: int) -> _Plan:
     files: list[list[_Episode]] = []
     used, frames = 0, 0
     for index, run in enumerate(data.runs):
-        size = pictures_bytes(run.images)
+        size = image_bytes(run.images)
         if not files or used + size > max_bytes:
             files.append([])
             used = 0
@@ -127,9 +140,9 @@ def _task(run: Run) -> str:
     return f"Follow the line and the walls and pass the obstacles, route {run.spec.route}"
 
 
-def _place(number: int) -> str:
+def _data_file(number: int) -> str:
     chunk, file = divmod(number, _FILES_PER_CHUNK)
-    return _PLACE.format(chunk_index=chunk, file_index=file)
+    return _DATA_FILE.format(chunk_index=chunk, file_index=file)
 
 
 def _info(plan: _Plan) -> dict[str, Any]:
@@ -137,9 +150,12 @@ def _info(plan: _Plan) -> dict[str, Any]:
     robots = {run.spec.robot.name for run in plan.data.runs}
     size = [first.camera.height_px, first.camera.width_px, 3]
     features: dict[str, Any] = {_FRONT: {"dtype": "image", "shape": size, "names": ["height", "width", "channels"]}}
-    features |= {name: {"dtype": "float32", "shape": [len(of)], "names": list(of)} for name, of in _VECTORS.items()}
-    one = {"shape": [1], "names": None}
-    features |= {"timestamp": {"dtype": "float32", **one}} | {name: {"dtype": "int64", **one} for name in _COUNTS}
+    features |= {
+        name: {"dtype": "float32", "shape": [len(components)], "names": list(components)}
+        for name, components in _VECTORS.items()
+    }
+    scalar = {"shape": [1], "names": None}
+    features |= {"timestamp": {"dtype": "float32", **scalar}} | {name: {"dtype": "int64", **scalar} for name in _COUNTS}
     return {
         "codebase_version": _VERSION,
         "robot_type": robots.pop() if len(robots) == 1 else "symolo",
@@ -151,23 +167,23 @@ def _info(plan: _Plan) -> dict[str, Any]:
         "video_files_size_in_mb": 200,
         "fps": first.spec.rates.camera_hz,
         "splits": {"train": f"0:{len(episodes)}"},
-        "data_path": f"data/{_PLACE}",
+        "data_path": f"data/{_DATA_FILE}",
         "video_path": None,
         "features": features,
     }
 
 
 def _stats(episodes: Sequence[_Episode]) -> dict[str, Stats]:
-    """Of every feature over some episodes."""
+    """Return the statistics of every feature over some episodes."""
     levels = [one.levels for one in episodes]
-    found = {_FRONT: sum(levels[1:], start=levels[0]).stats()}
+    stats = {_FRONT: sum(levels[1:], start=levels[0]).stats()}
     for name in episodes[0].numbers:
-        found[name] = vector_stats(np.concatenate([one.numbers[name] for one in episodes]))
-    return found
+        stats[name] = vector_stats(np.concatenate([one.numbers[name] for one in episodes]))
+    return stats
 
 
 def _tasks(plan: _Plan) -> bytes:
-    """A table of pandas: its index is the text."""
+    """Return a table of pandas whose index is the text of the task, as LeRobot reads it."""
     table = pd.DataFrame({"task_index": range(len(plan.tasks))}, index=pd.Index(plan.tasks, name="task"))
     file = io.BytesIO()
     table.to_parquet(file, engine="pyarrow")
@@ -178,21 +194,22 @@ def _episodes(plan: _Plan) -> bytes:
     arrow, writer = optional_module("pyarrow"), optional_module("pyarrow.parquet")
     rows = []
     for number, file in enumerate(plan.files):
-        chunk, place = divmod(number, _FILES_PER_CHUNK)
+        chunk_index, file_index = divmod(number, _FILES_PER_CHUNK)
         for one in file:
             row: dict[str, Any] = {
                 "episode_index": one.index,
                 "tasks": [plan.tasks[one.task_index]],
                 "length": len(one),
-                "data/chunk_index": chunk,
-                "data/file_index": place,
+                "data/chunk_index": chunk_index,
+                "data/file_index": file_index,
                 "dataset_from_index": one.first,
                 "dataset_to_index": one.first + len(one),
                 "meta/episodes/chunk_index": 0,
                 "meta/episodes/file_index": 0,
             }
-            stats: Mapping[str, Stats] = _stats([one])
-            rows.append(row | {f"stats/{name}/{key}": of for name, told in stats.items() for key, of in told.items()})
+            for name, stats in _stats([one]).items():
+                row |= {f"stats/{name}/{key}": value for key, value in stats.items()}
+            rows.append(row)
     file = io.BytesIO()
     writer.write_table(arrow.Table.from_pylist(rows), file, compression="zstd")
     return file.getvalue()
@@ -200,8 +217,11 @@ def _episodes(plan: _Plan) -> bytes:
 
 def _frames(episodes: Sequence[_Episode]) -> bytes:
     images = [image for one in episodes for image in one.run.images]
-    named = [pictured(image.path.read_bytes(), f"{image.run.name}/{image.path.name}") for image in images]
-    columns = {_FRONT: (picture(), named)}
+    files = [
+        {"bytes": read_file(image.path, FileKind.IMAGE), "path": f"{image.run.name}/{image.path.name}"}
+        for image in images
+    ]
+    columns = {_FRONT: (image_file(), files)}
     number = value("float32")
     for name in episodes[0].numbers:
         stacked = np.concatenate([one.numbers[name] for one in episodes])
@@ -212,13 +232,4 @@ def _frames(episodes: Sequence[_Episode]) -> bytes:
     return parquet_bytes(columns, {}, rows_per_group=_FRAMES_PER_GROUP)
 
 
-def _card(plan: _Plan) -> bytes:
-    """The head that the hub knows LeRobot's datasets by."""
-    told = plan.data.metadata
-    name, about = (told.name, told.description) if told else (plan.data.root.name, "")
-    head = ["---", *([f"license: {told.licence.lower()}"] if told else []), "task_categories:", "- robotics"]
-    head += ["tags:", "- LeRobot", "configs:", "- config_name: default", "  data_files: data/*/*.parquet", "---"]
-    return ("\n".join([*head, f"# {name}", *(["", about] if about else [])]) + "\n").encode()
-
-
-EXPORTER = Exporter("lerobot", "episodes of LeRobot v3.0 at the camera's rate: picture, state, action, task", _files)
+EXPORTER = Exporter("lerobot", "episodes of LeRobot v3.0 at the camera's rate: image, state, action, task", _files)

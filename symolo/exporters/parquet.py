@@ -9,7 +9,7 @@ import pandas as pd
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
-from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
 from symolo.exporters.features import stacked_bytes
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image, Run
@@ -17,7 +17,7 @@ from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"
 FILE_NAME = "file_name"
-"""Column of images.parquet that names the picture, from the folder that it lies in."""
+"""Column of images.parquet that holds the path of the image file, relative to the export."""
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
@@ -26,13 +26,12 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs[1:]:
         if run.side_names != names:
             raise InputError("has other side tables than the first run", where=str(run.folder), cure="use --runs")
-    yield _table("rows", data, lambda run: run.rows)
-    for name in names:
-        if name != _CAMERA:
-            yield _table(name, data, lambda run, name=name: run.side(name))
-    yield _table("images", data, _images)
+    readers: dict[str, Callable[[Run], pd.DataFrame]] = {"rows": lambda run: run.rows}
+    readers |= {name: lambda run, name=name: run.side(name) for name in names if name != _CAMERA}
+    for name, read in (readers | {"images": _images}).items():
+        yield ExportedFile(f"{name}.parquet", lambda read=read: stacked_bytes(data, read))
     for image in data.images:
-        yield CopiedFile(_file_name(image), image.path)
+        yield copied_file(_file_name(image), image.path)
 
 
 def _file_name(image: Image) -> str:
@@ -40,15 +39,11 @@ def _file_name(image: Image) -> str:
 
 
 def _images(run: Run) -> pd.DataFrame:
-    """camera.csv, and which file it is of."""
+    """Return camera.csv with the path of each image file."""
     table = run.side(_CAMERA)
     table[FILE_NAME] = [_file_name(image) for image in run.images]
     table.attrs[UNITS] = table.attrs[UNITS] | {FILE_NAME: "-"}
     return table
-
-
-def _table(name: str, data: Dataset, read: Callable[[Run], pd.DataFrame]) -> MadeFile:
-    return MadeFile(f"{name}.parquet", lambda: stacked_bytes(data, read))
 
 
 EXPORTER = Exporter("parquet", "all tables of all runs as Parquet with their units, images beside them", _files)

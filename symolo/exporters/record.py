@@ -1,4 +1,4 @@
-"""What of an image's moment goes beside its picture in formats that have samples."""
+"""Readings, pose and camera of an image, for formats that store them beside each image."""
 
 import json
 
@@ -6,14 +6,14 @@ from symolo.dataset.tables.rows import COLUMNS
 from symolo.reader.run import Image
 
 
-def row_of(image: Image) -> dict[str, float | int]:
-    """The row of data.csv at which it was taken, in the units of the file; counts are integers."""
-    row = image.run.table.at(image.row).tolist()
-    return {column.name: value if column.decimals else int(value) for column, value in zip(COLUMNS, row, strict=True)}
-
-
 def record_of(image: Image) -> bytes:
-    """That row, the run's name, the camera's pose and its intrinsics, as JSON in one line."""
-    camera = image.run.camera
-    content = row_of(image) | {"run": image.run.name, "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
+    """Return JSON in one line with run, pose X_WC, K and D, and the row of data.csv at which the image was taken.
+
+    The row has the names and units of the file; numbers of columns without decimals are integers.
+    """
+    camera, values = image.run.camera, image.run.table.at(image.row).tolist()
+    content: dict[str, object] = {
+        column.name: value if column.decimals else int(value) for column, value in zip(COLUMNS, values, strict=True)
+    }
+    content |= {"run": image.run.name, "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
     return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()

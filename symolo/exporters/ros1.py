@@ -1,12 +1,12 @@
-"""A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); what is in it: `ros_messages`."""
+"""A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); its content: `ros_messages`."""
 
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from symolo.core.extras import optional_module
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
-from symolo.exporters.ros_messages import Vocabulary, about_bytes, messages, topics
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
+from symolo.exporters.ros_messages import Vocabulary, estimated_bytes, messages, topics
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
@@ -14,13 +14,13 @@ from symolo.reader.run import Run
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     optional_module("rosbags.rosbag1")
     for run in data.runs:
-        yield MadeFile(f"{run.name}.bag", lambda run=run: _bag(run), lambda run=run: about_bytes(run))
+        yield ExportedFile(f"{run.name}.bag", lambda run=run: _bag(run), lambda run=run: estimated_bytes(run))
 
 
 def _bag(run: Run) -> bytes:
     rosbag1, typesys = optional_module("rosbags.rosbag1"), optional_module("rosbags.typesys")
     store = typesys.get_typestore(typesys.Stores.ROS1_NOETIC)
-    # The library's set of Noetic lacks the messages of tf2.
+    # The library's message types of Noetic lack those of tf2.
     store.register(typesys.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
     with TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
         path = Path(scratch) / "run.bag"
@@ -36,4 +36,4 @@ def _bag(run: Run) -> bytes:
         return path.read_bytes()
 
 
-EXPORTER = Exporter("ros1", "a bag of ROS 1 for each run, with the messages of that of ROS 2", _files)
+EXPORTER = Exporter("ros1", "a bag of ROS 1 for each run, with the same messages as the bag of ROS 2", _files)

@@ -1,7 +1,7 @@
-"""What a ROS bag of a run holds: one table of topics, for bags of ROS 1 and of ROS 2.
+"""The content of a ROS bag of a run: one table of topics, for bags of ROS 1 and of ROS 2.
 
 Frames are those of REP 103 and 105: `map` is W, `base_link` is R, `odom` is where the wheels' encoders begin to count.
-Axes of `camera_link` are those of a body, of `camera_optical_frame` those of a picture.
+Axes of `camera_link` are those of a body, axes of `camera_optical_frame` those of an image.
 """
 
 import heapq
@@ -14,43 +14,44 @@ import numpy as np
 import pandas as pd
 
 from symolo.core.arrays import Array
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.poses import pose_X_WR, quaternions
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.tables.side_tables import SideTable
-from symolo.exporters.base import pictures_bytes
+from symolo.exporters.base import image_bytes
 from symolo.reader.run import Image, Run
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 START_NS = 1_000_000_000
-"""Stamp of the first row: 0 is no time to ROS, and in tf the latest one."""
+"""Stamp of the first row; not 0, which ROS takes as no time and tf as the latest time."""
 MAP, ODOM, BASE, CAMERA, OPTICAL = "map", "odom", "base_link", "camera_link", "camera_optical_frame"
 LINE_SENSOR = "line_sensor"
 WHEELS = ("wheel_right", "wheel_left")
 TOF = {"front": "f", "left": "l", "right": "r"}
-"""Sensors, and what their columns end in."""
+"""Names of the ToF sensors, and the ends of the names of their columns."""
 _INFRARED = 1
 Stamped = tuple[int, Any]
-"""When [ns], and a message."""
+"""Stamp [ns] and message."""
 Planar = tuple[float, float, float]
 """x [m], y [m], yaw [rad]."""
 
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """How a version of ROS spells its messages."""
+    """Makes the messages of a version of ROS."""
 
     store: "Typestore"
     version: int
 
     def __call__(self, name: str, *values: Any) -> Any:  # noqa: ANN401 - of the library, made at run time
-        """A message of a type such as `geometry_msgs/Point`, fields in the order of its definition."""
+        """Return a message of a type such as `geometry_msgs/Point`; values are in the order of its definition."""
         package, kind = name.split("/")
         return self.store.types[f"{package}/msg/{kind}"](*values)
 
     def header(self, at_ns: int, frame: str, number: int = 0) -> Any:  # noqa: ANN401 - as above
-        """Messages of ROS 1 are numbered."""
+        """Return a header; `number` counts the messages of a topic in ROS 1 and is left out in ROS 2."""
         stamp = self("builtin_interfaces/Time", *divmod(at_ns, 1_000_000_000))
         return self("std_msgs/Header", *([number] if self.version == 1 else []), stamp, frame)
 
@@ -61,23 +62,23 @@ class Vocabulary:
         return self("geometry_msgs/Quaternion", float(x), float(y), float(z), float(w))
 
     def upright(self, yaw_rad: float) -> Any:  # noqa: ANN401 - as above
-        """The turn of something that stands on the floor."""
+        """Return the rotation about the vertical axis."""
         return self.quaternion(0, 0, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2))
 
     def twist(self, v_m_s: float, w_rad_s: float) -> Any:  # noqa: ANN401 - as above
         return self("geometry_msgs/Twist", self.vector(v_m_s, 0, 0), self.vector(0, 0, w_rad_s))
 
     def on_floor(self, at_ns: int, frame: str, child: str, pose: Planar, number: int) -> Any:  # noqa: ANN401 - as above
-        """A transform between frames that stand on the floor."""
+        """Return a transform between frames that stand on the floor."""
         x_m, y_m, yaw_rad = pose
         transform = self("geometry_msgs/Transform", self.vector(x_m, y_m, 0), self.upright(yaw_rad))
         return self("geometry_msgs/TransformStamped", self.header(at_ns, frame, number), child, transform)
 
     def fixed(self, frame: str, child: str, X: Array) -> Any:  # noqa: ANN401 - as above
-        """A transform (4, 4) that never changes."""
+        """Return a transform (4, 4) that never changes."""
         X = X + 0.0  # no -0
-        turned = self.quaternion(*quaternions(X[None, :3, :3])[0].tolist())
-        transform = self("geometry_msgs/Transform", self.vector(*X[:3, 3].tolist()), turned)
+        rotation = self.quaternion(*quaternions(X[None, :3, :3])[0].tolist())
+        transform = self("geometry_msgs/Transform", self.vector(*X[:3, 3].tolist()), rotation)
         return self("geometry_msgs/TransformStamped", self.header(START_NS, frame), child, transform)
 
 
@@ -89,8 +90,8 @@ class Log:
 
     @cached_property
     def at_ns(self) -> list[int]:
-        """Stamp of each row."""
-        return [_stamp_ns(t_ms) for t_ms in self.run.table.t_ms.tolist()]
+        """Stamp [ns] of each row."""
+        return [START_NS + t_ms * 1_000_000 for t_ms in self.run.table.t_ms.tolist()]
 
     @cached_property
     def wheels(self) -> pd.DataFrame:
@@ -101,7 +102,7 @@ class Log:
         return self.wheels[["odometry_x", "odometry_y", "odometry_theta"]].to_numpy().tolist()
 
     def rows(self, *columns: np.ndarray) -> Iterator[tuple[int, int, Any]]:
-        """Number, stamp and values of each row."""
+        """Yield number, stamp [ns] and values of each row."""
         values = zip(*(one.tolist() for one in columns), strict=True)
         return zip(range(len(self.at_ns)), self.at_ns, values, strict=True)
 
@@ -111,34 +112,30 @@ class Topic:
     name: str
     type: str
     messages: Callable[[Log, Vocabulary], Iterator[Stamped]]
-    """In the order of time."""
+    """Yields the messages in the order of time."""
     latched: bool = False
-    """Whether who comes later gets the last one."""
+    """Whether a late subscriber gets the last message."""
 
 
 _ROW_BYTES = 2_700
-"""What the messages of a row take in a bag, about."""
+"""Approximate size in a bag of the messages of a row."""
 
 
-def about_bytes(run: Run) -> int:
-    """How large a bag of a run is, about."""
-    return pictures_bytes(run.images) + _ROW_BYTES * len(run)
+def estimated_bytes(run: Run) -> int:
+    """Return the approximate size of a bag of a run."""
+    return image_bytes(run.images) + _ROW_BYTES * len(run)
 
 
 def messages(run: Run, ros: Vocabulary) -> Iterator[tuple[Topic, int, Any]]:
     """Yield the messages of a run in the order of time, those of one instant in the order of `topics`."""
     log, known = Log(run), topics(run)
 
-    def of(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
-        return ((at_ns, place, message) for at_ns, message in topic.messages(log, ros))
+    def numbered(number: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
+        return ((at_ns, number, message) for at_ns, message in topic.messages(log, ros))
 
-    merged = heapq.merge(*(of(*numbered) for numbered in enumerate(known)), key=lambda one: one[:2])
-    for at_ns, place, message in merged:
-        yield known[place], at_ns, message
-
-
-def _stamp_ns(t_ms: int) -> int:
-    return START_NS + t_ms * 1_000_000
+    streams = [numbered(number, topic) for number, topic in enumerate(known)]
+    for at_ns, number, message in heapq.merge(*streams, key=lambda one: one[:2]):
+        yield known[number], at_ns, message
 
 
 def _static(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
@@ -168,16 +165,16 @@ def _tof_frame(name: str) -> str:
 
 
 def _moving(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    """`map` to `odom` puts right what the odometry gets wrong, so that `map` to `base_link` is the truth (REP 105)."""
-    for number, at_ns, (true,) in log.rows(log.run.table.pose):
-        told = log.odometry[number]
-        poses = ((MAP, ODOM, _difference(true, told)), (ODOM, BASE, told))
-        found = [ros.on_floor(at_ns, frame, child, pose, number) for frame, child, pose in poses]
-        yield at_ns, ros("tf2_msgs/TFMessage", found)
+    """Yield the moving transforms: `map` to `odom` corrects the odometry, so `map` to `base_link` is true (REP 105)."""
+    for number, at_ns, (true_pose,) in log.rows(log.run.table.pose):
+        odometry = log.odometry[number]
+        poses = ((MAP, ODOM, _odometry_frame(true_pose, odometry)), (ODOM, BASE, odometry))
+        transforms = [ros.on_floor(at_ns, frame, child, pose, number) for frame, child, pose in poses]
+        yield at_ns, ros("tf2_msgs/TFMessage", transforms)
 
 
-def _difference(X_WR: Planar, X_OR: Planar) -> Planar:
-    """X_WO, with which X_WO X_OR is X_WR."""
+def _odometry_frame(X_WR: Planar, X_OR: Planar) -> Planar:
+    """Return X_WO, for which X_WO X_OR = X_WR."""
     x_m, y_m, yaw_rad = X_OR
     turn_rad = X_WR[2] - yaw_rad
     c, s = np.cos(turn_rad), np.sin(turn_rad)
@@ -185,13 +182,13 @@ def _difference(X_WR: Planar, X_OR: Planar) -> Planar:
 
 
 def _odometry(ros: Vocabulary, header: object, pose: Planar, twist: tuple[float, float]) -> Any:  # noqa: ANN401 - as above
-    """Without covariances: those of the truth are 0, those of the wheels nobody knows."""
-    placed = ros("geometry_msgs/Pose", ros.vector(pose[0], pose[1], 0, "Point"), ros.upright(pose[2]))
+    """Return odometry without covariances: those of the truth are 0, those of the wheels are unknown."""
+    pose_message = ros("geometry_msgs/Pose", ros.vector(pose[0], pose[1], 0, "Point"), ros.upright(pose[2]))
     return ros(
         "nav_msgs/Odometry",
         header,
         BASE,
-        ros("geometry_msgs/PoseWithCovariance", placed, np.zeros(36)),
+        ros("geometry_msgs/PoseWithCovariance", pose_message, np.zeros(36)),
         ros("geometry_msgs/TwistWithCovariance", ros.twist(*twist), np.zeros(36)),
     )
 
@@ -202,51 +199,52 @@ def _truth(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
 
 
 def _wheel_odometry(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    """The twist by the measured speeds of the wheels (paper Eq. 1-5)."""
+    """Yield the odometry with the twist by the measured speeds of the wheels (paper Eq. 1-5)."""
     drive = log.run.spec.robot.drive
-    right, left = (0.5 * drive.wheel_diameter_m * log.wheels[f"speed_{side}"].to_numpy() for side in "rl")
-    for number, at_ns, twist in log.rows(0.5 * (right + left), (right - left) / drive.track_m):
+    right_m_s, left_m_s = (0.5 * drive.wheel_diameter_m * log.wheels[f"speed_{wheel}"].to_numpy() for wheel in "rl")
+    for number, at_ns, twist in log.rows(0.5 * (right_m_s + left_m_s), (right_m_s - left_m_s) / drive.track_m):
         yield at_ns, _odometry(ros, ros.header(at_ns, ODOM, number), log.odometry[number], twist)
 
 
-def _pictures(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+def _images(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     for image, at_ns, header in _shutters(log, ros):
-        pixels = np.frombuffer(image.path.read_bytes(), dtype=np.uint8)
-        yield at_ns, ros("sensor_msgs/CompressedImage", header, "jpeg", pixels)
+        content = np.frombuffer(read_file(image.path, FileKind.IMAGE), dtype=np.uint8)
+        yield at_ns, ros("sensor_msgs/CompressedImage", header, "jpeg", content)
 
 
 def _camera_info(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     camera = log.run.camera
     K, D = np.array(camera.K), np.array(camera.D)
     P = np.column_stack((K, np.zeros(3)))
-    whole = ros("sensor_msgs/RegionOfInterest", 0, 0, 0, 0, False)  # noqa: FBT003 - a field of the message
+    full_image = ros("sensor_msgs/RegionOfInterest", 0, 0, 0, 0, False)  # noqa: FBT003 - a field of the message
     for _image, at_ns, header in _shutters(log, ros):
         size, unbinned = (camera.height_px, camera.width_px), (0, 0)
         matrices = D, K.ravel(), np.eye(3).ravel(), P.ravel()
-        yield at_ns, ros("sensor_msgs/CameraInfo", header, *size, camera.distortion_model, *matrices, *unbinned, whole)
+        fields = *size, camera.distortion_model, *matrices, *unbinned, full_image
+        yield at_ns, ros("sensor_msgs/CameraInfo", header, *fields)
 
 
 def _shutters(log: Log, ros: Vocabulary) -> Iterator[tuple[Image, int, Any]]:
-    """Image, stamp and header."""
+    """Yield image, stamp [ns] and header."""
     for image in log.run.images:
         at_ns = log.at_ns[image.row]
         yield image, at_ns, ros.header(at_ns, OPTICAL, image.index)
 
 
 def _ranges(name: str) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
-    """Of one sensor: +inf is "no target" (REP 117), in place of the number that data.csv has."""
+    """Return the function of the topic of a ToF sensor; +inf (REP 117) stands for the no-target value of data.csv."""
 
-    def found(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    def readings(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
         tof = log.run.spec.robot.tof
         limits = np.radians(tof.field_of_view_deg), tof.min_range_m, tof.max_range_m
         status = log.run.side("tof")[f"status_{TOF[name]}"].to_numpy()
         range_m = np.where(status == TofStatus.NO_TARGET, np.inf, log.run.table.tof_m[:, [*TOF].index(name)])
-        variance = [0.0] if ros.version > 1 else []  # 0: not known
+        variance = [0.0] if ros.version > 1 else []  # 0: unknown
         for number, at_ns, (value,) in log.rows(range_m):
             header = ros.header(at_ns, _tof_frame(name), number)
             yield at_ns, ros("sensor_msgs/Range", header, _INFRARED, *map(float, limits), value, *variance)
 
-    return found
+    return readings
 
 
 def _line(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
@@ -272,7 +270,7 @@ def _sensor(table: SideTable) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
 
 
 def _joints(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    """Angles by the encoders, speeds as measured; what torque the motors give is not known to the robot."""
+    """Yield angles by the encoders and measured speeds; the robot does not measure the torque of its motors."""
     turn_rad = 2 * np.pi / log.run.spec.robot.encoder.counts_per_revolution
     counts, speeds = (
         np.ascontiguousarray(log.wheels[[f"{name}_r", f"{name}_l"]].to_numpy(dtype=np.float64))
@@ -304,7 +302,7 @@ TOPICS = (
     Topic("/line_sensor", "std_msgs/msg/Float64MultiArray", _line),
     Topic("/state", "std_msgs/msg/Int32", _states),
     Topic("/camera/camera_info", "sensor_msgs/msg/CameraInfo", _camera_info),
-    Topic("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage", _pictures),
+    Topic("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage", _images),
 )
 
 

@@ -1,8 +1,12 @@
-"""The file form of Rerun recordings, .rrd, written here: Rerun's own writer stamps each row with the day and chance.
+"""The file format of Rerun recordings, .rrd, written here because Rerun's own writer never gives the same bytes twice.
 
-In the form of Rerun 0.23 without compression, which later versions read: a head, then messages, each with its kind and
-length. A chunk is a table of Arrow in a message of Protobuf (crates re_log_encoding, re_protos and re_chunk of
-https://github.com/rerun-io/rerun/tree/0.23.1/crates/store).
+We tried its writers on the same data. rerun-sdk 0.23.1, the last version for numpy 1, takes the ids of chunks and rows
+from the clock and a random generator, by `log` and by `send_columns`. rerun-sdk 0.41.0, which needs numpy 2 and Python
+3.11, accepts our ids in `Chunk.from_record_batch`, but `write_rrd` still stamps the message about the recording.
+
+We write the format of Rerun 0.23 without compression, which later versions read: a head, then messages, each with its
+kind and length. A chunk is a table of Arrow in a message of Protobuf (crates re_log_encoding, re_protos and re_chunk
+of https://github.com/rerun-io/rerun/tree/0.23.1/crates/store).
 """
 
 import struct
@@ -15,7 +19,7 @@ from typing import Any
 from symolo.core.arrays import Array
 
 Arrays = Any
-"""Of pyarrow, which is loaded when something is exported."""
+"""Array of pyarrow, which is loaded only for an export."""
 
 _VERSION = (0, 23, 1)
 _HEAD = struct.pack("<4s4B4B", b"RRF2", *_VERSION, 0, 1, 2, 0, 0)
@@ -28,7 +32,7 @@ _ROW_ID = {
     "ARROW:extension:metadata": '{"namespace":"row"}',
 }
 TIMELINE = "t"
-"""Seconds since the start of the run."""
+"""Name of the timeline: time [s] since the start of the run."""
 
 
 @dataclass(frozen=True)
@@ -38,28 +42,28 @@ class Component:
     field: str
     name: str
     values: Arrays
-    """A list array with one list for each row; an empty list takes away what was there before."""
+    """List array with one list for each row; an empty list removes the value of the rows before."""
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """What an entity is at some times, or always."""
+    """The components of an entity at some times, or for the whole recording."""
 
     path: str
     """For example `/world/robot`."""
     archetype: str
     components: tuple[Component, ...]
     t_s: Array | None = None
-    """(N,), strictly increasing [s]; None for one row that holds always."""
+    """(N,), strictly increasing times [s]; None for one row that holds for the whole recording."""
 
 
 def rrd(arrow: ModuleType, recording: str, chunks: Sequence[Chunk]) -> bytes:
-    """The bytes of a file, the same for the same chunks.
+    """Return the bytes of a file, the same for the same chunks.
 
     Args:
         arrow: The module pyarrow.
-        recording: Its identity; files of one recording are shown as one.
-        chunks: In their order.
+        recording: Identity of the recording; the viewer shows files of one recording together.
+        chunks: Chunks in their order in the file.
     """
     numbers = count(1)
     messages = [_HEAD, _message(_STORE_INFO, _store_info(recording, next(numbers)))]
@@ -75,24 +79,28 @@ def rrd(arrow: ModuleType, recording: str, chunks: Sequence[Chunk]) -> bytes:
 
 
 def _batch(arrow: ModuleType, chunk: Chunk, numbers: "count[int]") -> Arrays:
-    """The table of a chunk; rows are numbered on, and the chunk itself, where Rerun's writer has time and chance."""
+    """Return the table of a chunk; chunk and rows get the next numbers where Rerun's writer has time and chance."""
     rows = len(chunk.components[0].values)
     chunk_id = next(numbers)
     row_ids = arrow.array([struct.pack(">QQ", 1, next(numbers)) for _ in range(rows)], arrow.binary(16))
     columns = [(arrow.field("rerun.controls.RowId", row_ids.type, nullable=False, metadata=_ROW_ID), row_ids)]
     if chunk.t_s is not None:
         times = arrow.array((chunk.t_s * 1e9).round().astype("int64"), arrow.duration("ns"))
-        about = {"rerun.kind": "index", "rerun.index_name": TIMELINE, "rerun.is_sorted": "true"}
-        columns.append((arrow.field(TIMELINE, times.type, metadata=about), times))
-    archetype = f"rerun.archetypes.{chunk.archetype}"
+        metadata = {"rerun.kind": "index", "rerun.index_name": TIMELINE, "rerun.is_sorted": "true"}
+        columns.append((arrow.field(TIMELINE, times.type, metadata=metadata), times))
     for one in chunk.components:
-        told = {"rerun.archetype": archetype, "rerun.archetype_field": one.field}
-        about = told | {"rerun.kind": "data", "rerun.component": f"rerun.components.{one.name}"}
-        columns.append((arrow.field(one.name, one.values.type, metadata=about), one.values))
+        metadata = {
+            "rerun.archetype": f"rerun.archetypes.{chunk.archetype}",
+            "rerun.archetype_field": one.field,
+            "rerun.kind": "data",
+            "rerun.component": f"rerun.components.{one.name}",
+        }
+        columns.append((arrow.field(one.name, one.values.type, metadata=metadata), one.values))
+    # The viewer of 0.23 recognises an archetype by its indicator, a component without values.
     indicator = f"{chunk.archetype}Indicator"
-    marks = arrow.array([[None]] * rows, arrow.list_(arrow.null()))
-    about = {"rerun.kind": "data", "rerun.component": f"rerun.components.{indicator}"}
-    columns.append((arrow.field(indicator, marks.type, metadata=about), marks))
+    nothing = arrow.array([[None]] * rows, arrow.list_(arrow.null()))
+    metadata = {"rerun.kind": "data", "rerun.component": f"rerun.components.{indicator}"}
+    columns.append((arrow.field(indicator, nothing.type, metadata=metadata), nothing))
     head = {
         "rerun.version": "1",
         "rerun.id": f"chunk_{1:016X}{chunk_id:016x}",
@@ -107,8 +115,8 @@ def _store_info(recording: str, number: int) -> bytes:
     row_id = struct.pack("<BQBQ", 1 << 3 | 1, 1, 2 << 3 | 1, number)
     version = _number(1, int.from_bytes((*_VERSION, 0), "little"))
     source = _number(1, _OTHER) + _bytes(2, _bytes(1, b"symolo"))
-    about = _bytes(1, _bytes(1, b"symolo")) + _bytes(2, _store_id(recording)) + _bytes(5, source) + _bytes(6, version)
-    return _bytes(1, row_id) + _bytes(2, about)
+    info = _bytes(1, _bytes(1, b"symolo")) + _bytes(2, _store_id(recording)) + _bytes(5, source) + _bytes(6, version)
+    return _bytes(1, row_id) + _bytes(2, info)
 
 
 def _store_id(recording: str) -> bytes:
@@ -131,8 +139,9 @@ def _bytes(field: int, value: bytes) -> bytes:
 
 
 def _varint(value: int) -> bytes:
-    made = bytearray()
+    """Return a number in groups of 7 bits, the lowest first; bit 7 says that another group follows."""
+    groups = bytearray()
     while value > 127:
-        made.append(value & 127 | 128)
+        groups.append(value & 127 | 128)
         value >>= 7
-    return bytes((*made, value))
+    return bytes((*groups, value))

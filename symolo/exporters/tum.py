@@ -1,6 +1,6 @@
-"""Trajectories as the TUM RGB-D benchmark has them, which evo and others read.
+"""Trajectories in the form of the TUM RGB-D benchmark, which evo and other tools read.
 
-A line for each pose: `timestamp tx ty tz qx qy qz qw`, times in s, lengths in m, the quaternion's scalar last
+Each pose is a line `timestamp tx ty tz qx qy qz qw`, times in s, lengths in m, the quaternion's scalar last
 (https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats).
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import pose_X_WR, quaternions
 from symolo.dataset.tables.rows import csv_bytes
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
@@ -23,7 +23,7 @@ _ODOMETRY = ["odometry_x", "odometry_y", "odometry_theta"]
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs:
         for name, poses in (("robot", _robot), ("camera", _camera), ("odometry", _odometry)):
-            yield MadeFile(f"{run.name}/{name}.txt", lambda run=run, poses=poses: _text(*poses(run)))
+            yield ExportedFile(f"{run.name}/{name}.txt", lambda run=run, poses=poses: _text(*poses(run)))
 
 
 def _robot(run: Run) -> tuple[Array, Array]:
@@ -35,15 +35,17 @@ def _camera(run: Run) -> tuple[Array, Array]:
 
 
 def _odometry(run: Run) -> tuple[Array, Array]:
-    """Counted from the true start, for that of the file begins at nothing."""
+    """Return the odometry from the true start on; in the file it counts from (0, 0, 0)."""
     X_WS = pose_X_WR(*run.table.pose[0].tolist())
     poses = run.side("wheels")[_ODOMETRY].to_numpy().tolist()
     return run.t_s, np.array([X_WS @ pose_X_WR(*pose) for pose in poses])
 
 
 def _text(t_s: Array, X: Array) -> bytes:
-    """Poses (N, 4, 4) at times (N,); of the two quaternions of a rotation the one nearer to that of the pose before."""
+    """Return the file of poses (N, 4, 4) at times (N,)."""
     rotations = quaternions(X[:, :3, :3])
+    # A rotation has two quaternions, q and -q; we write the one that is nearer to that of the pose before, so that
+    # a reader can interpolate between lines.
     signs = np.where(np.sum(rotations[1:] * rotations[:-1], axis=1) < 0, -1.0, 1.0)
     rotations[1:] *= np.cumprod(signs)[:, None]
     return csv_bytes(_HEADER, _DECIMALS, np.column_stack((t_s, X[:, :3, 3], rotations)), separator=" ")

@@ -1,4 +1,9 @@
-"""A release wrapped as a bag (BagIt 1.0, RFC 8493): its files below `data/`, checksums and bag-info.txt beside it."""
+"""A release wrapped as a bag (BagIt 1.0, RFC 8493): its files below `data/`, checksums and bag-info.txt beside it.
+
+The package bagit 1.9.0 is not used. It declares BagIt 0.97, moves the files of the release into the bag instead of
+copying them, does not wait until they are on the disk, and its check of a bag ends at the first wrong total without the
+name of a file. It accepts the bags that we write.
+"""
 
 import hashlib
 from collections.abc import Mapping
@@ -7,6 +12,7 @@ from pathlib import Path
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.new_folder import check_new, new_folder
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import BAG_INFO, DECLARATION, bag_info, read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata
@@ -18,48 +24,41 @@ DECLARED = b"BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
 
 
 def make_bag(root: Path, out: Path, report: Report) -> int:
-    """Copy a whole release into a bag, which comes into being at once; the number of its payload files.
+    """Copy a whole release into a bag, which appears complete or not at all; return the number of payload files.
 
     Args:
         root: The release.
-        out: New or empty.
-        report: Where to tell.
+        out: A new or empty folder.
+        report: Receives the progress.
 
     Raises:
-        InputError: The release is damaged, or there is something at `out`.
+        InputError: The release is damaged, or `out` is not empty.
     """
     check_new(out)
-    inventory = Inventory.of_whole(root)
-    with new_folder(out) as partial:
-        return _fill(partial, root, inventory.files.digests, report)
-
-
-def _fill(partial: Path, root: Path, digests: Mapping[str, str], report: Report) -> int:
-    make_folder(partial / PAYLOAD)
-    sizes: list[int] = []
-    with report.stage("bag", len(digests), "files") as stage:
-        for name, digest in sorted(digests.items()):
-            data = (root / name).read_bytes()
-            if hashlib.sha256(data).hexdigest() != digest:
-                raise InputError("has changed meanwhile", where=str(root / name), cure="run the command again")
-            copy = partial / PAYLOAD / name
-            make_folder(copy.parent)
-            write_file(copy, data)
-            sizes.append(len(data))
-            stage.update("all", len(sizes))
-    for name, data in tag_files(root, digests).items():
-        write_file(partial / name, data)
-    return len(sizes)
+    digests = Inventory.of_whole(root).files.digests
+    with new_folder(out) as bag:
+        make_folder(bag / PAYLOAD)
+        with report.stage("bag", len(digests), "files") as stage:
+            for number, (name, digest) in enumerate(sorted(digests.items()), start=1):
+                data = read_file(root / name, FileKind.ANY)
+                if hashlib.sha256(data).hexdigest() != digest:
+                    raise InputError("has changed meanwhile", where=str(root / name), cure="run the command again")
+                make_folder((bag / PAYLOAD / name).parent)
+                write_file(bag / PAYLOAD / name, data)
+                stage.update("all", number)
+        for name, data in tag_files(root, digests).items():
+            write_file(bag / name, data)
+    return len(digests)
 
 
 def tag_files(release: Path, digests: Mapping[str, str]) -> dict[str, bytes]:
-    """The files of a bag beside `data/`, which follow from what it holds.
+    """Return the files of a bag beside `data/`; they follow from the release.
 
     Args:
-        release: What lies, or will lie, in `data/`.
+        release: The release, which lies or will lie in `data/`.
         digests: SHA-256 of each of its files.
     """
-    metadata = Metadata.model_validate_json((release / METADATA).read_bytes())
+    metadata = Metadata.model_validate_json(read_file(release / METADATA, FileKind.DOCUMENT))
     sizes = {name: (release / name).stat().st_size for name in digests}
     tags = {
         DECLARATION: DECLARED,

@@ -5,16 +5,18 @@ from typing import Any
 import yaml
 
 from symolo.dataset.documents.description import columns_part, frames_part, markdown_table, plain_text, runs_part
-from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.dataset import Published
 
 _SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"))
 """The Hub's size categories up to a million samples, each with the number below which it holds."""
 
 
 def card(data: Published) -> bytes:
-    told = data.metadata
+    """Return the file."""
+    metadata = data.metadata
     parts = [_head(data), _files(data), _use(data)]
-    parts += [columns_part(told), frames_part(told), runs_part(told), _citation(data)]
+    parts += [columns_part(metadata), frames_part(metadata), runs_part(metadata)]
+    parts.append(f"## Citation\n\n{plain_text(data.about.citation)}")
     front = yaml.safe_dump(_front_matter(data), sort_keys=False, allow_unicode=True, width=120)
     return (f"---\n{front}---\n\n" + "\n\n".join(parts) + "\n").encode()
 
@@ -22,7 +24,7 @@ def card(data: Published) -> bytes:
 def _front_matter(data: Published) -> dict[str, Any]:
     licence = data.licence
     images = sum(run.images for run in data.metadata.runs)
-    size = next((name for most, name in _SIZES if images < most), "1M<n<10M")
+    size = next((name for limit, name in _SIZES if images < limit), "1M<n<10M")
     front: dict[str, Any] = {"pretty_name": data.about.title, "license": licence.hub}
     if licence.hub == "other":
         front["license_name"] = licence.spdx
@@ -46,8 +48,9 @@ def _head(data: Published) -> str:
 
 
 def _files(data: Published) -> str:
-    rows = [(shard.name, _megabytes(shard), f"the dataset, below `{data.name}/`") for shard in data.shards]
-    rows += [(file.name, _megabytes(file), f"`{table.source}` of all runs") for table, file in data.tables]
+    described = [(shard, f"the dataset, below `{data.name}/`") for shard in data.shards]
+    described += [(file, f"`{table.source}` of all runs") for table, file in data.tables]
+    rows = [(file.name, f"{file.size / 1e6:.1f} MB", text) for file, text in described]
     rows += [
         ("croissant.json", "", "files, tables and columns for MLCommons' `mlcroissant`"),
         ("datacite.json", "", "the record in DataCite's schema 4.5"),
@@ -57,17 +60,13 @@ def _files(data: Published) -> str:
     return f"## Files\n\n{markdown_table(('file', 'size', 'what it is'), rows)}"
 
 
-def _megabytes(file: PackedFile) -> str:
-    return f"{file.size / 1e6:.1f} MB"
-
-
 def _use(data: Published) -> str:
     return (
         "## Use\n\n"
         "    sha256sum -c SHA256SUMS\n"
         '    for shard in *.tar; do tar xf "$shard"; done\n'
         f"    cd {data.name} && sha256sum --quiet -c tagmanifest-sha256.txt manifest-sha256.txt\n\n"
-        f"`{data.name}/README.md` tells layout, robot, arena and files of a run; with `symolo` installed,"
+        f"`{data.name}/README.md` describes layout, robot, arena and files of a run; with `symolo` installed,"
         f" `symolo verify {data.name}` checks the content too. With `pip install mlcroissant`:\n\n"
         "```python\n"
         "import mlcroissant\n\n"
@@ -75,7 +74,3 @@ def _use(data: Published) -> str:
         '    print(row["rows/run"].decode(), row["rows/t"], row["rows/x"], row["rows/y"], row["rows/theta"])\n'
         "```"
     )
-
-
-def _citation(data: Published) -> str:
-    return f"## Citation\n\n{plain_text(data.about.citation)}"

@@ -21,7 +21,7 @@ def citation(data: Published) -> bytes:
         "abstract": data.description,
         "keywords": list(about.keywords),
     }
-    if data.licence.known:  # any other identifier the format would not take
+    if data.licence.known:  # the format takes identifiers of SPDX only
         content["license"] = data.licence.spdx
     if about.doi:
         content["doi"] = about.doi
@@ -32,12 +32,11 @@ def citation(data: Published) -> bytes:
 
 def _author(author: Author) -> dict[str, str]:
     if author.given is None:
-        entity = {"name": author.family, "orcid": author.orcid_url if author.orcid else None}
-        return {key: value for key, value in entity.items() if value}
-    person = {
-        "family-names": author.family,
-        "given-names": author.given,
-        "orcid": author.orcid_url if author.orcid else None,
-        "affiliation": author.affiliation,
-    }
-    return {key: value for key, value in person.items() if value}
+        entry = {"name": author.family}  # an organisation, which has no affiliation in this format
+    else:
+        entry = {"family-names": author.family, "given-names": author.given}
+    if author.orcid:
+        entry["orcid"] = author.orcid_url
+    if author.given and author.affiliation:
+        entry["affiliation"] = author.affiliation
+    return entry

@@ -1,6 +1,7 @@
 """croissant.json: files, tables and columns in MLCommons' Croissant 1.0, so that `mlcroissant` loads the records.
 
-http://mlcommons.org/croissant/1.0
+The format: http://mlcommons.org/croissant/1.0. The package mlcroissant 1.1.1 would write the same document from as
+many objects as there are dicts here, but `symolo pack` would then need scipy, rdflib, networkx and requests.
 """
 
 from typing import Any
@@ -16,7 +17,7 @@ _TERMS = (
     "jsonPath key md5 parentField path recordSet references regex repeated replace samplingRate separator source "
     "subField transform"
 )
-"""Of Croissant's own vocabulary: readers want all of them in the context, used or not."""
+"""Terms of Croissant's vocabulary; readers require all of them in the context, used or not."""
 _CONTEXT: dict[str, Any] = {
     "@language": "en",
     "@vocab": "https://schema.org/",
@@ -30,12 +31,13 @@ _CONTEXT: dict[str, Any] = {
 } | {name: f"cr:{name}" for name in _TERMS.split()}
 _CONTEXT["dataType"] = {"@id": "cr:dataType", "@type": "@vocab"}
 
-PICTURE_FILES = "image-files"
+IMAGE_FILES = "image-files"
 
 
 def croissant(data: Published) -> dict[str, Any]:
+    """Return the content of the file."""
     about = data.about
-    found: dict[str, Any] = {
+    document: dict[str, Any] = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": CONFORMS_TO,
@@ -57,9 +59,9 @@ def croissant(data: Published) -> dict[str, Any]:
         "recordSet": [_rows(table, data) for table, _ in data.tables],
     }
     if any(run.images for run in data.metadata.runs):
-        found["distribution"].append(_picture_files(data))
-        found["recordSet"].append(_pictures())
-    return found | ({"url": about.address} if about.address else {})
+        document["distribution"].append(_image_files(data))
+        document["recordSet"].append(_images())
+    return document | ({"url": about.address} if about.address else {})
 
 
 def _creator(author: Author) -> dict[str, str]:
@@ -79,12 +81,12 @@ def _file(file: PackedFile, encoding: str) -> dict[str, Any]:
     }
 
 
-def _picture_files(data: Published) -> dict[str, Any]:
+def _image_files(data: Published) -> dict[str, Any]:
     archives = [{"@id": shard.name} for shard in data.shards]
     return {
         "@type": "cr:FileSet",
-        "@id": PICTURE_FILES,
-        "name": PICTURE_FILES,
+        "@id": IMAGE_FILES,
+        "name": IMAGE_FILES,
         "containedIn": archives if len(archives) > 1 else archives[0],
         "encodingFormat": "image/jpeg",
         "includes": f"{data.name}/*/*/{IMAGES}/*.jpg",
@@ -107,9 +109,9 @@ def _rows(table: PlannedTable, data: Published) -> dict[str, Any]:
     }
 
 
-def _pictures() -> dict[str, Any]:
-    files = {"fileSet": {"@id": PICTURE_FILES}}
-    # The first folder is that of the dataset.
+def _images() -> dict[str, Any]:
+    files = {"fileSet": {"@id": IMAGE_FILES}}
+    # The first folder of a path is that of the dataset; the next two name the run.
     run = {"extract": {"fileProperty": "fullpath"}, "transform": {"regex": f"^[^/]+/([^/]+/[^/]+)/{IMAGES}/"}}
     number = {"extract": {"fileProperty": "filename"}, "transform": {"regex": r"0*(\d+)\.jpg$"}}
     content = {"extract": {"fileProperty": "content"}}
@@ -121,7 +123,7 @@ def _pictures() -> dict[str, Any]:
         "field": [
             _field(IMAGES, RUN, "for example CW/test_1", "sc:Text", files | run),
             _field(IMAGES, "img", "number of the image", "sc:Integer", files | number),
-            _field(IMAGES, "image", "the picture", "sc:ImageObject", files | content),
+            _field(IMAGES, "image", "the image", "sc:ImageObject", files | content),
         ],
     }
 

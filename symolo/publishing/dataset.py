@@ -1,4 +1,4 @@
-"""What the documents of a publication are written from."""
+"""The facts from which the documents of a publication are written."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from symolo.publishing.tables import PlannedTable
 
 @dataclass(frozen=True)
 class PackedFile:
-    """One that lies in the publication already."""
+    """A file that is already written to the publication."""
 
     name: str
     size: int
@@ -26,7 +26,7 @@ class Published:
 
     @property
     def name(self) -> str:
-        """Also the folder that the shards unpack to."""
+        """Name of the dataset and of the folder that the shards unpack to."""
         return self.metadata.name
 
     @property
@@ -35,9 +35,12 @@ class Published:
 
     @property
     def description(self) -> str:
-        own = (self.about.description if self.about.description is not None else self.metadata.description).strip()
-        made = (
+        """Description by the user, followed by a sentence on how the dataset was made."""
+        text = (self.about.description if self.about.description is not None else self.metadata.description).strip()
+        if text and not text.endswith((".", "!", "?")):
+            text += "."
+        origin = (
             "A synthetic dataset of a small differential robot in the layout of SyMoLo (Synthetic Dataset for Mobile "
-            "Robots Localization Algorithms): motion simulated with PyBullet, pictures path-traced with Blender Cycles."
+            "Robots Localization Algorithms): motion simulated with PyBullet, images path-traced with Blender Cycles."
         )
-        return f"{own}{'' if not own or own.endswith(('.', '!', '?')) else '.'} {made}".strip()
+        return f"{text} {origin}".strip()

@@ -11,7 +11,7 @@ class Licence:
     hub: str
     """Identifier in the front matter of a dataset card; `other` where the Hub has none."""
     known: bool = True
-    """Whether the identifier is one of SPDX that is listed here."""
+    """Whether the identifier is one of the SPDX identifiers that are listed here."""
 
 
 _CC = "https://creativecommons.org"
@@ -41,6 +41,6 @@ _KNOWN = (
 
 
 def licence_of(text: str) -> Licence:
-    """Of what a scenario names; any other text is taken as the licence's name."""
-    found = next((licence for licence in _KNOWN if licence.spdx.lower() == text.lower()), None)
-    return found or Licence(text, text, "", "other", known=False)
+    """Return the licence that a scenario names; a text that is no known identifier is taken as the licence's name."""
+    known = next((licence for licence in _KNOWN if licence.spdx.lower() == text.lower()), None)
+    return known or Licence(text, text, "", "other", known=False)

@@ -1,4 +1,4 @@
-"""What archives take, as they say it themselves; docs/publishing.md has where.
+"""Limits of archives by their own documentation; docs/publishing.md has the sources.
 
 Zenodo: 50 GB and 100 files in a record. Hugging Face Hub: files of at most 50 GB, better below 20 GB.
 """
@@ -10,8 +10,8 @@ _ZENODO_BYTES, _ZENODO_FILES = 50 * GB, 100
 _HUB_BYTES, _HUB_GOOD_BYTES = 50 * GB, 20 * GB
 
 
-def told(sizes: Sequence[int]) -> tuple[str, str]:
-    """A line for each archive, of files of these sizes."""
+def fits_archives(sizes: Sequence[int]) -> tuple[str, str]:
+    """Return a line for each archive that says whether files of these sizes [bytes] fit."""
     total, largest = sum(sizes), max(sizes)
     zenodo = "fits a record"
     if total > _ZENODO_BYTES:

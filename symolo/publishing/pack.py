@@ -29,7 +29,7 @@ from symolo.verification.inventory import LISTS, Inventory
 
 SUMS = "SHA256SUMS"
 DOCUMENTS_BYTES = 1_000_000
-"""Room for all that is neither shard nor table; a tenth of it is usual."""
+"""Space for the documents beside shards and tables; they usually need a tenth of it."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Plan:
 
 
 def plan(root: Path, about: About, shard_bytes: int) -> Plan:
-    """What would be written; nothing is.
+    """Return the files of a publication; nothing is written.
 
     Raises:
         InputError: It is no release, or a damaged one.
@@ -55,7 +55,9 @@ def plan(root: Path, about: About, shard_bytes: int) -> Plan:
     inventory = Inventory.of_whole(data.root)
     if data.metadata is None:
         raise InputError("is one run, not a release", where=str(root), cure="name the folder that holds metadata.json")
-    _check_names(data.root, data.metadata)
+    if not re.fullmatch(NAME_PATTERN, data.metadata.name):  # it becomes the name of a file
+        allowed = "up to 64 letters, digits, _ and -"
+        raise InputError("name", where=str(data.root / METADATA), got=data.metadata.name, allowed=allowed)
     digests = dict(inventory.files.digests) | {name: sha256_of(data.root / name) for name in LISTS}
     shards = planned_shards(data.root, digests, data.metadata.name, shard_bytes)
     runs = [run.name for run in data.runs]
@@ -66,18 +68,11 @@ def plan(root: Path, about: About, shard_bytes: int) -> Plan:
     return Plan(data.root, about, data.metadata, tables, tuple(shards))
 
 
-def _check_names(root: Path, metadata: Metadata) -> None:
-    """What becomes the name of a file: the release may be a stranger's."""
-    if not re.fullmatch(NAME_PATTERN, metadata.name):
-        allowed = "up to 64 letters, digits, _ and -"
-        raise InputError("name", where=str(root / METADATA), got=metadata.name, allowed=allowed)
-
-
 def pack(planned: Plan, out: Path, report: Report) -> int:
-    """Write a publication, which comes into being at once; the number of its bytes.
+    """Write a publication, which appears complete or not at all, and return the number of its bytes.
 
     Raises:
-        InputError: There is something at `out`, or it lies within the release.
+        InputError: `out` is not empty, or lies within the release.
         EnvironmentLacking: The disk has too little room, or a file of the release has changed meanwhile.
     """
     check_new(out, planned.root)
@@ -92,8 +87,8 @@ def pack(planned: Plan, out: Path, report: Report) -> int:
             PackedFile(table.file, table.size, write_chunks(folder / table.file, table.chunks()))
             for table in planned.tables
         ]
-        together = tuple(zip(planned.tables, tables, strict=True))
-        documents = _documents(Published(planned.about, planned.metadata, together, tuple(shards)))
+        planned_and_packed = tuple(zip(planned.tables, tables, strict=True))
+        documents = _documents(Published(planned.about, planned.metadata, planned_and_packed, tuple(shards)))
         for name, content in documents.items():
             write_file(folder / name, content)
         sums = {file.name: file.sha256 for file in (*shards, *tables)}

@@ -1,4 +1,4 @@
-"""Which file of a release lies in which tar: a run in one of them, unless it is larger than one may be."""
+"""Which file of a release lies in which tar: a run lies in one tar, unless the run is larger than the limit."""
 
 import hashlib
 from collections.abc import Iterator, Mapping
@@ -13,9 +13,10 @@ from symolo.dataset.manifest import manifest
 
 @dataclass(frozen=True)
 class KnownMember(Member):
-    """A file that is still what it was when the release was checked, or is refused."""
+    """A file of the release; it is refused if it has changed since the release was checked."""
 
     digest: str
+    """SHA-256."""
 
     @property
     def content(self) -> bytes:
@@ -33,34 +34,29 @@ class PlannedShard:
 
 
 def planned_shards(root: Path, digests: Mapping[str, str], folder: str, max_bytes: int) -> list[PlannedShard]:
-    """Every file below `folder`, by name; the same shards for the same release and size.
+    """Return the shards of a release, the same for the same release and size.
 
     Args:
         root: The release.
         digests: SHA-256 of each of its files.
-        folder: To which the shards unpack.
-        max_bytes: Size of a shard, unless one file is larger.
+        folder: Folder to which the shards unpack.
+        max_bytes: Largest size of a shard, unless one file is larger.
     """
-    members = [KnownMember(f"{folder}/{name}", root / name, digests[name]) for name in sorted(digests, key=_place)]
-    parts = shards(_groups(members, max_bytes), max_bytes)
-    return [PlannedShard(_name(folder, number, part), part) for number, part in enumerate(parts)]
-
-
-def _place(name: str) -> tuple[bool, str]:
-    """The files of the dataset itself come first."""
-    return "/" in name, name
+    ordered = sorted(digests, key=lambda name: ("/" in name, name))  # the files of the dataset itself come first
+    members = [KnownMember(f"{folder}/{name}", root / name, digests[name]) for name in ordered]
+    planned = []
+    for number, part in enumerate(shards(_groups(members, max_bytes), max_bytes)):
+        # mlcroissant caches what it unpacked by the name of the tar alone, so the name depends on the content.
+        content = hashlib.sha256(manifest({member.name: member.digest for member in part})).hexdigest()
+        planned.append(PlannedShard(f"{folder}-{number:05d}-{content[:8]}.tar", part))
+    return planned
 
 
 def _groups(members: list[KnownMember], max_bytes: int) -> Iterator[tuple[KnownMember, ...]]:
-    for _, of_run in groupby(members, key=lambda member: member.name.split("/")[1:-1][:2]):
-        group = tuple(of_run)
+    """Yield the members of each run, or single members where a run is larger than a shard."""
+    for _, run_members in groupby(members, key=lambda member: member.name.split("/")[1:-1][:2]):
+        group = tuple(run_members)
         if tar_bytes(group) <= max_bytes:
             yield group
         else:
             yield from ((member,) for member in group)
-
-
-def _name(folder: str, number: int, members: tuple[KnownMember, ...]) -> str:
-    """Told apart by its content: mlcroissant keeps what it unpacked by the name of the tar alone."""
-    content = hashlib.sha256(manifest({member.name: member.digest for member in members})).hexdigest()
-    return f"{folder}-{number:05d}-{content[:8]}.tar"

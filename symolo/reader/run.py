@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,24 +14,19 @@ from pydantic import ValidationError
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
+from symolo.core.files.plain_files import FileKind, read_file
+from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS, AnnotationDocument, annotation_file
+from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, read_camera_document
 from symolo.dataset.documents.metadata import side_tables
 from symolo.dataset.documents.run_document import RunDocument
-from symolo.dataset.layout import DATA, IMAGES, LOOK, SIDE, SPEC
+from symolo.dataset.layout import ANNOTATIONS, DATA, IMAGES, LOOK, SIDE, SPEC, frame_name
 from symolo.dataset.pixels import decoded
 from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.dataset.tables.side_reading import first_fault, read_side
 from symolo.dataset.tables.side_tables import CAMERA, SideTable
 from symolo.reader.tables import frame, rows_frame
 
-if TYPE_CHECKING:
-    from symolo.dataset.annotations import AnnotationDocument
-    from symolo.dataset.documents.camera_model import CameraModel
-
-# Whatever knows of pictures loads OpenCV, which takes half a second; tables and poses do without.
-# ruff: noqa: PLC0415
-
 OF_THE_RUN = "take those of the run that they were made from"
-
 
 Pixels = NDArray[np.uint8]
 
@@ -83,39 +78,37 @@ class Image:
             kind: depth, instance, semantic, normals, flow or free_floor.
 
         Raises:
-            InputError: The run has no such annotation, this image has none of it, or the file is no picture.
+            InputError: The run has no such annotation, this image lacks it, or the file is no image.
         """
-        return _read(self.annotation_path(kind))
-
-    def annotation_path(self, kind: str) -> Path:
-        """Of the picture of a kind.
-
-        Raises:
-            InputError: The run has no such annotation, or this image has none of it.
-        """
-        known = self.run.annotation_pictures
+        known = self.run.annotation_kinds
         if kind not in known:
             raise _lacking(f"annotation {kind}", known, kind, str(self.run.folder))
-        path = self.run.annotation_picture(kind, self.number)
+        path = self.run.annotation_path(kind, self.number)
         if kind == "flow" and not path.exists() and self.number == self.run.numbers[-1]:
             raise InputError(f"image {self.number} is the last, which has no flow", where=str(self.run.folder))
-        return path
+        return _read(path)
+
+    @property
+    def annotation_files(self) -> dict[str, Path]:
+        """Files of the annotations by kind; the last image of a run has no flow."""
+        paths = {kind: self.run.annotation_path(kind, self.number) for kind in self.run.annotation_kinds}
+        return {kind: path for kind, path in paths.items() if path.is_file()}
 
     def mask(self, name: str) -> NDArray[np.bool_]:
-        """(H, W): where a category (`line`, `wall`...) or an instance (as the arena calls it) is seen.
+        """Return where a category (`line`, `wall`...) or an instance (as the arena calls it) is seen, (H, W).
 
         Raises:
-            InputError: There is neither of this name, or the run has no such pictures.
+            InputError: There is neither of this name, or the run has no such annotations.
         """
         document = self.run.annotations
         categories = {one.name: one.id for one in document.categories}
         instances = {one.name: one.id for one in document.instances}
-        if name in categories and "semantic" in self.run.annotation_pictures:
+        if name in categories and "semantic" in self.run.annotation_kinds:
             return self.annotation("semantic") == categories[name]
         if name in categories:
-            of_nothing = [0] if categories[name] == 0 else []  # the sky, where no surface is met
+            sky_ids = [0] if categories[name] == 0 else []  # the sky, where no surface is met
             ids = [one.id for one in document.instances if one.category_id == categories[name]]
-            return np.isin(self.annotation("instance"), np.array(of_nothing + ids, dtype=np.uint16))
+            return np.isin(self.annotation("instance"), np.array(sky_ids + ids, dtype=np.uint16))
         if name in instances:
             return self.annotation("instance") == instances[name]
         raise _lacking(f"mask {name}", (*categories, *instances), name, str(self.run.folder))
@@ -181,7 +174,7 @@ class Run:
             raise InputError(what, where=str(self.folder), cure=OF_THE_RUN)
         path = self.folder / SIDE / SPEC
         try:
-            return json.loads(path.read_bytes())
+            return json.loads(read_file(path, FileKind.DOCUMENT))
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
         except (ValueError, RecursionError) as error:
@@ -244,8 +237,6 @@ class Run:
         return self.images[self.index_of(number)]
 
     def image_path(self, number: int) -> Path:
-        from symolo.dataset.layout import frame_name
-
         return self.folder / IMAGES / frame_name(number)
 
     @cached_property
@@ -264,34 +255,30 @@ class Run:
         return poses
 
     @cached_property
-    def camera(self) -> "CameraModel":
+    def camera(self) -> CameraDocument:
         """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json.
 
         Raises:
             InputError: The file is missing or damaged.
         """
-        from symolo.dataset.documents.camera_model import INTRINSICS, read_camera_model
-
         path = self.folder / SIDE / INTRINSICS
         try:
-            return read_camera_model(path)
+            return read_camera_document(path)
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
         except ValueError as error:
             raise InputError(f"is damaged: {error}", where=str(path)) from None
 
     @cached_property
-    def annotations(self) -> "AnnotationDocument":
+    def annotations(self) -> AnnotationDocument:
         """annotations.json: categories, instances, boxes, key points.
 
         Raises:
             InputError: The run has none, or it is damaged.
         """
-        from symolo.dataset.annotations import DOCUMENT, AnnotationDocument
-
         path = self._annotation_folder / DOCUMENT
         try:
-            return AnnotationDocument.from_json(path.read_bytes())
+            return AnnotationDocument.from_json(read_file(path, FileKind.ANNOTATIONS))
         except FileNotFoundError:
             cure = "release it with `--set render.annotations=[instance,semantic]`"
             raise InputError("has no annotations", where=str(self.folder), cure=cure) from None
@@ -305,29 +292,23 @@ class Run:
         return self._annotation_folder.is_dir()
 
     @property
-    def annotation_pictures(self) -> tuple[str, ...]:
-        """Kinds of which each image has a picture."""
-        from symolo.dataset.annotations import RECORD_KINDS
+    def annotation_kinds(self) -> tuple[str, ...]:
+        """Kinds of annotations that have a file for each image."""
+        if not self.has_annotations:
+            return ()
+        return tuple(kind for kind in self.annotations.kinds if kind not in RECORD_KINDS)
 
-        return (
-            tuple(kind for kind in self.annotations.kinds if kind not in RECORD_KINDS) if self.has_annotations else ()
-        )
-
-    def annotation_picture(self, kind: str, number: int) -> Path:
-        """Where the picture of a kind lies, if there is one."""
-        from symolo.dataset.annotations import annotation_file
-
+    def annotation_path(self, kind: str, number: int) -> Path:
+        """Return where the annotation of an image lies, if there is one."""
         return self._annotation_folder / annotation_file(kind, number)
 
     @property
     def _annotation_folder(self) -> Path:
-        from symolo.dataset.layout import ANNOTATIONS
-
         return self.folder / ANNOTATIONS
 
     @property
     def is_rerendered(self) -> bool:
-        """Whether these are pictures of `rerender`, which have no specification, and of the side tables one."""
+        """Whether this is an output of `rerender`, which has no specification and only one side table."""
         return (self.folder / LOOK).is_file() and not (self.folder / SIDE / SPEC).exists()
 
     def _side(self, table: SideTable) -> Array:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.dataset.annotations import (
     CATEGORIES,
@@ -53,7 +54,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
     known = set(range(2**16))
     if DOCUMENT in expected & there:
         try:
-            document = AnnotationDocument.from_json((folder / DOCUMENT).read_bytes())
+            document = AnnotationDocument.from_json(read_file(folder / DOCUMENT, FileKind.ANNOTATIONS))
         except ValueError as error:
             yield DOCUMENT, f"cannot be read: {str(error).splitlines()[0]}"
         else:

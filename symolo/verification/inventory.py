@@ -3,7 +3,6 @@
 import contextlib
 import hashlib
 import os
-import stat
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,6 +12,7 @@ from pydantic import ValidationError
 
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.plain_files import FileKind, UnsafeFileError, check_folders, read_file
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.folder_kind import Done
 from symolo.dataset.layout import DONE, STAGES
@@ -44,11 +44,10 @@ class Files:
 
         for path in sorted(_entries(root, unreadable)):
             name = path.relative_to(root).as_posix()
-            if problem := _strange(path):
-                strange[name] = problem
-                continue
             try:
                 digests[name] = sha256_of(path)
+            except UnsafeFileError as error:
+                strange[name] = error.problem
             except OSError as error:
                 strange[name] = f"cannot be read: {error.strerror}"
         return cls(digests, strange)
@@ -62,16 +61,6 @@ def _entries(root: Path, unreadable: Callable[[OSError], None]) -> Iterator[Path
             folders.remove(STAGES)
         yield from (here / name for name in files)
         yield from (here / name for name in folders if (here / name).is_symlink())
-
-
-def _strange(path: Path) -> str:
-    try:
-        mode = path.lstat().st_mode
-    except OSError as error:
-        return f"cannot be read: {error.strerror}"
-    if stat.S_ISLNK(mode):
-        return "is a symbolic link; a dataset holds files"
-    return "" if stat.S_ISREG(mode) else "is no regular file"
 
 
 @dataclass(frozen=True)
@@ -279,7 +268,7 @@ def _parsed(data: bytes | None, strange: str | None) -> tuple[dict[str, str], st
 
 def _read(path: Path) -> bytes | None:
     try:
-        return path.read_bytes()
+        return read_file(path, FileKind.CHECKSUMS)
     except OSError:
         return None
 
@@ -288,10 +277,14 @@ def _assembled(root: Path) -> dict[str, str]:
     """What `assemble` noted of each run that it put together; nothing where the stages were deleted."""
     noted: dict[str, str] = {}
     stage = root / STAGES / "assemble"
+    try:
+        check_folders(root, f"{STAGES}/assemble")
+    except UnsafeFileError:
+        return noted
     for marker in sorted(stage.glob(f"*/*/{DONE}")):
         run = marker.parent.relative_to(stage).as_posix()
         try:
-            files = Done.model_validate_json(marker.read_bytes()).files
+            files = Done.model_validate_json(read_file(marker, FileKind.CHECKSUMS)).files
         except (OSError, ValidationError):
             continue
         noted |= {f"{run}/{name}": digest for name, digest in files.items()}

@@ -9,7 +9,8 @@ from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.dataset.documents.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
+from symolo.core.files.plain_files import FileKind, read_file
+from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
@@ -143,7 +144,7 @@ def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[
 def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
     import cv2  # noqa: PLC0415 - half a second that no other command needs
 
-    data = path.read_bytes()
+    data = read_file(path, FileKind.IMAGE)
     if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
         return "is not a whole JPEG file"
     try:
@@ -176,7 +177,7 @@ def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
 def _specification(path: Path, name: str, check_spec: SpecCheck) -> tuple[object, RunDocument | None, list[Finding]]:
     """Return a run's specification as plain JSON and as a document, None where it is damaged, and what is wrong."""
     try:
-        content = json.loads(path.read_bytes())
+        content = json.loads(read_file(path, FileKind.DOCUMENT))
     except (OSError, ValueError, RecursionError) as error:
         return None, None, [Finding(name, f"cannot be read: {error}")]
     text = json.dumps(content)
@@ -213,7 +214,7 @@ def _sensors(folder: Path, name: str, rows: Rows, tables: Sequence[SideTable]) -
 
 def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
     try:
-        model = read_camera_model(path)
+        model = read_camera_document(path)
     except OSError as error:
         yield Finding(name, f"cannot be read: {error.strerror}")
         return
@@ -225,8 +226,8 @@ def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | 
         what = f"is of pictures of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
         yield Finding(name, what)
     elif spec is not None:
-        expected = CameraModel.of(spec)
-        for field in CameraModel.model_fields:
+        expected = CameraDocument.of(spec)
+        for field in CameraDocument.model_fields:
             if getattr(model, field) != getattr(expected, field):
                 yield Finding(name, f"{field} is not that of the camera in spec.json")
 
@@ -285,7 +286,7 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
 
 def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Array, list[str]]:
     try:
-        data = path.read_bytes()
+        data = read_file(path, FileKind.TABLE)
     except OSError as error:
         return np.empty((0, len(header))), [f"cannot be read: {error.strerror}"]
     table, faults = parse_table(data, header, separator)

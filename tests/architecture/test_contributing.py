@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from configs.effects.registry import load_effect_file, unload_effect_file
+from configs.effects.registry import EFFECTS
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text()
@@ -98,9 +98,9 @@ def test_an_effect_acts_and_is_looked_for(walk):
 def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
     path = tmp_path / "tof_ripple.py"
     path.write_text(NEW_FILES["sensors/effects/tof_ripple.py"])
-    effect = load_effect_file(path)
+    effect = EFFECTS.load(path)
     assert effect.name == "tof_ripple"
-    unload_effect_file(path)
+    EFFECTS.unload(path)
 
 
 def test_a_sensor_is_recorded_released_and_verified(walk, tiny):

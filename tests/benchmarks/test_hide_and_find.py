@@ -68,8 +68,8 @@ OFFSET = named("range_offset", {"offset_m": 0.0102}, std={"offset_m": 0.0001})
     ids=["right", "nothing", "in its set", "in too large a set", "one too many", "equivalent", "of another material"],
 )
 def test_one_effect_is_right_by_its_name_or_in_a_small_set(scoring, bent, effects, right, exact):
-    told = scoring.score(bent, "single", answer(*effects))
-    assert (told.right, told.exact) == (right, exact)
+    result = scoring.score(bent, "single", answer(*effects))
+    assert (result.right, result.exact) == (right, exact)
 
 
 def test_two_effects_are_right_in_either_order_and_only_together(scoring, twice):
@@ -81,8 +81,8 @@ def test_two_effects_are_right_in_either_order_and_only_together(scoring, twice)
 
 def test_parameters_are_held_against_their_errors_and_sizes(scoring, bent):
     """0.0102 instead of 0.01: two standard errors of 0.0001, and within a tenth."""
-    told = scoring.score(bent, "single", answer(OFFSET))
-    assert told.within == (True,)
+    result = scoring.score(bent, "single", answer(OFFSET))
+    assert result.within == (True,)
     far = named("range_offset", {"offset_m": 0.0104}, std={"offset_m": 0.0001})
     assert scoring.score(bent, "single", answer(far)).within == (False,)
     assert scoring.score(bent, "single", answer(named("range_scale", {"scale": 1.0}))).within == ()
@@ -92,9 +92,9 @@ def test_large_effects_are_to_be_right_within_a_tenth_of_what_they_differ_by(sco
     """1.2 is 0.2 off neutral: 0.02 is a tenth of it."""
     case = gap.make_case("tof_bench", 1, [("range_scale", {"scale": 1.2})])
     for value, close in ((1.219, True), (1.221, False)):
-        told = scoring.score(case, "single", answer(named("range_scale", {"scale": value})))
-        assert told.drops[0] > scoring.LARGE_DROP
-        assert told.close == (close,)
+        result = scoring.score(case, "single", answer(named("range_scale", {"scale": value})))
+        assert result.drops[0] > scoring.LARGE_DROP
+        assert result.close == (close,)
 
 
 def test_what_is_in_no_table_is_to_be_placed(scoring, gap):
@@ -112,8 +112,8 @@ def test_the_gain_is_held_against_the_true_models(scoring, gap, bent):
 
 
 def test_a_diagnosis_that_raised_is_a_wrong_one(scoring, bent):
-    told = scoring.score(bent, "single", None, 1.0, "Traceback: boom")
-    assert (told.right, told.exact, told.failed) == (False, False, "Traceback: boom")
+    result = scoring.score(bent, "single", None, 1.0, "Traceback: boom")
+    assert (result.right, result.exact, result.failed) == (False, False, "Traceback: boom")
 
 
 def test_the_figures_count_what_they_say(scoring):
@@ -126,10 +126,10 @@ def test_the_figures_count_what_they_say(scoring):
     shares = {line[:34].strip(): line[43:].split("(")[0].strip() for line in lines[1:-2]}
     assert shares["one: right name, or in a set of 3"] == "50 % of 2"
     assert shares["one: top name exact"] == "0 % of 2"
-    assert shares["none: a name was given"] == "50 % of 2"
-    assert shares["outside: said to be unexplained"] == "100 % of 1"
+    assert shares["none: a name was reported"] == "50 % of 2"
+    assert shares["outside: reported as unexplained"] == "100 % of 1"
     assert shares["of those: channel and covariate"] == "0 % of 1"
-    assert shares["outside: a name was given"] == "100 % of 1"
+    assert shares["outside: a name was reported"] == "100 % of 1"
     assert shares["parameters within 3 std errors"] == "67 % of 6"
     assert shares["gain within 0.05 of the true one"] == "50 % of 4"
     assert shares["cases that failed"] == "20 % of 5"

@@ -14,20 +14,20 @@ def table_1():
 
 
 @pytest.fixture(scope="module")
-def told(table_1):
+def rows(table_1):
     return {mechanism.name.partition(":")[0]: mechanism for mechanism in table_1.mechanisms()}
 
 
-def test_the_speed_bows(told):
-    assert told["none"].missed_rad_s == pytest.approx(0.101, abs=1e-3)
+def test_the_speed_bows(rows):
+    assert rows["none"].missed_rad_s == pytest.approx(0.101, abs=1e-3)
     for name in ("resistance of the supply", "counts lost at speed", "winding that gets warm"):
-        assert told[name].missed_rad_s == pytest.approx(0.061, abs=2e-3)
-    assert told["drop of bridge or brushes"].missed_rad_s == pytest.approx(0.101, abs=2e-3)
+        assert rows[name].missed_rad_s == pytest.approx(0.061, abs=2e-3)
+    assert rows["drop of bridge or brushes"].missed_rad_s == pytest.approx(0.101, abs=2e-3)
 
 
-def test_a_warm_winding_is_ruled_out_by_its_size(told):
+def test_a_warm_winding_is_ruled_out_by_its_size(rows):
     """A sixth of a watt would have to warm it by far more than a hundred kelvin."""
-    warm = told["winding that gets warm"]
+    warm = rows["winding that gets warm"]
     assert 100.0 < float(warm.size.split(" ")[0]) < 200.0
     assert "ruled out by size: 0.16 W" in warm.verdict
 

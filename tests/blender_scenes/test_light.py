@@ -12,9 +12,9 @@ import pytest
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
-from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.base import Top
-from blender_scenes.scene.description import Panel
+from blender_scenes.rooms.plain import plain_room
+from blender_scenes.scene.description import LightPanel
 from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
 from configs.schema.look import LookConfig
 from configs.schema.paint import Paint
@@ -25,7 +25,7 @@ LOOK = LookConfig(name="plain")
 
 
 def _room(look=LOOK):
-    return ROOMS["plain"](look, (-1.0, -1.0), (1.0, 1.0), 1)
+    return plain_room(look, (-1.0, -1.0), (1.0, 1.0), 1)
 
 
 def test_daylight_of_6504_kelvin_is_the_white_of_srgb():
@@ -59,14 +59,14 @@ def test_a_lamp_spreads_its_flux_over_the_hemisphere():
 
 
 def test_illuminance_below_a_small_lamp_by_the_inverse_square():
-    lamp = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.1, (5.0, 4.0, 3.0))
+    lamp = LightPanel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.1, (5.0, 4.0, 3.0))
     assert on_the_floor([lamp], (0.0, 0.0, 0.0)) == pytest.approx(np.array([5.0, 4.0, 3.0]) * 0.01 / 4.0)
     aside = on_the_floor([lamp], (2.0, 0.0, 0.0))  # cos^4 of 45 degrees is a quarter
     assert aside == pytest.approx(np.array([5.0, 4.0, 3.0]) * 0.01 / 4.0 / 4.0)
 
 
 def test_a_lamp_lights_nothing_behind_it():
-    lamp = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.1, 0.1, (1.0, 1.0, 1.0))
+    lamp = LightPanel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.1, 0.1, (1.0, 1.0, 1.0))
     assert on_the_floor([lamp], (0.0, 0.0, 0.0)) == (0.0, 0.0, 0.0)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.furniture import STANDING
+from blender_scenes.rooms.plain import plain_room
 from configs.schema.look import LookConfig
 from configs.schema.room import FurnitureLook, RoomLook, WindowLook
 from symolo.arena.footprints import Rectangle, outlines_overlap
@@ -25,7 +25,7 @@ KINDS = {kind.name for kind in STANDING.values()}
 def _room(seed: int, furniture: FurnitureLook = CROWDED, **room):
     side = ("east", "north", "west", "south")[seed % 4]
     look = LookConfig(name="full", room=RoomLook(furniture=furniture, **room), window=WindowLook(side=side))
-    return ROOMS["plain"](look, LOW, HIGH, seed)
+    return plain_room(look, LOW, HIGH, seed)
 
 
 def _pieces(room) -> dict[str, np.ndarray]:
@@ -107,4 +107,4 @@ def test_another_bottle_leaves_all_that_found_its_place_before_as_it_was():
 
 def test_a_low_sill_leaves_no_room_for_a_radiator():
     look = LookConfig(name="low", room=RoomLook(furniture=CROWDED), window=WindowLook(sill_m=0.1))
-    assert "radiator" not in {mesh.name for mesh in ROOMS["plain"](look, LOW, HIGH, 1).meshes}
+    assert "radiator" not in {mesh.name for mesh in plain_room(look, LOW, HIGH, 1).meshes}

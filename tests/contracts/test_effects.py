@@ -8,7 +8,7 @@ import yaml
 
 from configs.draw import draw_robot
 from configs.effects.base import Slot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from physics.effects.gear_backlash import GearBacklash
@@ -16,7 +16,7 @@ from physics.robot.model import RobotModel
 from symolo.core.errors import InputError
 
 ROOT = Path(__file__).parents[2]
-EFFECTS = {effect.name: effect for effect in effect_classes()}
+BY_NAME = EFFECTS.by_name()
 CANONICAL = {
     "winding_resistance_scale": "scale",
     "torque_constant_scale": "scale",
@@ -70,7 +70,7 @@ CANONICAL = {
 CHOICES = {"material": ("white_board",)}
 CASES = [
     pytest.param(effect, dict(zip(effect.options(), choice, strict=True)), id="-".join((effect.name, *choice)))
-    for effect in EFFECTS.values()
+    for effect in BY_NAME.values()
     for choice in product(*(CHOICES.get(name, options) for name, options in effect.options().items()))
 ]
 UNITS = {"N m": "N_m", "rad/s": "rad_s", "N m s2/rad2": "N_m_s2_rad2", "V": "V", "ohm": "ohm", "1/min": "per_minute"}
@@ -79,18 +79,18 @@ UNITS |= {"s2/m": "s2_m"}
 
 
 def test_the_effects_are_those_of_the_shared_format():
-    assert {name: ", ".join(effect.model_fields) for name, effect in EFFECTS.items()} == CANONICAL
-    assert len(EFFECTS) == len(effect_classes()) == 46
+    assert {name: ", ".join(effect.model_fields) for name, effect in BY_NAME.items()} == CANONICAL
+    assert len(BY_NAME) == len(EFFECTS.classes()) == 46
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=lambda effect: effect.name)
+@pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
 def test_a_effect_has_a_file_of_its_name_a_cause_and_an_excitation(effect):
     assert effect.__module__.rsplit(".", 1)[1] == effect.name
     assert len(effect.cause) > 10
     assert len(effect.excitation) > 10
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=lambda effect: effect.name)
+@pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
 def test_bounds_are_finite_and_hold_null_and_start(effect):
     assert effect.parameters()
     for name, number in effect.parameters().items():
@@ -105,7 +105,7 @@ def test_bounds_are_finite_and_hold_null_and_start(effect):
     assert any(number.null is not None for number in effect.parameters().values())
 
 
-@pytest.mark.parametrize("effect", EFFECTS.values(), ids=lambda effect: effect.name)
+@pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
 def test_a_multiplicative_parameter_is_1_without_effect_and_any_other_0(effect):
     for name, number in effect.parameters().items():
         if number.null is not None and name not in {"limit_A", "saturation_m"}:
@@ -197,10 +197,10 @@ def bare_in_engine(excitable, read_in_engine):
 
 
 def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin, read_on_bench):
-    first = {name: next(iter(effect.options().values()), ()) for name, effect in EFFECTS.items()}
+    first = {name: next(iter(effect.options().values()), ()) for name, effect in BY_NAME.items()}
     effects = {
         name: effect.start({key: CHOICES.get(key, first[name])[0] for key in effect.options()}).model_dump()
-        for name, effect in EFFECTS.items()
+        for name, effect in BY_NAME.items()
     }
     found = []
     for order in (list(effects), list(reversed(effects))):
@@ -220,7 +220,7 @@ def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin, read_on_ben
 
 def test_every_effect_is_a_row_of_the_documentation():
     table = (ROOT / "docs/reference/effects.md").read_text()
-    for effect in EFFECTS.values():
+    for effect in BY_NAME.values():
         rows = []
         for name, number in effect.parameters().items():
             null = "-" if number.null is None else f"{number.null:g}"

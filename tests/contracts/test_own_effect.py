@@ -11,7 +11,7 @@ import pytest
 
 from configs.checks import robot_faults
 from configs.draw import draw_run
-from configs.effects.registry import effect_classes, load_effect_file, unload_effect_file
+from configs.effects.registry import EFFECTS
 from configs.json_schema import scenario_json_schema
 from configs.loader import load_scenario
 from diagnosis.inference.candidates import candidates
@@ -49,8 +49,8 @@ SETTING = "robot.effects.leaky_shunt.share"
 def toy(tmp_path):
     path = tmp_path / "leaky_shunt.py"
     path.write_text(TOY)
-    yield load_effect_file(path)
-    unload_effect_file(path)
+    yield EFFECTS.load(path)
+    EFFECTS.unload(path)
 
 
 def drawn(*settings):
@@ -63,9 +63,9 @@ def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
     for _ in range(2):
         with pytest.raises(InputError, match=r"robot\.effects\.leaky_shunt: unknown key"):
             drawn(f"{SETTING}=0.05")
-        load_effect_file(path)
+        EFFECTS.load(path)
         assert drawn(f"{SETTING}=0.05").robot.effects.members[0].share == 0.05
-        unload_effect_file(path)
+        EFFECTS.unload(path)
 
 
 def test_it_is_a_key_of_the_schema_with_its_bounds(toy):
@@ -126,7 +126,7 @@ def test_it_is_a_row_of_the_documentation(toy, monkeypatch):
 
 
 def test_it_acts_last_in_its_slot_and_has_no_faults_of_its_own(toy):
-    assert effect_classes()[-1] is toy
+    assert EFFECTS.classes()[-1] is toy
     robot = drawn("robot.effects.current_sensor_offset.offset_A=0.01", f"{SETTING}=0.05").robot
     assert [effect.name for effect in robot.effects] == ["current_sensor_offset", "leaky_shunt"]
     assert list(robot_faults(robot, in_simulation=True)) == []
@@ -134,8 +134,8 @@ def test_it_acts_last_in_its_slot_and_has_no_faults_of_its_own(toy):
 
 def test_loading_a_file_twice_changes_nothing(toy):
     file = sys.modules[toy.__module__].__file__
-    assert load_effect_file(file) is toy
-    assert effect_classes().count(toy) == 1
+    assert EFFECTS.load(file) is toy
+    assert EFFECTS.classes().count(toy) == 1
 
 
 @pytest.mark.parametrize(
@@ -161,10 +161,10 @@ def test_a_file_that_is_not_complete_is_refused_with_its_place_and_a_cure(tmp_pa
     path = tmp_path / "leaky_shunt.py"
     path.write_text(TOY.replace(*change))
     with pytest.raises(InputError, match=message):
-        load_effect_file(path)
-    assert len(effect_classes()) == 46
+        EFFECTS.load(path)
+    assert len(EFFECTS.classes()) == 46
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"effect file: no such file: got .*allowed: a Python file"):
-        load_effect_file(tmp_path / "nothing.py")
+        EFFECTS.load(tmp_path / "nothing.py")

@@ -18,7 +18,7 @@ from configs.loader import load_scenario
 from pipeline.stages.simulate import simulate
 from pipeline.user_files import environment, hashes_of_files
 from sensors.fit_out import fit_out
-from sensors.registry import load_sensor_file, sensor_classes, unload_sensor_file
+from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 
@@ -74,8 +74,8 @@ def written(folder: Path, text: str = TOY) -> Path:
 @pytest.fixture
 def toy(tmp_path):
     path = written(tmp_path)
-    yield load_sensor_file(path)
-    unload_sensor_file(path)
+    yield SENSORS.load(path)
+    SENSORS.unload(path)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def released(tmp_path_factory, tiny):
     try:
         code = main(["--sensor-file", str(path), "release", "smoke", "--out", str(out), *settings, "--workers", "1"])
     finally:
-        unload_sensor_file(path)
+        SENSORS.unload(path)
     assert code == 0
     return out
 
@@ -103,9 +103,9 @@ def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
     for _ in range(2):
         with pytest.raises(InputError, match=r"robot\.sensors\.bumper: unknown key"):
             drawn(f"{TRAVEL}=0.02")
-        load_sensor_file(path)
+        SENSORS.load(path)
         assert drawn(f"{TRAVEL}=0.02").robot.sensors.get("bumper").travel_m == 0.02
-        unload_sensor_file(path)
+        SENSORS.unload(path)
 
 
 @pytest.mark.usefixtures("toy")
@@ -225,7 +225,7 @@ def test_verify_finds_metadata_and_specification_that_disagree(released, copy_of
 
 
 def test_the_reader_gives_its_table_with_units_where_its_class_is_unknown(released):
-    assert "bumper" not in [sensor.name for sensor in sensor_classes()]
+    assert "bumper" not in [sensor.name for sensor in SENSORS.classes()]
     data = library.load(released)
     for run in (data["CW/test_1"], library.load(released / "CW/test_1").runs[0]):
         assert run.side_names == ("wheels", "tof", "camera", "bumper")
@@ -276,14 +276,14 @@ def test_a_run_is_simulated_again_where_the_file_changed_and_workers_load_the_sa
     written(tmp_path, TOY + "# changed\n")
     assert hashes_of_files(spec.robot) != before
     assert environment()["SYMOLO_SENSOR_FILES"] == str(tmp_path / "bumper.py")
-    assert toy in sensor_classes()
+    assert toy in SENSORS.classes()
 
 
 def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tmp_path):
     path = written(tmp_path)
-    load_sensor_file(path)
+    SENSORS.load(path)
     spec = drawn(f"{TRAVEL}=0.02")
-    unload_sensor_file(path)
+    SENSORS.unload(path)
     read = type(spec).model_validate_json(spec.model_dump_json())
     assert read.model_dump_json() == spec.model_dump_json()
     with pytest.raises(InputError, match=r"robot\.sensors\.bumper: no such sensor.*SYMOLO_SENSOR_FILES"):
@@ -293,13 +293,13 @@ def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tm
 @pytest.mark.parametrize("result", ["np.zeros(3)", "np.array([0.0, np.nan])", "0.0"])
 def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_path, result):
     path = written(tmp_path, re.sub(r"return np.array.*", f"return {result}", TOY))
-    load_sensor_file(path)
+    SENSORS.load(path)
     try:
         message = "sensor bumper: the reading: got .*, allowed: a finite number for each column: contact, clearance"
         with pytest.raises(InputError, match=message):
             simulate(drawn(f"{TRAVEL}=0.02"))
     finally:
-        unload_sensor_file(path)
+        SENSORS.unload(path)
 
 
 @pytest.mark.parametrize(
@@ -316,7 +316,7 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
     ],
 )
 def test_a_file_that_is_not_complete_is_refused_with_its_place_and_a_cure(tmp_path, change, message):
-    before = sensor_classes()
+    before = SENSORS.classes()
     with pytest.raises(InputError, match=message):
-        load_sensor_file(written(tmp_path, TOY.replace(*change)))
-    assert sensor_classes() == before
+        SENSORS.load(written(tmp_path, TOY.replace(*change)))
+    assert SENSORS.classes() == before

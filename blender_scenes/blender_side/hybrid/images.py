@@ -18,14 +18,15 @@ from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
 from blender_scenes.hybrid.guided_filter import local_lines
 from blender_scenes.hybrid.lowest_row import EdgesInSight
-from blender_scenes.hybrid.tiled_map import Image, Tile, TiledMap, Tiling, normals, without_holes
+from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals, without_holes
 from blender_scenes.hybrid.upsampling import reduced, upsampled
 from blender_scenes.render.job import RenderJob
-from blender_scenes.scene.description import Mesh, Panel
+from blender_scenes.scene.description import LightPanel, Mesh
 from blender_scenes.scene.meshes import rectangle
 from sensors.camera.lens_warp import LIGHT_WIDTH_PX, pinhole_image
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView
+from symolo.core.arrays import FloatImage
 from symolo.core.random_streams import stream
 
 _LEVELS, _CORE = 6, 128
@@ -65,11 +66,11 @@ _WHOLLY, _MOSTLY = 0.99, 0.5
 _CORNERS = (0, 2, -3, -1)
 """Indices of the corners in `filter_points`."""
 _EVERY = 4
-"""Step of the rows of pixels from which the needed tiles are found; the other rows rarely need more."""
+"""Step of the rows of pixels from which the needed tiles follow; the other rows rarely need more."""
 _IN_M = 0.05
 """Distance of an image's corners from the floor's border from which on the whole image is inside the floor."""
 _MAX_SHARE = 1.5
-"""Maximum ratio of light with and without what moves; above 1 where a moving thing reflects light."""
+"""Maximum ratio of light with and without moving bodies; above 1 where a moving body reflects light."""
 _MIN_SHARE = np.float32(0.005)
 """Share of the median light that is added to both sides of the ratio, which is undefined in the dark."""
 _MIN_LIGHT = np.float32(1e-6)
@@ -118,7 +119,7 @@ class HybridRenderer:
         self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MAX_BYTES)
         self._relief = TiledMap(_RELIEF, self._relief_tile, _MAX_BYTES)
 
-    def light(self, view: FrameView, seed: int) -> Image:
+    def light(self, view: FrameView, seed: int) -> FloatImage:
         """Return the linear light (H, W, 3) of the pinhole image of a view."""
         moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
         # Not the random numbers of the light.
@@ -136,7 +137,7 @@ class HybridRenderer:
         on_floor = floor * cover * share * np.clip(let_in, 0, 1)
         return (on_floor + seen["DiffCol"] * light + np.maximum(rest, 0) + _shine(seen)).astype(np.float32)
 
-    def _surfaces(self, view: FrameView, near_cover: Image, seed: int) -> Passes:
+    def _surfaces(self, view: FrameView, near_cover: FloatImage, seed: int) -> Passes:
         """Return reflectance, depth, normals and floor cover of the surfaces.
 
         Rows that show only floor, by the edges of other things and by the cover of the light image, are not traced.
@@ -152,7 +153,7 @@ class HybridRenderer:
         lower = {name: np.broadcast_to(np.array(value, np.float32), shape) for name, value in below.items()}
         return {name: np.concatenate([upper[name], rest]) for name, rest in (lower | {"Depth": floor}).items()}
 
-    def _near_light(self, moved: Passes, still: Passes, seen: Passes) -> Image:
+    def _near_light(self, moved: Passes, still: Passes, seen: Passes) -> FloatImage:
         """Return (H, W, 10): the ratio of the light with and without what moves, and the channels of `_traced`."""
         traced = self._traced(moved, seen, self._near)
         without = self._denoised(still["DiffDir"] + still["DiffInd"], reduced(seen["Normal"], self._near))
@@ -160,7 +161,7 @@ class HybridRenderer:
         share = np.clip((traced[..., :3] + offset) / (without + offset), 0, _MAX_SHARE)
         return _upsampled(np.concatenate([share, traced], axis=-1), seen)
 
-    def _far_light(self, view: FrameView, end: float, seed: int, seen: Passes) -> Image:
+    def _far_light(self, view: FrameView, end: float, seed: int, seen: Passes) -> FloatImage:
         """Return (rows, W, 7), the channels of `_traced` for the rows above `end`."""
         height = self._size[1] // self._far
         # In steps, because the denoiser keeps buffers for each size.
@@ -171,7 +172,7 @@ class HybridRenderer:
         upper = self._scenes.upper_light(size, rows // self._far, samples, seed, view)
         return _upsampled(self._traced(upper, above, self._far), above)
 
-    def _traced(self, passes: Passes, seen: Passes, times: int) -> Image:
+    def _traced(self, passes: Passes, seen: Passes, times: int) -> FloatImage:
         """Return (h, w, 12) without noise: the light, and the input of `_upsampled` for gloss and transmission.
 
         Transmission is the share of light that passes the floor's coat to the base and back.
@@ -188,7 +189,7 @@ class HybridRenderer:
         lines = np.where(is_floor > 0, local_lines(both, roughness, is_floor), flat)
         return np.concatenate([self._denoised(light, normal), lines, roughness], axis=-1)
 
-    def _far_end(self, cover: Image) -> float:
+    def _far_end(self, cover: FloatImage) -> float:
         """Return the row where the upper light image ends, its blending included; 0 if it has no more pixels."""
         if self._near == self._far:
             return 0.0
@@ -198,7 +199,7 @@ class HybridRenderer:
     def _shared_by(self, times: int) -> tuple[int, int]:
         return self._size[0] // times, self._size[1] // times
 
-    def _floor(self, view: FrameView, needed: np.ndarray) -> Image:
+    def _floor(self, view: FrameView, needed: np.ndarray) -> FloatImage:
         """Return (H, W, 4): the light that the floor reflects without what moves, and its roughness, where needed."""
         seen = np.zeros((*needed.shape, 7 if self._has_relief else 4), np.float32)
         for filtered, where in ((self._few, needed & ~self._slanted), (self._many, needed & self._slanted)):
@@ -213,7 +214,7 @@ class HybridRenderer:
         light = seen[..., :3] * self._floor_light(view, needed, seen[..., 4:])
         return np.concatenate([light, seen[..., 3:4]], axis=-1)
 
-    def _floor_light(self, view: FrameView, needed: np.ndarray, normal: Image) -> Image:
+    def _floor_light(self, view: FrameView, needed: np.ndarray, normal: FloatImage) -> FloatImage:
         points = self._ground(view, MIDDLE)
         light = self._looked_up(self._irradiance, points, needed, 3)
         if not self._has_relief:
@@ -222,7 +223,7 @@ class HybridRenderer:
         facing = normal[..., 2:] + normal[..., :1] * lean[..., :3] + normal[..., 1:2] * lean[..., 3:]
         return light * np.maximum(facing, 0)
 
-    def _looked_up(self, tiled: TiledMap, points: Image, needed: np.ndarray, channels: int) -> Image:
+    def _looked_up(self, tiled: TiledMap, points: FloatImage, needed: np.ndarray, channels: int) -> FloatImage:
         """Return (H, W, channels) of a map at each pixel's point, interpolated between its levels."""
         values = np.zeros((*needed.shape, channels), np.float32)
         offset = np.log2(_IRRADIANCE.texel_m / tiled.tiling.texel_m)
@@ -235,7 +236,7 @@ class HybridRenderer:
             np.copyto(values[rows], near + share * (far - near), where=mask[..., None])
         return values
 
-    def _mean(self, level: int, points: list[np.ndarray], needed: np.ndarray) -> Image:
+    def _mean(self, level: int, points: list[np.ndarray], needed: np.ndarray) -> FloatImage:
         """Return the mean (H, W, K) of the map at some points (H, W, 2) per pixel; NaN outside of the needed tiles."""
         patch = self._reflectance.patch(level, needed)
         total = patch.at(points[0])
@@ -243,7 +244,7 @@ class HybridRenderer:
             total += patch.at(more)
         return total / np.float32(len(points))
 
-    def _ground(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> Image:
+    def _ground(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> FloatImage:
         """Return points on the floor (rows, W, 2); those of pixels that see no floor are moved to its border."""
         low, high = self._bounds
         points = self._sight.points(view, point, rows)
@@ -252,7 +253,7 @@ class HybridRenderer:
             np.fmin(np.fmax(points, low, out=points), high, out=points)
         return points
 
-    def _reflectance_tile(self, tile: Tile) -> Image:
+    def _reflectance_tile(self, tile: Tile) -> FloatImage:
         """Return (N, N, 6): reflectance, roughness, and x and y of the normal; (N, N, 4) for a floor without relief."""
         colour, data = self._scenes.reflectance(tile.widened())
         texels = np.concatenate([colour, data[..., 2:]], axis=-1)[1:-1, 1:-1]
@@ -261,11 +262,11 @@ class HybridRenderer:
         normal = normals(data[..., 0], data[..., 1], tile.texel_m)
         return np.concatenate([texels, _turned(normal[..., :2], GRID_TURN_RAD)], axis=-1)
 
-    def _irradiance_tile(self, tile: Tile) -> Image:
+    def _irradiance_tile(self, tile: Tile) -> FloatImage:
         light = self._light_on(tile, "irradiance", _UP)
         return self._evened_out(light, light)
 
-    def _relief_tile(self, tile: Tile) -> Image:
+    def _relief_tile(self, tile: Tile) -> FloatImage:
         """Return (N, N, 6): the relative change of light on the floor per lean of its normal along x, and along y.
 
         E(n) = E_z n_z + E_x n_x + E_y n_y for a small lean, with the vector irradiance E. E_x is half the difference of
@@ -280,13 +281,13 @@ class HybridRenderer:
         leans = [(east - west) / (2 * sine), (north - south) / (2 * sine)]
         return np.clip(np.concatenate(leans, axis=-1), -_MAX_LEAN, _MAX_LEAN)
 
-    def _light_on(self, tile: Tile, what: str, facing: tuple[float, float, float]) -> Image:
+    def _light_on(self, tile: Tile, what: str, facing: tuple[float, float, float]) -> FloatImage:
         """Return the light with noise, from the same random numbers for every direction of the floor."""
         level, i, j = (number % 2**32 for number in tile.key)
         seed = int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
         return self._scenes.irradiance(tile, _IRRADIANCE_SAMPLES, seed, facing)
 
-    def _evened_out(self, light: Image, level: Image) -> Image:
+    def _evened_out(self, light: FloatImage, level: FloatImage) -> FloatImage:
         """Return light without noise and without the holes, which the light on a level floor shows."""
         filled = without_holes(light, level)
         return self._denoised(filled, np.broadcast_to(np.array(_UP, np.float32), filled.shape))
@@ -300,13 +301,13 @@ def _times(size: tuple[int, int], width_px: int) -> int:
     return times
 
 
-def _outline(panel: Panel) -> Mesh:
+def _outline(panel: LightPanel) -> Mesh:
     along, across = 0.5 * panel.width_m * np.array(panel.right), 0.5 * panel.height_m * np.array(panel.up)
     corners = [tuple((panel.center + a * along + b * across).tolist()) for a, b in _AROUND]
     return rectangle(panel.name, corners, panel.name)
 
 
-def _shine(passes: Passes) -> Image:
+def _shine(passes: Passes) -> FloatImage:
     """Return the light of visible lamps and of the visible sky."""
     return passes["Emit"] + passes["Env"]
 
@@ -317,7 +318,7 @@ def _rows_of(where: np.ndarray) -> int:
     return int(rows[-1]) + 1 if len(rows) else 0
 
 
-def _upsampled(low: Image, seen: Passes) -> Image:
+def _upsampled(low: FloatImage, seen: Passes) -> FloatImage:
     """Return (H, W, K - 5) for the pixels of the surfaces, from (h, w, K).
 
     The last nine channels are four slopes, four values and their roughness; for floor the values follow its roughness.
@@ -328,7 +329,7 @@ def _upsampled(low: Image, seen: Passes) -> Image:
     return np.concatenate([alone, value + slope * rougher], axis=-1)
 
 
-def _with_upward_part(tile: Image) -> Image:
+def _with_upward_part(tile: FloatImage) -> FloatImage:
     """Return (N, N, 7) from (N, N, 6) of `_reflectance_tile`, with z of the normal."""
     if tile.shape[-1] == 4:
         return tile

@@ -26,12 +26,13 @@ from blender_scenes.blender_side.hybrid.materials import (
 )
 from blender_scenes.blender_side.placing import place
 from blender_scenes.blender_side.rendering import rendered
-from blender_scenes.hybrid.tiled_map import Image, Tile
+from blender_scenes.hybrid.tiled_map import Tile
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.typical import typical_color
 from sensors.camera.views import FrameView
+from symolo.core.arrays import FloatImage
 
-Passes = dict[str, Image]
+Passes = dict[str, FloatImage]
 """Passes by name: (H, W, 3), or (H, W, 1) for a single channel, float32, with the first row at the top."""
 
 _ABOVE_M = 0.5
@@ -64,7 +65,7 @@ class HybridScenes:
     def __init__(self, scene: Scene, scratch: Path) -> None:
         self._main, self._scratch = bpy.context.scene, scratch
         moving = [bpy.data.objects[moving_name(number)] for number in range(len(scene.moving))]
-        self._moves = {thing for thing in bpy.data.objects if thing.parent and thing.parent.name == ROBOT} | {*moving}
+        self._moves = {item for item in bpy.data.objects if item.parent and item.parent.name == ROBOT} | {*moving}
         self._floor = [bpy.data.objects[mesh.name] for mesh in scene.meshes if lies_on_the_floor(mesh.name)]
         self._dressed: dict[tuple[Dresser, str], bpy.types.Material] = {}
         self._view = self._scene("view", _LIGHT_PASSES)
@@ -74,7 +75,7 @@ class HybridScenes:
         _add_pass(self._view, COVER)
         self._reflectance = self._scene("reflectance", ())
         self._keep_floor(self._reflectance)
-        numbers = {thing.data.materials[0].name: number for number, thing in enumerate(self._floor)}
+        numbers = {item.data.materials[0].name: number for number, item in enumerate(self._floor)}
         self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
         self._reflectance.cycles.filter_width = _MIN_FILTER_PX
         _add_pass(self._reflectance, SURFACE_DATA)
@@ -110,7 +111,7 @@ class HybridScenes:
         self._show_surfaces()
         return self._traced(self._view, size, samples, seed, view=view, rows=rows)
 
-    def reflectance(self, tile: Tile) -> tuple[Image, Image]:
+    def reflectance(self, tile: Tile) -> tuple[FloatImage, FloatImage]:
         """Return the floor's reflectance (N, N, 3) in the middle of texels, and `SURFACE_DATA` (N, N, 3) there.
 
         Rows are along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
@@ -118,10 +119,10 @@ class HybridScenes:
         passes = self._from_above(self._reflectance, tile, 1, 0, GRID_TURN_RAD)
         return passes["Combined"][::-1], passes[SURFACE_DATA][::-1]
 
-    def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
+    def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> FloatImage:
         """Return the light (N, N, 3) on a floor with the unit normal `facing`, without what moves."""
-        for thing in self._lit_floor:
-            thing.color = as_color(facing)
+        for item in self._lit_floor:
+            item.color = as_color(facing)
         passes = self._from_above(self._irradiance, tile, samples, seed)
         return (passes["DiffDir"] + passes["DiffInd"])[::-1]
 
@@ -152,14 +153,14 @@ class HybridScenes:
 
     def _dress_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
         """Replace the floor's objects of a scene by copies with other materials, and return the copies."""
-        for thing in self._floor:
-            scene.collection.objects.unlink(thing)
+        for item in self._floor:
+            scene.collection.objects.unlink(item)
         return self._add_floor(scene, dresser)
 
     def _add_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
         made = []
-        for thing in self._floor:
-            copy = thing.copy()
+        for item in self._floor:
+            copy = item.copy()
             for slot in copy.material_slots:
                 material = slot.material
                 slot.link = "OBJECT"
@@ -175,25 +176,25 @@ class HybridScenes:
 
     def _keep_floor(self, scene: bpy.types.Scene) -> None:
         scene.world, scene.cycles.max_bounces = None, 0
-        for thing in list(scene.collection.objects):
-            if thing not in self._floor:
-                scene.collection.objects.unlink(thing)
+        for item in list(scene.collection.objects):
+            if item not in self._floor:
+                scene.collection.objects.unlink(item)
 
     def _hide_all_but_floor(self, scene: bpy.types.Scene) -> None:
-        for thing in list(scene.collection.objects):
-            if thing in self._floor or thing.type not in {"MESH", "LIGHT"}:
+        for item in list(scene.collection.objects):
+            if item in self._floor or item.type not in {"MESH", "LIGHT"}:
                 continue
-            scene.collection.objects.unlink(thing)
-            if thing in self._moves:
+            scene.collection.objects.unlink(item)
+            if item in self._moves:
                 continue
-            hidden = thing.copy()
+            hidden = item.copy()
             hidden.visible_camera = False
             scene.collection.objects.link(hidden)
 
     def _from_above(self, scene: bpy.types.Scene, tile: Tile, samples: int, seed: int, turn_rad: float = 0.0) -> Passes:
-        side = tile.texel_m * tile.texels
-        scene.camera.data.ortho_scale = side
-        middle = tile.low[0] + 0.5 * side, tile.low[1] + 0.5 * side, _ABOVE_M
+        side_m = tile.texel_m * tile.texels
+        scene.camera.data.ortho_scale = side_m
+        middle = tile.low[0] + 0.5 * side_m, tile.low[1] + 0.5 * side_m, _ABOVE_M
         scene.camera.matrix_world = Matrix.Rotation(turn_rad, 4, "Z") @ Matrix.Translation(middle)
         return self._traced(scene, (tile.texels, tile.texels), samples, seed)
 
@@ -227,9 +228,9 @@ def _set_passes(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
 
 
 def _swap(here: list[bpy.types.Object], away: list[bpy.types.Object]) -> None:
-    for things, height_m in ((here, 0.0), (away, -_AWAY_M)):
-        for thing in things:
-            thing.matrix_world = Matrix.Translation((0.0, 0.0, height_m))
+    for objects, height_m in ((here, 0.0), (away, -_AWAY_M)):
+        for item in objects:
+            item.matrix_world = Matrix.Translation((0.0, 0.0, height_m))
 
 
 def _without_what_moves(view: FrameView) -> FrameView:

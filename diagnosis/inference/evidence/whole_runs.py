@@ -24,7 +24,7 @@ from diagnosis.inference.selection import MAX_EFFECTS, needed
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose, seen_from_body
-from diagnosis.predictors.rows import given
+from diagnosis.predictors.rows import good_values
 from symolo.core.arrays import Array
 
 PARTS = 20
@@ -47,7 +47,7 @@ class WholeRuns:
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._pose = Pose(measurement, nominal)
-        log = np.stack([given(measurement, name) for name in POSE], axis=-1)
+        log = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         rows, self._points = 0, []
         firsts = []
         for trial in measurement.trials:

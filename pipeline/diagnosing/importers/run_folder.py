@@ -150,4 +150,4 @@ def _trial(run: _DatasetRun) -> Trial:
     return trial_of(run_name(run.folder), rows, (*drive, *seen))
 
 
-IMPORTER = Importer("run", "run of symolo, a whole release, or what simulate made", _recognises, _read)
+IMPORTER = Importer("run", _recognises, _read)

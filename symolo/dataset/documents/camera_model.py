@@ -25,7 +25,7 @@ Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
 
 
-class CameraModel(BaseModel):
+class CameraDocument(BaseModel):
     """The content of intrinsics.json."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -45,7 +45,7 @@ class CameraModel(BaseModel):
     X_CB: tuple[Row4, Row4, Row4, Row4]
 
     @classmethod
-    def of(cls, imaging: object) -> "CameraModel":
+    def of(cls, imaging: object) -> "CameraDocument":
         """Return the model of a camera; `imaging` has the sections of an `ImagingDocument`."""
         spec = ImagingDocument.model_validate(imaging)
         camera = intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px)
@@ -63,14 +63,14 @@ class CameraModel(BaseModel):
         return canonical_json(json.loads(self.model_dump_json()))
 
 
-def read_camera_model(path: Path) -> CameraModel:
+def read_camera_document(path: Path) -> CameraDocument:
     """What `to_json` wrote.
 
     Raises:
         OSError: There is no such file.
         ValueError: It is damaged; the text is one line.
     """
-    return read_record(path, CameraModel)
+    return read_record(path, CameraDocument)
 
 
 def camera_files(imaging: object, rows: Rows) -> Iterator[tuple[str, bytes]]:
@@ -81,7 +81,7 @@ def camera_files(imaging: object, rows: Rows) -> Iterator[tuple[str, bytes]]:
         rows: Where the robot was.
     """
     yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(imaging, rows))
-    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(imaging).to_json()
+    yield f"{SIDE}/{INTRINSICS}", CameraDocument.of(imaging).to_json()
 
 
 def camera_table(imaging: object, rows: Rows) -> np.ndarray:

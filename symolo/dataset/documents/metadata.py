@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from symolo.arena.geometry import Arena
 from symolo.core.files.file_hashes import canonical_json
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
@@ -306,6 +307,6 @@ def describe(
 def read_metadata(root: Path) -> Metadata | None:
     """Return what metadata.json of a folder holds; None where there is none, or none of this format."""
     try:
-        return Metadata.model_validate_json((root / METADATA).read_bytes())
+        return Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     except (*NOT_THERE, ValidationError):
         return None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.text_file import LineFault, decode_text
 from symolo.core.table import NumberColumn, header_fault, table_of
 from symolo.core.time_series import Recording
@@ -20,7 +21,6 @@ from symolo.dataset.tables.column import Column, Series
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]
 
-MAX_BYTES = 512 * 2**20
 STATES = tuple(state.value for state in State)
 WHOLE = frozenset({"state", "img"})
 """Columns of whole numbers."""
@@ -159,12 +159,9 @@ def read_rows(path: Path) -> Rows:
         InputError: The first fault, with its line and column.
     """
     try:
-        size = path.stat().st_size
-        data = path.read_bytes() if size <= MAX_BYTES else b""
+        data = read_file(path, FileKind.TABLE)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
-    if size > MAX_BYTES:
-        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", where=str(path), cure="split it into runs")
     table, faults = parse_table(data, HEADER)
     faults = faults or [fault for fault in semantic_faults(Rows.from_table(table)) if fault.kind in ("time", "image")]
     if faults:

@@ -52,7 +52,7 @@ class Annotated:
         return pixels if pixels.ndim == 2 else pixels[..., ::-1]
 
     def depth_m(self, number: int) -> np.ndarray:
-        return self.picture("depth", number) / 10_000
+        return self.image("depth", number) / 10_000
 
     def id_of(self, name: str) -> int:
         return next(one.id for one in self.document.instances if one.name == name)

@@ -41,7 +41,7 @@ def at_its_time(annotated, number):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_each_id_that_is_seen_is_in_the_table_and_of_its_category(annotated, number):
-    ids, categories = annotated.picture("instance", number), annotated.picture("semantic", number)
+    ids, categories = annotated.image("instance", number), annotated.image("semantic", number)
     assert (ids.dtype, categories.dtype) == (np.uint16, np.uint8)
     table = {0: 0} | {one.id: one.category_id for one in annotated.document.instances}
     assert set(np.unique(ids)) <= set(table)
@@ -57,7 +57,7 @@ def test_a_mask_is_the_hull_of_the_projected_corners(annotated, name, number):
     pixels, depth = project(annotated.job.camera, annotated.X_WC(number), annotated.corners_W(name, number))
     assert np.all(depth > 0)
     hull = cv2.convexHull(pixels.astype(np.float32))
-    mask = annotated.picture("instance", number) == annotated.id_of(name)
+    mask = annotated.image("instance", number) == annotated.id_of(name)
     assert mask.sum() > 20
     away = [cv2.pointPolygonTest(hull, (float(u), float(v)), measureDist=True) for u, v in pixels_of(annotated)]
     inside = np.reshape(away, mask.shape)
@@ -71,7 +71,7 @@ def test_depth_is_that_of_the_physics_engines_rays(annotated, number):
     eye = np.tile(annotated.X_WC(number)[:3, 3], (len(rays), 1))
     with EngineRays(at_its_time(annotated, number)) as engine:
         hits = engine.cast(eye, eye + 3.0 * rays)
-    arena = (annotated.picture("semantic", number).ravel() != ROOM) & (hits.surface >= 0)
+    arena = (annotated.image("semantic", number).ravel() != ROOM) & (hits.surface >= 0)
     error = np.abs(depth - 3.0 * hits.fraction)[arena]
     assert arena.sum() > 4500
     assert np.median(error) < 0.0003
@@ -79,15 +79,15 @@ def test_depth_is_that_of_the_physics_engines_rays(annotated, number):
     names = [*annotated.arena.boxes]
     ids = np.array([0, *(annotated.id_of(box.name) for box in names)])[hits.surface]
     met = (hits.surface > 0) & arena
-    assert np.mean(annotated.picture("instance", number).ravel()[met] == ids[met]) > 0.97
+    assert np.mean(annotated.image("instance", number).ravel()[met] == ids[met]) > 0.97
 
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_depth_of_the_floor_is_exact_to_its_last_digit(annotated, number):
     X_WC = annotated.X_WC(number)
     points = floor_points(annotated.job.camera, X_WC, pixels_of(annotated))
-    expected = ((points - X_WC[:3, 3]) @ X_WC[:3, 2]).reshape(annotated.picture("depth", number).shape)
-    floor = (annotated.picture("instance", number) == annotated.id_of("floor")) & (expected < 6.4)
+    expected = ((points - X_WC[:3, 3]) @ X_WC[:3, 2]).reshape(annotated.image("depth", number).shape)
+    floor = (annotated.image("instance", number) == annotated.id_of("floor")) & (expected < 6.4)
     np.testing.assert_allclose(annotated.depth_m(number)[floor], expected[floor], atol=0.51 * TENTH_MM)
 
 
@@ -101,8 +101,8 @@ def test_flow_on_the_floor_is_the_homography_of_its_plane(annotated, number):
     pixels = pixels_of(annotated)
     there = np.column_stack([pixels, np.ones(len(pixels))]) @ H.T
     expected = there[:, :2] / there[:, 2:] - pixels
-    coded = annotated.picture("flow", number).reshape(-1, 3).astype(float)
-    seen = (annotated.picture("instance", number).ravel() == annotated.id_of("floor")) & (coded[:, 2] == 1)
+    coded = annotated.image("flow", number).reshape(-1, 3).astype(float)
+    seen = (annotated.image("instance", number).ravel() == annotated.id_of("floor")) & (coded[:, 2] == 1)
     assert seen.sum() > 2000
     np.testing.assert_allclose((coded[seen, :2] - 32768) / 64, expected[seen], atol=1 / 128 + 1e-6)
 
@@ -113,8 +113,8 @@ def test_flow_of_a_body_takes_its_corners_along(annotated, name):
     camera = annotated.job.camera
     before, depth = project(camera, annotated.X_WC(1), annotated.corners_W(name, 1))
     after, _ = project(camera, annotated.X_WC(2), annotated.corners_W(name, 2))
-    flow = (annotated.picture("flow", 1)[..., :2].astype(float) - 32768) / 64
-    mask, image_depth = annotated.picture("instance", 1) == annotated.id_of(name), annotated.depth_m(1)
+    flow = (annotated.image("flow", 1)[..., :2].astype(float) - 32768) / 64
+    mask, image_depth = annotated.image("instance", 1) == annotated.id_of(name), annotated.depth_m(1)
     compared = 0
     for corner, change, z in zip(before, after - before, depth, strict=True):
         u, v = np.rint(corner).astype(int)
@@ -132,8 +132,8 @@ def test_the_last_image_has_no_flow(annotated):
 
 
 def test_normals_are_those_of_the_planes(annotated):
-    ids, R_WC = annotated.picture("instance", 2), annotated.X_WC(2)[:3, :3]
-    normal_W = ((annotated.picture("normals", 2).astype(float) - 32768) / 32767) @ R_WC.T
+    ids, R_WC = annotated.image("instance", 2), annotated.X_WC(2)[:3, :3]
+    normal_W = ((annotated.image("normals", 2).astype(float) - 32768) / 32767) @ R_WC.T
     for name, expected in (("floor", (0, 0, 1)), ("line_0", (0, 0, 1)), ("pane", (-1, 0, 0)), ("board", (-1, 0, 0))):
         own = normal_W[ids == annotated.id_of(name)]
         assert np.mean(np.abs(own - expected).max(axis=1) < 1e-4) > 0.9, name  # a pane shows its rim too
@@ -145,8 +145,8 @@ def test_normals_are_those_of_the_planes(annotated):
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_on_the_free_floor_stands_nothing(annotated, number):
-    free = annotated.picture("free_floor", number) == 255
-    semantic = annotated.picture("semantic", number)
+    free = annotated.image("free_floor", number) == 255
+    semantic = annotated.image("semantic", number)
     assert np.array_equal(free, np.isin(semantic, [CATEGORIES.index("floor"), CATEGORIES.index("line")]))
     points = floor_points(annotated.job.camera, annotated.X_WC(number), pixels_of(annotated))[free.ravel(), :2]
     for name in ("pane", "board", "cube", "cart"):
@@ -195,7 +195,7 @@ def test_boxes_are_those_of_the_masks_and_lie_within_those_of_the_whole(annotate
     names = {one.id: one.name for one in annotated.document.instances}
     assert {names[one.instance_id] for one in annotated.document.annotations} == {"pane", "board", "cube", "cart"}
     for one in annotated.document.annotations:
-        mask = annotated.picture("instance", one.image_id) == one.instance_id
+        mask = annotated.image("instance", one.image_id) == one.instance_id
         y, x = np.nonzero(mask)
         assert one.area == len(x)
         assert one.bbox == (x.min(), y.min(), x.max() + 1 - x.min(), y.max() + 1 - y.min())

@@ -6,18 +6,13 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from blender_scenes.annotations import IMAGE_ANNOTATIONS
-from blender_scenes.annotations.boxes_2d import box_2d
-from blender_scenes.annotations.boxes_3d import box_3d
-from blender_scenes.annotations.depth import depth
-from blender_scenes.annotations.flow import flow
+from blender_scenes.annotations.boxes import box_2d, box_3d, reaches_beyond, silhouette
+from blender_scenes.annotations.images import IMAGE_ANNOTATIONS, depth, flow, normals
 from blender_scenes.annotations.instances import instances
 from blender_scenes.annotations.job import build_annotation_job
-from blender_scenes.annotations.normals import normals
+from blender_scenes.annotations.occlusion import hidden, triangles
 from blender_scenes.annotations.record import FrameRecord, record
-from blender_scenes.annotations.seen import Passes, VisibleScene
-from blender_scenes.annotations.sight import hidden, triangles
-from blender_scenes.annotations.silhouette import reaches_beyond, silhouette
+from blender_scenes.annotations.visible_scene import Passes, VisibleScene
 from blender_scenes.scene.meshes import block
 from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Intrinsics, matrix_K

@@ -10,7 +10,7 @@ import pytest
 
 from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.render.renderer import render_job
-from blender_scenes.scene.description import Panel, Scene, Sky, Sun
+from blender_scenes.scene.description import LightPanel, Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface
 from configs.draw import draw_look
@@ -33,7 +33,7 @@ def _seen(light_of, panels=(), sun=None, gains=((1.0, 1.0, 1.0),), surface=GREY,
     return np.squeeze(light_of(scene, views, 5, 200.0).mean(axis=(1, 2)))
 
 
-LAMP = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.2, (8.0, 4.0, 2.0))
+LAMP = LightPanel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.2, (8.0, 4.0, 2.0))
 GAIN = (0.5, 0.75, 1.25)
 
 

@@ -168,7 +168,7 @@ def test_a_picture_that_is_gone_or_changed_is_refused(job, user_files, tmp_path)
     (tmp_path / TILES_FILE.sha256).write_bytes(HDR)
     with pytest.raises(ValueError, match="has changed since it was put there"):
         FlatRenderer(job, tmp_path)
-    assert FlatRenderer(job, user_files).picture(job.frames[0]).shape == (120, 160, 3)
+    assert FlatRenderer(job, user_files).image(job.frames[0]).shape == (120, 160, 3)
 
 
 def test_a_job_names_its_files_by_content_and_survives_its_file(job):

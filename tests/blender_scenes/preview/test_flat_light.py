@@ -7,11 +7,11 @@ from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
 from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Triangles
-from blender_scenes.scene.description import Panel, Sky, Sun
+from blender_scenes.scene.description import LightPanel, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
 from sensors.camera.colour import LUMINANCE
 
-LAMP = Panel("lamp", (0.3, -0.2, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.3, 0.2, (8.0, 4.0, 2.0))
+LAMP = LightPanel("lamp", (0.3, -0.2, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.3, 0.2, (8.0, 4.0, 2.0))
 UP = np.array([[0.0], [0.0], [1.0]])
 
 

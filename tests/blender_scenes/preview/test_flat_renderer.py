@@ -25,7 +25,7 @@ def job_of(arena, robot, look=None):
 def test_the_median_of_a_picture_is_the_brightness_that_the_look_asks_for(arena, robot):
     """0.25 of the light is 137 of 255 in sRGB (IEC 61966-2-1)."""
     job = job_of(arena, robot)
-    picture = FlatRenderer(job).picture(job.frames[0])
+    picture = FlatRenderer(job).image(job.frames[0])
     assert picture.shape == (48, 64, 3)
     grey = picture.reshape(-1, 3) @ np.array([0.2126, 0.7152, 0.0722])
     assert np.median(grey) == pytest.approx(137, abs=3)
@@ -60,14 +60,14 @@ def test_the_robot_is_not_seen_by_its_own_camera(arena, robot):
     in_the_way = block("screen", (0.3, 0.0, 0.1), (0.01, 0.5, 0.5), "robot_plate")
     hidden = replace(job, scene=replace(job.scene, robot=(in_the_way,)))
     view = job.frames[0]
-    np.testing.assert_array_equal(FlatRenderer(hidden).picture(view), FlatRenderer(job).picture(view))
+    np.testing.assert_array_equal(FlatRenderer(hidden).image(view), FlatRenderer(job).image(view))
 
 
 def test_the_same_job_gives_the_same_pixels_and_each_frame_its_own_noise(arena, robot):
     job = job_of(arena, robot, LookConfig(name="noisy"))
-    first, second = (FlatRenderer(job).picture(job.frames[0]) for _ in range(2))
+    first, second = (FlatRenderer(job).image(job.frames[0]) for _ in range(2))
     np.testing.assert_array_equal(first, second)
-    assert not np.array_equal(first, FlatRenderer(job).picture(job.frames[1]))
+    assert not np.array_equal(first, FlatRenderer(job).image(job.frames[1]))
 
 
 def test_a_scene_without_light_is_refused(arena, robot):

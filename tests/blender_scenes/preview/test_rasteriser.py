@@ -8,7 +8,7 @@ import pytest
 from blender_scenes.preview.rasteriser import rasterise
 from blender_scenes.preview.triangles import Triangles
 from blender_scenes.scene import meshes as geometry
-from blender_scenes.scene.description import Mesh, Panel
+from blender_scenes.scene.description import LightPanel, Mesh
 from blender_scenes.scene.run_scene import describe
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.look import LookConfig
@@ -164,10 +164,10 @@ def _code(surface: str) -> int:
     return next((code for start, code in COLORS.items() if surface.startswith(start)), BLACK)
 
 
-def _flash(X_WC: np.ndarray) -> Panel:
+def _flash(X_WC: np.ndarray) -> LightPanel:
     """A white lamp around the camera's eye: it throws no shadow that the camera sees."""
     right, down = (tuple(X_WC[:3, axis].tolist()) for axis in (0, 1))
-    return Panel("flash", tuple(X_WC[:3, 3].tolist()), right, down, 0.02, 0.02, (9.0, 9.0, 9.0))
+    return LightPanel("flash", tuple(X_WC[:3, 3].tolist()), right, down, 0.02, 0.02, (9.0, 9.0, 9.0))
 
 
 def test_cycles_sees_the_same_surfaces(arena, robot, light_of):

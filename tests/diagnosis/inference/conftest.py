@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
@@ -57,7 +57,7 @@ def hypothesis(robot):
 
 @pytest.fixture(scope="session")
 def effect():
-    effects = {effect.name: effect for effect in effect_classes()}
+    effects = EFFECTS.by_name()
     return lambda name, **choices: CandidateEffect(effects[name], tuple(choices.items()))
 
 

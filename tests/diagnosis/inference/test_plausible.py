@@ -2,13 +2,13 @@
 
 import pytest
 
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from diagnosis.inference.plausible import beyond
 from physics.effects.supply_sag import SupplySag
 from physics.effects.torque_constant_scale import TorqueConstantScale
 from sensors.effects.marker_offset import MarkerOffset
 
-LIMITS = [(effect, name) for effect in effect_classes() for name in effect.plausible_sizes()]
+LIMITS = [(effect, name) for effect in EFFECTS.classes() for name in effect.plausible_sizes()]
 
 
 def test_a_source_of_twenty_ohms_is_ruled_out_and_one_of_half_an_ohm_is_not():

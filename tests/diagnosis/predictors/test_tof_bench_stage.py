@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
@@ -78,8 +78,8 @@ def stage(robot):
 def predicted(stage, robot, *several):
     for effect in several:
         robot = robot.with_effect(effect)
-    (found,) = stage.predict([robot])
-    return found.mean[0], found.sd[0]
+    (predicted,) = stage.predict([robot])
+    return predicted.mean[0], predicted.sd[0]
 
 
 def test_the_nominal_reading_is_offset_and_scale_of_the_distance_alone(stage, robot):
@@ -137,7 +137,7 @@ def test_a_saturated_reading_is_flat_and_without_noise_far_beyond_and_a_clipped_
 
 def test_many_robots_at_once_are_each_of_them_alone(stage, robot):
     robots = [robot]
-    for effect in effect_classes():
+    for effect in EFFECTS.classes():
         choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
         first, second = effect.start(choices), effect.null(choices)
         robots += [robot.with_effect(first), robot.with_effect(second)]
@@ -149,10 +149,10 @@ def test_many_robots_at_once_are_each_of_them_alone(stage, robot):
 
 
 def test_covariates_name_what_a_reading_may_depend_on(stage):
-    found = {covariate.name: covariate for covariate in stage.observed[0].covariates}
-    assert set(found) == {
+    covariates = {covariate.name: covariate for covariate in stage.observed[0].covariates}
+    assert set(covariates) == {
         "distance_m", "material", "incidence_rad", "temperature_C", "ambient_lux", "t_s", "row", "previous_distance_m"
     }  # fmt: skip
-    assert [found["material"].labels[int(k)] for k in found["material"].values] == list(MATERIALS)
-    np.testing.assert_array_equal(found["previous_distance_m"].values, [math.nan, *D[:-1]])
-    np.testing.assert_array_equal(found["t_s"].values, 100.0 + T_S)
+    assert [covariates["material"].labels[int(k)] for k in covariates["material"].values] == list(MATERIALS)
+    np.testing.assert_array_equal(covariates["previous_distance_m"].values, [math.nan, *D[:-1]])
+    np.testing.assert_array_equal(covariates["t_s"].values, 100.0 + T_S)

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import NamedEffect, diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.report.row_sentences import row_sentences, too_large
@@ -32,7 +32,7 @@ def test_the_row_of_table_1_that_stands_still_and_rows_left_out(table_1):
 
 def test_a_size_that_no_robot_has_is_said(table_1):
     (named,) = table_1.named
-    (effect,) = (effect for effect in effect_classes() if effect.name == "supply_sag")
+    (effect,) = (effect for effect in EFFECTS.classes() if effect.name == "supply_sag")
     assert named.effect.kind is effect
     assert too_large(named) == []  # 1.87 +- 0.38 ohm may still be less than 1
     surer = NamedEffect(named.effect, {"source_resistance_ohm": 20.0}, {"source_resistance_ohm": 2.0}, named.comparison)

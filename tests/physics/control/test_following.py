@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from configs.schema.robot import FollowGains, WallFollowing
+from configs.schema.controller import FollowGains, WallFollowing
 from physics.control.following import follow, line_error, wall_error
 
 GAINS = FollowGains(k1_m_s=0.2, k2_rad_s=0.8, k3_m_s=0.02)

@@ -8,7 +8,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from symolo.dataset.documents.camera_model import X_CB, CameraModel, camera_table, read_camera_model
+from symolo.dataset.documents.camera_model import X_CB, CameraDocument, camera_table, read_camera_document
 from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.side_tables import CAMERA
 
@@ -34,7 +34,7 @@ def rows() -> Rows:
 
 
 def test_a_user_finds_a_floor_point_in_the_picture_with_opencv_and_the_files_alone(spec, rows, tmp_path):
-    (tmp_path / "intrinsics.json").write_bytes(CameraModel.of(spec).to_json())
+    (tmp_path / "intrinsics.json").write_bytes(CameraDocument.of(spec).to_json())
     model = json.loads((tmp_path / "intrinsics.json").read_text())
     (tmp_path / "camera.csv").write_bytes(CAMERA.to_csv(camera_table(spec, rows)))
     image = np.genfromtxt(tmp_path / "camera.csv", delimiter=",", names=True)[1]
@@ -71,10 +71,10 @@ def test_an_instant_is_exposed_at_its_stamp(rows):
 
 
 def test_what_is_written_is_read_again_and_damage_is_told(spec, tmp_path):
-    model = CameraModel.of(spec)
+    model = CameraDocument.of(spec)
     path = tmp_path / "intrinsics.json"
     path.write_bytes(model.to_json())
-    assert read_camera_model(path) == model
+    assert read_camera_document(path) == model
     path.write_text(path.read_text().replace('"K"', '"k"'))
     with pytest.raises(ValueError, match=r"^K: "):
-        read_camera_model(path)
+        read_camera_document(path)

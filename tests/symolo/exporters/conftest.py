@@ -16,7 +16,7 @@ from symolo.core.files.file_hashes import canonical_json
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import LineReport
 from symolo.dataset.annotations import ENCODINGS
-from symolo.dataset.documents.camera_model import CameraModel
+from symolo.dataset.documents.camera_model import CameraDocument
 from symolo.dataset.documents.metadata import RunRecord, describe
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 from symolo.dataset.tables.rows import COLUMNS, STATES, Rows
@@ -150,7 +150,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
         "side/wheels.csv": WHEELS.to_csv(wheels),
         "side/tof.csv": TOF.to_csv(tof),
         "side/camera.csv": CAMERA.to_csv(camera),
-        "side/intrinsics.json": CameraModel.of(spec).to_json(),
+        "side/intrinsics.json": CameraDocument.of(spec).to_json(),
         "side/spec.json": canonical_json(spec.model_dump(mode="json")),
     }
     files |= {f"images/{i:06d}.jpg": data for i, data in enumerate(pictures, start=1)}
@@ -168,7 +168,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
     for name, data in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
-    K = np.array(CameraModel.of(spec).K)
+    K = np.array(CameraDocument.of(spec).K)
     return Truth(spec.key, table, wheels, tof, X_WC, pictures, instances, passes, sightings, K)
 
 

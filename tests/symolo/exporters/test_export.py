@@ -67,7 +67,7 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
         ((tmp_path / "taken", "tum", out), "neither a release nor a run"),
         ((root, "tum", taken), "is there already; name a folder that is new or empty"),
         ((root, "tum", root / "within"), "lies within the release"),
-        ((root, "coco", out), "has no pictures of its instances"),
+        ((root, "coco", out), "has no images of its instances"),
         ((root, "tum,coco", out), "render.annotations=[instance,boxes_2d,key_points]"),
     ):
         folder, formats, place = arguments

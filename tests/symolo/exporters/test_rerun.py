@@ -13,7 +13,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from symolo.arena.geometry import Arena
 from symolo.dataset.tables.rows import COLUMNS
-from symolo.exporters.rerun import _box, _Maker
+from symolo.exporters.rerun import _Arrays, _box
 
 PATHS = {"state": "/state", "v": "/motion/v", "w": "/motion/w", "d_f": "/range/d_f", "d_l": "/range/d_l"}
 PATHS |= {"d_r": "/range/d_r"} | {f"L{i}": f"/line/L{i}" for i in range(8)}
@@ -126,7 +126,7 @@ def test_an_obstacle_that_moves_has_the_pose_of_each_row():
     (box, *_) = Arena.from_config(draw_run(load_scenario("moving"), "CW", 1).arena).moving
     t_s = np.array([0.0, 0.5, 2.0])
     table = pd.DataFrame(box.poses_at(t_s), columns=[f"{box.name}_{field}" for field in ("x", "y", "theta")])
-    _, pose = _box(_Maker(pa), box, SimpleNamespace(t_s=t_s, side={"obstacles": table}.get))
+    _, pose = _box(_Arrays(pa), box, SimpleNamespace(t_s=t_s, side={"obstacles": table}.get))
     assert pose.t_s is t_s
     places, turns = (component.values.to_pylist() for component in pose.components)  # noqa: PD011 - no pandas
     x, y, yaw = box.poses_at(t_s).T

@@ -1,6 +1,6 @@
 import pytest
 
-from symolo.publishing.limits import told
+from symolo.publishing.limits import fits_archives
 
 GB = 10**9
 
@@ -16,6 +16,6 @@ GB = 10**9
     ],
 )
 def test_each_archive_says_what_it_takes(sizes, zenodo, hub):
-    lines = told(sizes)
+    lines = fits_archives(sizes)
     assert zenodo in lines[0]
     assert hub in lines[1]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from diagnosis.inference.evidence.whole_runs import MIN_RUNS, WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.channel import Channel, Role
@@ -58,7 +58,7 @@ def bare(robot):
 
 
 def of_name(name):
-    return CandidateEffect(next(effect for effect in effect_classes() if effect.name == name))
+    return CandidateEffect(next(effect for effect in EFFECTS.classes() if effect.name == name))
 
 
 def test_planted_wheels_are_found_within_three_standard_errors(bare):
