@@ -147,5 +147,5 @@ class RobotKnowledge:
         )
 
     def __len__(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return len(self.t_s)

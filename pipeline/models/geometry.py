@@ -30,7 +30,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class CylinderShape:
-    """About the y axis of its frame, as wheels are."""
+    """A cylinder about the y axis of its frame, as wheels are."""
 
     radius_m: float
     width_m: float
@@ -58,7 +58,7 @@ class Visual:
 
 
 def roll_pitch_yaw(rotation: Array) -> Vector:
-    """Angles [rad] of a (3, 3) rotation, which is Rz(yaw) Ry(pitch) Rx(roll); no roll where the pitch is upright."""
+    """Return the angles [rad] of a (3, 3) rotation, Rz(yaw) Ry(pitch) Rx(roll); an upright pitch has roll 0."""
     r = rotation
     level = hypot(r[0, 0], r[1, 0])
     pitch = atan2(-r[2, 0], level)
@@ -76,7 +76,7 @@ def srgb(linear: RGB) -> RGB:
 
 
 def bounding_box(mesh: Mesh) -> tuple[Vector, Vector]:
-    """Centre and size [m] along the axes of the mesh's frame."""
+    """Return centre and size [m] of a mesh along the axes of its frame."""
     vertices = np.array(mesh.vertices)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     x, y, z = (np.round(0.5 * (low + high), 9) + 0.0).tolist()

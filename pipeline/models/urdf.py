@@ -13,7 +13,7 @@ _FRAME_INERTIA = (1e-15, 1e-15, 1e-15)
 
 
 def robot_model_urdf(parts: RobotParts) -> bytes:
-    """URDF 1.0 of base, wheels, caster, and a fixed link for each sensor's frame."""
+    """Return URDF 1.0 of base, wheels, caster, and a fixed link for the frame of each sensor."""
     root = robot_element(parts.config)
     # What the engine simulates and URDF cannot describe.
     right, left = (link.motor for link in parts.links if link.motor is not None)

@@ -91,7 +91,7 @@ class StoredTrajectory:
     data: bytes
     """Content of data.csv."""
     spec: RunSpec | None
-    """Specification of the run; None for a foreign data.csv."""
+    """Specification of the run; None for a data.csv from elsewhere."""
     file: Path
     """File from which it was read."""
 
