@@ -70,6 +70,7 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
     drawn: dict[str, Scalar] = {}
     for path, item in loaded.placed.items():
         spec_path = ("start", *path[3:]) if path[:3] == start else path
+        # Fields of other routes have any valid value, because their draws must not matter to this run.
         values[path] = item.ends()[0]
         if spec_path[0] != "routes":
             values[path] = drawn[dotted(spec_path)] = item.draw(_field_stream(spec_path, loaded.seed, route, run))

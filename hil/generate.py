@@ -175,6 +175,7 @@ def _millimetres_below(limit_m: float) -> int:
 
 def _whole_below(limit: float, step: float) -> int:
     """Return how many whole steps from 0 lie below the limit, in the arithmetic of the controller in Python."""
+    # The division may be off in its last digit; the loop decides by the multiplication that the controller does.
     count = math.ceil(limit / step) + 2
     while count > 0 and not (count - 1) * step < limit:
         count -= 1

@@ -96,6 +96,7 @@ class TickCount:
         if ticks is None or last is None:
             return ""
         sent = len(self._unanswered)
+        # Larger by the frames since the last answer at most; or small, after a re-boot; or at its end.
         if last < ticks <= last + sent or ticks <= sent or ticks == last == MAX_TICKS:
             return ""
         return f"the board counts {ticks} frames after {last}, and {sent} were sent"

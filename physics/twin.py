@@ -117,6 +117,7 @@ class KinematicTwin:
         for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
             torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed)
             friction = driveline.friction_N_m(torque, speed, k * self._step_s)
+            # The body couples the wheels: the acceleration of each one loads the other.
             torque = torque - acceleration @ self._coupling
             load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])
             torque[:, 0] += load_right
@@ -154,6 +155,7 @@ class KinematicTwin:
         ones = np.ones_like(turn_rad)
         turn_rad = turn_rad * through(self._ground, ones, forward_m / self._step_s, turn_rad / self._step_s)
         yaw_rad = starts[:, 2] + np.cumsum(turn_rad, axis=0)
+        # The chord of an arc: sinc needs no division by the turn, which is 0 on a straight.
         chord_m = forward_m * np.sinc(turn_rad / (2.0 * pi))
         direction = yaw_rad - 0.5 * turn_rad
         x_m = starts[:, 0] + np.cumsum(chord_m * np.cos(direction), axis=0)

@@ -93,6 +93,7 @@ class TofArray(Sensor):
         share = weight / np.maximum(returned, 1e-12)[:, None]
         true_range = (share * distance).sum(axis=1) * self._head_on
         offset, surface_sd = (share * self._offset_and_sd_m.take(surface, axis=1)).sum(axis=2)
+        # The device averages over its beam, so offset and noise of several surfaces are means by their light.
         sd = noise_sd_m(surface_sd, true_range) * config.noise_scale
         reading = true_range + offset + config.error_scale * log_error_m(true_range)
         if self._effects.need_view:

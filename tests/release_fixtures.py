@@ -1,5 +1,6 @@
 """One small dataset through the real stages, made once, and ways to run the command line."""
 
+import fcntl
 import multiprocessing
 import shutil
 import subprocess
@@ -77,10 +78,16 @@ def tiny() -> list[str]:
 
 
 @pytest.fixture(scope="session")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Made by one worker; read only, `copy_of` is for changing it."""
-    out = tmp_path_factory.mktemp("dataset") / "data"
-    assert main(["release", "smoke", "--out", str(out), *TINY, "--workers", "1"]) == 0
+def dataset(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """A release of two runs, made once for all processes of pytest-xdist; read only, `copy_of` is for changing it."""
+    shared = tmp_path_factory.getbasetemp()
+    if hasattr(request.config, "workerinput"):
+        shared = shared.parent  # every process has a folder of its own below the session's
+    out = shared / "release" / "data"
+    with (shared / "release.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (out / TAG_MANIFEST).exists():
+            assert main(["release", "smoke", "--out", str(out), *TINY, "--workers", "1"]) == 0
     return out
 
 

@@ -55,6 +55,7 @@ class Denoiser:
             for name, image in images.items():
                 place = name.encode(), image.ctypes.data, _FLOAT3
                 self._library.oidnSetSharedFilterImage(new, *place, width, height, 0, 0, 0)
+            # cleanAux: our guides have no noise, so the filter may follow their detail exactly.
             for name in (b"hdr", b"cleanAux"):
                 self._library.oidnSetFilterBool(new, name, True)  # noqa: FBT003 - a C function's
             self._library.oidnSetFilterInt(new, b"quality", self._quality)

@@ -41,6 +41,7 @@ def filter_points(width_px: float, squares: int = 1) -> tuple[FilterPoint, ...]:
     at = np.linspace(-reach, reach, 4001)
     turn = np.pi * (at / reach + 1)
     weight = 0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
+    # Points in the middle of equal shares of the filter, by its inverse distribution function: each counts the same.
     share = np.cumsum(weight) / weight.sum()
     across, down = (np.interp((np.arange(n) + 0.5) / n, share, at).tolist() for n in (_POINTS, squares * _POINTS))
     points = []

@@ -29,6 +29,8 @@ def local_lines(values: FloatImage, guide: FloatImage, weight: FloatImage) -> Fl
     total = around[..., :1]
     means = around[..., 1:] / np.maximum(total, _MIN_WEIGHT)
     mean, square, of_values, product = np.split(means, [1, 2, 2 + channels], axis=-1)
+    # Weighted least squares around each pixel: the slope is covariance by variance. The added variance makes it 0
+    # where the guide is constant.
     slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _MIN_VARIANCE)
     known = total > _MIN_WEIGHT
     return np.concatenate([np.where(known, slope, 0), np.where(known, of_values + slope * (guide - mean), values)], -1)

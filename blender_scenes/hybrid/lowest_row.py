@@ -43,6 +43,8 @@ class EdgesInSight:
         moved = [ends @ X[:3, :3].T + X[:3, 3] for ends, X in zip(self._moving, poses, strict=True)]
         ends = (np.concatenate([self._standing, *moved]) - X_WC[:3, 3]) @ X_WC[:3, :3]
         begin, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+        # Clip each edge, as a range of its length from 0 to 1, by the near plane and both sides of the image
+        # (Liang and Barsky 1984); an edge that is outside of one plane has an empty range.
         first, last = np.zeros(len(ends)), np.ones(len(ends))
         for inside in (ends[..., 2] - _NEAREST_M, *(ends @ plane for plane in self._sides)):
             crossed = inside[:, 0] / np.where(inside[:, 0] == inside[:, 1], np.inf, inside[:, 0] - inside[:, 1])

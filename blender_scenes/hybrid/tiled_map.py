@@ -184,6 +184,7 @@ def without_holes(light: FloatImage, level: FloatImage) -> FloatImage:
         light: Light on a floor that may be tilted, and dark where it faces away from the light.
         level: Light on a level floor, which is dark only below obstacles.
     """
+    # A level floor has some light everywhere but below an obstacle, whose inside is closed.
     free = (level.sum(axis=-1) > 0).astype(np.float32)[..., None]
     if free.all() or not free.any():
         return light
@@ -194,6 +195,7 @@ def _spread(weighted: FloatImage, weight: FloatImage) -> FloatImage:
     """Return weighted values (N, N, K) divided by their weight, filled by means of larger squares where it is 0."""
     if weight.all() or min(weight.shape[:2]) == 1:
         return weighted / np.maximum(weight, 1e-9)
+    # Push-pull: means of half the resolution fill what they can, and the rest comes from even coarser ones.
     height, width = weight.shape[:2]
     half = (width + 1) // 2, (height + 1) // 2
     small, small_weight = (

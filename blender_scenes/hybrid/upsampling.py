@@ -37,6 +37,7 @@ def upsampled(low: FloatImage, nearness: FloatImage, normal: FloatImage) -> Floa
     padded, around = (np.pad(a, ((1, 1), (1, 1), (0, 0)), mode="edge") for a in (low, reduced(guide, times)))
     height, width, channels = low.shape
     out = np.empty((times * height, times * width, channels), np.float32)
+    # All final pixels at the same place within their light pixel have the same neighbours and are computed at once.
     for down in range(times):
         for right in range(times):
             pixels = guide[down::times, right::times]

@@ -61,6 +61,7 @@ def from_all_around(panels: Sequence[LightPanel], scene: Triangles, colors: Arra
     flux = sum((np.pi * p.width_m * p.height_m * np.array(p.radiance) for p in panels), start=np.zeros(3))
     everything = scene.corners.reshape(-1, 3)
     x, y, z = everything.max(axis=0) - everything.min(axis=0)
+    # Light is reflected again and again: rho + rho^2 + ... = rho / (1 - rho).
     rho = np.average(colors, axis=0, weights=np.linalg.norm(scene.crosses, axis=1))
     return flux / (2 * (x * y + y * z + z * x)) * rho / (1 - rho)
 

@@ -95,6 +95,7 @@ def _spans(camera: Intrinsics, planes: _Planes) -> tuple[Ints, Ints, Ints, Ints]
     count = planes.rows[:, 1] - planes.rows[:, 0] + 1
     at = np.repeat(np.arange(len(count)), count)
     row = planes.rows[at, 0] + np.arange(len(at)) - (np.cumsum(count) - count)[at]
+    # In a row each edge function is linear in the column; its zero bounds the run on one side.
     slope = planes.edges[at, :, 0]
     rest = planes.edges[at, :, 1] * row[:, None] + planes.edges[at, :, 2]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -117,6 +117,7 @@ def _wander(along: Array, max_m: float, rng: np.random.Generator) -> Array:
         raw += share * np.interp(along, 0.5 * wavelength * np.arange(nodes), rng.normal(size=nodes))
     raw = np.where(raw > 0, 1.6 * raw, 0.6 * raw)  # paint creeps out in tongues and stays back in shallow bays
     window = np.clip(np.minimum(along, length - along) / min(_RIPPLES_END_M, 0.5 * length), 0.0, 1.0)
+    # Without its weighted mean the deviation is 0 on average, and the line as wide as the line sensor has it.
     raw = window * (raw - (window @ raw) / window.sum()) if window.sum() > 0 else window
     return raw * (max_m / max(np.abs(raw).max(), 1e-12))
 

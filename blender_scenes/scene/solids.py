@@ -109,6 +109,7 @@ def _rings(points: Array, radii_m: Array, sides: int) -> list[Array]:
     """Return circles across a path, started at the axis that is farthest from all of its directions."""
     tangent = np.gradient(points, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    # One reference direction for all rings: they do not twist, and it is parallel to none of the tangents.
     reference = np.eye(3)[int(np.argmin(np.abs(tangent).max(axis=0)))]
     angle = 2 * np.pi * np.arange(sides) / sides
     rings = []

@@ -29,6 +29,7 @@ def draw_walls(
     angle = rng.uniform(0, 2 * np.pi) + 2 * np.pi * (np.arange(count) + uneven) / count
     clearance = rng.uniform(recipe.min_wall_clearance_m, recipe.max_wall_clearance_m, count)
     outwards = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    # Each side is a line n . p = reach: the extreme of the track in its direction, and its clearance.
     reach = (line @ outwards.T).max(axis=0) + clearance
     # Corners are the intersections of adjacent sides.
     corners = np.array([np.linalg.solve(outwards[[i - 1, i]], reach[[i - 1, i]]) for i in range(count)])

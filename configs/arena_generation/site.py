@@ -73,6 +73,7 @@ class Site:
         begin_m, end_m = at_m - limits.before_m, at_m + limits.after_m
         if begin_m < self.track.start_m + START_AHEAD_M and end_m > self.track.start_m - START_BEHIND_M:
             return False
+        # Yaw is constant on a straight; a bend between the three places would have turned it.
         if np.ptp(self.track.poses(np.array([begin_m, at_m, end_m]))[:, 2]) > STRAIGHT_RAD:
             return False
         frame: PlanarPose = tuple(self.track.poses(np.array([at_m]))[0].tolist())

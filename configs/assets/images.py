@@ -76,6 +76,7 @@ def _png_size(data: bytes) -> tuple[int, int]:
             break
         if zlib.crc32(body) != int.from_bytes(check, "big"):
             raise ValueError("is damaged: a checksum of the PNG does not hold")
+        # The header must be the first chunk, and no other chunk may be a header.
         if (kind == b"IHDR") != (at == len(_PNG)):
             raise ValueError("is damaged: the PNG's header is not first, or not alone")
         if kind == b"IHDR" and length == 13:

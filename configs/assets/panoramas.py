@@ -53,6 +53,7 @@ def mean_above(light: FloatImage) -> tuple[float, float, float]:
     """Return the mean colour of (H, W, 3) above the horizon by solid angle, without sun and lamps."""
     above = light[: max(1, len(light) // 2)].astype(np.float64)
     elevation = np.pi * (0.5 - (np.arange(len(above)) + 0.5) / len(light))
+    # A sun or a lamp would dominate the mean; what is far brighter than the median is cut off.
     usual = float(np.median(above @ _LUMINANCE))
     sky = np.minimum(above, _SUN * usual) if usual > 0 else above
     red, green, blue = np.average(sky.mean(axis=1), axis=0, weights=np.cos(elevation)).tolist()

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,21 +14,24 @@ from diagnosis.importers.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, channel_columns
 from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
-from diagnosis.measured.nominal import NOMINAL, Nominal, kind_of, read_nominal
+from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
 from diagnosis.measured.scale import mixed_up_unit
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.table import CsvTable
 
-NoiseOf = Callable[[Nominal, CsvTable, str], KnownNoise | None]
+Parameters = TypeVar("Parameters", bound=NominalCase)
+NoiseOf = Callable[[Parameters, CsvTable, str], KnownNoise | None]
 """Function that returns the stated noise of a channel in every row of the table, or None."""
-NotesOf = Callable[[Nominal, Measurement], Sequence[str]]
+NotesOf = Callable[[Parameters, Measurement], Sequence[str]]
 """Function that checks the data against their nominal parameters and returns notes for the user."""
 
 
-def case_importer(kind: CaseKind, noise_of: NoiseOf, notes_of: NotesOf) -> Importer:
-    """Return the importer of one kind of case."""
-    return Importer(kind.value, partial(_recognises, kind), partial(_read, kind, noise_of, notes_of))
+def case_importer(
+    kind: CaseKind, model: type[Parameters], noise_of: NoiseOf[Parameters], notes_of: NotesOf[Parameters]
+) -> Importer:
+    """Return the importer of one kind of case, whose nominal parameters are an instance of `model`."""
+    return Importer(kind.value, partial(_recognises, kind), partial(_read, kind, model, noise_of, notes_of))
 
 
 def _recognises(kind: CaseKind, path: Path) -> bool:
@@ -54,14 +58,16 @@ def _folder(path: Path) -> Path:
     return path.parent if path.name in {DATA, NOMINAL} else path
 
 
-def _read(kind: CaseKind, noise_of: NoiseOf, notes_of: NotesOf, path: Path) -> Measurement:
+def _read(
+    kind: CaseKind, model: type[Parameters], noise_of: NoiseOf[Parameters], notes_of: NotesOf[Parameters], path: Path
+) -> Measurement:
     folder = _folder(path)
     for name in (NOMINAL, DATA):
         if not (folder / name).is_file():
             cure = f"name a folder with {NOMINAL} and {DATA}"
             raise InputError(f"there is no {name}", where=str(folder), cure=cure)
     nominal = read_nominal(folder / NOMINAL)
-    if nominal.kind != kind:
+    if not isinstance(nominal, model):
         raise InputError("kind", where=str(folder / NOMINAL), got=nominal.kind, allowed=kind.value)
     table = read_csv(folder / DATA, COLUMNS[kind])
     source = MeasurementSource("a measured case", (str(folder / DATA), str(folder / NOMINAL)))

@@ -8,7 +8,7 @@ from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
-from diagnosis.measured.nominal import Nominal, NominalDrive
+from diagnosis.measured.nominal import NominalDrive
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.table import CsvTable
@@ -22,22 +22,19 @@ LONGEST_STEP_S = 0.25
 HALF_SECOND_ROWS = round(0.5 / ROW_S)
 
 
-def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
+def _noise(nominal: NominalDrive, table: CsvTable, name: str) -> KnownNoise | None:
     """Return the stated noise of the pose. That of a range depends on the true distance, which is not logged."""
-    if not isinstance(nominal, NominalDrive):
-        return None
     if name in {"x_m", "y_m"}:
         return KnownNoise.constant(nominal.noise.pose_xy_m, table)
     return KnownNoise.constant(nominal.noise.pose_theta_rad, table) if name == "theta_rad" else None
 
 
-def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
+def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
     check_rate(measurement, ROW_S)
     _check_heading(measurement)
-    if isinstance(nominal, NominalDrive):
-        distance_m = np.linspace(0.0, nominal.tof.max_range_m, 1000)
-        nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
-    return travel_notes(nominal, measurement)
+    distance_m = np.linspace(0.0, nominal.tof.max_range_m, 1000)
+    nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
+    return _travel_notes(nominal, measurement)
 
 
 def _check_heading(measurement: Measurement) -> None:
@@ -63,10 +60,8 @@ def _check_heading(measurement: Measurement) -> None:
         row += len(theta)
 
 
-def travel_notes(nominal: Nominal, measurement: Measurement) -> list[str]:
+def _travel_notes(nominal: NominalDrive, measurement: Measurement) -> list[str]:
     """Return a note if the pose travels or turns so much more than the wheels that it looks like another unit."""
-    if not isinstance(nominal, NominalDrive):
-        return []
     robot = nominal.robot
     per_tick = 2.0 * np.pi * robot.wheel_radius_m.value / robot.encoder_ticks_per_revolution
     by_pose, by_wheels = np.zeros(2), np.zeros(2)
@@ -91,4 +86,4 @@ def _net(trial: Trial, name: str) -> Array:
     return values[HALF_SECOND_ROWS:] - values[:-HALF_SECOND_ROWS]
 
 
-IMPORTER = case_importer(CaseKind.DRIVE_LOG, _noise, _notes)
+IMPORTER = case_importer(CaseKind.DRIVE_LOG, NominalDrive, _noise, _notes)

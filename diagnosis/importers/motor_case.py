@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from diagnosis.importers.case import scale_note
 from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import KnownWheels, Nominal, NominalSteady, NominalStep, NominalTof, StepNoise
+from diagnosis.measured.nominal import NominalSteady, NominalStep, StepNoise
 from symolo.core.arrays import Array
 from symolo.core.table import CsvTable
 
@@ -14,22 +14,20 @@ CLEAR_OF_STALL = 3.0
 """Voltage in breakaway voltages from which friction reduces the speed only a little."""
 
 
-def motor_noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
+def motor_noise(nominal: NominalSteady | NominalStep, table: CsvTable, name: str) -> KnownNoise | None:
     """Return the noise that nominal.yaml states for current or speed; None for the voltage."""
-    if not isinstance(nominal, NominalSteady | NominalStep) or name == "u_cmd_V":
+    if name == "u_cmd_V":
         return None
     noise = nominal.noise
     correlation = noise.lag1_correlation if isinstance(noise, StepNoise) else 0.0
     return KnownNoise.constant(noise.current_A if name == "current_A" else noise.omega_rad_s, table, correlation)
 
 
-def motor_scale_notes(nominal: Nominal, measurement: Measurement) -> list[str]:
+def motor_scale_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) -> list[str]:
     """Return a note for each channel that looks as if it were in another unit.
 
     The typical speed is compared with the no-load speed u / K, and the typical current with the stall current u / R.
     """
-    if isinstance(nominal, NominalTof | KnownWheels):
-        return []
     motor = nominal.motor
     resistance, constant = motor.winding_resistance_ohm.value, motor.torque_constant_N_m_A.value
     u, speed, current = (

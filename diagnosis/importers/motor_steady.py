@@ -3,5 +3,6 @@
 from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_case import motor_noise, motor_scale_notes
 from diagnosis.measured.measurement import CaseKind
+from diagnosis.measured.nominal import NominalSteady
 
-IMPORTER = case_importer(CaseKind.MOTOR_STEADY, motor_noise, motor_scale_notes)
+IMPORTER = case_importer(CaseKind.MOTOR_STEADY, NominalSteady, motor_noise, motor_scale_notes)

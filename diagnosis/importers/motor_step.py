@@ -7,13 +7,12 @@ import numpy as np
 from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_case import motor_noise, motor_scale_notes
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import Nominal, NominalStep
+from diagnosis.measured.nominal import NominalStep
 from symolo.core.errors import InputError
 
 
-def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
-    if isinstance(nominal, NominalStep):
-        check_rate(measurement, 1.0 / nominal.sample_rate_Hz)
+def _notes(nominal: NominalStep, measurement: Measurement) -> Sequence[str]:
+    check_rate(measurement, 1.0 / nominal.sample_rate_Hz)
     return motor_scale_notes(nominal, measurement)
 
 
@@ -36,4 +35,4 @@ def check_rate(measurement: Measurement, period_s: float) -> None:
         )
 
 
-IMPORTER = case_importer(CaseKind.MOTOR_STEP, motor_noise, _notes)
+IMPORTER = case_importer(CaseKind.MOTOR_STEP, NominalStep, motor_noise, _notes)

@@ -46,14 +46,11 @@ ENCODER_TICKS_PER_REVOLUTION = 43.7 * 64
 lengths of wheels and track than these nominal ones."""
 
 
-def _sessions(path: Path) -> list[Path]:
-    """Return the folders with a metadata file: the folder itself, and those up to two levels below it."""
-    patterns = (_METADATA, f"*/{_METADATA}", f"*/*/{_METADATA}")
-    return sorted({file.parent for pattern in patterns for file in path.glob(pattern)})
-
-
 def _runs(path: Path) -> Iterator[Path]:
-    return (file for session in _sessions(path) for file in session.iterdir() if _RUN.fullmatch(file.name))
+    """Yield the runs of all sessions, which are the folders with a metadata file, up to two levels below a folder."""
+    patterns = (_METADATA, f"*/{_METADATA}", f"*/*/{_METADATA}")
+    for session in {file.parent for pattern in patterns for file in path.glob(pattern)}:
+        yield from (file for file in session.iterdir() if _RUN.fullmatch(file.name))
 
 
 def _recognises(path: Path) -> bool:

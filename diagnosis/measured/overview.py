@@ -21,7 +21,8 @@ _HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild",
 
 def overview(measurement: Measurement) -> list[str]:
     """Return the lines of the text."""
-    lines = [summary_line(measurement), f"source: {measurement.source.origin}{_licence(measurement)}"]
+    licence = f" ({measurement.source.licence})" if measurement.source.licence else ""
+    lines = [summary_line(measurement), f"source: {measurement.source.origin}{licence}"]
     if measurement.source.files:
         first, *more = measurement.source.files
         lines.append(f"read from {first}{f' and {len(more)} more' if more else ''}")
@@ -38,10 +39,6 @@ def summary_line(measurement: Measurement) -> str:
     split = f"{rows - held} to fit, {held} held out" if held else "none held out"
     trials = len(measurement.trials)
     return f"{measurement.name}: {measurement.kind}, {trials} trial{'s' * (trials > 1)}, {rows} rows ({split})"
-
-
-def _licence(measurement: Measurement) -> str:
-    return f" ({measurement.source.licence})" if measurement.source.licence else ""
 
 
 def _trials(measurement: Measurement) -> Iterator[str]:

@@ -51,6 +51,7 @@ class TofBenchStage:
         self._reflectance = np.array([known.get(name, UNKNOWN_REFLECTANCE) for name in materials])
         self._bare_sd_m = _noise_sd_m(measurement, self._distance_m)
         names = tuple(dict.fromkeys((*known, *sorted(set(materials)))))
+        previous_m = joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
         covariates = (
             Covariate("distance_m", self._distance_m),
             Covariate(
@@ -61,7 +62,7 @@ class TofBenchStage:
             Covariate("ambient_lux", ambient_lux),
             Covariate("t_s", self._since_on_s),
             Covariate("row", np.arange(1.0, len(materials) + 1.0)),
-            Covariate("previous_distance_m", _previous_m(trials), beside="distance_m"),
+            Covariate("previous_distance_m", previous_m, beside="distance_m"),
         )
         # A row without an input that other rows have may or may not show its effect.
         logged = [x for x in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(x).any()]
@@ -102,11 +103,6 @@ class TofBenchStage:
 def _materials(trial: Trial) -> tuple[str, ...]:
     known = [label.values for label in trial.labels if label.name == "material"]
     return known[0] if known else ("",) * len(trial.t_s)
-
-
-def _previous_m(trials: Sequence[Trial]) -> Array:
-    """Return the distance in the previous row of the trial, for all trials; NaN in the first row."""
-    return joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
 
 
 def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:

@@ -83,8 +83,8 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
         InputError: The dataset or the measurement is no drive.
     """
     evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
-    robots = (diagnosis.nominal, calibrated(diagnosis), diagnosis.extended)
-    prediction = evidence.of(robots)
+    robots = (diagnosis.nominal, nominal.robot, diagnosis.extended)
+    prediction = evidence.predicted(robots)
     usable = evidence.fit | evidence.heldout
     z = np.where(usable, (evidence.values - prediction.mean) / evidence.sd, np.nan)
     return ReportData(
@@ -103,12 +103,6 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
     )
 
 
-def calibrated(diagnosis: Diagnosis) -> RobotConfig:
-    """Return the nominal robot with its nuisances fitted and without effects."""
-    nominal = diagnosis.selection.nominal
-    return nominal.hypothesis.robot(nominal.x)
-
-
 def _strongest(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
     """Yield one structure for each observed quantity: of the significant ones that which explains most."""
     structures = adequacy(evidence, fit).structures
@@ -124,13 +118,12 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
     fewer = [fit.hypothesis.without(named.effect) for named in diagnosis.named]
     refits = fits(evidence, [(hypothesis, moved(fit.x, fit.hypothesis, hypothesis)) for hypothesis in fewer])
     for named, refit in zip(diagnosis.named, refits, strict=True):
-        robot = refit.hypothesis.robot(refit.x)
         yield Ablation(
             name=named.effect.name,
             fit=refit,
             cost_rise=refit.cost - fit.cost,
-            gain=gain(evidence, diagnosis.nominal, robot),
-            effect_gain=gain(evidence, robot, diagnosis.extended),
+            gain=gain(evidence, diagnosis.nominal, refit.robot),
+            effect_gain=gain(evidence, refit.robot, diagnosis.extended),
         )
 
 

@@ -99,6 +99,7 @@ class _Splitter:
         self._too_long = False
 
     def split(self, data: bytes) -> list[_Whole | Damaged]:
+        # A piece before a zero ends a frame that may have begun in earlier data.
         *ended, rest = data.split(b"\0")
         frames = [self._end(piece) for piece in ended]
         self._append(rest)

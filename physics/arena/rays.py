@@ -76,10 +76,12 @@ class RayScene:
         middle = (self._center - (self._to_boxes @ origins.T).reshape(shape)) * per_metre
         half = self._half_size * np.abs(per_metre)
         entry, leave = middle - half, middle + half
+        # A ray is inside a box after its last entry into a pair of faces and before its first exit from one.
         enters = np.maximum.reduce(entry)
         np.putmask(enters, (enters > np.minimum.reduce(leave)) | (enters < 0.0), np.inf)
         fraction = np.minimum.reduce(enters)
         surface, ray = enters.argmin(axis=0), np.arange(len(origins))
+        # The face of the last entry is the one that the ray meets.
         axis = entry[:, surface, ray].argmax(axis=0)
         normal = self._outward[(along[axis, surface, ray] < 0.0).astype(np.int64), axis, surface]
         (nothing,) = (fraction > 1.0).nonzero()

@@ -72,6 +72,8 @@ def _motor(client: int, body: int, wheel: int, motor: MotorModel) -> None:
     across, spin, _ = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
     inertia = [across, spin + motor.inertia_kg_m2, across]
     pybullet.changeDynamics(body, wheel, localInertiaDiagonal=inertia, physicsClientId=client)
+    # A velocity motor with set point 0 and limited force is Coulomb friction: the solver brakes with at most that
+    # torque and holds the wheel at rest below it.
     pybullet.setJointMotorControl2(
         body,
         wheel,

@@ -60,7 +60,7 @@ class BulletSimulation:
         self._reaction_gain = REACTION_SMOOTHING * model.motors.right.inertia_kg_m2 * looks_hz
         self._reaction = [0.0, 0.0, 0.0]
         self._speed_sum = 0.0
-        # From the chassis' centre of mass, whose pose PyBullet reports, to the middle of the axle.
+        # The vector from the chassis' centre of mass, whose pose PyBullet reports, to the middle of the axle.
         chassis = robot.chassis
         axle_height = 0.5 * (model.geometry.right_radius_m + model.geometry.left_radius_m)
         self._to_axle = (-chassis.center_of_mass_x_m, 0.0, axle_height - chassis.center_of_mass_z_m)
@@ -142,6 +142,7 @@ class BulletSimulation:
             if number % look_every == 0:
                 # If the wheel loop has just run, the states have been read already.
                 right, left = self._wheel_states() if number == self._steps else read(robot, wheels, client)
+                # Torque of the rotors on the wheels about y, J dw/dt of both, smoothed exponentially.
                 reaction[1] += gain * (right[1] + left[1] - speed) - REACTION_SMOOTHING * reaction[1]
                 speed = right[1] + left[1]
             push(robot, -1, reaction, frame, client)

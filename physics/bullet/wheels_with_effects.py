@@ -49,6 +49,7 @@ class WheelsWithEffects:
         self._held_V, voltage_V = driveline.voltage_V(self._held_V, self._command_V, time_s, self._period_s)
         self._voltage_V = voltage_V
         torque = driveline.stall_torque_N_m(voltage_V) + driveline.extra_torque_N_m(voltage_V, speeds_rad_s)
+        # The solver leaves a tiny speed on a wheel that sticks; its sign must not decide the direction of friction.
         at_rest = np.where(np.abs(speeds_rad_s) < REST_RAD_S, 0.0, speeds_rad_s)
         self._wanted_friction_N_m = driveline.friction_N_m(torque, at_rest, time_s)
         return torque.tolist()

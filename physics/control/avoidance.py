@@ -35,6 +35,7 @@ class PathFollower:
         ahead = self._goal(odometry, obstacle_beside=obstacle_beside)
         yaw = odometry[2] - self._start[2]
         lateral = -math.sin(yaw) * ahead[0] + math.cos(yaw) * ahead[1]
+        # The circle through the robot, tangent to its heading, and the goal: curvature 2 y / d^2.
         return 2.0 * lateral / max(ahead[0] ** 2 + ahead[1] ** 2, 1e-6)
 
     def bearing(self, odometry: PlanarPose) -> float:

@@ -88,6 +88,8 @@ class Driveline:
         """
         if not self._actuator:
             return command_V, command_V
+        # A bare motor weighs the voltage at a time by exp(-decay * time left), so that its speed at the end is that of
+        # a weighted mean. A lag may have any form, so the mean is a quadrature.
         (lag,) = self._actuator
         decay_1_s = self.damping_N_m_s_rad / np.maximum(self.inertia_kg_m2, MIN_INERTIA_KG_M2)
         weighed, weights = np.zeros(()), np.zeros(())

@@ -96,6 +96,7 @@ def _cut_row(
     old_V, new_V = command_V
     old_last_V, old_mean_V = driveline.lagged_V(held_V, old_V, durations.before_s)
     held_V, mean_V = driveline.lagged_V(old_last_V, new_V, durations.after_s)
+    # A mean over the end of the row in place of its last value, so that it changes smoothly with the delay.
     last_V = held_V + np.clip(1.0 - durations.after_s / LAST_S, 0.0, 1.0) * (old_last_V - held_V)
     parts = ((old_mean_V, begin_s, durations.before_s), (mean_V, begin_s + durations.before_s, durations.after_s))
     return HeldRow(

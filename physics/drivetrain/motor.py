@@ -74,16 +74,19 @@ class HeldWheel:
         """Return speed [rad/s] after the step and turned angle [rad], through a stop and a start within it."""
         angle, left_s, covered = 0.0, self._duration_s, self._covered
         if speed_rad_s != 0.0:
+            # The speed approaches `final` exponentially. If that has the sign of the speed, the wheel does not stop.
             final = (torque_N_m - copysign(self._friction, speed_rad_s)) / self._damping
             # Compare signs: the product with a tiny speed would underflow to zero, and friction would drive the wheel.
             if (final >= 0.0) if speed_rad_s > 0.0 else (final <= 0.0):
                 return self._relaxed(speed_rad_s, final, left_s, covered)
+            # Time at which the exponential passes 0; log1p keeps its digits for a wheel that is nearly at rest.
             stops_s = self._time_constant_s * log1p(-speed_rad_s / final)
             if stops_s > left_s:
                 return self._relaxed(speed_rad_s, final, left_s, covered)
             angle = self._relaxed(speed_rad_s, final, stops_s, self._covered_after(stops_s))[1]
             left_s -= stops_s
             covered = self._covered_after(left_s)
+        # From rest the wheel starts only against a friction that is smaller than the torque; else it sticks.
         if abs(torque_N_m) <= self._friction:
             return 0.0, angle
         final = (torque_N_m - copysign(self._friction, torque_N_m)) / self._damping

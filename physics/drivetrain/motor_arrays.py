@@ -32,6 +32,7 @@ class HeldDrive:
         final = np.where(standing & (np.abs(torque) <= friction), 0.0, final)
         covered = covered_share(duration_s, time_constant) if covered is None else covered
         speed, angle = _relaxed(speed_rad_s, final, duration_s, time_constant, covered)
+        # The usual case: no wheel has changed its direction, so that none has stopped within the step.
         if not np.count_nonzero(np.sign(speed) * speed_rad_s < 0.0):
             return speed, angle
         return self._through_stops(speed_rad_s, final, duration_s, time_constant)
@@ -39,6 +40,7 @@ class HeldDrive:
     def _through_stops(
         self, speed_rad_s: Array, final: Array, duration_s: float | Array, time_constant: Array
     ) -> tuple[Array, Array]:
+        # First up to the stop of each wheel, if it comes, then from rest with the friction against the new motion.
         comes_to_rest = np.sign(final) * speed_rad_s < 0.0
         ratio = np.divide(speed_rad_s, final, out=np.zeros(final.shape), where=comes_to_rest)
         stops_after = np.where(comes_to_rest, time_constant * np.log1p(-ratio), np.inf)

@@ -56,6 +56,7 @@ class RigidWheels:
         return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
 
     def _with_effects(self, part: HeldPart, stall: Array, speed_rad_s: Array, depth: int) -> tuple[Array, Array]:
+        # Predict with the loads of the beginning, then repeat the step with the mean of both ends.
         torque, friction = self._loads(part.voltage_V, stall, speed_rad_s, part.begin_s)
         covered = self._covered(part.duration_s)
         ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, covered)
@@ -68,6 +69,7 @@ class RigidWheels:
         rough = off > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
         if not rough.any():
             return speed, angle
+        # All wheels take the fine steps, because they share the arrays; only the rough ones use the result.
         fine_speed, fine_angle = speed_rad_s, np.zeros(())
         duration_s = part.duration_s / PARTS
         for k in range(PARTS):

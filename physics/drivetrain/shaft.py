@@ -46,6 +46,7 @@ class PlayingShaft:
         inertia, viscous = self._config.motor_side_inertia_fraction, driveline.viscous_N_m_s_rad
         self._inertias = inertia * driveline.inertia_kg_m2, (1.0 - inertia) * driveline.inertia_kg_m2
         share = self._config.motor_side_friction_fraction
+        # The back-EMF acts on the rotor alone, viscous friction on both sides.
         winding = driveline.damping_N_m_s_rad - viscous
         self._dampings = winding + share * viscous, (1.0 - share) * viscous
         self._max_step_s = min(

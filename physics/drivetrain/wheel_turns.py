@@ -92,6 +92,7 @@ def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
     counting = model.functions(Slot.COUNTING)
     turned = counted_rad
     for _ in range(ITERATIONS if counting else 0):
+        # The share that is lost depends on the unknown speed: correct by the share at the present estimate.
         again = through(counting, turned, row_s)
         turned = turned * np.divide(counted_rad, again, out=np.ones(again.shape), where=again != 0.0)
     return turned

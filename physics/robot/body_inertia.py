@@ -59,7 +59,9 @@ class BodyOnWheels:
         v = right_m * right_rad_s + left_m * left_rad_s
         w = right_share * right_rad_s + left_share * left_rad_s
         across = w * self.caster_x_m
+        # Coulomb friction against the velocity of the caster, (v, w x), which fades below `CREEP_M_S`.
         grip = self.caster_force_N / ((v * v + across * across) ** 0.5 + CREEP_M_S)
+        # A centre of mass ahead of the axle pulls the axle forward by m x w^2 and brakes the turn by m x v w.
         force_N = self.moment_kg_m * w * w - grip * v
         torque_N_m = -self.moment_kg_m * v * w - grip * across * self.caster_x_m
         return right_m * force_N + right_share * torque_N_m, left_m * force_N + left_share * torque_N_m

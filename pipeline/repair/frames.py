@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, record_file
@@ -19,6 +19,7 @@ from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import holds
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.progress import Report
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
 from symolo.dataset.layout import ANNOTATIONS, DATA
 from symolo.dataset.tables.rows import read_rows
@@ -52,7 +53,7 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
                 work += _ordered(state, spec, tools, images, annotations)
             except InputError as error:
                 state.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
-    _render([each.task for each in work if each.task.frames], tools)
+    render_tasks([each.task for each in work], tools.workers, tools.report)
     for each in work:
         for file in sorted(each.wanted):
             name = f"{each.run}/{each.inner}/{file}"
@@ -77,39 +78,56 @@ def _ordered(
     if state.read(f"{run}/{DATA}") is None:
         raise InputError("it needs the poses in data.csv, which is not restored")
     user_files = state.workspace.user_files
-    if images and not holds(user_files, {file.sha256: file.sha256 for file in spec.look.files}):
-        raise InputError("it shows your own images, and .stages/assets no longer holds them")
+    if images:
+        check_user_files(spec, user_files)
     rows = read_rows(state.out / run / DATA)
     appearance = Appearance.of(spec, tools.devices.get(run, "CPU"))
     order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), user_files)
-    _write_job(order)
-    work = [_Work(run, IMAGES, _only(order.task, images), images)] if images else []
+    write_job(order)
+    work = [_Work(run, IMAGES, only_frames(order.task, images), images)] if images else []
     if annotations:
         order = AnnotationTask.of(order.task, appearance, StageFolder(tools.scratch / "annotate" / run))
-        _write_job(order)
-        task = order.task if DOCUMENT in annotations else _only(order.task, annotations)
+        write_job(order)
+        task = order.task if DOCUMENT in annotations else only_frames(order.task, annotations)
         work.append(_Work(run, ANNOTATIONS, task, annotations))
     return work
 
 
-def _write_job(order: Order) -> None:
+def check_user_files(spec: RunSpec, folder: Path) -> None:
+    """Check that the user's own images that a run shows are still in `.stages`.
+
+    Raises:
+        InputError: One of them is missing or has changed.
+    """
+    if not holds(folder, {file.sha256: file.sha256 for file in spec.look.files}):
+        raise InputError("it shows your own images, and .stages/assets no longer holds them")
+
+
+def write_job(order: Order) -> None:
+    """Write the job of a task into its folder."""
     make_folder(order.task.files)
     write_file(order.task.folder.path / JOB, order.job_text.encode())
 
 
-def _only(task: FrameTask, files: Iterable[str]) -> FrameTask:
+def only_frames(task: FrameTask, files: Iterable[str]) -> FrameTask:
     """Return the task with the frames of these files, which are named by their numbers."""
     stems = {PurePosixPath(file).stem for file in files}
     return replace(task, frames=tuple(frame for frame in task.frames if f"{frame.number:06d}" in stems))
 
 
-def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
+def render_tasks(tasks: list[FrameTask], workers: int, report: Report) -> None:
+    """Render the frames of these tasks, whose jobs are written; a frame that fails is left out and reported.
+
+    Raises:
+        EnvironmentLacking: Blender does not start, or a graphics card is not there.
+    """
+    tasks = [task for task in tasks if task.frames]
     if not tasks:
         return
-    local = Local(tools.workers)
-    with tools.report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
+    local = Local(workers)
+    with report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
         for failure in local.do(blocks(tasks, local), partial(report_event, stage)):
-            tools.report.say(f"render: {failure.unit.name}: {failure.text}")
+            report.say(f"render: {failure.unit.name}: {failure.text}")
 
 
 def _document(task: FrameTask) -> bytes:

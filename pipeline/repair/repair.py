@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from blender_scenes.render.devices import GPU_KINDS, DeviceKind
+from blender_scenes.render.devices import DeviceKind
 from pipeline.repair import descriptions, existing_copies, frames, tables
-from pipeline.repair.repair_state import RepairState, RepairTools, with_one_bit_flipped
+from pipeline.repair.repair_state import RepairState, RepairTools, recorded_device, with_one_bit_flipped
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import remove_file, remove_folder, write_file
@@ -94,7 +94,7 @@ def _repair(
     difference = descriptions.differences(state, metadata, made_with())
     descriptions.write_description(state, metadata, f"written again, the text differs; {difference}")
     runs = metadata.runs if metadata else []
-    devices: dict[str, DeviceKind] = {record.run: _device(record.render_device) for record in runs}
+    devices: dict[str, DeviceKind] = {record.run: recorded_device(record.render_device) for record in runs}
     tools = RepairTools(scratch, workers, report, devices, difference)
     specs = descriptions.make_specs(state, metadata, state.runs())
     tables.make_tables(state, specs, tools)
@@ -106,10 +106,6 @@ def _repair(
         remove_file(workspace.out / name)
         on_repaired(f"removed: {name}: it does not belong to the release")
     return _result(state, len(faults), metadata)
-
-
-def _device(name: str) -> DeviceKind:
-    return next((kind for kind in GPU_KINDS if kind == name), "CPU")
 
 
 def _flip_manifest_back(out: Path, on_repaired: Callable[[str], None]) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from blender_scenes.render.devices import DeviceKind
+from blender_scenes.render.devices import GPU_KINDS, DeviceKind
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, write_file
 from symolo.core.files.plain_files import FileKind, read_file
@@ -126,6 +126,11 @@ class RepairState:
         place = self.out / name
         if place.is_dir() and not place.is_symlink() and not any(place.iterdir()):
             remove_folder(place)
+
+
+def recorded_device(name: str) -> DeviceKind:
+    """Return the device that metadata.json names; the processor for any name that is not known."""
+    return next((kind for kind in GPU_KINDS if kind == name), "CPU")
 
 
 def with_one_bit_flipped(data: bytes, digest: str) -> bytes | None:

@@ -104,6 +104,7 @@ def develop(light: FloatImage, response: CameraResponse, metered: float, number:
     light = _through_glass(light, response)
     share = response.exposure_adaption
     frame_median = max(_median_luminance(light), _DARKEST * metered)
+    # A geometric mean, because exposures are ratios; then dark enough that few pixels are burnt.
     median = metered ** (1 - share) * frame_median**share
     highlights = float(np.quantile(light @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
     gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
@@ -151,6 +152,7 @@ def _noise(raw: FloatImage, response: CameraResponse, number: int) -> FloatImage
     """Return shot and read noise of the sensor, slightly blurred as by the interpolation of a colour filter."""
     draw = stream(response.seed, "camera noise", number).standard_normal(raw.shape, np.float32)
     soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
+    # Shot noise is Poisson: its variance is proportional to the light. Read noise is constant; variances add.
     sd = np.sqrt(response.shot_noise**2 * np.maximum(raw, 0) + response.read_noise**2)
     return (2.0 * sd * soft).astype(np.float32)  # the blur halves its standard deviation
 

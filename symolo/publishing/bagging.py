@@ -23,6 +23,11 @@ PAYLOAD = "data"
 DECLARED = b"BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
 
 
+def dataset_in(root: Path) -> Path:
+    """Return the dataset in a bag, or the folder itself where it is no bag."""
+    return root / PAYLOAD if (root / DECLARATION).is_file() else root
+
+
 def make_bag(root: Path, out: Path, report: Report) -> int:
     """Copy a whole release into a bag, which appears complete or not at all; return the number of payload files.
 

@@ -1,4 +1,4 @@
-"""What is wrong with a bag by the rules of RFC 8493, section 3: complete, and every checksum true."""
+"""Checks of a bag by the rules of RFC 8493, section 3: it is complete, and every checksum is right."""
 
 import hashlib
 import re
@@ -16,7 +16,7 @@ from symolo.verification.inventory import Files
 
 
 def bag_findings(root: Path) -> Iterator[Finding]:
-    """Each fault with its file, by its path in the bag."""
+    """Yield each fault with the path of its file in the bag."""
     files = Files.of(root)
     yield from (Finding(name, what) for name, what in files.strange.items())
     if DECLARATION in files.digests and read_file(root / DECLARATION, FileKind.DOCUMENT) != DECLARED:
@@ -53,7 +53,7 @@ def _against(root: Path, name: str, files: Files, held: set[str]) -> Iterator[Fi
 
 
 def _blamed(root: Path, files: Files, tags: Sequence[Finding]) -> Iterator[Finding]:
-    """With the list in place of a file that is as it was made: only one of the two can be what changed."""
+    """Yield the faults, with the list in place of a file that is as it was made: only one of the two has changed."""
     whole = _as_made(root, files)
     for finding in tags:
         if whole.get(finding.file) and files.digests.get(finding.file) == whole[finding.file]:
@@ -63,7 +63,7 @@ def _blamed(root: Path, files: Files, tags: Sequence[Finding]) -> Iterator[Findi
 
 
 def _as_made(root: Path, files: Files) -> dict[str, str]:
-    """SHA-256 of the files beside the payload as they follow from it; nothing where that cannot be told."""
+    """Return the SHA-256 of the files beside the payload as they follow from it; empty if the payload is damaged."""
     start = f"{PAYLOAD}/"
     payload = {name.removeprefix(start): digest for name, digest in files.digests.items() if name.startswith(start)}
     try:

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.dataset.bag import DECLARATION
 from symolo.dataset.manifest import PROVENANCE, PROVENANCE_SIGNATURE, SIGNATURE, TAG_MANIFEST
-from symolo.publishing.bagging import PAYLOAD
+from symolo.publishing.bagging import dataset_in
 from symolo.publishing.provenance import subject_problem
 from symolo.signing.minisign import MAX_BYTES, PublicKey, Signature
 from symolo.verification.findings import Finding
@@ -37,8 +36,7 @@ def trusted_comment(root: Path) -> str:
         OSError: There is no signature.
         ValueError: It cannot be read.
     """
-    release = root / PAYLOAD if (root / DECLARATION).is_file() else root
-    return Signature.from_bytes(read_file(release / SIGNATURE, FileKind.DOCUMENT)).comment
+    return Signature.from_bytes(read_file(dataset_in(root) / SIGNATURE, FileKind.DOCUMENT)).comment
 
 
 def _problem(root: Path, signed: str, signature: str, key: PublicKey) -> str:

@@ -56,19 +56,20 @@ def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) 
     inventory = Inventory.of(root)
     faults = list(inventory.findings())
     yield from faults
-    content = (found for found in _content_findings(root, check_spec) if found.file not in inventory.files.strange)
+    strange = inventory.files.strange
+    content = (finding for finding in _content_findings(root, check_spec) if finding.file not in strange)
     if not inventory.trusted or not faults:
         yield from content
         return
-    # What is proven to be as it was released is not blamed for not fitting to what was damaged.
+    # A file that is proven to be as it was released is not reported for differences from a damaged file.
     wrong = {fault.file for fault in faults}
     known = {*inventory.expected, *inventory.extra}
     folders = {parent.as_posix() for name in known for parent in Path(name).parents}
-    yield from (found for found in content if found.file in wrong or found.file not in known | folders)
+    yield from (finding for finding in content if finding.file in wrong or finding.file not in known | folders)
 
 
 def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
-    """Of the files themselves, whatever their checksums say."""
+    """Yield the faults of the content of the files, regardless of their checksums."""
     if not (root / DESCRIPTION).is_file():
         yield Finding(DESCRIPTION, "is missing")
     try:

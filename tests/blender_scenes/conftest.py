@@ -89,31 +89,49 @@ def _lights(
     return lights
 
 
+def _light_job(
+    scene: Scene,
+    views: Sequence[FrameView],
+    pixels: int,
+    focal_px: float,
+    shutter: Shutter = INSTANT,
+    lens: Coefficients = NO_DISTORTION,
+    samples: int = 64,
+) -> RenderJob:
+    """Return the job of images of a scene, P pixels wide and high, traced in full and not denoised."""
+    middle = 0.5 * (pixels - 1)
+    return RenderJob(
+        format=RenderJob.FORMAT,
+        scene=scene,
+        camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
+        frames=tuple(views),
+        sampling=TracingSettings(seed=1, samples=samples, denoise=False),
+        response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
+        shutter=shutter,
+    )
+
+
 @pytest.fixture(scope="session")
 def light_of() -> Callable[..., np.ndarray]:
     """Linear light (N, P, P, 3) of N views of a scene, P pixels wide and high, before any camera response."""
 
-    def traced(
-        scene: Scene,
-        views: Sequence[FrameView],
-        pixels: int,
-        focal_px: float,
-        shutter: Shutter = INSTANT,
-        lens: Coefficients = NO_DISTORTION,
-        user_files: Path | None = None,
-    ) -> np.ndarray:
-        middle = 0.5 * (pixels - 1)
-        job = RenderJob(
-            format=RenderJob.FORMAT,
-            scene=scene,
-            camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
-            frames=tuple(views),
-            sampling=TracingSettings(seed=1, samples=64, denoise=False),
-            response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
-            shutter=shutter,
-        )
-        (light,) = _lights([(job, 1, None)], user_files=user_files)
+    def traced(*arguments: object, user_files: Path | None = None, **options: object) -> np.ndarray:
+        """Render a job; the arguments are those of `_light_job`."""
+        (light,) = _lights([(_light_job(*arguments, **options), 1, None)], user_files=user_files)
         return light
+
+    return traced
+
+
+@pytest.fixture(scope="session")
+def lights_of_scenes() -> Callable[..., dict[str, np.ndarray]]:
+    """Linear light (N, P, P, 3) of N views of each of several scenes by name, rendered in one Blender process."""
+
+    def traced(
+        scenes: dict[str, tuple[Scene, Sequence[FrameView]]], pixels: int, focal_px: float
+    ) -> dict[str, np.ndarray]:
+        orders = [(_light_job(scene, views, pixels, focal_px), 1, None) for scene, views in scenes.values()]
+        return dict(zip(scenes, _lights(orders), strict=True))
 
     return traced
 

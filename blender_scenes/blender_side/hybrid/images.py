@@ -122,7 +122,7 @@ class HybridRenderer:
     def light(self, view: FrameView, seed: int) -> FloatImage:
         """Return the linear light (H, W, 3) of the pinhole image of a view."""
         moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
-        # Not the random numbers of the light.
+        # Other random numbers than the light has, or their errors would add up.
         seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
         floor, seen[_ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
@@ -131,9 +131,11 @@ class HybridRenderer:
         end = self._far_end(cover)
         if end:
             far = self._far_light(view, end, (seed + 2) % 2**31, seen)
+            # The finer light image blends into the coarse one over some rows, so that no border is visible.
             weight = (end - 0.5 - np.arange(len(far), dtype=np.float32)) / (_BLENDED * self._size[1])
             traced[: len(far)] += np.clip(weight, 0, 1)[:, None, None] * (far - traced[: len(far)])
         light, rest, let_in = traced[..., :3], traced[..., 3:6], traced[..., 6:]
+        # On the floor: light of the maps, dimmed by what moves. Elsewhere: the reflectance times the traced light.
         on_floor = floor * cover * share * np.clip(let_in, 0, 1)
         return (on_floor + seen["DiffCol"] * light + np.maximum(rest, 0) + _shine(seen)).astype(np.float32)
 
@@ -157,6 +159,8 @@ class HybridRenderer:
         """Return (H, W, 10): the ratio of the light with and without what moves, and the channels of `_traced`."""
         traced = self._traced(moved, seen, self._near)
         without = self._denoised(still["DiffDir"] + still["DiffInd"], reduced(seen["Normal"], self._near))
+        # Both renderings have the same random numbers, so their ratio is exactly 1 where nothing that moves matters.
+        # The offset keeps the ratio defined, and near 1, where there is hardly any light.
         offset = _MIN_SHARE * np.median(without) + _MIN_LIGHT
         share = np.clip((traced[..., :3] + offset) / (without + offset), 0, _MAX_SHARE)
         return _upsampled(np.concatenate([share, traced], axis=-1), seen)
@@ -186,6 +190,8 @@ class HybridRenderer:
         let_in = passes["DiffCol"].mean(axis=-1, keepdims=True) / MIDDLE_GREY
         both = np.concatenate([rest, let_in], axis=-1)
         flat = np.concatenate([0 * both, both], axis=-1)
+        # Gloss follows the roughness of the floor, which the final image has at full resolution: lines over the
+        # roughness carry it there. Other surfaces keep their values (slope 0).
         lines = np.where(is_floor > 0, local_lines(both, roughness, is_floor), flat)
         return np.concatenate([self._denoised(light, normal), lines, roughness], axis=-1)
 

@@ -93,6 +93,7 @@ class HybridScenes:
         `size` is width and height [px]; each pixel is the mean of its square. The first result has the pass `COVER`.
         """
         self._show_light()
+        # Robot and obstacles are moved far away instead of hidden, so that Cycles keeps its data of the scene.
         place(_without_what_moves(view))
         without = self._traced(self._view, size, samples, seed, view=view)
         place(view)

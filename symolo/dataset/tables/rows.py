@@ -25,7 +25,7 @@ STATES = tuple(state.value for state in State)
 WHOLE = frozenset({"state", "img"})
 """Columns of whole numbers."""
 _LARGEST = 2**53
-"""Up to here a float holds every whole number, and no square of a reading overflows."""
+"""Largest reading: up to it a float holds every whole number, and no square overflows."""
 
 
 RANGES = Series(
@@ -55,7 +55,7 @@ HEADER = tuple(column.name for column in COLUMNS)
 
 @dataclass(frozen=True)
 class Rows:
-    """The content of one data.csv, to the digits of the file, so that pictures made from either are the same."""
+    """The content of one data.csv, rounded to the digits of the file, so that images made from either are the same."""
 
     t_ms: Ints
     """(N,), [ms], strictly increasing."""
@@ -117,19 +117,19 @@ class Rows:
 
 
 def wrapped(yaw_rad: Array) -> Array:
-    """The same directions in (-pi, pi]."""
+    """Return the same directions in (-pi, pi]."""
     return -((-yaw_rad + math.pi) % (2 * math.pi) - math.pi)
 
 
 def heading(yaw_rad: Array, decimals: int) -> Array:
-    """The same directions to so many decimals; half a turn is positive, also where only rounding makes it one."""
+    """Return the same directions, rounded; half a turn is positive, also if it results from rounding."""
     half_turn = round(math.pi, decimals)
     rounded = np.array([round(yaw, decimals) for yaw in wrapped(yaw_rad).tolist()])
     return np.where(rounded <= -half_turn, half_turn, rounded)
 
 
 def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, separator: str = ",") -> bytes:
-    """A table as text that is the same bytes for the same numbers: fixed decimals, no negative zero, one line end."""
+    """Return a table as text, the same bytes for the same numbers: fixed decimals, no negative zero, one line end."""
     lines = [separator.join(header)]
     lines += [
         separator.join(f"{round(value, digits) + 0.0:.{digits}f}" for value, digits in zip(row, decimals, strict=True))
@@ -140,7 +140,7 @@ def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, se
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong with a table, and in which line of the file."""
+    """A fault of a table, with the line of the file."""
 
     line: int
     what: str

@@ -1,4 +1,4 @@
-"""A side file of a run, read strictly; tables are held against the rows of data.csv."""
+"""Strict reading of the side files of a run; the times of tables must be those of data.csv."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -49,8 +49,7 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
         raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
     taken = rows.image > 0
     keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if table is CAMERA else rows.t_ms[:, None]
-    told = numbers[:, : keys.shape[1]]
-    for name, column, expected in zip(table.header, told.T, keys.T, strict=False):
+    for name, column, expected in zip(table.header, numbers.T, keys.T, strict=False):
         if not np.array_equal(column, expected):
             raise InputError(f"column {name} is not that of data.csv", where=str(path), cure="make the run again")
     return numbers

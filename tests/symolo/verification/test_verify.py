@@ -186,7 +186,7 @@ CONTENT = {
     "intrinsics of other pictures": (
         edit(f"{RUN}/side/intrinsics.json", lambda t: t.replace('"width_px": 32', '"width_px": 64')),
         f"{RUN}/side/intrinsics.json",
-        "is of pictures of 64 x 24 px, metadata.json says 32 x 24",
+        "is of images of 64 x 24 px, metadata.json says 32 x 24",
     ),
     "a specification that is none": (
         edit(f"{RUN}/side/spec.json", lambda text: re.sub(r'("focal_length_mm": ?)[0-9.]+', r"\g<1>0.0", text)),

@@ -1,4 +1,4 @@
-"""Two pictures: PSNR of their pixels, or the pixels that differ where those are names and no amounts."""
+"""Comparison of two images: the PSNR of their pixels, or the number of different pixels where pixels are ids."""
 
 from pathlib import PurePosixPath
 
@@ -15,7 +15,7 @@ def likeness(a: bytes, b: bytes, name: str) -> Likeness:
     pixels_a, pixels_b = _decoded(a), _decoded(b)
     if pixels_a is None or pixels_b is None:
         which = "A" if pixels_a is None else "B"
-        return Likeness.none(f"the picture of {which} cannot be decoded")
+        return Likeness.none(f"the image of {which} cannot be decoded")
     if pixels_a.shape != pixels_b.shape or pixels_a.dtype != pixels_b.dtype:
         return Likeness.none(f"{_form(pixels_a)} in A, {_form(pixels_b)} in B")
     differences = pixels_a.astype(np.float64) - pixels_b
