@@ -1,4 +1,4 @@
-"""`symolo verify` names the file and the fault of every kind of damage, also where the checksums were written anew."""
+"""`symolo verify` names the file and the fault of every kind of damage, also where the checksums were written again."""
 
 import errno
 import hashlib
