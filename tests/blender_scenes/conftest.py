@@ -59,9 +59,9 @@ for job, threads, numbers in orders:
     build.build(job.scene, job.camera, Path(user_files) if user_files else None)
     with tempfile.TemporaryDirectory() as scratch:
         engine.configure(job, threads, Path(scratch))
-        pictures = engine.FrameTracer(job, threads, Path(scratch))
+        images = engine.FrameTracer(job, threads, Path(scratch))
         for view in views:
-            out.write(pictures.light(view).astype(np.float32).tobytes())
+            out.write(images.light(view).astype(np.float32).tobytes())
 """
 Order = tuple[RenderJob, int, list[int] | None]
 """A job, threads, and the numbers of its views; None for all of them as they come."""
@@ -71,8 +71,8 @@ def _lights(
     orders: Sequence[Order], near_width_px: int | None = None, user_files: Path | None = None
 ) -> list[np.ndarray]:
     """(N, H, W, 3) linear light of each order, all made in one Blender process."""
-    asked = [(job.to_json(), threads, numbers) for job, threads, numbers in orders]
-    sent = json.dumps((asked, near_width_px, str(user_files) if user_files else None)).encode()
+    jobs = [(job.to_json(), threads, numbers) for job, threads, numbers in orders]
+    sent = json.dumps((jobs, near_width_px, str(user_files) if user_files else None)).encode()
     done = subprocess.run([sys.executable, "-c", _PROGRAM], input=sent, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()[-2000:]
     rest, found = np.frombuffer(done.stdout, np.float32), []
@@ -118,7 +118,7 @@ def lights_of() -> Callable[..., list[np.ndarray]]:
     """(N, H, W, 3) linear light of each order, all made in one Blender process."""
 
     def traced(*orders: Order, near_width_px: int | None = None) -> list[np.ndarray]:
-        """`near_width_px`: what the light of a picture from parts has at least, for small ones to share its pixels."""
+        """`near_width_px`: what the light of an image from parts has at least, for small ones to share its pixels."""
         return _lights(orders, near_width_px)
 
     return traced

@@ -92,7 +92,7 @@ def test_the_sky_lights_nothing_for_its_windows_do(light_of):
 
 @pytest.fixture(scope="module")
 def seen_in_looks(arena, robot, tmp_path_factory) -> dict[str, list[np.ndarray]]:
-    """Grey pictures from three places in one draw of each shipped look, two looks at a time."""
+    """Grey images from three places in one draw of each shipped look, two looks at a time."""
 
     def seen(look: str, folder: Path) -> list[np.ndarray]:
         config, _ = draw_look(load_section("look", look, ["look.camera.exposure_time_s=0"]), 7, "exposure", 1)

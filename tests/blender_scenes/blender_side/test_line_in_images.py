@@ -1,4 +1,4 @@
-"""The line in the picture lies where the line sensor reads it.
+"""The line in the image lies where the line sensor reads it.
 
 The arena's own edges are projected through the camera model and compared with the decoded JPEG. What is left, 0.2 to
 0.3 px, is mostly the shade beside a tape 0.13 mm thick; with surfaces that shine by themselves it is 0.02 to 0.1 px.
@@ -36,9 +36,9 @@ CASES = [("tape", 0), ("tape", 1), ("tape", 2), ("tape", 3), ("tape", 4), ("pain
 _REACH_PX = 6
 
 
-def _linear(picture: np.ndarray) -> np.ndarray:
+def _linear(image: np.ndarray) -> np.ndarray:
     """Grey value, the sRGB transfer undone (IEC 61966-2-1)."""
-    s = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float64) / 255
+    s = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float64) / 255
     return np.where(s <= 0.04045, s / 12.92, ((s + 0.055) / 1.055) ** 2.4)
 
 
@@ -74,7 +74,7 @@ def _rendered(folder: Path, arena, robot, look: LookConfig, drives: list[Drive])
 
 @pytest.fixture(scope="module")
 def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
-    """A job and its pictures by the kind of line, made side by side."""
+    """A job and its images by the kind of line, made side by side."""
 
     def made(look: LookConfig, folder: Path) -> tuple[RenderJob, Path]:
         drives = [(i + 1, *POSES[i]) for line, i in CASES if line == look.line]
@@ -88,9 +88,9 @@ def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
 
 
 def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
-    """Signed distances [px] of the picture's edges from the projected ones, outwards positive."""
+    """Signed distances [px] of the image's edges from the projected ones, outwards positive."""
     (view,) = (view for view in job.frames if view.number == index + 1)
-    picture = _linear(cv2.imread(str(images / f"{view.number:06d}.jpg")))
+    image = _linear(cv2.imread(str(images / f"{view.number:06d}.jpg")))
     X_WC = np.array(view.X_WC)
     errors = []
     for side in (1, -1):
@@ -105,7 +105,7 @@ def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
                 continue
             at = pixel[i] + outward[i] / length[i] * np.arange(-_REACH_PX, _REACH_PX + 0.01, 0.5)[:, None]
             u, v = at.astype(np.float32).T
-            profile = cv2.remap(picture, u[:, None], v[:, None], cv2.INTER_LINEAR)[:, 0]
+            profile = cv2.remap(image, u[:, None], v[:, None], cv2.INTER_LINEAR)[:, 0]
             errors.append(0.5 * _offset(profile))
     return np.array(errors)
 
@@ -119,7 +119,7 @@ def _is_hidden(arena, eye: np.ndarray, point: np.ndarray) -> bool:
 
 
 @pytest.mark.parametrize(("line", "index"), CASES)
-def test_the_line_in_the_picture_lies_where_the_sensor_reads_it(frames, arena, line, index):
+def test_the_line_in_the_image_lies_where_the_sensor_reads_it(frames, arena, line, index):
     errors = _errors(*frames[line], arena, index)
     assert len(errors) >= 40
     assert np.abs(errors).mean() < 0.4
@@ -138,4 +138,4 @@ def test_behind_a_lens_too(tmp_path, arena, robot):
     X_WC, pinhole = np.array(job.frames[0].X_WC), replace(job.camera, distortion=NO_DISTORTION)
     (there, depth), (without, _) = (project(camera, X_WC, on) for camera in (job.camera, pinhole))
     seen = (depth > 0) & np.all((there > 10) & (there < np.array([629, 469])), axis=1)
-    assert np.linalg.norm(there - without, axis=1)[seen].mean() > 5  # a picture without the lens would not pass
+    assert np.linalg.norm(there - without, axis=1)[seen].mean() > 5  # an image without the lens would not pass

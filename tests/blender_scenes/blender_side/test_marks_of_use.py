@@ -57,7 +57,7 @@ def seen(light_of) -> dict[str, np.ndarray]:
     sun = Sun((0.0, 0.0, 1.0), (math.pi, math.pi, math.pi), 0.01)
     scene = Scene(tuple(surfaces), tuple(meshes), (), (), sun, Sky("studio", 0.0, 0.0, 10.0, 1.0))
     light = light_of(scene, views, PIXELS, 4.0 * PIXELS)
-    return {surface.name: picture @ LUMINANCE for surface, picture in zip(surfaces, light, strict=True)}
+    return {surface.name: image @ LUMINANCE for surface, image in zip(surfaces, light, strict=True)}
 
 
 def test_streaks_make_tape_paler_and_darken_at_max_a_speck_of_dust(seen):

@@ -141,18 +141,18 @@ def images(lights_of) -> dict[str, np.ndarray]:
         "bulb": (replace(_scene(), panels=(LAMP, BEHIND, BULB)), STILL[:1], INSTANT),
     }
     still = _job(seen, STILL, HYBRID)
-    names, asked = ["one thread", "alone"], [(still, 1, [3, 1, 2]), (still, 1, [2])]
+    names, jobs = ["one thread", "alone"], [(still, 1, [3, 1, 2]), (still, 1, [2])]
     names.append("of few rows")
-    asked.append((replace(_job(seen, STILL[:1], HYBRID), camera=WIDE), 2, [1]))
+    jobs.append((replace(_job(seen, STILL[:1], HYBRID), camera=WIDE), 2, [1]))
     for kind, hybrid in (("hybrid", HYBRID), ("full", None)):
         for name, camera in (("lens", LENS), ("odd", ODD)):
             names.append(f"{name} {kind}")
-            asked.append((replace(_job(seen, STILL[:1], hybrid), camera=camera), 2, [1]))
+            jobs.append((replace(_job(seen, STILL[:1], hybrid), camera=camera), 2, [1]))
     for name, (scene, views, shutter) in orders.items():
         for kind, hybrid in (("hybrid", HYBRID), ("full", None)):
             names.append(f"{name} {kind}")
-            asked.append((_job(scene, views, hybrid, shutter), 2, [view.number for view in views]))
-    return dict(zip(names, lights_of(*asked), strict=True))
+            jobs.append((_job(scene, views, hybrid, shutter), 2, [view.number for view in views]))
+    return dict(zip(names, lights_of(*jobs), strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -201,7 +201,7 @@ BARE = ~(_behind(BOX, EYE) | _behind(BOX, LAMP.center) | _behind(BOX, BEHIND.cen
 
 
 @pytest.mark.parametrize("region", ["bare", "robot's shadow"])
-def test_the_floor_is_as_bright_as_in_a_whole_picture(images, region):
+def test_the_floor_is_as_bright_as_in_a_fully_traced_image(images, region):
     where, off = (BARE, 0.01) if region == "bare" else (ROBOT_SHADOW, 0.03)
     assert where.sum() > 100
     hybrid, full = (images[f"still {kind}"][0][where].mean(axis=0) for kind in ("hybrid", "full"))
@@ -215,7 +215,7 @@ def test_the_robot_throws_its_shadow(images):
 
 
 @pytest.mark.parametrize("light", ["as many pixels", "half as many"])
-def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(images, shared, light):
+def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_fully_traced_image(images, shared, light):
     """It lets less through to the colour below it, and mirrors what is behind; both end where it does."""
     of_parts = (shared["taped"] if light == "half as many" else images["taped hybrid"])[0]
     hybrid, full = (of[10:18, 40:60].mean(axis=(1, 2)) for of in (of_parts, images["taped full"][0]))
@@ -225,7 +225,7 @@ def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(images, 
 
 
 @pytest.mark.parametrize("light", ["as many pixels", "half as many"])
-def test_a_part_of_the_robot_in_sight_is_as_it_is_in_a_whole_picture(images, shared, light):
+def test_a_part_of_the_robot_in_sight_is_as_it_is_in_a_fully_traced_image(images, shared, light):
     """Its upper face, along the image's foot, and what is around it."""
     (left, top), (right, _), (_, bottom) = project(
         CAMERA, HERE, np.array([(0.23, 0.07, 0.05), (0.23, -0.07, 0.05), (0.17, 0.07, 0.05)])
@@ -276,7 +276,7 @@ def test_a_thing_thinner_than_a_pixel_of_the_light_stands_on_the_floor(shared):
 
 
 @pytest.mark.parametrize("light", ["as many pixels", "half as many"])
-def test_a_small_lamp_in_sight_shines_as_in_a_whole_picture(images, shared, light):
+def test_a_small_lamp_in_sight_shines_as_in_a_fully_traced_image(images, shared, light):
     """No denoiser takes it for noise."""
     (at,), _ = project(CAMERA, HERE, np.array([BULB.center]))
     column, row = (round(float(one)) for one in at)
@@ -305,7 +305,7 @@ def _middle_and_variance(dark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("kind", ["still", "at once", "rolling"])
-def test_the_line_is_where_and_as_wide_as_in_a_whole_picture(images, kind):
+def test_the_line_is_where_and_as_wide_as_in_a_fully_traced_image(images, kind):
     (middle, variance), (true_middle, true_variance) = (
         _middle_and_variance(_line_columns(images[f"{kind} {of}"][0])) for of in ("hybrid", "full")
     )
@@ -381,7 +381,7 @@ def test_the_line_is_seen_through_glass_and_in_a_mirror(images, kind, rows):
 # The same bytes
 
 
-def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(images):
+def test_the_image_does_not_depend_on_threads_or_on_the_images_before_it(images):
     np.testing.assert_array_equal(images["one thread"], images["still hybrid"][[2, 0, 1]])
     np.testing.assert_array_equal(images["alone"][0], images["still hybrid"][1])
 

@@ -94,7 +94,7 @@ def _grey(image: np.ndarray, columns: slice) -> np.ndarray:
 
 
 @SIDES
-def test_the_floor_is_as_bright_as_in_a_whole_picture(images, columns):
+def test_the_floor_is_as_bright_as_in_a_fully_traced_image(images, columns):
     hybrid, full = (image[(*NEAR, columns)].mean(axis=(0, 1)) for image in (images.hybrid, images.full))
     assert hybrid == pytest.approx(full, rel=0.01)
 
@@ -204,7 +204,7 @@ LOW_BEHIND = replace(HIGH, center=(-1.0, 0.0, 0.3), right=(0.0, 1.0, 0.0))
         pytest.param(LOW_BEHIND, 0.1, 0.07, id="low lamp behind, gentle"),
     ],
 )
-def test_slopes_towards_light_and_away_are_as_bright_as_in_a_whole_picture(lights_of, lamp, slope, off):
+def test_slopes_towards_light_and_away_are_as_bright_as_in_a_fully_traced_image(lights_of, lamp, slope, off):
     rising = SurfaceCoordinate("u") * slope
     either_way = Mix(Step(SurfaceCoordinate("v"), -0.001, 0.001), rising, rising * Constant(-1.0))
     ramps = replace(_matt("floor", 0.2, 0.2, 0.2), height_m=either_way)

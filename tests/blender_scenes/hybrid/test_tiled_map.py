@@ -118,7 +118,7 @@ HERE = _grid((-0.203, -0.211), (0.197, 0.189), 57)
 @pytest.mark.parametrize("max_bytes", [MUCH, 1])
 @pytest.mark.parametrize("precision", [np.float64, np.float32])
 def test_a_point_has_the_same_value_whatever_was_looked_at_before(tiling, max_bytes, precision):
-    """To the bit: another process renders the same picture first. With one byte, no tile outlives the next."""
+    """To the bit: another process renders the same image first. With one byte, no tile outlives the next."""
     here = HERE.astype(precision)
     expected = _looked_up(TiledMap(tiling, _rough, MUCH), 0, here)
     for before in _wanderings():
