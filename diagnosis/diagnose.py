@@ -11,7 +11,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.noise_level import combined, estimated_noises, is_open
+from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import HypothesisFit, at, fits
@@ -88,7 +88,7 @@ class Diagnosis:
     @property
     def extended(self) -> RobotConfig:
         """The robot with fitted nuisances and the named effects."""
-        return self.fit.hypothesis.robot(self.fit.x)
+        return self.fit.robot
 
     def answer(self) -> dict[str, object]:
         """Return the answer in GAP_FORMAT, ready for JSON."""
@@ -128,7 +128,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         InputError: No stage of the simulator predicts such data, or none of the data can be used.
     """
     check_kind(measurement)
-    where = _where(measurement)
+    where = measurement.where
     robot = _nominal(measurement, nominal)
     bare = Hypothesis(robot, _spreads(measurement, robot))
     stages = STAGES[measurement.kind](measurement, robot)
@@ -141,22 +141,21 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     library = candidates(measurement, evidence, bare)
     selection = select(evidence, bare, library.testable)
     # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
-    updated = _with_estimated_noises(evidence, selection.fit)
+    updated = with_estimated_noises(evidence, selection.fit)
     if np.any(updated.weight > MAX_WEIGHT_RATIO * evidence.weight):
         evidence, selection = updated, select(updated, bare, library.testable, selection)
-    left = adequacy(evidence, selection.fit)
-    if not left.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
+    result = adequacy(evidence, selection.fit)
+    if not result.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
         selection = replace(selection, fit=better)
-        left = adequacy(evidence, better)
-    left = _left(evidence, selection, left)
-    fit = selection.fit if left.is_adequate else _without_stand_ins(evidence, selection, left)
+        result = adequacy(evidence, better)
+    result = _structures_of(evidence, selection, result)
+    fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     comparisons = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
-    if left.is_adequate:
+    # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
+    if result.is_adequate:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
     names = {effect.name for effect in fit.hypothesis.effects}
-    extended = fit.hypothesis.robot(fit.x)
-    calibrated = selection.nominal.hypothesis.robot(selection.nominal.x)
     # The remembered fits with their slopes need much memory and are not used again.
     evidence.known.clear()
     return Diagnosis(
@@ -170,10 +169,10 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
             NamedEffect(c.effect, dict(fit.hypothesis.values(c.effect, fit.x)), fit.std(c.effect), c)
             for c in comparisons
         ),
-        withdrawn=() if left.is_adequate else tuple(n for n in selection.names if n not in names),
-        adequacy=left,
-        gain=gain(evidence, robot, extended),
-        calibrated=gain(evidence, robot, calibrated),
+        withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
+        adequacy=result,
+        gain=gain(evidence, robot, fit.robot),
+        calibrated=gain(evidence, robot, selection.nominal.robot),
     )
 
 
@@ -183,12 +182,8 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
     rounds = NOISE_ROUNDS if evidence.fit.any() else 0
     for _ in range(rounds if any(is_open(observed) for observed in evidence.observed) else 0):
         (fit,) = fits(evidence, [(bare, bare.null())])
-        evidence = _with_estimated_noises(evidence, fit)
+        evidence = with_estimated_noises(evidence, fit)
     return evidence
-
-
-def _with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
-    return Evidence(evidence.stages, combined(evidence, estimated_noises(evidence, fit)))
 
 
 def check_kind(measurement: Measurement) -> None:
@@ -197,11 +192,7 @@ def check_kind(measurement: Measurement) -> None:
         allowed = ", ".join(STAGES)
         what = f"no stage predicts data of kind {measurement.kind}"
         cure = "diagnose a bench or a drive; `symolo inspect` shows what these data contain"
-        raise InputError(what, where=_where(measurement), allowed=allowed, cure=cure)
-
-
-def _where(measurement: Measurement) -> str:
-    return next(iter(measurement.source.files), measurement.name)
+        raise InputError(what, where=measurement.where, allowed=allowed, cure=cure)
 
 
 def _nominal(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:
@@ -217,16 +208,16 @@ def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ..
     return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
 
 
-def _left(evidence: Evidence, selection: Selection, left: Adequacy) -> Adequacy:
+def _structures_of(evidence: Evidence, selection: Selection, result: Adequacy) -> Adequacy:
     """Return all structure that the selected model leaves, with scatter and a jump in time, and find its channel."""
-    left = with_scatter(evidence, selection.fit, left)
+    result = with_scatter(evidence, selection.fit, result)
     jump = change_in_time(evidence, selection.nominal, selection.fit)
     if jump is not None:
-        return Adequacy((jump, *left.structures))
-    return left if left.is_adequate else located(evidence, selection.nominal.hypothesis, left)
+        return Adequacy((jump, *result.structures))
+    return result if result.is_adequate else located(evidence, selection.nominal.hypothesis, result)
 
 
-def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy) -> HypothesisFit:
+def _without_stand_ins(evidence: Evidence, selection: Selection, result: Adequacy) -> HypothesisFit:
     """Return the fit with only those effects that are needed in addition to what is unexplained.
 
     Effects of the noise are removed first: wider noise can replace any structure of the mean and hides its size.
@@ -235,8 +226,8 @@ def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy)
     mean_effects = [effect for effect in fit.hypothesis.effects if not is_of_noise(fit, effect)]
     if len(mean_effects) < len(fit.hypothesis.effects):
         fit = _with_only(evidence, selection, fit, mean_effects)
-        left = _left(evidence, replace(selection, fit=fit), adequacy(evidence, fit))
-    return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, left.worst))
+        result = _structures_of(evidence, replace(selection, fit=fit), adequacy(evidence, fit))
+    return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, result.worst))
 
 
 def _with_only(
@@ -260,6 +251,7 @@ def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Hypothes
     whole = fitted_to_whole_runs(measurement, fit.hypothesis, fit.x, ())
     if whole is None:
         return fit
+    # The residuals are those of the windows, as in every report; the errors are those of the fit to whole runs.
     return replace(at(evidence, fit.hypothesis, whole.x), information=np.linalg.pinv(whole.covariance, hermitian=True))
 
 

@@ -13,7 +13,7 @@ and the drawn robots agree with the data as well.
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil, isfinite
 from typing import Any
@@ -26,7 +26,6 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.nuisances import Nuisance
 from symolo.core.yaml.tree import FieldPath
 
@@ -112,8 +111,7 @@ def _enclosing(config: RobotConfig) -> RobotConfig:
     needed_m = config.drive.track_m + config.drive.wheel_width_m
     if config.chassis.width_m >= needed_m:
         return config
-    chassis = config.chassis.model_copy(update={"width_m": ceil(1e3 * needed_m) / 1e3})
-    return config.model_copy(update={"chassis": chassis})
+    return config.with_section("chassis", {"width_m": ceil(1e3 * needed_m) / 1e3})
 
 
 def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, dict[FieldPath, str]]:
@@ -126,33 +124,25 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
     Returns:
         The robot, and a comment by field for each number that was outside its bounds.
     """
-
-    def shortened(tree: Mapping[str, Any], differing: Mapping[str, Any]) -> dict[str, Any]:
-        short = dict(tree)
-        for key, value in differing.items():
-            if isinstance(value, Mapping):
-                short[key] = shortened(tree[key], value)
-            elif isinstance(value, float):
-                short[key] = float(f"{value:.{DIGITS}g}")
-        return short
-
-    tree = shortened(_tree(config), _difference(config))
+    tree, nominal_tree = _tree(config), _tree(nominal)
+    for path in _paths(_difference(config)):
+        section, name = _section(tree, path), str(path[-1])
+        if isinstance(value := section.get(name), float):
+            section[name] = float(f"{value:.{DIGITS}g}")
     moved: dict[FieldPath, str] = {}
     try:
         return RobotConfig.model_validate(tree), moved
     except ValidationError as error:
         for fault in error.errors():
-            section, nominal_section = tree, _tree(nominal)
-            *above, last = map(str, fault["loc"])
-            for key in above:
-                section, nominal_section = section[key], nominal_section[key]
+            path = tuple(map(str, fault["loc"]))
+            section, name = _section(tree, path), path[-1]
             if fault["type"] == "int_type":
-                moved[(*above, last)] = f"the nearest integer to {section[last]:g}"
-                section[last] = round(section[last])
+                moved[path] = f"the nearest integer to {section[name]:g}"
+                section[name] = round(section[name])
                 continue
             limits = fault.get("ctx", {})
-            moved[(*above, last)] = f"moved to its bound; the fitted value is {section[last]:.3g}"
-            section[last] = float(limits.get("ge", limits.get("le", nominal_section[last])))
+            moved[path] = f"moved to its bound; the fitted value is {section[name]:.3g}"
+            section[name] = float(limits.get("ge", limits.get("le", _section(nominal_tree, path)[name])))
     return RobotConfig.model_validate(tree), moved
 
 
@@ -160,6 +150,13 @@ def _tree(config: RobotConfig) -> dict[str, Any]:
     """Return a robot as plain data."""
     # The counts of a turn need not be an integer in a nominal robot, of which pydantic would warn.
     return config.model_dump(mode="json", warnings=False)
+
+
+def _section(tree: dict[str, Any], path: FieldPath) -> dict[str, Any]:
+    """Return the section that contains a field."""
+    for key in path[:-1]:
+        tree = tree[str(key)]
+    return tree
 
 
 def _slug(name: str) -> str:
@@ -237,14 +234,20 @@ def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: Fi
 
 def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
     """Return the file that draws each number of the effects from a normal distribution about its fitted value."""
+    fit, first = diagnosis.fit, len(diagnosis.fit.hypothesis.nuisances)
+    # The covariance for fixed nuisances, as explained above; rounding may leave a variance just below zero.
+    covariance = np.zeros_like(fit.information)
+    covariance[first:, first:] = np.linalg.pinv(fit.information[first:, first:], rcond=1e-12, hermitian=True)
+    np.fill_diagonal(covariance, np.maximum(np.diag(covariance), 0.0))
     effects: dict[str, Any] = {}
-    for effect, spreads in _spreads(diagnosis):
+    for effect in fit.hypothesis.effects:
         section = config.effects.get(effect.kind)
         if section is None:
             continue
+        spreads = fit.hypothesis.std(effect, fit.x, covariance)
         numbers: dict[str, Any] = {}
-        for (name, bounds), sd in zip(effect.kind.parameters().items(), spreads, strict=True):
-            mean = float(getattr(section, name))
+        for name, bounds in effect.kind.parameters().items():
+            mean, sd = float(getattr(section, name)), spreads[name]
             if isfinite(sd) and sd > 0.0:
                 low, high = max(mean - REACH_SD * sd, bounds.low), min(mean + REACH_SD * sd, bounds.high)
                 normal = {"mean": mean, "sd": sd, "low": low, "high": high}
@@ -260,15 +263,3 @@ def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
         f"name: {json.dumps(_slug(config.name[:57] + '_varied'))}",
     ]
     return "\n".join([*head, *_lines({"effects": effects}, {})]) + "\n"
-
-
-def _spreads(diagnosis: Diagnosis) -> Iterator[tuple[CandidateEffect, Sequence[float]]]:
-    """Yield the standard deviations of the numbers of each effect for fixed nuisances."""
-    fit, hypothesis = diagnosis.fit, diagnosis.fit.hypothesis
-    first = len(hypothesis.nuisances)
-    variance = np.diag(np.linalg.pinv(fit.information[first:, first:], rcond=1e-12, hermitian=True))
-    for effect in hypothesis.effects:
-        at = hypothesis.parameters(effect)
-        sd = np.sqrt(np.maximum(variance[at.start - first : at.stop - first], 0.0)).tolist()
-        x = fit.x[at].tolist()
-        yield effect, [abs(c.slope(v)) * s for c, v, s in zip(effect.coordinates, x, sd, strict=True)]

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.nominal import (
     KnownWheels,
@@ -40,16 +39,10 @@ class Nuisance:
     tolerance: float
     """Standard deviation between units."""
     unit: str
-    change: Callable[[RobotConfig, Number], RobotConfig]
-
-    def applied(self, robot: RobotConfig, value: Number) -> RobotConfig:
-        """Return the robot with another value of the parameter; what its effects add or scale applies on top of it.
-
-        Args:
-            robot: The robot with all its effects; an effect of the same name, added later, would replace this one.
-            value: A number, or an array for many robots at once (`physics.robot.stack`).
-        """
-        return self.change(robot, value)
+    applied: Callable[[RobotConfig, Number], RobotConfig]
+    """Function that returns a robot with another value of the parameter, or with an array for many robots at once
+    (`physics.robot.stack`). The robot has all its effects: what they add or scale applies on top of the value, and an
+    effect of the same name, added later, would replace it."""
 
 
 def nuisances(nominal: Nominal) -> tuple[Nuisance, ...]:
@@ -68,7 +61,7 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
         return
     for name, field in nominal.motor:
         if isinstance(field, (PositiveSpread, Spread)):
-            yield _number("motor", name, name, field, 1.0)
+            yield of_section("motor", name, name, field.value, field.tolerance)
     if isinstance(nominal, NominalDrive):
         yield from _wheels(nominal.robot)
         yield _range_offset(nominal.tof.range_offset_m)
@@ -76,16 +69,17 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
 
 
 def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:
-    yield _number("drive", "wheel_diameter_m", "wheel_radius_m", robot.wheel_radius_m, 2.0)
-    yield _number("drive", "track_m", "wheel_separation_m", robot.wheel_separation_m, 1.0)
+    radius, separation = robot.wheel_radius_m, robot.wheel_separation_m
+    yield of_section("drive", "wheel_diameter_m", "wheel_radius_m", radius.value, radius.tolerance, factor=2.0)
+    yield of_section("drive", "track_m", "wheel_separation_m", separation.value, separation.tolerance)
 
 
 def _wheel_asymmetry(spread: Spread) -> Nuisance:
-    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(WheelRadiusAsymmetry) or WheelRadiusAsymmetry.null()
         return robot.with_effect(WheelRadiusAsymmetry.model_construct(asymmetry=present.asymmetry + value))
 
-    return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", change)
+    return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", applied)
 
 
 TIMING_S = 5e-4
@@ -96,38 +90,37 @@ two samples, or the integration steps of a simulation. A delay that matters with
 def command_timing() -> Nuisance:
     """Return the nuisance for the timing of a drive's voltages."""
 
-    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(InputDelay) or InputDelay.null()
         return robot.with_effect(InputDelay.model_construct(delay_s=present.delay_s + np.maximum(value, 0.0)))
 
-    return Nuisance("command_timing_s", 0.0, TIMING_S, "s", change)
+    return Nuisance("command_timing_s", 0.0, TIMING_S, "s", applied)
 
 
 UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m", "kg_m2": "kg m2", "m": "m"}
 
 
-def _number(section: str, key: str, name: str, spread: PositiveSpread | Spread, factor: float) -> Nuisance:
+def of_section(section: str, key: str, name: str, value: float, tolerance: float, *, factor: float = 1.0) -> Nuisance:
     """Return the nuisance of a robot parameter, which is `factor` times that of the case."""
 
-    def change(robot: RobotConfig, value: Number) -> RobotConfig:
-        changed: Section = getattr(robot, section).model_copy(update={key: factor * value})
-        return robot.model_copy(update={section: changed})
+    def applied(robot: RobotConfig, changed: Number) -> RobotConfig:
+        return robot.with_section(section, {key: factor * changed})
 
     unit = next(unit for end, unit in UNITS.items() if name.endswith(f"_{end}"))
-    return Nuisance(name, spread.value, spread.tolerance, unit, change)
+    return Nuisance(name, value, tolerance, unit, applied)
 
 
 def _range_offset(spread: Spread) -> Nuisance:
-    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(RangeOffset) or RangeOffset.model_construct(offset_m=spread.value)
         return robot.with_effect(RangeOffset.model_construct(offset_m=present.offset_m + (value - spread.value)))
 
-    return Nuisance("range_offset_m", spread.value, spread.tolerance, "m", change)
+    return Nuisance("range_offset_m", spread.value, spread.tolerance, "m", applied)
 
 
 def _range_scale(spread: PositiveSpread) -> Nuisance:
-    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(RangeScale) or RangeScale.model_construct(scale=spread.value)
         return robot.with_effect(RangeScale.model_construct(scale=present.scale * (value / spread.value)))
 
-    return Nuisance("range_scale", spread.value, spread.tolerance, "1", change)
+    return Nuisance("range_scale", spread.value, spread.tolerance, "1", applied)

@@ -6,20 +6,19 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.measurement import CaseKind, Measurement
+from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.predictors.motor_steady import MotorSteady
-from diagnosis.predictors.motor_step import MotorStep
+from diagnosis.predictors import STAGES
+from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose
 from diagnosis.predictors.ranges import Ranges
-from diagnosis.predictors.rows import given
-from diagnosis.predictors.tof_bench import TofBenchStage
+from diagnosis.predictors.rows import good_values
 from diagnosis.predictors.wheels import Wheels
 from symolo.core.arrays import Array
 
 Columns = Mapping[str, Array]
-PLACE = ("x_m", "y_m", "theta_rad")
 DIGITS = 7
+"""Digits of a number in a file."""
 
 
 def unseen_runs(measurement: Measurement, robot: RobotConfig, unseen: Mapping[str, Measurement]) -> dict[str, Columns]:
@@ -50,25 +49,20 @@ def csv_text(columns: Columns) -> str:
 
 
 def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
-    match part, inputs.kind:
-        case "wheels", _:
-            return _of_stage(Wheels(inputs, robot), robot)
-        case "pose", _:
-            starts = np.stack([given(inputs, name) for name in PLACE], axis=-1)
+    match part:
+        case "":
+            (stage,) = STAGES[inputs.kind](inputs, robot)
+        case "wheels":
+            stage = Wheels(inputs, robot)
+        case "tof" if isinstance(inputs.nominal, NominalDrive):
+            stage = Ranges(inputs, inputs.nominal, robot)
+        case "pose":
+            # The stage predicts increments between measured poses; an unseen run has only the first pose of each trial.
+            starts = np.stack([good_values(inputs, name) for name in POSE], axis=-1)
             first = np.cumsum([0, *(len(trial.t_s) for trial in inputs.trials[:-1])])
             path = Pose(inputs, robot).path(robot, starts[first])
-            return dict(zip(PLACE, path.T, strict=True))
-        case "tof", _ if isinstance(inputs.nominal, NominalDrive):
-            return _of_stage(Ranges(inputs, inputs.nominal, robot), robot)
-        case _, CaseKind.MOTOR_STEADY:
-            return _of_stage(MotorSteady(inputs, robot), robot)
-        case _, CaseKind.MOTOR_STEP:
-            return _of_stage(MotorStep(inputs, robot), robot)
-        case _, CaseKind.TOF_BENCH:
-            return _of_stage(TofBenchStage(inputs, robot), robot)
-    raise ValueError(f"no stage predicts {part} of {inputs.kind}")
-
-
-def _of_stage(stage: MotorSteady | MotorStep | TofBenchStage | Wheels | Ranges, robot: RobotConfig) -> Columns:
+            return dict(zip(POSE, path.T, strict=True))
+        case _:
+            raise ValueError(f"no stage predicts {part} of {inputs.kind}")
     predicted = stage.predict([robot])
     return {observed.name: p.mean[0] for observed, p in zip(stage.observed, predicted, strict=True)}

@@ -5,11 +5,10 @@ printed or laser-cut bodies with rubber tyres. A source can state better ones in
 """
 
 from collections.abc import Mapping
-from functools import partial
 
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.nominal import KnownWheels, NominalRobot, PositiveSpread, Spread
-from diagnosis.nuisances import UNITS, Nuisance, Number
+from diagnosis.nuisances import Nuisance, of_section
 
 SHARES: Mapping[str, float] = {
     "winding_resistance_ohm": 0.05,
@@ -31,10 +30,7 @@ turns is not known (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 
 def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Return the nuisances of the motor of a robot."""
     values = {name: float(getattr(robot.motor, name)) for name in SHARES}
-    return tuple(
-        Nuisance(name, value, SHARES[name] * value, _unit(name), partial(_motor, name))
-        for name, value in values.items()
-    )
+    return tuple(of_section("motor", name, name, value, SHARES[name] * value) for name, value in values.items())
 
 
 def usual_wheels(*, diameter_m: float, track_m: float, counts_per_turn: float) -> KnownWheels:
@@ -48,11 +44,3 @@ def usual_wheels(*, diameter_m: float, track_m: float, counts_per_turn: float) -
         ),
         wheel_radius_asymmetry=Spread(value=0.0, tolerance=PAIR_SHARE),
     )
-
-
-def _unit(name: str) -> str:
-    return next(unit for end, unit in UNITS.items() if name.endswith(f"_{end}"))
-
-
-def _motor(name: str, robot: RobotConfig, value: Number) -> RobotConfig:
-    return robot.model_copy(update={"motor": robot.motor.model_copy(update={name: value})})

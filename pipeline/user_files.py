@@ -27,4 +27,4 @@ def hashes_of_files(robot: RobotConfig) -> dict[str, str]:
     """Return the SHA-256 of each loaded file that this robot needs, by the name of its effect or sensor."""
     needed = {effect.name for effect in robot.effects} | {*robot.sensors.names}
     files = {name: file for family in FAMILIES for name, file in family.files.items()}
-    return {name: sha256_of(file) for name, file in files.items() if name in needed}
+    return {name: sha256_of(file.resolve()) for name, file in files.items() if name in needed}

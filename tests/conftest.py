@@ -82,8 +82,8 @@ def pytest_report_header() -> list[str]:
     ]
 
 
-LONG = ("tests/pipeline/", "tests/diagnosis/", "tests/blender_scenes/", "tests/symolo/")
-"""Folders whose files take longest."""
+LONG = ("tests/blender_scenes/", "tests/pipeline/", "tests/diagnosis/", "tests/symolo/")
+"""Folders whose files take longest, those first that do not wait for the release of `release_fixtures`."""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -96,8 +96,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         (deselected if lacks_tools else chosen).append(item)
     if deselected:
         config.hook.pytest_deselected(items=deselected)
-    # The sort is stable: within the long ones and within the others the order of collection stays.
-    items[:] = sorted(chosen, key=lambda item: not item.nodeid.startswith(LONG))
+    # The sort is stable: within a folder and among the others the order of collection stays.
+    items[:] = sorted(chosen, key=_turn)
+
+
+def _turn(item: pytest.Item) -> int:
+    """Return the place of the item's folder among `LONG`."""
+    places = (place for place, folder in enumerate(LONG) if item.nodeid.startswith(folder))
+    return next(places, len(LONG))
 
 
 def pytest_deselected(items: list[pytest.Item]) -> None:
@@ -107,6 +113,7 @@ def pytest_deselected(items: list[pytest.Item]) -> None:
             item.config.workeroutput.setdefault("deselected", []).append(item.nodeid)
 
 
+@pytest.hookimpl(optionalhook=True)  # without pytest-xdist (`-p no:xdist`) there is no such hook
 def pytest_testnodedown(node: WorkerController) -> None:
     """Report what the workers have deselected, once, since each of them collects all tests."""
     reporter = node.config.pluginmanager.get_plugin("terminalreporter")

@@ -1,5 +1,6 @@
 """One small dataset through the real stages, made once, and ways to run the command line."""
 
+import fcntl
 import multiprocessing
 import shutil
 import subprocess
@@ -77,10 +78,16 @@ def tiny() -> list[str]:
 
 
 @pytest.fixture(scope="session")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Made by one worker; read only, `copy_of` is for changing it."""
-    out = tmp_path_factory.mktemp("dataset") / "data"
-    assert main(["release", "smoke", "--out", str(out), *TINY, "--workers", "1"]) == 0
+def dataset(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """A release of two runs, made once for all processes of pytest-xdist; read only, `copy_of` is for changing it."""
+    shared = tmp_path_factory.getbasetemp()
+    if hasattr(request.config, "workerinput"):
+        shared = shared.parent  # every process has a folder of its own below the session's
+    out = shared / "release" / "data"
+    with (shared / "release.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (out / TAG_MANIFEST).exists():
+            assert main(["release", "smoke", "--out", str(out), *TINY, "--workers", "1"]) == 0
     return out
 
 
@@ -117,7 +124,7 @@ def release_of() -> Callable[[Path], dict[str, bytes]]:
 
 
 def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
-    """In place of Blender: a picture of one grey for each frame, 32 x 24, told to be made by a class of processor."""
+    """In place of Blender: an image of one grey for each frame, 32 x 24, told to be made by a class of processor."""
     data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
     ledger = Ledger(unit.folder, sha256_of(unit.job))
     for number in unit.numbers:
@@ -128,7 +135,7 @@ def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
 
 @pytest.fixture
 def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Units of work are done one by one in this process, the pictures by `paint`, which a test may replace."""
+    """Units of work are done one by one in this process, the images by `paint`, which a test may replace."""
     chosen = SimpleNamespace(paint=_paint)
 
     def run_units(units: Sequence[AnyUnit], workers: int, on_event: Callable, **_options: object) -> list[UnitFailure]:

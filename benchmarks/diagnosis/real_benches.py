@@ -53,11 +53,7 @@ def motors(folder: Path) -> Iterator[BenchResult]:
     parts = {f"set {number}, {wheel}": of_part(read, wheel) for number, read in sets.items() for wheel in SIDES}
     for name, measurement in parts.items():
         diagnosis = diagnose(measurement)
-        robots = (
-            diagnosis.nominal,
-            diagnosis.selection.nominal.hypothesis.robot(diagnosis.selection.nominal.x),
-            diagnosis.extended,
-        )
+        robots = (diagnosis.nominal, diagnosis.selection.nominal.robot, diagnosis.extended)
         judged = []
         for other, data in parts.items():
             speeds = MotorSteady(data, diagnosis.nominal)
@@ -124,12 +120,8 @@ def range_sensor_at_rest(path: Path) -> BenchResult:
         )
     )
     evidence = diagnosis.evidence
-    robots = (
-        diagnosis.nominal,
-        diagnosis.selection.nominal.hypothesis.robot(diagnosis.selection.nominal.x),
-        diagnosis.extended,
-    )
-    errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.of(robots).mean]
+    robots = (diagnosis.nominal, diagnosis.selection.nominal.robot, diagnosis.extended)
+    errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.predicted(robots).mean]
     judged = Judged("held out, mm", int(evidence.heldout.sum()), *errors)
     return BenchResult(f"{path.stem}, one reading a second", *_conclusions(diagnosis), (), (judged,))
 
@@ -138,7 +130,7 @@ def _conclusions(diagnosis: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...]
     named = []
     for n in diagnosis.named:
         numbers = ", ".join(f"{k} {v:.3g} +- {n.std[k]:.2g}" for k, v in n.values.items())
-        too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.kind.name, n.values, n.std)]
+        too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.kind, n.values, n.std)]
         named.append(f"{n.effect.name} ({numbers}; confidence {n.comparison.confidence:.2f}{''.join(too_large)})")
     left = diagnosis.adequacy.structures[:1] if diagnosis.unexplained else ()
     return tuple(named), diagnosis.withdrawn, tuple(f"{s.observed} along {s.covariate} (p {s.p:.0e})" for s in left)

@@ -17,6 +17,7 @@ from blender_scenes.render.protocol import FrameBegun, FrameDone, Ready, RenderR
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from sensors.camera.response import develop, encode_jpeg, median_luminance
 from symolo.core.child_process import SCRATCH, Failed, Finished, Owner
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import lacking
 from symolo.dataset.layout import frame_name
 
@@ -49,7 +50,7 @@ def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
     begin = time.perf_counter()
-    job = RenderJob.from_json(Path(request.job_path).read_text())
+    job = RenderJob.from_json(read_file(Path(request.job_path), FileKind.JOB).decode())
     views = {view.number: view for view in job.frames}
     build.start()
     build.build(job.scene, job.camera, Path(request.user_files) if request.user_files else None)
@@ -72,7 +73,7 @@ def _annotate(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     from blender_scenes.blender_side import annotate  # noqa: PLC0415 - it imports bpy
 
     begin = time.perf_counter()
-    job = AnnotationJob.from_json(Path(request.job_path).read_text())
+    job = AnnotationJob.from_json(read_file(Path(request.job_path), FileKind.JOB).decode())
     views = {view.number: view for view in job.frames}
     annotate.start(job, request.threads, scratch)
     owner.send(Ready(seconds=time.perf_counter() - begin))

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from symolo.core.files.atomic_files import append_line, write_file
+from symolo.core.files.plain_files import FileKind, read_file
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ class Ledger:
     def _entries(self) -> Iterator[_Entry]:
         if not self._path.exists():
             return
-        for line in self._path.read_bytes().splitlines():
+        for line in read_file(self._path, FileKind.JOB).splitlines():
             with contextlib.suppress(ValidationError):  # the last line of a killed process may be incomplete
                 yield _ENTRY.validate_json(line)
 
@@ -93,4 +94,4 @@ class Ledger:
         path = self._images_dir / frame.file
         if not path.is_file() or path.stat().st_size != frame.size_bytes:
             return False
-        return hashlib.sha256(path.read_bytes()).hexdigest() == frame.sha256
+        return hashlib.sha256(read_file(path, FileKind.IMAGE)).hexdigest() == frame.sha256

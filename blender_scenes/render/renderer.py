@@ -16,6 +16,7 @@ from blender_scenes.render.surroundings import without_blender_settings
 from symolo.core.child_process import SCRATCH, ChildProcess, Failed
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder
+from symolo.core.files.plain_files import FileKind, read_file
 
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob, "annotations": AnnotationJob}
 _LOG_LINES = 15
@@ -71,7 +72,7 @@ def render_job(
         RenderError: The Blender process failed.
         ValueError: The job is damaged or has no such frame.
     """
-    text = job_path.read_bytes()
+    text = read_file(job_path, FileKind.JOB)
     job = _JOBS[work].from_json(text.decode())
     known = [view.number for view in job.frames]
     requested = sorted(set(known if numbers is None else numbers))
@@ -109,7 +110,7 @@ def render_job(
 
 def seed_of(job_path: Path, work: Work) -> int:
     """Return the seed from which the frames of a job draw their noise, by their numbers."""
-    return _JOBS[work].from_json(job_path.read_text(encoding="utf-8")).sampling.seed
+    return _JOBS[work].from_json(read_file(job_path, FileKind.JOB).decode("utf-8")).sampling.seed
 
 
 def _blender_files(request: RenderRequest, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator[FrameFile]:

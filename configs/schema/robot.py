@@ -1,6 +1,7 @@
 """The robot: body, drive and sensors. R is the frame at the middle of the axle, x forward, y left."""
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -276,3 +277,7 @@ class RobotConfig(Section):
     def with_effect(self, effect: Effect) -> "RobotConfig":
         """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""
         return self.model_copy(update={"effects": self.effects.with_effect(effect)})
+
+    def with_section(self, name: str, values: Mapping[str, Any]) -> "RobotConfig":
+        """Return this robot with other values in one of its sections; they are not validated again."""
+        return self.model_copy(update={name: getattr(self, name).model_copy(update=values)})

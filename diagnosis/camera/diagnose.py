@@ -89,7 +89,7 @@ class CameraDiagnosis:
     edges: EdgeModel
     photometry: tuple[CameraAspect, ...]
     left_out: tuple[str, ...]
-    """What could not be measured, with the reason."""
+    """Aspects that could not be measured, each with the reason."""
 
     @cached_property
     def aspects(self) -> tuple[CameraAspect, ...]:

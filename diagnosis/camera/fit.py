@@ -58,10 +58,11 @@ class QuadraticCost:
     at: Array
     """(P,), deviations in tolerances."""
     H: Array
-    """(P, P)."""
+    """(P, P), half the second derivatives of the cost."""
     g: Array
-    """(P,)."""
+    """(P,), minus half the slope of the cost at `at`."""
     least: float
+    """Cost at `at`, without priors of the parameters."""
 
     def solved(self, prior: Array) -> tuple[Array, float]:
         """Return the best x (P,) with a prior of these weights (P,), and its cost."""

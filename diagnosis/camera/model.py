@@ -1,4 +1,4 @@
-"""What all measurements in images have in common: samples, and the parameters of the camera that explain them."""
+"""The interface of the measurements in images: samples, and the parameters of the camera that explain them."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

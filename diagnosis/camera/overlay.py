@@ -51,11 +51,11 @@ def _shown(diagnosis: CameraDiagnosis) -> list[int]:
     """Return up to three held-out frames, those with the largest errors of the nominal camera."""
     model = diagnosis.edges
     sizes = np.abs(model.residuals(np.zeros(len(diagnosis.geometry.fit.x))))
-    seen = [
+    frames = [
         f for f in np.unique(model.frame[model.heldout]).tolist() if np.count_nonzero(model.frame == f) >= MIN_EDGES
     ]
-    seen.sort(key=lambda f: -float(np.nanmedian(sizes[model.frame == f])))
-    return sorted(seen[:FRAMES]) or [int(model.frame[0])]
+    frames.sort(key=lambda f: -float(np.nanmedian(sizes[model.frame == f])))
+    return sorted(frames[:FRAMES]) or [int(model.frame[0])]
 
 
 def edge_misfit(diagnosis: CameraDiagnosis) -> bytes:

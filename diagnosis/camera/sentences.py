@@ -32,7 +32,7 @@ RECORD = {
     "shot_noise_scale": "the same place at several exposures",
     "read_noise_scale": "images with the lens covered",
 }
-"""What to record so that a parameter shows more clearly than those that could replace it."""
+"""Recordings in which a parameter shows more clearly than those that could replace it."""
 
 
 def headline(diagnosis: CameraDiagnosis) -> str:

@@ -1,4 +1,4 @@
-"""Where a camera that deviates from the nominal one sees points of the world.
+"""The pixels at which a camera that deviates from the nominal one sees points of the world.
 
 The deviations are in tolerances, as one vector in the order of GEOMETRY; all 0 is the nominal camera.
 """

@@ -1,6 +1,7 @@
-"""Drivers of the robots: PyBullet, or the fast twin that is used for fits."""
+"""Drivers of the robots, PyBullet or the fast twin that is used for fits, and the stages that they simulate."""
 
-from collections.abc import Callable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
+from diagnosis.predictors.base import Observed, Predicted
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin
@@ -62,9 +64,27 @@ def without_body(robot: RobotConfig) -> RobotConfig:
         "rotor_inertia_kg_m2": less(motor.rotor_inertia_kg_m2, inertia),
         "coulomb_friction_N_m": less(motor.coulomb_friction_N_m, friction),
     }
-    return robot.model_copy(update={"motor": motor.model_copy(update=numbers)})
+    return robot.with_section("motor", numbers)
 
 
 def less(whole: float, part: float) -> float:
     """Return a motor parameter without the part of the body, at least MIN_SHARE of it."""
     return max(whole - part, MIN_SHARE * whole)
+
+
+class EngineStage(ABC):
+    """A stage that an engine simulates, one robot after the other; rows that are not held out may be NaN."""
+
+    name: str
+    observed: tuple[Observed, ...]
+    at_once = 2
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        each = [self._means(robot) for robot in robots]
+        return tuple(
+            Predicted(np.stack([means[k] for means in each]), observed.sd) for k, observed in enumerate(self.observed)
+        )
+
+    @abstractmethod
+    def _means(self, robot: RobotConfig) -> Sequence[Array]:
+        """Return the predicted means (n,) of each observed quantity."""

@@ -5,7 +5,6 @@ errors of the motors show in it. Increments over ten rows are compared instead o
 place contains all earlier errors.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -13,15 +12,15 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
-from diagnosis.engine.base import Driver, without_body
+from diagnosis.engine.base import Driver, EngineStage, without_body
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.predictors.base import Observed, Predicted
+from diagnosis.predictors.base import Observed
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
-from diagnosis.predictors.rows import given, joined, rows_after
+from diagnosis.predictors.rows import good_values, joined, rows_after
 from diagnosis.predictors.wheels import Wheels
 from physics.robot.model import through
 from physics.robot.stack import stacked_effects
@@ -46,19 +45,18 @@ class DrivenPath:
         return np.hypot(*(path - self.measured)[:, :2].T)
 
 
-class EngineDrive:
+class EngineDrive(EngineStage):
     """Trials with held-out rows, simulated by one driver; the other trials are not simulated."""
 
     name = "drive"
-    at_once = 2
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig, driver: Driver) -> None:
         self._is_case = isinstance(measurement.nominal, NominalDrive)
         self._driver = driver
         self._grid = Grid.of(measurement, 1.0 / ROW_S if self._is_case else None)
-        held = [self._grid.held(measurement.trials, f"u_{side}_V")[:-1] for side in ("right", "left")]
+        held = [self._grid.held(measurement.trials, f"u_{wheel}_V")[:-1] for wheel in ("right", "left")]
         self._voltage_V = np.stack(held, axis=-1)
-        self._wanted = [bool(trial.holdout.any()) for trial in measurement.trials]
+        self._has_heldout = [bool(trial.holdout.any()) for trial in measurement.trials]
         self._counts = nominal.encoder.counts_per_revolution
         self._next = rows_after(measurement, 1)
         self._windows = rows_after(measurement, WINDOW, STRIDE)
@@ -66,21 +64,14 @@ class EngineDrive:
         self._lasts_s = self._grid.period_s * (numbers[self._next[1]] - numbers[self._next[0]])
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._rows = [len(trial.t_s) for trial in measurement.trials]
-        self._measured = np.stack([given(measurement, name) for name in POSE], axis=-1)
+        self._measured = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         self._known: dict[str, Array] = {}
         self.observed: tuple[Observed, ...] = (
             *Wheels(measurement, nominal).observed,
             *Pose(measurement, nominal).observed,
         )
 
-    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        each = [self._predicted(robot) for robot in robots]
-        return tuple(
-            Predicted(np.stack([means[k] for means in each]), observed.sd) for k, observed in enumerate(self.observed)
-        )
-
-    def _predicted(self, robot: RobotConfig) -> tuple[Array, ...]:
-        """Return the means (n,) of each observed quantity."""
+    def _means(self, robot: RobotConfig) -> tuple[Array, ...]:
         rows = self._sampled(robot)
         angle_rad = 2.0 * pi / self._counts * rows[:2]
         first, after = self._next
@@ -96,7 +87,7 @@ class EngineDrive:
 
     def path(self, nominal: RobotConfig, extended: RobotConfig) -> "DrivenPath":
         """Return the paths of the first trial with held-out rows, from its first measured pose."""
-        trial = self._wanted.index(True)
+        trial = self._has_heldout.index(True)
         begin = sum(self._rows[:trial])
         rows = slice(begin, begin + self._rows[trial])
         measured = self._measured[rows]
@@ -113,8 +104,8 @@ class EngineDrive:
         key = robot.model_dump_json()
         if key not in self._known:
             samples = np.full((len(self._voltage_V) + 1, 5, len(self._rows)), np.nan)
-            for k, wanted in enumerate(self._wanted):
-                if wanted:
+            for k, is_needed in enumerate(self._has_heldout):
+                if is_needed:
                     samples[..., k] = self._driven(robot, k)
             self._known[key] = self._grid.of_rows(samples)
         return self._known[key]

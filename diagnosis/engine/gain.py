@@ -28,7 +28,7 @@ class EngineError:
     before: float
     """Root mean square error of the nominal robot over the held-out rows, without the largest 3 %, in `unit`."""
     after: float
-    """The same error of the extended robot."""
+    """Root mean square error of the extended robot over the same rows, in `unit`."""
     gain: Gain
 
 
@@ -63,7 +63,7 @@ def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: Ro
     for engine, stage in _engines(measurement, nominal):
         evidence = Evidence([stage])
         try:
-            mean = evidence.of([nominal, extended]).mean
+            mean = evidence.predicted([nominal, extended]).mean
         except InputError as error:
             return EngineComparison((), (), why_not=str(error))
         whole = gain_of(evidence, mean)

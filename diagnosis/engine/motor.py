@@ -4,15 +4,12 @@ PyBullet simulates the inertia of the wheel, so it is subtracted from the motor'
 everything that turns.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.engine.base import less
+from diagnosis.engine.base import EngineStage, less
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import Observed, Predicted
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
@@ -25,35 +22,31 @@ SETTLING = 12.0
 MAX_DURATION_S = 5.0
 
 
-class MotorOnBench:
+class MotorOnBench(EngineStage):
     """Held-out rows of a bench in PyBullet; the other rows are not simulated."""
 
     name = "bench"
-    at_once = 2
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._measurement = measurement
         is_step = measurement.kind is CaseKind.MOTOR_STEP
-        self._means = self._of_steps if is_step else self._settled
         stage = MotorStep(measurement, nominal) if is_step else MotorSteady(measurement, nominal)
-        self.observed: tuple[Observed, ...] = stage.observed
+        self.observed = stage.observed
 
-    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        each = [self._means(robot) for robot in robots]
-        return tuple(
-            Predicted(np.stack([means[k] for means in each]), observed.sd) for k, observed in enumerate(self.observed)
-        )
+    def _means(self, robot: RobotConfig) -> tuple[Array, Array]:
+        is_step = self._measurement.kind is CaseKind.MOTOR_STEP
+        return self._of_steps(robot) if is_step else self._settled(robot)
 
     def _settled(self, robot: RobotConfig) -> tuple[Array, Array]:
         """Return current [A] and speed [rad/s] in steady state, (n,) each."""
         trials = self._measurement.trials
         voltage_V = joined(trial["u_cmd_V"].values for trial in trials)
-        wanted = joined(trial.holdout for trial in trials) & np.isfinite(voltage_V)
+        heldout = joined(trial.holdout for trial in trials) & np.isfinite(voltage_V)
         current, speed = (np.full(len(voltage_V), np.nan) for _ in range(2))
         duration_s = min(SETTLING * _time_constant_s(robot), MAX_DURATION_S)
-        for volts in np.unique(voltage_V[wanted]).tolist():
+        for volts in np.unique(voltage_V[heldout]).tolist():
             amperes, rad_s = _turned(robot, np.array([volts]), duration_s)
-            rows = wanted & (voltage_V == volts)
+            rows = heldout & (voltage_V == volts)
             current[rows], speed[rows] = amperes[-1], rad_s[-1]
         return read_current_A(robot.effects, current), read_settled_speed_rad_s(robot.effects, speed)
 
@@ -79,9 +72,9 @@ def _turned(robot: RobotConfig, voltage_V: Array, row_s: float) -> tuple[Array, 
 
     motor, drive = robot.motor, robot.drive
     spin = 0.5 * drive.wheel_mass_kg * (0.5 * drive.wheel_diameter_m) ** 2
-    bare = motor.model_copy(update={"rotor_inertia_kg_m2": less(motor.rotor_inertia_kg_m2, spin)})
+    bare = robot.with_section("motor", {"rotor_inertia_kg_m2": less(motor.rotor_inertia_kg_m2, spin)})
     both = np.stack([voltage_V, np.zeros_like(voltage_V)], axis=1)
-    states = open_loop(robot.model_copy(update={"motor": bare}), both, row_s, lifted=True)
+    states = open_loop(bare, both, row_s, lifted=True)
     return states.current_A[:, 0], states.wheel_speed_rad_s[:, 0]
 
 

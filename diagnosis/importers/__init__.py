@@ -1,4 +1,4 @@
-"""Importers of measured data; one file per member, one line here for each."""
+"""Importers of measured data: one file each, and one line in the table here."""
 
 from diagnosis.importers import (
     drive_log,
@@ -26,4 +26,4 @@ IMPORTERS: tuple[Importer, ...] = (
     vl53l0x_scan.IMPORTER,
     paper.IMPORTER,
 )
-"""In the order in which they are asked; no two recognise the same thing."""
+"""Importers in the order in which they are tried; no two recognise the same data."""

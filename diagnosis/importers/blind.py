@@ -1,4 +1,4 @@
-"""Inputs of unseen runs beside a measured case, whose readings are to be predicted."""
+"""Inputs of unseen runs, which lie beside a measured case and whose readings are to be predicted."""
 
 from pathlib import Path
 
@@ -12,12 +12,12 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 
 
 def read_blind(folder: Path, kind: CaseKind) -> dict[str, Measurement]:
-    """The unseen runs of a case by file name, in the format's order; empty where it has none.
+    """Return the unseen runs of a case by file name, in the order of the format; empty if there are none.
 
-    Every row counts as held out. The pose of `blind_pose_inputs.csv` is that of its first row alone.
+    Every row is held out. `blind_pose_inputs.csv` has a pose in its first row only.
 
     Raises:
-        InputError: A file is not as the format says; the text names file, row and column.
+        InputError: A file breaks the format; the message names file, row and column.
     """
     return {name: _read(folder / name, kind) for name in BLIND[kind] if is_file(folder / name)}
 

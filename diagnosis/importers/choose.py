@@ -1,4 +1,4 @@
-"""Which importer reads a file or folder: the one that is named, or the one that recognises it."""
+"""Choice of the importer that reads a file or folder: the one that is named, or the one that recognises it."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,10 +11,10 @@ from symolo.core.errors import InputError, nearest
 
 
 def read_measurement(path: Path, importers: Sequence[Importer], name: str | None = None) -> Measurement:
-    """Measured data, by the importer of that name or by the one that recognises the path.
+    """Return the measured data, read by the importer of that name or by the one that recognises the path.
 
     Raises:
-        InputError: There is no such path or importer, nobody recognises the path, or it cannot be read as it should.
+        InputError: There is no such path or importer, no importer recognises the path, or the data have a fault.
     """
     try:
         return _read_measurement(path, importers, name)
@@ -36,10 +36,10 @@ def _read_measurement(path: Path, importers: Sequence[Importer], name: str | Non
         if importer.name == name or (name is None and importer.recognises(path)):
             return importer.read(path)
     if (path / NOMINAL).is_file():
-        read_nominal(path / NOMINAL)  # which says what is wrong with its kind
+        read_nominal(path / NOMINAL)  # its message names the fault in the kind of the case
     raise InputError(
-        "is none of the measured data that are known",
+        "is not measured data of a known form",
         where=str(path),
         allowed=f"data for one of {', '.join(names)}",
-        cure="write nominal.yaml and data.csv as docs/measured.md says, or name the form by --importer",
+        cure="write nominal.yaml and data.csv as in docs/measured.md, or choose the form with --importer",
     )

@@ -8,62 +8,60 @@ from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
-from diagnosis.measured.nominal import Nominal, NominalDrive
+from diagnosis.measured.nominal import NominalDrive
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.table import CsvTable
 
 ROW_S = 0.05
+"""Time between two rows of this kind of case."""
 WRAP_WITHIN_RAD = 1.0
-"""Of a whole turn, that a jump is a wrapped angle."""
+"""Largest difference of a jump from a whole turn for which it is a wrapped angle."""
 LONGEST_STEP_S = 0.25
-"""Over which a robot does not turn about."""
+"""Time between two rows in which no robot makes a whole turn."""
+HALF_SECOND_ROWS = round(0.5 / ROW_S)
 
 
-def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
-    """Of the pose alone: that of a range depends on the true distance, which is not logged."""
-    if not isinstance(nominal, NominalDrive):
-        return None
+def _noise(nominal: NominalDrive, table: CsvTable, name: str) -> KnownNoise | None:
+    """Return the stated noise of the pose. That of a range depends on the true distance, which is not logged."""
     if name in {"x_m", "y_m"}:
         return KnownNoise.constant(nominal.noise.pose_xy_m, table)
     return KnownNoise.constant(nominal.noise.pose_theta_rad, table) if name == "theta_rad" else None
 
 
-def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
+def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
     check_rate(measurement, ROW_S)
     _check_heading(measurement)
-    if isinstance(nominal, NominalDrive):
-        distance_m = np.linspace(0.0, nominal.tof.max_range_m, 1000)
-        nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
-    return travel_notes(nominal, measurement)
+    distance_m = np.linspace(0.0, nominal.tof.max_range_m, 1000)
+    nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
+    return _travel_notes(nominal, measurement)
 
 
 def _check_heading(measurement: Measurement) -> None:
-    """Refuse a heading that is kept within a turn, by its jumps of about one in a step of time.
+    """Refuse a heading that is wrapped to one turn, recognised by jumps of about a whole turn between two rows.
 
     Raises:
-        InputError: With the row of the first jump.
+        InputError: The heading is wrapped; the message names the row of the first jump.
     """
     row = 2  # below the header
     for trial in measurement.trials:
         theta = trial["theta_rad"].values
-        given = np.flatnonzero(np.isfinite(theta))
-        turned = np.diff(theta[given])
-        jumps = (np.abs(np.abs(turned) - 2.0 * np.pi) < WRAP_WITHIN_RAD) & (np.diff(trial.t_s[given]) < LONGEST_STEP_S)
+        known = np.flatnonzero(np.isfinite(theta))
+        turned = np.diff(theta[known])
+        jumps = (np.abs(np.abs(turned) - 2.0 * np.pi) < WRAP_WITHIN_RAD) & (np.diff(trial.t_s[known]) < LONGEST_STEP_S)
+        # Where most steps are as large as a turn, the column is in another unit, and a note says so.
         if jumps.any() and np.median(np.abs(turned)) < WRAP_WITHIN_RAD:
-            before, i = given[int(np.argmax(jumps)) :][:2].tolist()
+            before, i = known[int(np.argmax(jumps)) :][:2].tolist()
             raise InputError(
                 f"column theta_rad: goes from {theta[before]:.6g} to {theta[i]:.6g}",
                 where=f"{measurement.source.files[0]}: row {row + i}",
-                cure="unwrap the angle: it counts on beyond a turn",
+                cure="unwrap the angle, so that it continues beyond a whole turn",
             )
         row += len(theta)
 
 
-def travel_notes(nominal: Nominal, measurement: Measurement) -> list[str]:
-    """A note where the pose travels or turns by a unit's factor more than the wheels, by the nominal robot."""
-    if not isinstance(nominal, NominalDrive):
-        return []
+def _travel_notes(nominal: NominalDrive, measurement: Measurement) -> list[str]:
+    """Return a note if the pose travels or turns so much more than the wheels that it looks like another unit."""
     robot = nominal.robot
     per_tick = 2.0 * np.pi * robot.wheel_radius_m.value / robot.encoder_ticks_per_revolution
     by_pose, by_wheels = np.zeros(2), np.zeros(2)
@@ -83,14 +81,9 @@ def travel_notes(nominal: Nominal, measurement: Measurement) -> list[str]:
 
 
 def _net(trial: Trial, name: str) -> Array:
-    """Change over each half second, in which noise is small beside the way; NaN where an end is missing."""
+    """Return the changes over each half second, where noise is small beside the motion; NaN if an end is missing."""
     values = trial[name].values
-    return values[10:] - values[:-10]
+    return values[HALF_SECOND_ROWS:] - values[:-HALF_SECOND_ROWS]
 
 
-IMPORTER = case_importer(
-    CaseKind.DRIVE_LOG,
-    "measured case: a drive with voltages, counts, ranges and pose (nominal.yaml, data.csv)",
-    _noise,
-    _notes,
-)
+IMPORTER = case_importer(CaseKind.DRIVE_LOG, NominalDrive, _noise, _notes)

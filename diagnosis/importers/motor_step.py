@@ -5,34 +5,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.importers.case import case_importer
-from diagnosis.importers.motor_scale import motor_scale_notes
-from diagnosis.importers.trials import KnownNoise
+from diagnosis.importers.motor_case import motor_noise, motor_scale_notes
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import Nominal, NominalStep
+from diagnosis.measured.nominal import NominalStep
 from symolo.core.errors import InputError
-from symolo.core.table import CsvTable
 
 
-def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
-    if not isinstance(nominal, NominalStep) or name == "u_cmd_V":
-        return None
-    noise = nominal.noise
-    return KnownNoise.constant(
-        noise.current_A if name == "current_A" else noise.omega_rad_s, table, noise.lag1_correlation
-    )
-
-
-def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
-    if isinstance(nominal, NominalStep):
-        check_rate(measurement, 1.0 / nominal.sample_rate_Hz)
+def _notes(nominal: NominalStep, measurement: Measurement) -> Sequence[str]:
+    check_rate(measurement, 1.0 / nominal.sample_rate_Hz)
     return motor_scale_notes(nominal, measurement)
 
 
 def check_rate(measurement: Measurement, period_s: float) -> None:
-    """Refuse times whose rows are not about so far apart.
+    """Refuse rows that are not about one period apart.
 
     Raises:
-        InputError: The typical row is more than twice as long, or less than half.
+        InputError: The median step is longer than two periods or shorter than half of one.
     """
     steps = np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])
     typical_s = float(np.median(steps)) if len(steps) else period_s
@@ -47,6 +35,4 @@ def check_rate(measurement: Measurement, period_s: float) -> None:
         )
 
 
-IMPORTER = case_importer(
-    CaseKind.MOTOR_STEP, "measured case: voltage steps on a motor (nominal.yaml, data.csv)", _noise, _notes
-)
+IMPORTER = case_importer(CaseKind.MOTOR_STEP, NominalStep, motor_noise, _notes)

@@ -1,14 +1,14 @@
 """Drives of a small differential robot with encoder counts and motion capture (the OptiOdom data, Sousa et al. 2022).
 
-Files, one pair of session and run each: `<session>_run-NN.csv` without header, 20 Hz, columns t [s], x, y [m],
-heading [rad], counts of the right wheel in this row, counts of the left wheel; `<session>_metadata.csv` with a key and
-its values a row. Voltages and ranges were not logged. Odometry and capture had clocks of their own, put together by the
-authors at cut points; what offset is left nobody measured. Every third run of a session is held out: sessions drive
-each of their paths two to five times in a row, so that each path is fitted and judged.
+Each run is a file `<session>_run-NN.csv` without header, at 20 Hz, with the columns t [s], x, y [m], heading [rad],
+counts of the right wheel in this row and counts of the left wheel. Each session has a `<session>_metadata.csv` with one
+key and its values per row. Voltages and ranges were not logged. Odometry and motion capture had different clocks, which
+the authors aligned at cut points; the remaining offset is not known. Every third run of a session is held out. Sessions
+drive each path two to five times in a row, so that each path is both fitted and judged.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -42,44 +42,39 @@ COLUMNS = (
 WHEEL_DIAMETER_M = 0.084
 TRACK_M = 0.2
 ENCODER_TICKS_PER_REVOLUTION = 43.7 * 64
-"""Nominal robot: gears times counts per turn of the motor. The controller of some sessions ran with other lengths."""
+"""Counts per turn of a wheel: gear ratio times counts per turn of the motor. In some sessions the controller used other
+lengths of wheels and track than these nominal ones."""
 
 
-def _sessions(path: Path) -> list[Path]:
-    """Folders with a metadata file: the folder itself, or up to two below it."""
-    found = {
-        file.parent for pattern in (_METADATA, f"*/{_METADATA}", f"*/*/{_METADATA}") for file in path.glob(pattern)
-    }
-    return sorted(found)
+def _runs(path: Path) -> Iterator[Path]:
+    """Yield the runs of all sessions, which are the folders with a metadata file, up to two levels below a folder."""
+    patterns = (_METADATA, f"*/{_METADATA}", f"*/*/{_METADATA}")
+    for session in {file.parent for pattern in patterns for file in path.glob(pattern)}:
+        yield from (file for file in session.iterdir() if _RUN.fullmatch(file.name))
 
 
 def _recognises(path: Path) -> bool:
     if is_file(path):
         return _RUN.fullmatch(path.name) is not None
-    return is_folder(path) and any(
-        _RUN.fullmatch(file.name) for session in _sessions(path) for file in session.iterdir()
-    )
+    return is_folder(path) and any(True for _ in _runs(path))
 
 
 def _read(path: Path) -> Measurement:
-    if is_file(path):
-        files = [path]
-    else:
-        files = sorted(f for session in _sessions(path) for f in session.iterdir() if _RUN.fullmatch(f.name))
+    files = [path] if is_file(path) else sorted(_runs(path))
     if not files:
         raise InputError(
             "holds no <session>_run-NN.csv", where=str(path), cure="name a session, or a folder of sessions"
         )
-    read = [_trial(file, alone=len(files) == 1) for file in files]
-    driven = {file.parent: _metadata(file.parent) for file in files}
-    notes = [note for _, notes in read for note in notes]
+    logs = [_trial(file, alone=len(files) == 1) for file in files]
+    lengths = {file.parent: _metadata(file.parent) for file in files}
+    notes = [note for _, notes in logs for note in notes]
     notes += ["not logged: voltages, ranges"]
-    held = sum(bool(trial.holdout.all()) for trial, _ in read)
+    held = any(trial.holdout.all() for trial, _ in logs)
     notes += ["every third run of a session is held out" if held else "nothing is held out"]
     notes += [
         f"{folder.name} was driven with a wheel separation of {values['Li'][0]:g} m and wheel diameters of "
         f"{values['Di'][0]:g} m in its controller; the counts do not depend on it"
-        for folder, values in driven.items()
+        for folder, values in lengths.items()
         if (values["Li"][0], values["Di"][0]) != (TRACK_M, WHEEL_DIAMETER_M)
     ]
     source = MeasurementSource(
@@ -87,7 +82,7 @@ def _read(path: Path) -> Measurement:
         tuple(str(file) for file in files),
         "MIT",
     )
-    trials = tuple(trial for trial, _ in read)
+    trials = tuple(trial for trial, _ in logs)
     nominal = usual_wheels(diameter_m=WHEEL_DIAMETER_M, track_m=TRACK_M, counts_per_turn=ENCODER_TICKS_PER_REVOLUTION)
     name = path.absolute().name
     return Measurement(name, CaseKind.DRIVE_LOG, source, trials, nominal, tuple(dict.fromkeys(notes)))
@@ -115,21 +110,19 @@ def _trial(path: Path, *, alone: bool) -> tuple[Trial, Sequence[str]]:
 
 
 def _metadata(session: Path) -> Mapping[str, tuple[float, ...]]:
-    """The numbers of the keys Li [m] and Di [m]."""
-    found = {}
+    """Return the numbers of the keys Li [m], the wheel separation, and Di [m], the wheel diameters."""
+    lengths: dict[str, tuple[float, ...]] = {}
     for file in sorted(session.glob(_METADATA)):
         for row, line in enumerate(read_text(file).lines, 1):
             key, *cells = line.split(",")
             if key in {"Li", "Di"}:
-                found[key] = tuple(number(cell, "2", f"{file}: row {row}") for cell in cells if cell.strip())
+                lengths[key] = tuple(number(cell, "2", f"{file}: row {row}") for cell in cells if cell.strip())
     for key in ("Li", "Di"):
-        if not found.get(key):
+        if not lengths.get(key):
             raise InputError(
                 f"there is no row {key}", where=str(session / _METADATA), cure="put its metadata file there"
             )
-    return found
+    return lengths
 
 
-IMPORTER = Importer(
-    "optiodom", "OptiOdom session: counts and motion capture of a differential robot", _recognises, _read
-)
+IMPORTER = Importer("optiodom", _recognises, _read)

@@ -1,4 +1,4 @@
-"""Rows in the order of time, on one clock, from the start of their trial; or refused."""
+"""Checks of the times of a log: increasing, on one clock, and from the start of each trial."""
 
 from collections.abc import Sequence
 
@@ -11,19 +11,19 @@ from symolo.core.errors import InputError
 from symolo.core.table import CsvTable
 
 LATEST_START = 5.0
-"""Periods after rest, at which the first row of a trial may come."""
+"""Latest time of the first row of a trial, in periods after rest."""
 
 
 def check_increasing(table: CsvTable, column: str, within: Mask | None = None) -> None:
     """Refuse a column that does not increase from each row to the next.
 
     Args:
-        table: As read.
-        column: Its name there.
+        table: The log.
+        column: Name of the column.
         within: (N - 1,), whether a row and the next are of the same trial; all by default.
 
     Raises:
-        InputError: With the first row that is not after the one above.
+        InputError: A value does not increase; the message names the first such row.
     """
     values = table.numbers[column]
     falls = np.diff(values) <= 0.0
@@ -39,11 +39,11 @@ def check_session(table: CsvTable, within: Mask) -> None:
     """Refuse a trial in which `session_time_s` and `t_s` drift apart by more than about a period.
 
     Args:
-        table: With both columns, each of which increases within a trial.
+        table: The log with both columns, each of which increases within a trial.
         within: (N - 1,), whether a row and the next are of the same trial.
 
     Raises:
-        InputError: With the first row that does, or with the unit that one of the columns looks to be in.
+        InputError: They drift apart; the message names the first such row, or the unit that one column seems to be in.
     """
     t_s, session_s = table.numbers["t_s"], table.numbers["session_time_s"]
     steps_s, session_steps_s = np.diff(t_s), np.diff(session_s)
@@ -57,11 +57,11 @@ def check_session(table: CsvTable, within: Mask) -> None:
         return
     i = apart[0]
     ratio = float(np.median((session_steps_s / np.where(within, steps_s, 1.0))[within]))
-    for name, other, of in (("session_time_s", "t_s", ratio), ("t_s", "session_time_s", 1.0 / ratio)):
-        unit = mixed_up_unit(of, "s")
+    for name, other, factor in (("session_time_s", "t_s", ratio), ("t_s", "session_time_s", 1.0 / ratio)):
+        unit = mixed_up_unit(factor, "s")
         if unit:
             rows_s = usual((session_steps_s if name == "session_time_s" else steps_s)[within])
-            what = f"column {name}: rows are {rows_s:.4g} s apart, {of:.4g} times as far as by {other}"
+            what = f"column {name}: rows are {rows_s:.4g} s apart, {factor:.4g} times as far as by {other}"
             raise InputError(what, where=table.where(i), cure=f"this looks like {unit}")
     steps = f"goes {session_steps_s[i - 1]:.4g} s on from the row above, and t_s {steps_s[i - 1]:.4g} s"
     what = f"column session_time_s: {steps}; {drift_s[i]:.4g} s apart since the trial began"
@@ -72,12 +72,12 @@ def check_from_rest(table: CsvTable, starts: Sequence[int], within: Mask) -> Non
     """Refuse a trial that does not begin at rest at `t_s` = 0, or a few periods after it.
 
     Args:
-        table: As read.
+        table: The log.
         starts: Index of the first row of each trial.
         within: (N - 1,), whether a row and the next are of the same trial.
 
     Raises:
-        InputError: With the first row of the first such trial.
+        InputError: A trial begins later or earlier; the message names its first row.
     """
     t_s = table.numbers["t_s"]
     if not within.any():

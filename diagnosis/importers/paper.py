@@ -1,4 +1,4 @@
-"""Tables 1, 3 and 4 of the paper, which are measured data too. They are named, not looked for in a folder."""
+"""Tables 1, 3 and 4 of the paper, which are measured data too and are chosen by name, not by a folder."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -41,7 +41,7 @@ def _surfaces(number: int, table: Mapping[SurfaceName, PrintedReadings]) -> Meas
         Channel.logged(TimeSeries("reading_m", "m", row, mean_m), Role.READING, noise_sd=sd_m),
     )
     notes = (
-        "each reading is a mean of many; how many the paper does not say, the noise is that of a single one",
+        "each reading is a mean of many, and the paper does not state of how many; the noise is that of one reading",
         "not noted: times, temperature, light; nothing is marked as held out",
     )
     trial = _trial(row, channels, Label("material", tuple(table)))
@@ -69,9 +69,4 @@ def _read(path: Path) -> Measurement:
     return TABLES[path.as_posix()]()
 
 
-IMPORTER = Importer(
-    "paper",
-    f"what the paper prints: {', '.join(TABLES)} in place of a folder",
-    lambda path: path.as_posix() in TABLES and not path.exists(),
-    _read,
-)
+IMPORTER = Importer("paper", lambda path: path.as_posix() in TABLES and not path.exists(), _read)

@@ -1,92 +1,74 @@
-"""Motor currents and speeds of a Festo Robotino 2 on several floors, with a camera's pose.
+"""Motor currents and speeds of a Festo Robotino 2 on several floors, with poses from a camera.
 
 The data are those of BrOleg5/research-wheel-slippage. Columns are separated by semicolons below three header rows:
-name, unit, symbol. The robot has three omnidirectional wheels: motors, floor and slip carry over to two wheels,
-kinematics do not. Currents are magnitudes. Positions of the camera are in pixels; angles count on beyond a turn here.
+name, unit, symbol. The robot has three omnidirectional wheels. Results about motors, floor and slip apply to robots
+with two wheels as well, kinematics do not. Currents are magnitudes. Positions of the camera are in pixels.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from diagnosis.importers.base import Importer, first_line, is_folder
+from diagnosis.importers.log_column import LogColumn
 from diagnosis.importers.order import check_increasing
-from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.scale import Reach
 from symolo.core.errors import InputError
-from symolo.core.files.text_file import TextFile, read_text
-from symolo.core.table import check_header
-from symolo.core.time_series import TimeSeries
+from symolo.core.files.text_file import read_text
+from symolo.core.table import cells_of, check_header
 
 HEADER_ROWS = 3
 _SEPARATOR = ";"
 
 
-@dataclass(frozen=True)
-class _Quantity:
-    """What stands under a symbol."""
-
-    unit: str
-    """In the file."""
-    channel: str
-    to_unit: str
-    factor: float
-    role: Role
-    reach: Reach
-    """In the file's unit."""
-
-    def column(self, symbol: str) -> MeasuredColumn:
-        return MeasuredColumn(symbol, self.unit, self.role, self.reach)
+def _column(symbol: str, unit: str, role: Role, reach: float, channel: str) -> LogColumn:
+    return LogColumn(symbol, unit, role, Reach(-reach, reach), channel=channel, channel_unit=unit)
 
 
-def _speed(channel: str, role: Role = Role.INPUT) -> _Quantity:
-    return _Quantity("rad/s", channel, "rad/s", 1.0, role, Reach(-1000.0, 1000.0))
+def _camera(symbol: str, unit: str, reach: float, *, channel: str, channel_unit: str, factor: float = 1.0) -> LogColumn:
+    return LogColumn(
+        symbol,
+        unit,
+        Role.READING,
+        Reach(-reach, reach),
+        channel=channel,
+        channel_unit=channel_unit,
+        factor=factor,
+        is_wrapped=symbol == "ang",
+        clock="camera",
+    )
 
 
-def _current(channel: str) -> _Quantity:
-    return _Quantity("A", channel, "A", 1.0, Role.READING, Reach(-50.0, 50.0))
-
-
-def _camera(unit: str, channel: str, to_unit: str, factor: float, reach: float) -> _Quantity:
-    return _Quantity(unit, channel, to_unit, factor, Role.READING, Reach(-reach, reach))
-
-
-_DEGREE = np.pi / 180.0
-_MOTORS: Mapping[str, _Quantity] = {
-    **{f"m{i}setvel": _speed(f"motor_{i}_set_rad_s") for i in (1, 2, 3)},
-    **{
-        f"m{i}pos": _Quantity("ticks", f"motor_{i}_ticks", "ticks", 1.0, Role.READING, Reach(-1e9, 1e9))
-        for i in (1, 2, 3)
-    },
-    **{f"m{i}vel": _speed(f"motor_{i}_rad_s", Role.READING) for i in (1, 2, 3)},
-    **{f"m{i}cur": _current(f"motor_{i}_A") for i in (1, 2, 3)},
-}
-_ROBOT: Mapping[str, _Quantity] = {
-    "xsetspeed": _Quantity("m/s", "vx_set_m_s", "m/s", 1.0, Role.INPUT, Reach(-5.0, 5.0)),
-    "ysetspeed": _Quantity("m/s", "vy_set_m_s", "m/s", 1.0, Role.INPUT, Reach(-5.0, 5.0)),
-    "setvel": _speed("w_set_rad_s"),
-    **_MOTORS,
-    "xcur": _current("x_axis_A"),
-    "ycur": _current("y_axis_A"),
-    "rotcur": _current("turning_A"),
-}
-_TRACKED: Mapping[str, _Quantity] = {
-    **_ROBOT,
-    "xpos": _camera("pix", "camera_x_px", "px", 1.0, 1e5),
-    "ypos": _camera("pix", "camera_y_px", "px", 1.0, 1e5),
-    "ang": _camera("deg", "theta_rad", "rad", _DEGREE, 1e5),
-    "dx": _camera("mm", "step_x_m", "m", 1e-3, 1e4),
-    "dy": _camera("mm", "step_y_m", "m", 1e-3, 1e4),
-    "dang": _camera("deg", "step_theta_rad", "rad", _DEGREE, 720.0),
-}
-FORMS = (_MOTORS, _ROBOT, _TRACKED)
-"""What files have, beside their time: motors alone, with the robot's commands, with a camera."""
-_CAMERA = tuple(name for name in _TRACKED if name not in _ROBOT)
 _TIME = MeasuredColumn("t", "ms", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
+_MOTORS = (
+    *(_column(f"m{i}setvel", "rad/s", Role.INPUT, 1000.0, f"motor_{i}_set_rad_s") for i in (1, 2, 3)),
+    *(_column(f"m{i}pos", "ticks", Role.READING, 1e9, f"motor_{i}_ticks") for i in (1, 2, 3)),
+    *(_column(f"m{i}vel", "rad/s", Role.READING, 1000.0, f"motor_{i}_rad_s") for i in (1, 2, 3)),
+    *(_column(f"m{i}cur", "A", Role.READING, 50.0, f"motor_{i}_A") for i in (1, 2, 3)),
+)
+_ROBOT = (
+    _column("xsetspeed", "m/s", Role.INPUT, 5.0, "vx_set_m_s"),
+    _column("ysetspeed", "m/s", Role.INPUT, 5.0, "vy_set_m_s"),
+    _column("setvel", "rad/s", Role.INPUT, 1000.0, "w_set_rad_s"),
+    *_MOTORS,
+    _column("xcur", "A", Role.READING, 50.0, "x_axis_A"),
+    _column("ycur", "A", Role.READING, 50.0, "y_axis_A"),
+    _column("rotcur", "A", Role.READING, 50.0, "turning_A"),
+)
+_TRACKED = (
+    *_ROBOT,
+    _camera("xpos", "pix", 1e5, channel="camera_x_px", channel_unit="px"),
+    _camera("ypos", "pix", 1e5, channel="camera_y_px", channel_unit="px"),
+    _camera("ang", "deg", 1e5, channel="theta_rad", channel_unit="rad", factor=np.pi / 180.0),
+    _camera("dx", "mm", 1e4, channel="step_x_m", channel_unit="m", factor=1e-3),
+    _camera("dy", "mm", 1e4, channel="step_y_m", channel_unit="m", factor=1e-3),
+    _camera("dang", "deg", 720.0, channel="step_theta_rad", channel_unit="rad", factor=np.pi / 180.0),
+)
+FORMS = (_MOTORS, _ROBOT, _TRACKED)
+"""Columns of the three kinds of file, besides the time: motors only, with the robot's commands, and with a camera."""
 
 
 def _is_log(path: Path) -> bool:
@@ -101,8 +83,8 @@ def _read(path: Path) -> Measurement:
     files = sorted(file for file in path.glob("*.csv") if _is_log(file)) if is_folder(path) else [path]
     if not files:
         raise InputError("holds no such log", where=str(path), cure="name a file, or a folder of one floor")
-    read = [_log(file) for file in files]
-    first, *others = (tuple(channel.name for channel in trial.channels) for trial, _ in read)
+    logs = [_log(file) for file in files]
+    first, *others = (tuple(channel.name for channel in trial.channels) for trial, _ in logs)
     for file, names in zip(files[1:], others, strict=True):
         if names != first:
             raise InputError("has other columns than the files before", where=str(file), cure="name one file")
@@ -111,9 +93,9 @@ def _read(path: Path) -> Measurement:
         tuple(str(file) for file in files),
         "Apache-2.0",
     )
-    notes = [note for _, notes in read for note in notes]
+    notes = [note for _, notes in logs for note in notes]
     notes += ["not logged: voltage", "currents are magnitudes", "nothing is marked as held out"]
-    trials = tuple(trial for trial, _ in read)
+    trials = tuple(trial for trial, _ in logs)
     return Measurement(path.absolute().stem, CaseKind.OTHER, source, trials, notes=tuple(dict.fromkeys(notes)))
 
 
@@ -121,37 +103,20 @@ def _log(path: Path) -> tuple[Trial, tuple[str, ...]]:
     text = read_text(path)
     if len(text.lines) < HEADER_ROWS:
         raise InputError(f"has {len(text.lines)} rows", where=str(path), allowed="3 header rows: name, unit, symbol")
-    _, units, symbols = (_cells(text, row) for row in range(HEADER_ROWS))
+    _, units, symbols = (cells_of(line.rstrip(_SEPARATOR), _SEPARATOR) for line in text.lines[:HEADER_ROWS])
     form = next((form for form in FORMS if len(form) + 1 == len(symbols)), _TRACKED)
-    check_header(symbols, [_TIME.name, *form], path)
-    wanted = {_TIME.name: _TIME.unit, **{symbol: quantity.unit for symbol, quantity in form.items()}}
+    columns = (_TIME, *form)
+    check_header(symbols, [column.name for column in columns], path)
+    unit_of = {column.name: column.unit for column in columns}
     for symbol, unit in zip(symbols, units, strict=False):
-        if unit != wanted[symbol]:
-            raise InputError(f"unit of column {symbol}", where=f"{path}: row 2", got=unit, allowed=wanted[symbol])
-    columns = (_TIME, *(quantity.column(symbol) for symbol, quantity in form.items()))
+        if unit != unit_of[symbol]:
+            raise InputError(f"unit of column {symbol}", where=f"{path}: row 2", got=unit, allowed=unit_of[symbol])
     places = [symbols.index(column.name) for column in columns]
     table = table_of(text, columns, places, first=HEADER_ROWS, separator=_SEPARATOR)
     check_increasing(table, _TIME.name)
     t_s = 1e-3 * table.numbers[_TIME.name]
-    channels = []
-    for symbol, quantity in form.items():
-        values = quantity.factor * table.numbers[symbol]
-        if symbol == "ang":
-            given = np.isfinite(values)
-            values[given] = np.unwrap(values[given])  # one NaN would go on to all later rows
-        series = TimeSeries(quantity.channel, quantity.to_unit, t_s, values)
-        clock = "camera" if symbol in _CAMERA else "log"
-        channels.append(Channel.logged(series, quantity.role, clock=clock))
-    return Trial(path.stem, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels)), table.notes
+    channels = tuple(column.read(table, t_s) for column in form)
+    return Trial(path.stem, t_s, np.zeros(len(t_s), dtype=bool), channels), table.notes
 
 
-def _cells(text: TextFile, row: int) -> list[str]:
-    return [cell.strip() for cell in text.lines[row].rstrip(_SEPARATOR).split(_SEPARATOR)]
-
-
-IMPORTER = Importer(
-    "robotino",
-    "Robotino 2: motor currents and speeds on several floors, a log or a folder of one floor",
-    _recognises,
-    _read,
-)
+IMPORTER = Importer("robotino", _recognises, _read)

@@ -8,13 +8,13 @@ from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import NOMINAL, Nominal, NominalTof
+from diagnosis.measured.nominal import NOMINAL, NominalTof
 from symolo.core.errors import InputError, nearest
 from symolo.core.table import CsvTable
 
 
-def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
-    if not isinstance(nominal, NominalTof) or name != "reading_m":
+def _noise(nominal: NominalTof, table: CsvTable, name: str) -> KnownNoise | None:
+    if name != "reading_m":
         return None
     known = tuple(nominal.tof.reflectance)
     for i, material in enumerate(table.words["material"]):
@@ -32,8 +32,7 @@ def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
     return KnownNoise(nominal.noise.sd_m(distance_m))
 
 
-def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
-    del nominal
+def _notes(_nominal: NominalTof, measurement: Measurement) -> Sequence[str]:
     (trial,) = measurement.trials
     reading, distance = trial["reading_m"], trial["distance_m"].values
     usable = (reading.quality == SampleQuality.GOOD) & (distance > 0.0)
@@ -41,6 +40,4 @@ def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
     return scale_note(ratio, "reading_m", "m", "the distance")
 
 
-IMPORTER = case_importer(
-    CaseKind.TOF_BENCH, "measured case: a range sensor at known distances (nominal.yaml, data.csv)", _noise, _notes
-)
+IMPORTER = case_importer(CaseKind.TOF_BENCH, NominalTof, _noise, _notes)

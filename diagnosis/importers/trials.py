@@ -1,4 +1,4 @@
-"""The rows of a case's table as trials, in the order in which they were taken."""
+"""Conversion of the rows of a case into trials, in the order in which they were measured."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,14 +19,16 @@ from symolo.core.time_series import TimeSeries
 
 @dataclass(frozen=True)
 class KnownNoise:
-    """Of one channel in every row of a table, as nominal.yaml states it."""
+    """Noise of one channel as nominal.yaml states it."""
 
     sd: Array
+    """(N,), standard deviation in each row of the table, in the unit of the channel."""
     correlation: float = 0.0
+    """Correlation of the noise of two successive rows."""
 
     @classmethod
     def constant(cls, sd: float, table: CsvTable, correlation: float = 0.0) -> "KnownNoise":
-        """The same in every row."""
+        """Return noise that is the same in every row."""
         return cls(np.full(len(table.row), sd), correlation)
 
 
@@ -38,17 +40,17 @@ def trials_of(
     *,
     from_rest: bool,
 ) -> tuple[Trial, ...]:
-    """One trial for each sweep or trial of a table, or one for all of it where it has no such column.
+    """Return one trial for each sweep or trial of a table, or a single trial if the table has no such column.
 
     Args:
-        table: With a column t_s.
-        channels: Its columns that are channels.
+        table: The table, with a column t_s.
+        channels: Columns of the table that are channels.
         holdout: (N,), rows that are held out.
-        noise: What is known, by channel.
+        noise: Stated noise by channel.
         from_rest: Whether each trial starts at rest at `t_s` = 0.
 
     Raises:
-        InputError: A trial comes again, time does not go forward, or does not count from the trial's start.
+        InputError: The rows of a trial are not together, or their times do not increase from the start of the trial.
     """
     group = next((name for name in ("sweep", "trial") if name in table.numbers), "")
     numbers = table.numbers[group] if group else np.ones(len(table.row))
@@ -62,16 +64,18 @@ def trials_of(
 
 
 def _check_order(table: CsvTable, numbers: Array, group: str) -> None:
-    """Rows of a trial belong together, and time goes forward within each."""
+    """Refuse a trial whose rows are not together or not in the order of time."""
     changes = np.flatnonzero(np.diff(numbers)) + 1
     seen = {numbers[0]}
     for i in changes.tolist():
         if numbers[i] in seen:
             cure = "sort the rows by it and by time"
-            raise InputError(f"column {group}: {numbers[i]:.0f} comes again", where=table.where(i), cure=cure)
+            raise InputError(
+                f"column {group}: {numbers[i]:.0f} appears again after other rows", where=table.where(i), cure=cure
+            )
         seen.add(numbers[i])
     within = np.ones(len(numbers) - 1, dtype=bool)
-    within[changes - 1] = group == "sweep"  # the time of a steady state counts on from sweep to sweep
+    within[changes - 1] = group == "sweep"  # on a bench, the time continues from one sweep to the next
     check_increasing(table, "t_s", within)
     if "row" in table.numbers:
         check_increasing(table, "row")

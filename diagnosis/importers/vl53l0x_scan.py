@@ -1,4 +1,4 @@
-"""A range sensor moved over a grid, some readings at each point, in the order they were taken."""
+"""Log of a VL53L0X that was moved over a grid: columns x, y and lidar [mm], several readings at each point."""
 
 from pathlib import Path
 
@@ -33,15 +33,10 @@ def _read(path: Path) -> Measurement:
     trial = Trial("1", row, np.zeros(len(row), dtype=bool), channels, is_timed=False)
     source = MeasurementSource("VL53L0X over a grid, OSUrobotics/applevision_tof_profiler", (str(path),), "MIT")
     notes = (
-        f"{points} points with {count} readings each; the first ones after a move may be of the place before",
+        f"{points} points with {count} readings each; the first ones after a move may be of the previous place",
         "not logged: times, distance",
     )
     return Measurement(path.stem, CaseKind.OTHER, source, (trial,), notes=notes)
 
 
-IMPORTER = Importer(
-    "vl53l0x-scan",
-    "VL53L0X over a grid: columns x, y and lidar [mm], several rows a point",
-    lambda path: only_log(path, _is_log) is not None,
-    _read,
-)
+IMPORTER = Importer("vl53l0x-scan", lambda path: only_log(path, _is_log) is not None, _read)

@@ -1,4 +1,4 @@
-"""A long record of a range sensor that stands still, at a distance that nobody noted: for its noise and drift."""
+"""Long log of a VL53L0X at rest, at an unknown distance: for its noise and drift."""
 
 from pathlib import Path
 
@@ -17,21 +17,18 @@ def _is_log(path: Path) -> bool:
 
 def _read(path: Path) -> Measurement:
     path = only_log(path, _is_log) or path
-    record = read_rest_recording(path)
-    t_s = np.arange(len(record.readings_mm)) / record.rate_hz
-    reading = Channel.logged(TimeSeries("reading_m", "m", t_s, 1e-3 * record.readings_mm), Role.READING)
+    recording = read_rest_recording(path)
+    t_s = np.arange(len(recording.readings_mm)) / recording.rate_hz
+    reading = Channel.logged(TimeSeries("reading_m", "m", t_s, 1e-3 * recording.readings_mm), Role.READING)
     trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), (reading,))
     source = MeasurementSource("VL53L0X at rest, tomisuarez2/TimeOfFlightCalibration", (str(path),), "MIT")
-    notes = [f"times by the rate in the header, {record.rate_hz:g} Hz", "not logged: distance"]
-    if abs(len(t_s) / record.rate_hz - record.logging_s) > 0.01 * record.logging_s:
-        spanned_s = len(t_s) / record.rate_hz
-        notes.append(f"the header says {record.logging_s:g} s of logging, rows and rate make {spanned_s:.0f} s")
+    notes = [f"times by the rate in the header, {recording.rate_hz:g} Hz", "not logged: distance"]
+    spanned_s = len(t_s) / recording.rate_hz
+    if abs(spanned_s - recording.logging_s) > 0.01 * recording.logging_s:
+        notes.append(
+            f"the header states {recording.logging_s:g} s of logging, but the rows at this rate span {spanned_s:.0f} s"
+        )
     return Measurement(path.stem, CaseKind.OTHER, source, (trial,), notes=tuple(notes))
 
 
-IMPORTER = Importer(
-    "vl53l0x-static",
-    "VL53L0X at rest: header rows Fs, Logging time and d, then a reading [mm] a row",
-    lambda path: only_log(path, _is_log) is not None,
-    _read,
-)
+IMPORTER = Importer("vl53l0x-static", lambda path: only_log(path, _is_log) is not None, _read)

@@ -1,1 +1,1 @@
-"""From residuals to named causes: hypotheses, fits, their selection, and what must be said beside the names."""
+"""From residuals to named causes: hypotheses, fits, their selection, and what stays open."""

@@ -49,7 +49,8 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     for effect in effects:
         extended = hypothesis.with_effect(effect)
         robots.append(extended.robot(np.array([c.start for c in extended.coordinates])))
-    prediction = evidence.of(robots)
+    prediction = evidence.predicted(robots)
+    # Effects are visible if the mean or the noise of any sample changes.
     moves = np.abs((prediction.mean[1:] - prediction.mean[:1]) / evidence.sd)[:, evidence.fit].max(axis=1, initial=0.0)
     spreads = np.abs(np.log(prediction.sd[1:] / prediction.sd[:1]))[:, evidence.fit].max(axis=1, initial=0.0)
     visible = ((moves > VISIBLE) | (spreads > VISIBLE)).tolist()

@@ -9,10 +9,10 @@ because that step is usually taken. Coordinates are clipped to their bounds, and
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import log
 
 import numpy as np
 
+from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
@@ -57,6 +57,11 @@ class HypothesisFit:
     """(P, P), covariance of the coordinates by errors that samples share, which the information does not include."""
 
     @property
+    def robot(self) -> RobotConfig:
+        """Return the fitted robot."""
+        return self.hypothesis.robot(self.x)
+
+    @property
     def prior_cost(self) -> float:
         return float((self.hypothesis.prior(self.x) ** 2).sum())
 
@@ -65,7 +70,7 @@ class HypothesisFit:
         nuisances = len(self.hypothesis.nuisances)
         return np.concatenate([(self.slopes * root).T, np.diag(np.arange(len(self.x)) < nuisances).astype(float)])
 
-    def left(self, z: Array, root: Array) -> Array:
+    def weighted_residuals(self, z: Array, root: Array) -> Array:
         """Return the residuals z (N,) with the same weights, followed by those of the priors, (N + P,)."""
         priors = np.zeros(len(self.x))
         priors[: len(self.hypothesis.nuisances)] = -self.hypothesis.prior(self.x)
@@ -97,7 +102,7 @@ class _State:
 
     @property
     def around(self) -> tuple[Hypothesis, Array]:
-        """What must be predicted for the slopes at x: x itself, and a step along each coordinate."""
+        """Return the hypothesis and the coordinates to predict for the slopes at x: x, and a step along each axis."""
         return self.hypothesis, _around(self.hypothesis, self.x)
 
 
@@ -198,18 +203,10 @@ def _take_best(evidence: Evidence, state: _State, tried: Array, prediction: Pred
 
 def _stretches(hypothesis: Hypothesis, x: Array) -> Array:
     """Return coordinates (M, P) with each effect scaled by STRETCHES and everything else unchanged."""
-    stretched = []
-    for effect in hypothesis.effects:
-        places = hypothesis.parameters(effect)
-        for factor in STRETCHES:
-            tried = x.copy()
-            for place, c in enumerate(effect.coordinates, places.start):
-                if c.is_ceiling:
-                    tried[place] += log(factor)
-                elif c.null is not None:
-                    tried[place] = c.null + factor * (x[place] - c.null)
-            stretched.append(tried)
-    return hypothesis.clipped(np.array(stretched).reshape(len(stretched), len(x)))
+    stretched = [
+        hypothesis.scaled(effect, x, factor, with_limits=True) for effect in hypothesis.effects for factor in STRETCHES
+    ]
+    return np.array(stretched).reshape(len(stretched), len(x))
 
 
 def _around(hypothesis: Hypothesis, x: Array) -> Array:
@@ -235,6 +232,8 @@ def _fit(evidence: Evidence, hypothesis: Hypothesis, x: Array, prediction: Predi
     rows = evidence.fit
     weight = evidence.weight[rows]
     weighted = slopes[:, rows] * (weight * robust_weight(z[rows]))
+    # The information of reweighted least squares is positive semidefinite, unlike the second derivatives of the loss. A
+    # normal sample has an information of 2 about its log sd, which the robust loss lowers to 2 SPREAD.
     information = weighted @ slopes[:, rows].T + 2.0 * SPREAD * (spreads[:, rows] * weight) @ spreads[:, rows].T
     nuisances = len(hypothesis.nuisances)
     information[range(nuisances), range(nuisances)] += 1.0
@@ -246,17 +245,20 @@ def _steps(evidence: Evidence, fit: HypothesisFit) -> Array:
     """Return the coordinates (len(DAMPINGS), P) to try next."""
     rows, hypothesis, x = evidence.fit, fit.hypothesis, fit.x
     z, weight = fit.z[rows], evidence.weight[rows]
+    # Half the negative gradient of the cost by the mean and by log sd.
     pull = robust_weight(z) * z
     downhill = fit.slopes[:, rows] @ (weight * pull) + fit.spreads[:, rows] @ (weight * (pull * z - SPREAD))
     nuisances = len(hypothesis.nuisances)
     downhill[:nuisances] -= hypothesis.prior(x)
     low, high = hypothesis.bounds
+    # A coordinate at a bound stays there as long as the cost falls only beyond the bound.
     free = ~(((x <= low) & (downhill < 0.0)) | ((x >= high) & (downhill > 0.0)))
     diagonal = np.diag(fit.information)
     free &= diagonal > 0.0
     tried = np.repeat(x[None], len(DAMPINGS), axis=0)
     inside = np.ix_(free, free)
     for k, (damping, share) in enumerate(DAMPINGS):
+        # The tiny damping makes the system solvable where two parameters have the same effect on all data.
         damped = fit.information[inside] + np.diag((damping + 1e-9) * diagonal[free])
         tried[k, free] += share * np.linalg.solve(damped, downhill[free])
     return hypothesis.clipped(tried)
@@ -266,6 +268,6 @@ def _predicted(evidence: Evidence, requests: Sequence[tuple[Hypothesis, Array]])
     """Return the predictions of each hypothesis at several coordinates (M, P), computed in one batch."""
     if not requests:
         return []
-    batch = evidence.of([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
+    batch = evidence.predicted([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
     ends = np.cumsum([len(x) for _, x in requests]).tolist()
     return [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]

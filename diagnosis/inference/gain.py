@@ -6,7 +6,6 @@ largest 3 %; the error of several stages is the root mean square of theirs. The 
 rows of a trial are not independent (Kuensch, Ann. Statist. 17 (1989) 1217-1241).
 """
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -46,7 +45,7 @@ class Gain:
 
 def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gain | None:
     """Return the gain on the held-out rows; None if there are none."""
-    return gain_of(evidence, evidence.of([nominal, extended]).mean) if evidence.heldout.any() else None
+    return gain_of(evidence, evidence.predicted([nominal, extended]).mean) if evidence.heldout.any() else None
 
 
 def gain_of(evidence: Evidence, mean: Array) -> Gain | None:
@@ -85,10 +84,9 @@ def gain_of_sizes(
 
 def of_quantity(evidence: Evidence, place: slice) -> Evidence:
     """Return the same evidence with the held-out rows of one observed quantity only."""
-    single = copy.copy(evidence)
-    single.heldout = np.zeros_like(evidence.heldout)
-    single.heldout[place] = evidence.heldout[place]
-    return single
+    heldout = np.zeros_like(evidence.heldout)
+    heldout[place] = evidence.heldout[place]
+    return evidence.with_rows(heldout=heldout)
 
 
 def _error(parts: Sequence[Array]) -> float:
@@ -97,11 +95,11 @@ def _error(parts: Sequence[Array]) -> float:
 
 def trimmed_rms(size: Array) -> float:
     """Return the root mean square of sizes (n,) without the largest 3 %."""
-    smallest = np.sort(size)[: _kept(len(size))]
+    smallest = np.sort(size)[: _count(len(size))]
     return float(np.sqrt(np.mean(smallest**2)))
 
 
-def _kept(rows: int) -> int:
+def _count(rows: int) -> int:
     return max(1, int(np.floor(KEPT_SHARE * rows)))
 
 
@@ -115,6 +113,7 @@ def _blocks(evidence: Evidence) -> NDArray[np.int64]:
     usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 1.0
     length_s = max(BLOCK_S, BLOCK_ROWS * usual) if usual < BLOCK_S else BLOCK_ROWS * usual
     blocks = evidence.trial * 1_000_000 + np.floor(t_s / length_s).astype(np.int64)
+    # With so few blocks a bootstrap over them has no spread, and single rows are drawn.
     few = len(np.unique(blocks[evidence.heldout])) < MIN_TRIALS
     return np.arange(len(blocks)) if few else blocks
 
@@ -132,10 +131,10 @@ def _redrawn_squares(sizes: Array, blocks: NDArray[np.int64], generator: np.rand
     squares = np.empty((2, RESAMPLINGS))
     for k in range(RESAMPLINGS):
         times_drawn = np.bincount(generator.integers(len(names), size=len(names)), minlength=len(names))[block_of]
-        kept = _kept(int(times_drawn.sum()))
+        count = _count(int(times_drawn.sum()))
         for model, (size, order) in enumerate(zip(sizes, orders, strict=True)):
             times = times_drawn[order]
-            within = np.clip(kept - (np.cumsum(times) - times), 0, times)
+            within = np.clip(count - (np.cumsum(times) - times), 0, times)
             # A row that was drawn several times counts as often, up to the number of rows that count.
-            squares[model, k] = within @ size[order] ** 2 / kept
+            squares[model, k] = within @ size[order] ** 2 / count
     return squares

@@ -8,7 +8,7 @@ within its tolerance is therefore no discovery: the nuisances are fitted togethe
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import exp
+from math import exp, log
 from types import MappingProxyType
 from typing import Any
 
@@ -92,6 +92,19 @@ class Hypothesis:
     def clipped(self, x: Array) -> Array:
         """Return coordinates (..., P) within their bounds."""
         return np.clip(x, *self.bounds)
+
+    def scaled(self, effect: "CandidateEffect", x: Array, factor: float, *, with_limits: bool = False) -> Array:
+        """Return coordinates (P,) with the amplitudes of one effect multiplied by a factor, within their bounds.
+
+        Its limits stay as they are, or are multiplied themselves, which makes the effect smaller and not larger.
+        """
+        y = x.copy()
+        for place, c in enumerate(effect.coordinates, self.parameters(effect).start):
+            if c.is_ceiling:
+                y[place] += log(factor) if with_limits else 0.0
+            elif c.null is not None:
+                y[place] = c.null + factor * (x[place] - c.null)
+        return self.clipped(y)
 
     def null(self) -> Array:
         """Return the coordinates (P,) without effect; shape parameters have their start value."""

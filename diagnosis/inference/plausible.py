@@ -1,4 +1,4 @@
-"""Which fitted size of an effect no small robot has, so that the data need another explanation."""
+"""Fitted sizes of effects that no small robot has, so that the data need another explanation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

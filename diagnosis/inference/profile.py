@@ -70,6 +70,7 @@ class _End:
         elif rise < self.rise and self.reach >= self.bound:
             self.is_done = self.is_open = True
         else:
+            # The rise of a parabola grows with the square of the distance.
             factor = float(np.clip(np.sqrt(self.rise / max(rise, 1e-9)), 1.0 / MAX_FACTOR, MAX_FACTOR))
             self.reach = min(self.reach * factor, self.bound)
 
@@ -92,8 +93,8 @@ def profiles(evidence: Evidence, fit: HypothesisFit) -> dict[str, dict[str, tupl
             end.update(_rise(held, fit))
     intervals: dict[str, dict[str, tuple[Interval, ...]]] = {}
     for place, (effect, coordinate) in places.items():
-        if own := [end for end in ends if end.place == place]:
-            intervals.setdefault(effect, {})[coordinate.name] = tuple(_intervals(fit, coordinate, own))
+        if both_ends := [end for end in ends if end.place == place]:
+            intervals.setdefault(effect, {})[coordinate.name] = tuple(_intervals(fit, coordinate, both_ends))
     return intervals
 
 

@@ -12,8 +12,8 @@ def orthonormal(columns: Array) -> Array:
     """Return an orthonormal basis of the span of columns; dependent columns are left out."""
     if columns.shape[1] == 0:
         return columns
-    left, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    return left[:, sizes > 1e-7 * max(float(sizes.max(initial=0.0)), 1e-300)]
+    vectors, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    return vectors[:, sizes > 1e-7 * max(float(sizes.max(initial=0.0)), 1e-300)]
 
 
 def beyond(columns: Array, taken: Array) -> Array:
@@ -28,9 +28,10 @@ def beyond(columns: Array, taken: Array) -> Array:
     Returns:
         (k, r) with r at most k: the parts of `columns @ result` outside the span are orthonormal.
     """
+    # Columns of unit length, so that one threshold holds for columns of any unit.
     length = np.sqrt((columns**2).sum(axis=0))
     unit = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
     inner = (columns.T @ columns - taken.T @ taken) * unit * unit[:, None]
     sizes, vectors = np.linalg.eigh(inner)
-    some = sizes > MIN_SHARE
-    return unit[:, None] * vectors[:, some] / np.sqrt(sizes[some])
+    outside = sizes > MIN_SHARE
+    return unit[:, None] * vectors[:, outside] / np.sqrt(sizes[outside])

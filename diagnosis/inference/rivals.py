@@ -56,6 +56,7 @@ def compare_rivals(
         other = candidate.hypothesis.added_to(fit.hypothesis)
         if is_negligible(candidate, other):
             continue
+        # Only a rival that would win must pass the tests of the selection; others are reported as they are.
         worse = candidate.cost - fit.cost + TOLL * (len(other.coordinates) - len(effect.coordinates))
         refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
         rivals.append(Rival(other, worse, candidate, refused))
@@ -70,5 +71,6 @@ def confidence(rises: Iterable[float], rise_without: float) -> float:
         rises: Increase of the cost with each rival in place of the effect.
         rise_without: Increase of the cost without any effect, beyond the threshold for naming one.
     """
+    # The lower limit only prevents an overflow: with such a rival the confidence is 0 anyway.
     weights = sum(exp(-0.5 * max(rise, -50.0)) for rise in rises)
     return 1.0 / (1.0 + weights + exp(-0.5 * max(rise_without, 0.0)))

@@ -15,7 +15,7 @@ import numpy as np
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.likelihood import costs_of_residuals, root_weights, sample_costs
 from diagnosis.inference.projection import orthonormal
 from symolo.core.arrays import Array
@@ -59,7 +59,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
         starts.append(x)
     robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
     costs_before = costs_of_residuals(evidence, fit.z, fit.sd)
-    predictions = evidence.of(robots)
+    predictions = evidence.predicted(robots)
     drops, sizes = _along_lines(evidence, fit, predictions.mean)
     best: dict[CandidateEffect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
@@ -67,7 +67,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
         immediate = float((costs_before - sample_costs(evidence, single)[0])[evidence.fit].sum())
         prospect = Prospect(effect, x, immediate)
         if (drop := float(drops[k])) > immediate:
-            prospect = Prospect(effect, _scaled(hypotheses[effect], effect, x, float(sizes[k])), drop)
+            prospect = Prospect(effect, hypotheses[effect].scaled(effect, x, float(sizes[k])), drop)
         if effect not in best or prospect.drop > best[effect].drop:
             best[effect] = prospect
     return sorted(best.values(), key=lambda prospect: -prospect.drop)
@@ -89,10 +89,11 @@ def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[
     changes = root[rows] * ((means - evidence.values + fit.z * fit.sd) / fit.sd)[:, rows]
     changes = np.where(np.isfinite(changes), changes, 0.0)
     # The part of a change inside the span of the tangents is what the fitted parameters can explain themselves.
-    basis, residual = orthonormal(fit.tangents(root)), fit.left(fit.z, root)
+    basis, residual = orthonormal(fit.tangents(root)), fit.weighted_residuals(fit.z, root)
     taken = changes @ basis[rows]
     squares = (changes**2).sum(axis=1) - (taken**2).sum(axis=1)
     along = changes @ residual[rows] - taken @ (basis.T @ residual)
+    # A parabola along each direction: 2 along size - squares size^2, with its top at along / squares.
     is_new = squares > MIN_SHARE * (changes**2).sum(axis=1)
     sizes = np.clip(np.divide(along, squares, out=np.zeros_like(along), where=is_new), 0.0, MAX_MULTIPLE)
     return np.where(is_new, 2.0 * sizes * along - sizes**2 * squares, 0.0), sizes
@@ -107,12 +108,3 @@ def _values(coordinate: Coordinate) -> list[float]:
         sizes = TIME_SIZES if coordinate.is_time else SIZES
         values = [coordinate.null + size * (coordinate.start - coordinate.null) for size in sizes]
     return [x for x in values if coordinate.low <= x <= coordinate.high]
-
-
-def _scaled(hypothesis: Hypothesis, effect: CandidateEffect, x: Array, size: float) -> Array:
-    """Return the coordinates with the amplitudes of the effect scaled by `size`."""
-    y = x.copy()
-    for place, coordinate in enumerate(effect.coordinates, hypothesis.parameters(effect).start):
-        if coordinate.null is not None and not coordinate.is_ceiling:
-            y[place] = coordinate.null + size * (x[place] - coordinate.null)
-    return hypothesis.clipped(y)

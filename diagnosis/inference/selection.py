@@ -26,6 +26,7 @@ from diagnosis.inference.scan import Prospect, scan
 from diagnosis.inference.unexplained.adequacy import adequacy
 
 THRESHOLD = 15.0
+"""Fall of the cost from which an effect with one parameter is accepted."""
 PER_PARAMETER = 3.0
 """Addition to the threshold for each parameter of an effect beyond the first."""
 TOLL = 6.0
@@ -43,10 +44,11 @@ rows per second may as well be an integration error."""
 HOPELESS = 4.0
 """Expected fall of the cost up to which a fit is not worth its time."""
 NEARLY = 0.7
-"""Share of the best expected fall from which another candidate is fitted too."""
+"""Share of the best expected fall from which another candidate is fitted too; the expectation is that uncertain."""
 MIN_ROWS = 6.0
 """Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
 MIN_ROWS_SHARE = 0.1
+"""Share of the samples of the fit."""
 CONFIRMED = 8.0
 """Fall of the cost of held-out rows, as for a parameter at 2.8 standard errors, from which few samples are enough."""
 MIN_SAMPLES = 8
@@ -65,6 +67,7 @@ class Entry:
 
     effect: CandidateEffect
     drop: float
+    """Fall of the cost by the effect."""
     accepted: bool
     reason: str
     """Why the effect was accepted or not."""
@@ -86,9 +89,9 @@ class Selection:
         return tuple(effect.name for effect in self.fit.hypothesis.effects)
 
 
-def needed(effect: CandidateEffect) -> float:
+def needed(effect: CandidateEffect, threshold: float = THRESHOLD) -> float:
     """Return the fall of the cost from which an effect is accepted."""
-    return THRESHOLD + PER_PARAMETER * (len(effect.coordinates) - 1)
+    return threshold + PER_PARAMETER * (len(effect.coordinates) - 1)
 
 
 def select(
@@ -130,6 +133,7 @@ def _entered(
         entries.append(Entry(effect, drop, not reason, reason or f"the cost falls by {drop:.1f}"))
         if not reason:
             return tried, entries
+        # The candidates come best first, so after one that is too weak hardly any can be strong enough.
         if drop < needed(effect):
             break
     return None, entries
@@ -145,9 +149,7 @@ def rescued(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateE
         return None
     for tried in _extended(evidence, fit, effects):
         effect = tried.hypothesis.added_to(fit.hypothesis)
-        if refusal(evidence, fit, tried, effect, RESCUE + PER_PARAMETER * (len(effect.coordinates) - 1)):
-            continue
-        if adequacy(evidence, tried).is_adequate:
+        if not refusal(evidence, fit, tried, effect, RESCUE) and adequacy(evidence, tried).is_adequate:
             return tried
     return None
 
@@ -203,10 +205,18 @@ def refusal(
     before: HypothesisFit,
     after: HypothesisFit,
     effect: CandidateEffect,
-    min_drop: float | None = None,
+    threshold: float = THRESHOLD,
 ) -> str:
-    """Return why an effect is not accepted; empty if it is. `min_drop` is the necessary fall of the cost."""
-    drop, min_drop = before.cost - after.cost, needed(effect) if min_drop is None else min_drop
+    """Return why an effect is not accepted; empty if it is.
+
+    Args:
+        evidence: The observations.
+        before: The fit without the effect.
+        after: The fit with the effect.
+        effect: The effect.
+        threshold: Fall of the cost from which an effect with one parameter is accepted.
+    """
+    drop, min_drop = before.cost - after.cost, needed(effect, threshold)
     if drop < min_drop:
         return f"the cost falls by {drop:.1f}, and {min_drop:.0f} are needed"
     if is_negligible(after, effect):
@@ -219,6 +229,8 @@ def refusal(
     falls = costs_before - costs_after
     if np.count_nonzero(evidence.fit) < MIN_SAMPLES:
         return f"fewer than {MIN_SAMPLES} samples"
+    # A nuisance had left its tolerance to imitate the effect and now returns. It imitated the effect in all rows, so
+    # the samples fall by little, and no count of them says anything against the effect.
     if before.prior_cost - after.prior_cost > 0.5 * drop:
         return ""
     if is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
@@ -299,6 +311,7 @@ def _swapped(evidence: Evidence, fit: HypothesisFit, effects: Sequence[Candidate
     """Return the fit with each effect replaced by another one, if that explains more."""
     if len(fit.hypothesis.effects) < 2:
         return fit
+    # The last effect has just been chosen as the best beside the others, so only the earlier ones are compared again.
     for effect in fit.hypothesis.effects[:-1]:
         base = without(evidence, fit, effect)
         for rival in replaced(evidence, fit, effect, base, effects):

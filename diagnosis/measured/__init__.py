@@ -1,1 +1,1 @@
-"""Measured data as they were logged: channels with units, quality and known noise, whatever the file they came from."""
+"""Measured data as they were logged: channels with units, quality and known noise, from any kind of file."""

@@ -1,4 +1,4 @@
-"""The columns of data.csv of each kind of measured case, in the order in which we write them."""
+"""Columns of data.csv for each kind of measured case, in the order in which we write them."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -14,7 +14,7 @@ HOLDOUT = "holdout"
 SPLIT = WordColumn("split", ("fit", HOLDOUT))
 
 NO_TARGET_FROM_M = 8.19
-"""The device's codes for "no target", 8190 and 8191 mm."""
+"""Smallest of the device's codes for "no target", which are 8190 and 8191 mm."""
 
 _TIME = Reach(-1e3, 1e7)
 _COUNT = Reach(-1e12, 1e12)
@@ -24,7 +24,7 @@ _PLACE = Reach(-50.0, 50.0)
 
 
 def _number(name: str, decimals: int = 0) -> MeasuredColumn:
-    """A column that orders the rows."""
+    """Return a column that orders the rows."""
     return MeasuredColumn(name, "", Role.INPUT, _COUNT, decimals, may_be_empty=False)
 
 
@@ -33,7 +33,7 @@ def _time(name: str, decimals: int) -> MeasuredColumn:
 
 
 def _set(name: str, unit: str, reach: Reach, decimals: int) -> MeasuredColumn:
-    """What was set or known and is in every row."""
+    """Return a column of an input that is known in every row."""
     return MeasuredColumn(name, unit, Role.INPUT, reach, decimals, may_be_empty=False)
 
 
@@ -42,7 +42,7 @@ _MOTOR = (
     MeasuredColumn("current_A", "A", Role.READING, Reach(-50.0, 50.0), 6),
     MeasuredColumn("omega_rad_s", "rad/s", Role.READING, Reach(-1000.0, 1000.0), 5),
 )
-"""Digits are never fewer than a log of this kind has."""
+"""Columns of a motor, with at least as many digits as such logs have."""
 
 COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
     {
@@ -104,18 +104,18 @@ BLIND: Mapping[CaseKind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
         },
     }
 )
-"""Columns of the inputs of unseen runs, by kind and file; their readings are to be predicted."""
+"""Columns of the inputs of unseen runs, by kind and file. The readings of these runs are to be predicted."""
 
 ORDERING = frozenset({"row", "sweep", "trial", "split", "session_time_s", "t_s", "material"})
-"""Columns that are no channel: they say which row it is."""
+"""Columns that identify the row and are not channels."""
 
 RANGES = frozenset({"reading_m", "tof_front_m", "tof_left_m", "tof_right_m"})
-"""Channels in which the device's code for "no target" may stand."""
+"""Channels that may contain the device's code for "no target"."""
 
 CAMERA_CHANNELS = frozenset(_POSE)
-"""Stamped by the clock of the camera outside that tracks the robot."""
+"""Channels with the times of the external camera that tracks the robot."""
 
 
 def channel_columns(kind: CaseKind) -> tuple[MeasuredColumn, ...]:
-    """The columns of a kind that are channels."""
+    """Return the columns of a kind that are channels."""
     return tuple(c for c in COLUMNS[kind] if isinstance(c, MeasuredColumn) and c.name not in ORDERING)

@@ -1,4 +1,4 @@
-"""One measured quantity of a trial, sample by sample, with what is known of each sample.
+"""One measured quantity of a trial, with the quality of each sample.
 
 Nothing is deleted or repaired: a sample that cannot be trusted keeps its place, and its quality names the reason.
 """
@@ -18,9 +18,9 @@ Mask = NDArray[np.bool_]
 
 class Role(TextEnum):
     INPUT = "input"
-    """Set or known from outside, such as a voltage or a distance; drives a prediction."""
+    """Quantity that was set or is known, such as a voltage or a distance; a prediction is computed from it."""
     READING = "reading"
-    """What an instrument said; compared with a prediction."""
+    """Value of an instrument; it is compared with a prediction."""
 
 
 class SampleQuality(IntEnum):
@@ -28,28 +28,28 @@ class SampleQuality(IntEnum):
 
     GOOD = 0
     MISSING = 1
-    """Not in the log; the value is NaN."""
+    """Sample that is not in the log; its value is NaN."""
     NO_TARGET = 2
-    """The device's code for a range at which it saw nothing; the value is that code."""
+    """Range sensor without a target; the value is the device's code for that."""
     STALE = 3
-    """The value of an earlier time, said again."""
+    """Repeated value of an earlier time."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """What the log says of one quantity, and how far to trust it."""
+    """Logged samples of one quantity, with their quality and noise."""
 
     series: TimeSeries
     """Values (N,), NaN exactly where the quality is MISSING."""
     role: Role
     quality: NDArray[np.int8]
-    """(N,), of `SampleQuality`."""
+    """(N,), `SampleQuality` of each sample."""
     noise_sd: Array | None = None
-    """(N,), standard deviation of good readings in the channel's unit, as the source states it; None if it does not."""
+    """(N,), stated standard deviation of good readings in the channel's unit; None if the source does not state it."""
     noise_correlation: float = 0.0
-    """Of the noise of one sample with that of the next, as its source states it."""
+    """Stated correlation of the noise of one sample with that of the next."""
     clock: str = "log"
-    """Which clock stamped it. Between two clocks of a trial there may be a constant offset that nobody measured."""
+    """Name of the clock of the times. Two clocks of a trial may differ by a constant offset that is not known."""
 
     @classmethod
     def logged(
@@ -63,7 +63,7 @@ class Channel:
         noise_correlation: float = 0.0,
         clock: str = "log",
     ) -> "Channel":
-        """A channel whose NaN are missing and whose other samples are good, but for those marked, (N,) each."""
+        """Return a channel whose NaN are missing and whose other samples are good unless a mask (N,) marks them."""
         quality = np.full(len(series.t_s), SampleQuality.GOOD, dtype=np.int8)
         for mask, means in ((stale, SampleQuality.STALE), (no_target, SampleQuality.NO_TARGET)):
             if mask is not None:
@@ -77,7 +77,7 @@ class Channel:
             if array is not None and array.shape != shape:
                 raise ValueError(f"channel {self.name}: {what} of shape {array.shape} for values of {shape}")
         if not np.array_equal(np.isnan(self.series.values), self.quality == SampleQuality.MISSING):
-            raise ValueError(f"channel {self.name}: a sample is NaN where it is not missing, or the other way round")
+            raise ValueError(f"channel {self.name}: NaN and the quality MISSING do not agree")
         self.quality.flags.writeable = False
         if self.noise_sd is not None:
             self.noise_sd.flags.writeable = False
@@ -92,17 +92,17 @@ class Channel:
 
     @property
     def values(self) -> Array:
-        """(N,), NaN where missing."""
+        """Return the values (N,), NaN where missing."""
         return self.series.values.astype(np.float64, copy=False)
 
     @property
     def good(self) -> Mask:
-        """(N,)."""
+        """Return which samples are good, (N,)."""
         return self.quality == SampleQuality.GOOD
 
     @property
     def is_offered(self) -> bool:
-        """Whether there is any sample at all."""
+        """Return whether the channel has any sample."""
         return bool(np.any(self.quality != SampleQuality.MISSING))
 
     def count(self, quality: SampleQuality) -> int:
@@ -111,8 +111,8 @@ class Channel:
 
 @dataclass(frozen=True)
 class Label:
-    """What a row is about where that is a word, such as the material of a target."""
+    """Words that describe the rows, such as the material of a target."""
 
     name: str
     values: tuple[str, ...]
-    """(N,)."""
+    """(N,), word of each row."""

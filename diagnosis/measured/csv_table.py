@@ -22,9 +22,9 @@ class MeasuredColumn:
     unit: str
     role: Role
     reach: Reach
-    """What the quantity can be."""
+    """Possible values."""
     decimals: int = 4
-    """Digits after the point in files that we write; 0 is a whole number, in files that we read too."""
+    """Digits after the point in files that we write; 0 means whole numbers, in files that we read as well."""
     may_be_empty: bool = True
 
 

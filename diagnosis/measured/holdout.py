@@ -1,7 +1,7 @@
-"""Which trials of a measurement are held out: what the source marks, or what the user of a set names.
+"""Choice of the trials that are held out, by the names that the user gives.
 
-A set of logs has no column `split`. Whole trials are held out, never rows of one: neighbours share noise, and a drive's
-errors add up along it.
+A set of logs has no column `split`. Whole trials are held out and never single rows, because neighbouring rows share
+noise, and the errors of a drive add up along it.
 """
 
 from collections.abc import Sequence
@@ -14,20 +14,20 @@ from diagnosis.measured.measurement import Measurement
 from symolo.core.errors import InputError, nearest
 
 EVERY = 3
-"""Of the trials of a set that marks none, one in so many is held out."""
+"""One of so many trials is held out in a set that marks none."""
 
 
 def hold_out(measurement: Measurement, patterns: Sequence[str]) -> Measurement:
-    """The measurement with exactly those trials held out whose name or part matches a pattern, such as `circular/*`.
+    """Return the measurement with exactly those trials held out whose name or part matches a pattern.
 
     Args:
-        measurement: Whatever it held out before is no longer.
-        patterns: As file names have them: `*`, `?` and `[...]`; at least one.
+        measurement: The measurement; trials that it held out before are fitted unless they match as well.
+        patterns: At least one pattern as for file names, with `*`, `?` and `[...]`, such as `circular/*`.
 
     Raises:
         InputError: A pattern matches no trial, or together they leave none to fit.
     """
-    where = next(iter(measurement.source.files), measurement.name)
+    where = measurement.where
     names = [trial.name for trial in measurement.trials]
     labels = [(trial.name, trial.part) for trial in measurement.trials]
     for pattern in patterns:
@@ -46,7 +46,9 @@ def hold_out(measurement: Measurement, patterns: Sequence[str]) -> Measurement:
 
 
 def of_part(measurement: Measurement, part: str) -> Measurement:
-    """The trials of one part of the robot alone, such as `left wheel`: two motors are two measurements of a motor.
+    """Return the measurement with the trials of one part of the robot, such as `left wheel`.
+
+    The two motors of a robot are two measurements of a motor.
 
     Raises:
         InputError: There is no such part.
@@ -54,7 +56,7 @@ def of_part(measurement: Measurement, part: str) -> Measurement:
     trials = tuple(trial for trial in measurement.trials if trial.part == part)
     if not trials:
         parts = list(dict.fromkeys(trial.part for trial in measurement.trials if trial.part))
-        where = next(iter(measurement.source.files), measurement.name)
+        where = measurement.where
         what = "no trial is of that part"
         raise InputError(what, where=where, got=part, allowed=", ".join(parts) or "none", nearest=nearest(part, parts))
     return replace(measurement, name=f"{measurement.name}-{part.replace(' ', '-')}", trials=trials)

@@ -12,10 +12,10 @@ from symolo.core.text_enum import TextEnum
 
 
 class CaseKind(TextEnum):
-    """What a measurement is of, and hence which prediction belongs to it."""
+    """Kinds of measurement, each of which has its own prediction."""
 
     MOTOR_STEADY = "motor_steady"
-    """Rows are steady states of a motor at one voltage each."""
+    """Steady states of a motor, each row at one voltage."""
     MOTOR_STEP = "motor_step"
     """Voltage, current and speed of a motor against time."""
     TOF_BENCH = "tof_bench"
@@ -23,38 +23,38 @@ class CaseKind(TextEnum):
     DRIVE_LOG = "drive_log"
     """Voltages, encoder counts, ranges and pose of a robot with two driven wheels."""
     OTHER = "other"
-    """Channels that no stage of the simulator predicts as they are; for noise, delays and time constants."""
+    """Channels that no stage of the simulator predicts, but from which noise, delays and time constants follow."""
 
 
 @dataclass(frozen=True)
 class MeasurementSource:
-    """Where the data come from."""
+    """Origin of the data."""
 
     origin: str
-    """Who measured what, in a line."""
+    """Who measured what, in one line."""
     files: tuple[str, ...]
-    """As the user would type them; empty for what is printed in a paper."""
+    """Paths as the user would type them; empty for tables that are printed in a paper."""
     licence: str = ""
-    """Empty where it is the user's own."""
+    """Licence of the data; empty for data of the user."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One log without interruption, or one sweep on a bench. All arrays have its N rows."""
+    """One log without interruption, or one sweep on a bench, with N rows."""
 
     name: str
     t_s: Array
-    """(N,), strictly increasing, since the trial began; row numbers where nobody noted the time."""
+    """(N,), strictly increasing time since the trial began; row numbers if the time was not logged."""
     holdout: Mask
-    """(N,), rows that must not be used to choose or fit anything."""
+    """(N,), rows that must not be used to select or fit anything."""
     channels: tuple[Channel, ...]
     labels: tuple[Label, ...] = ()
     begins_s: float | None = None
-    """Time of `t_s` = 0 since the session began, where it was noted."""
+    """Time of `t_s` = 0 since the session began; None if it was not logged."""
     is_timed: bool = True
     """Whether `t_s` are times."""
     part: str = ""
-    """Which part of the robot it is of, where the trials differ in that."""
+    """Part of the robot that was measured; empty if it is the same in all trials."""
 
     def __post_init__(self) -> None:
         rows = len(self.t_s)
@@ -85,11 +85,11 @@ class Measurement:
     kind: CaseKind
     source: MeasurementSource
     trials: tuple[Trial, ...]
-    """At least one; all have the same channels in the same order."""
+    """Trials, at least one, with the same channels in the same order."""
     nominal: Nominal | None = None
-    """Parameters of a textbook simulation of it, where they came with the data."""
+    """Parameters of a textbook simulation; None if none came with the data."""
     notes: tuple[str, ...] = ()
-    """What a user of the data should know, a sentence each: what is missing, what was taken for what."""
+    """Notes for a user of the data, such as what is missing and how codes were interpreted."""
 
     def __post_init__(self) -> None:
         if not self.trials:
@@ -97,6 +97,11 @@ class Measurement:
         names = [tuple((channel.name, channel.unit) for channel in trial.channels) for trial in self.trials]
         if len(set(names)) > 1:
             raise ValueError(f"measurement {self.name}: the trials have different channels")
+
+    @property
+    def where(self) -> str:
+        """Return the place of the data for a message: the first file, or the name if there is no file."""
+        return next(iter(self.source.files), self.name)
 
     @property
     def rows(self) -> int:
@@ -107,7 +112,7 @@ class Measurement:
         return sum(int(np.count_nonzero(trial.holdout)) for trial in self.trials)
 
     def across(self, name: str) -> tuple[Channel, ...]:
-        """One channel in every trial."""
+        """Return one channel in every trial."""
         return tuple(trial[name] for trial in self.trials)
 
     def channel_names(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""nominal.yaml of a measured case: the parameters of a textbook simulator, their tolerances, and the known noise."""
+"""Schema of nominal.yaml: the parameters of a textbook simulator with tolerances, and the known noise."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +18,7 @@ Coefficients = Annotated[tuple[float, float, float, float], FromList]
 
 
 class PositiveSpread(Section):
-    """A parameter of one unit of many: normal about the value."""
+    """A positive parameter, normally distributed between units."""
 
     value: Positive
     tolerance: NotNegative
@@ -26,14 +26,14 @@ class PositiveSpread(Section):
 
 
 class Spread(Section):
-    """The same, of a parameter that may be zero or negative."""
+    """A parameter that may be zero or negative, normally distributed between units."""
 
     value: float = Field(ge=-1e6, le=1e6)
     tolerance: NotNegative
 
 
 class NominalMotor(Section):
-    """At the wheel shaft, as `configs.schema.robot.Motor`."""
+    """Parameters of a motor at the wheel shaft, as in `configs.schema.robot.Motor`."""
 
     winding_resistance_ohm: PositiveSpread
     torque_constant_N_m_A: PositiveSpread
@@ -63,16 +63,16 @@ class BenchTof(Section):
     reference_temperature_C: float = Field(ge=-273.15, le=200)
     resolution_m: NotNegative
     reflectance: dict[str, Annotated[float, Field(gt=0, le=1)]] = Field(min_length=1)
-    """By material."""
+    """Reflectance of each material."""
 
 
 class Mount(Section):
-    """Of a range sensor in the frame of the axle."""
+    """Place of a range sensor in the frame of the axle."""
 
     x_m: float
     y_m: float
     yaw_rad: float
-    """Counter-clockwise from straight ahead."""
+    """Direction of the sensor, counter-clockwise from straight ahead."""
 
 
 class Mounts(Section):
@@ -88,7 +88,7 @@ class DriveTof(Section):
 
 
 class KnownRoom(Section):
-    """Empty, 0 <= x <= room_x_m, 0 <= y <= room_y_m."""
+    """Empty room with 0 <= x <= room_x_m and 0 <= y <= room_y_m."""
 
     room_x_m: Positive
     room_y_m: Positive
@@ -107,11 +107,11 @@ class StepNoise(MotorNoise):
 
 class RangeNoise(Section):
     polynomial_mm: Coefficients
-    """p0 + p1 x + p2 x^2 + p3 x^3 with x = max(0, distance - origin) in metres."""
+    """Coefficients of p0 + p1 x + p2 x^2 + p3 x^3 with x = max(0, distance - origin) in metres."""
     polynomial_origin_m: NotNegative
 
     def sd_m(self, distance_m: Array) -> Array:
-        """Standard deviation of a reading [m] at these distances, of the same shape."""
+        """Return the standard deviation of a reading [m] at these distances, of the same shape."""
         beyond = np.maximum(distance_m - self.polynomial_origin_m, 0.0)
         return 1e-3 * np.polynomial.polynomial.polyval(beyond, np.array(self.polynomial_mm))
 
@@ -119,29 +119,28 @@ class RangeNoise(Section):
         """Refuse a polynomial that is not above zero at these distances, of any shape.
 
         Args:
-            distance_m: Where readings are; NaN are left out.
-            field: Its path in nominal.yaml.
-            where: That file.
+            distance_m: Distances of the readings; NaN are left out.
+            field: Path of the polynomial in nominal.yaml.
+            where: Path of that file.
 
         Raises:
-            InputError: With the shortest of them at which it is not.
+            InputError: It is not above zero; the message names the shortest such distance.
         """
-        given_m = np.unique(distance_m[np.isfinite(distance_m)])
-        sd_m = self.sd_m(given_m)
+        known_m = np.unique(distance_m[np.isfinite(distance_m)])
+        sd_m = self.sd_m(known_m)
         wrong = np.flatnonzero(~(sd_m > 0.0)).tolist()
         if wrong:
-            told = f"{1e3 * sd_m[wrong[0]]:.3g} mm at {given_m[wrong[0]]:.3g} m"
-            cure = "mend its coefficients, p0 to p3 in mm"
-            raise InputError(f"{field}: a standard deviation of {told}", where=where, allowed="above 0", cure=cure)
+            what = f"{field}: a standard deviation of {1e3 * sd_m[wrong[0]]:.3g} mm at {known_m[wrong[0]]:.3g} m"
+            raise InputError(what, where=where, allowed="above 0", cure="correct its coefficients, p0 to p3 in mm")
 
 
 class DriveNoise(Section):
     wheel_speed_rad_s: Positive
-    """Of a mean speed over a row, tick rounding included; correlated over about 0.1 s."""
+    """Noise of a mean speed over a row, with the rounding to ticks; correlated over about 0.1 s."""
     pose_xy_m: Positive
     pose_theta_rad: Positive
     travel_m_per_sqrt_m: NotNegative
-    """Slip: each wheel's travel in a row has this times the root of it."""
+    """Slip: noise of the distance that a wheel travels in a row, over the square root of that distance."""
     tof_polynomial_mm: Coefficients
     tof_polynomial_origin_m: NotNegative
 
@@ -179,21 +178,21 @@ class NominalDrive(Section):
 
 
 class KnownMotor(Section):
-    """All that a source which is no case of ours tells of a motor: no noise, and so no nominal.yaml."""
+    """Motor of a source that states no noise, so that the data have no nominal.yaml."""
 
     motor: NominalMotor
 
 
 class KnownWheels(Section):
-    """The same of a driven robot: its wheels alone, neither motors nor ranges."""
+    """Wheels of a robot of a source that states nothing about motors, range sensors and noise."""
 
     robot: NominalRobot
     wheel_radius_asymmetry: Spread
-    """Difference of the left radius and the right one, over their mean."""
+    """Left radius minus right radius, over their mean."""
 
 
 NominalCase = NominalSteady | NominalStep | NominalTof | NominalDrive
-"""What a nominal.yaml holds."""
+"""Content of a nominal.yaml."""
 Nominal = NominalCase | KnownMotor | KnownWheels
 
 NOMINAL = "nominal.yaml"
@@ -206,26 +205,26 @@ MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]]
 
 
 def kind_of(path: Path) -> object:
-    """What stands under `kind`, whatever the rest is like; None where nothing does.
+    """Return the value of `kind` without checking the rest of the file; None if the file has no such key.
 
     Raises:
-        InputError: It is not strict YAML.
+        InputError: The file is not strict YAML.
     """
     kind = read_yaml(path).root.child("kind")
     return kind.plain() if kind else None
 
 
 def read_nominal(path: Path) -> NominalCase:
-    """The parameters of one case.
+    """Return the parameters of one case.
 
     Raises:
-        InputError: It is not strict YAML or not of the format; the text names file, line and field.
+        InputError: The file is not strict YAML or breaks the format; the message names file, line and field.
     """
     root = read_yaml(path).root
     kind = root.child("kind")
-    found = kind.plain() if kind else None
-    if not isinstance(found, str) or found not in MODELS:
+    name = kind.plain() if kind else None
+    if not isinstance(name, str) or name not in MODELS:
         allowed = f"one of {', '.join(MODELS)}"
         where = kind.where if kind else root.where
-        raise InputError("kind", where=where, got=found, allowed=allowed, nearest=nearest(found, MODELS))
-    return validated(root, MODELS[found], {})
+        raise InputError("kind", where=where, got=name, allowed=allowed, nearest=nearest(name, MODELS))
+    return validated(root, MODELS[name], {})

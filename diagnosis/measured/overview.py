@@ -1,4 +1,4 @@
-"""What was read, for people: trials, rates and gaps, then each channel with what is missing, wild and noisy in it."""
+"""The text of `symolo inspect`: trials with rates and gaps, and channels with missing samples, outliers and noise."""
 
 from collections.abc import Callable, Iterator
 
@@ -11,15 +11,18 @@ from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, 
 from symolo.core.arrays import Array
 
 SAME_TEMPERATURE_K = 3.0
+"""Width of a range of temperatures that counts as one condition."""
 NOT_NOTED = -1e9
+"""Number that stands for a condition that was not logged, since NaN is not equal to itself."""
 MAX_TRIALS = 12
-"""Told one by one; of more, the first ones."""
+"""Largest number of trials that have a line each."""
 _HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild", "from", "to", "step", "noise", "known")
 
 
 def overview(measurement: Measurement) -> list[str]:
-    """A line each, without line ends."""
-    lines = [summary_line(measurement), f"source: {measurement.source.origin}{_licence(measurement)}"]
+    """Return the lines of the text."""
+    licence = f" ({measurement.source.licence})" if measurement.source.licence else ""
+    lines = [summary_line(measurement), f"source: {measurement.source.origin}{licence}"]
     if measurement.source.files:
         first, *more = measurement.source.files
         lines.append(f"read from {first}{f' and {len(more)} more' if more else ''}")
@@ -31,15 +34,11 @@ def overview(measurement: Measurement) -> list[str]:
 
 
 def summary_line(measurement: Measurement) -> str:
-    """Name, kind, trials and rows."""
+    """Return one line with name, kind, trials and rows."""
     rows, held = measurement.rows, measurement.heldout_rows
     split = f"{rows - held} to fit, {held} held out" if held else "none held out"
     trials = len(measurement.trials)
     return f"{measurement.name}: {measurement.kind}, {trials} trial{'s' * (trials > 1)}, {rows} rows ({split})"
-
-
-def _licence(measurement: Measurement) -> str:
-    return f" ({measurement.source.licence})" if measurement.source.licence else ""
 
 
 def _trials(measurement: Measurement) -> Iterator[str]:
@@ -55,11 +54,11 @@ def _trials(measurement: Measurement) -> Iterator[str]:
 
 
 def _times(trial: Trial) -> str:
-    found = timing(trial.t_s) if trial.is_timed else None
-    if found is None:
+    steps = timing(trial.t_s) if trial.is_timed else None
+    if steps is None:
         return f"{'-':>11}{'-':>10}{'-':>6}{'-':>12}"
     lasts_s = trial.t_s[-1] - trial.t_s[0]
-    return f"{lasts_s:>11.2f}{found.rate_hz:>10.3g}{found.gaps:>6}{found.longest_s:>12.3g}"
+    return f"{lasts_s:>11.2f}{steps.rate_hz:>10.3g}{steps.gaps:>6}{steps.longest_s:>12.3g}"
 
 
 def _channels(measurement: Measurement) -> Iterator[str]:
@@ -76,18 +75,18 @@ def _channels(measurement: Measurement) -> Iterator[str]:
     for channel in measurement.trials[0].channels:
         clocks.setdefault(channel.clock, []).append(channel.name)
     if len(clocks) > 1:
-        told = "; ".join(f"{clock}: {', '.join(names)}" for clock, names in clocks.items() if clock != "log")
-        yield f"stamped by a clock of their own, whose offset is not known: {told}"
+        others = "; ".join(f"{clock}: {', '.join(names)}" for clock, names in clocks.items() if clock != "log")
+        yield f"with the times of another clock, whose offset is not known: {others}"
 
 
 def _cells(measurement: Measurement, name: str) -> tuple[str, ...]:
     across = measurement.across(name)
     first = across[0]
     values = np.concatenate([usable(channel) for channel in across])
-    given = values[np.isfinite(values)]
+    known = values[np.isfinite(values)]
     counts = [sum(channel.count(quality) for channel in across) for quality in _COUNTED]
     is_reading = first.role is Role.READING
-    wild = sum(int(np.count_nonzero(found)) for found in _wild(measurement, name)) if is_reading else 0
+    wild = sum(int(np.count_nonzero(outliers)) for outliers in _wild(measurement, name)) if is_reading else 0
     return (
         name,
         first.unit or "-",
@@ -95,8 +94,8 @@ def _cells(measurement: Measurement, name: str) -> tuple[str, ...]:
         str(len(values)),
         *(str(count) if count else "-" for count in counts),
         str(wild) if wild else "-",
-        f"{given.min():.4g}" if len(given) else "-",
-        f"{given.max():.4g}" if len(given) else "-",
+        f"{known.min():.4g}" if len(known) else "-",
+        f"{known.max():.4g}" if len(known) else "-",
         f"{step:.2g}" if (step := resolution(values)) else "-",
         _noise(measurement, name) if is_reading else "-",
         _known(across),
@@ -107,7 +106,7 @@ _COUNTED = (SampleQuality.MISSING, SampleQuality.NO_TARGET, SampleQuality.STALE)
 
 
 def _wild(measurement: Measurement, name: str) -> Iterator[Mask]:
-    """In each trial, readings that stand out; on a range bench those far off their distance."""
+    """Yield the outliers of each trial; on a bench of a range sensor, readings far from the known distance."""
     for trial in measurement.trials:
         channel = trial[name]
         if measurement.kind is CaseKind.TOF_BENCH and name == "reading_m":
@@ -118,37 +117,37 @@ def _wild(measurement: Measurement, name: str) -> Iterator[Mask]:
 
 
 def _noise(measurement: Measurement, name: str) -> str:
-    """Standard deviation, with its correlation where the channel is sampled often: the median of the trials.
+    """Return the noise as text: the median over the trials of the standard deviation and of the correlation.
 
-    On benches that of repeats; in units of the stated noise where that differs from row to row.
+    On a bench it is the noise of repeats, in units of the stated noise if that differs from row to row.
     """
     repeats = _REPEATS.get(measurement.kind)
     if repeats is not None:
         return repeats(measurement, name)
     if not all(trial.is_timed for trial in measurement.trials):
         return "-"
-    found = [noise for channel in measurement.across(name) for noise in (noise_of(channel),) if noise is not None]
-    if not found:
+    noises = [noise for channel in measurement.across(name) for noise in (noise_of(channel),) if noise is not None]
+    if not noises:
         return "-"
-    if 2 * sum(not noise.is_resolved for noise in found) > len(found):
+    if 2 * sum(not noise.is_resolved for noise in noises) > len(noises):
         return "below resolution"
-    if 2 * sum(noise.is_separable for noise in found) < len(measurement.trials):
+    if 2 * sum(noise.is_separable for noise in noises) < len(measurement.trials):
         return "not separable"
-    sd, correlation = (float(np.median([getattr(noise, of) for noise in found])) for of in ("sd", "correlation"))
+    sd, correlation = np.median([(noise.sd, noise.correlation) for noise in noises], axis=0).tolist()
     return f"{sd:.2g}, corr {correlation:+.2f}" if sd > 0.0 else "0"
 
 
 def _steady_repeats(measurement: Measurement, name: str) -> str:
-    """The same voltage in several sweeps of one motor."""
+    """Return the noise of readings at the same voltage in several sweeps of one motor."""
     trials = measurement.trials
     values = np.concatenate([usable(trial[name]) for trial in trials])
     conditions = [(trial.part, voltage) for trial in trials for voltage in trial["u_cmd_V"].values.round(6).tolist()]
-    found = noise_of_repeats(values, conditions)
-    return f"{found.sd:.2g} of {found.rows} repeats" if found else "-"
+    noise = noise_of_repeats(values, conditions)
+    return f"{noise.sd:.2g} of {noise.rows} repeats" if noise else "-"
 
 
 def _range_repeats(measurement: Measurement, name: str) -> str:
-    """The same target again, at about the same temperature where one was noted, in units of the stated noise."""
+    """Return the noise of readings of the same target at about the same temperature, in units of the stated noise."""
     z, conditions = [], []
     names = set(measurement.channel_names())
     for trial in measurement.trials:
@@ -156,12 +155,12 @@ def _range_repeats(measurement: Measurement, name: str) -> str:
         if channel.noise_sd is None:
             return "-"
         z += (usable(channel) / channel.noise_sd).tolist()
-        known = [trial[of].values for of in ("distance_m", "incidence_rad") if of in names]
-        known += [np.floor(trial["temperature_C"].values / SAME_TEMPERATURE_K)] if "temperature_C" in names else []
-        told = [np.nan_to_num(values, nan=NOT_NOTED).round(6).tolist() for values in known]
-        conditions += zip(trial.label("material").values, *told, strict=True)
-    found = noise_of_repeats(np.array(z), conditions)
-    return f"{found.sd:.2f} x known, {found.rows} repeats" if found else "-"
+        logged = [trial[quantity].values for quantity in ("distance_m", "incidence_rad") if quantity in names]
+        logged += [np.floor(trial["temperature_C"].values / SAME_TEMPERATURE_K)] if "temperature_C" in names else []
+        columns = [np.nan_to_num(values, nan=NOT_NOTED).round(6).tolist() for values in logged]
+        conditions += zip(trial.label("material").values, *columns, strict=True)
+    noise = noise_of_repeats(np.array(z), conditions)
+    return f"{noise.sd:.2f} x known, {noise.rows} repeats" if noise else "-"
 
 
 _REPEATS: dict[CaseKind, Callable[[Measurement, str], str]] = {
@@ -171,7 +170,7 @@ _REPEATS: dict[CaseKind, Callable[[Measurement, str], str]] = {
 
 
 def _known(across: tuple[Channel, ...]) -> str:
-    """What the source states of the noise: one number, or the smallest and largest of them."""
+    """Return the stated noise as text: one number, or the smallest and the largest one."""
     stated: list[Array] = [channel.noise_sd for channel in across if channel.noise_sd is not None]
     if not stated:
         return "-"

@@ -1,7 +1,7 @@
-"""Whether a column can be in its unit at all, and in which one it more likely is.
+"""Checks whether a column can be in its unit, and in which other unit it is likely to be.
 
-A log in millimetres under a header in metres reads without an error and makes every later result wrong by a thousand.
-One wild value is an outlier and stays; a column whose middle is out of reach is refused.
+A log in millimetres under a header in metres can be read without an error, and then every later result is wrong by a
+factor of a thousand. A single wild value is an outlier and stays; a column whose median is out of reach is refused.
 """
 
 from dataclasses import dataclass
@@ -19,18 +19,18 @@ _OTHER_UNITS = {
     "V": (("mV", 1e3),),
     "m/s": (("mm/s", 1e3), ("cm/s", 1e2)),
 }
-"""By unit: others that logs come in, and how many of them make one."""
+"""Other units in which logs come, by our unit, and how many of them make one of ours."""
 
 
 @dataclass(frozen=True)
 class Reach:
-    """What a quantity of a small robot can be, wide enough for any of them."""
+    """Possible values of a quantity of a small robot, with wide margins."""
 
     low: float
     high: float
 
     def holds(self, values: Array) -> np.ndarray:
-        """(N,), true where a value is within or missing."""
+        """Return which values (N,) are possible or missing."""
         return ~((values < self.low) | (values > self.high))
 
     def words(self, unit: str) -> str:
@@ -38,15 +38,15 @@ class Reach:
 
 
 def beyond_scale(values: Array, reach: Reach) -> float | None:
-    """The median size of the values, if more than half of those given are out of reach; NaN are left out."""
-    given = values[np.isfinite(values)]
-    if not len(given) or 2 * np.count_nonzero(~reach.holds(given)) <= len(given):
+    """Return the median size of the values if more than half of them are out of reach, else None; NaN are left out."""
+    known = values[np.isfinite(values)]
+    if not len(known) or 2 * np.count_nonzero(~reach.holds(known)) <= len(known):
         return None
-    return float(np.median(np.abs(given)))
+    return float(np.median(np.abs(known)))
 
 
 def likely_unit(typical: float, reach: Reach, unit: str) -> str:
-    """A cure: the unit in which such a value would be within reach, or an empty string."""
+    """Return advice that names the unit in which such a value would be possible, or an empty string."""
     fits = [(name, per) for name, per in _OTHER_UNITS.get(unit, ()) if reach.low <= typical / per <= reach.high]
     if not fits:
         return ""
@@ -56,6 +56,6 @@ def likely_unit(typical: float, reach: Reach, unit: str) -> str:
 
 
 def mixed_up_unit(ratio: float, unit: str) -> str:
-    """The unit whose factor is within 30 % of how many times too large values are, or an empty string."""
+    """Return the unit whose factor is within 30 % of this ratio, with advice; an empty string if there is none."""
     fits = [f"{name}: divide by {per:.4g}" for name, per in _OTHER_UNITS.get(unit, ()) if 0.7 < ratio / per < 1.3]
     return fits[0] if fits else ""

@@ -1,4 +1,4 @@
-"""What a log is like before any model looks at it: rate, gaps, and samples that stand out. Nothing is changed."""
+"""Properties of a log that need no model: rate, gaps, noise and outliers. Nothing is changed."""
 
 from dataclasses import dataclass
 
@@ -9,21 +9,20 @@ from diagnosis.measured.noise import Noise, noise_of_differences, trimmed_varian
 from symolo.core.arrays import Array
 
 GAP = 1.5
-"""Steps of time longer than so many usual ones are gaps."""
+"""Steps of time above this multiple of the usual step are gaps."""
 STANDS_OUT = 6.0
-"""Standard deviations; of a million normal deviates, none is expected there."""
+"""Deviation of an outlier in standard deviations; of a million normal deviates none is expected beyond it."""
 SAME = 0.7
-"""Of a spike's size, at which it stands out on either side."""
+"""Share of its size by which a spike must differ from the lines through its neighbours on both sides."""
 
 
 @dataclass(frozen=True)
 class Timing:
     period_s: float
-    """The usual step."""
-    shortest_s: float
+    """Usual step."""
     longest_s: float
     gaps: int
-    """Steps of more than 1.5 periods."""
+    """Number of steps of more than 1.5 periods."""
 
     @property
     def rate_hz(self) -> float:
@@ -31,73 +30,76 @@ class Timing:
 
 
 def usual(steps_s: Array) -> float:
-    """The median step, of two in the middle the shorter: a gap is never usual."""
+    """Return the median step."""
+    # Of two steps in the middle the shorter counts, so that a gap is never the usual step.
     return float(np.sort(steps_s)[(len(steps_s) - 1) // 2])
 
 
 def timing(t_s: Array) -> Timing | None:
-    """Of one trial; None with a single row."""
+    """Return the timing of one trial; None with a single row."""
     steps = np.diff(t_s)
     if not len(steps):
         return None
     period_s = usual(steps)
-    return Timing(period_s, float(steps.min()), float(steps.max()), int(np.count_nonzero(steps > GAP * period_s)))
+    return Timing(period_s, float(steps.max()), int(np.count_nonzero(steps > GAP * period_s)))
 
 
 def joined(t_s: Array) -> Mask:
-    """(N - 1,), whether there is no gap between a row and the next."""
-    found = timing(t_s)
-    return np.diff(t_s) <= GAP * found.period_s if found else np.zeros(0, dtype=bool)
+    """Return whether there is no gap between a row and the next, (N - 1,)."""
+    steps = timing(t_s)
+    return np.diff(t_s) <= GAP * steps.period_s if steps else np.zeros(0, dtype=bool)
 
 
 def usable(channel: Channel) -> Array:
-    """(N,), the values, NaN where the quality is not good."""
+    """Return the values (N,), NaN where the quality is not good."""
     return np.where(channel.good, channel.values, np.nan)
 
 
 def noise_of(channel: Channel) -> Noise | None:
-    """Of a channel that is sampled often, at least that of the rounding to its resolution (uniform: step^2/12)."""
+    """Return the noise of a channel that is sampled often, at least that of rounding to its resolution."""
     values = usable(channel)
-    found, step = noise_of_differences(values, joined(channel.series.t_s)), resolution(values)
-    if found is None or step is None or found.sd**2 >= step**2 / 12.0:
-        return found
-    return Noise(float(step / np.sqrt(12.0)), 0.0, found.rows, is_resolved=False)
+    noise, step = noise_of_differences(values, joined(channel.series.t_s)), resolution(values)
+    # An error of rounding is uniform over one step, and then its variance is step^2 / 12.
+    if noise is None or step is None or noise.sd**2 >= step**2 / 12.0:
+        return noise
+    return Noise(float(step / np.sqrt(12.0)), 0.0, noise.rows, is_resolved=False)
 
 
 def spikes(channel: Channel) -> Mask:
-    """(N,), single samples far off the middle of their neighbours.
+    """Return which samples (N,) are single outliers from the mean of their two neighbours.
 
-    Far is six standard deviations of that difference, whose variance is 3/2 that of the noise; and three times as far
-    as 19 in 20 samples are, for where a channel moves in jerks its noise says little. To tell spikes from steps and
-    from the peaks of decays, the sample must be as far, but for 30 %, off the lines through the two before and the two
-    after, and to the same side. Where a channel has no noise to speak of, nothing is said. Beside a step, a neighbour
-    of a spike may be taken for one too.
+    The difference from that mean must be larger than six of its standard deviations, and than three times what 19 of
+    20 samples have, since the noise says little about a channel that moves in jerks. To distinguish a spike from a step
+    and from the peak of a decay, the sample must be at least 70 % as far from the lines through the two samples before
+    it and the two after it, on the same side. A channel without noise has no spikes. Next to a step, the neighbour of a
+    spike may be marked as well.
     """
     values, whole = usable(channel), joined(channel.series.t_s)
-    found = np.zeros(len(values), dtype=bool)
+    is_spike = np.zeros(len(values), dtype=bool)
     noise = noise_of_differences(values, whole)
     if noise is None or noise.sd == 0.0 or len(values) < 5:
-        return found
+        return is_spike
     here = values[2:-2]
     off = here - 0.5 * (values[1:-3] + values[3:-1])
     before, after = here - (2.0 * values[1:-3] - values[:-4]), here - (2.0 * values[3:-1] - values[4:])
     together = whole[:-3] & whole[1:-2] & whole[2:-1] & whole[3:]
     size = np.where(together & np.isfinite(off + before + after), np.abs(off), 0.0)
+    # The mean of two neighbours adds half of the variance of the noise to that of the sample.
     bound = max(STANDS_OUT * np.sqrt(1.5) * noise.sd, 3.0 * float(np.quantile(size, 0.95)))
     alone = np.minimum(before * np.sign(off), after * np.sign(off)) > SAME * size
-    found[2:-2] = alone & (size > bound)
-    return found
+    is_spike[2:-2] = alone & (size > bound)
+    return is_spike
 
 
 def far_out(deviations: Array) -> Mask:
-    """(N,), deviates far from the middle of all of them, in no order; NaN are not."""
+    """Return which of the deviations (N,), in any order, are far from their median; NaN are not."""
     centred = deviations - np.nanmedian(deviations) if np.isfinite(deviations).any() else deviations
     with np.errstate(invalid="ignore"):
         return np.abs(centred) > STANDS_OUT * np.sqrt(trimmed_variance(centred))
 
 
 def resolution(values: Array) -> float | None:
-    """The step that all values lie on, to a fiftieth of it; None where they lie on none, or are all the same."""
+    """Return the step of which all values are multiples to within a fiftieth; None if there is none."""
     distinct = np.unique(values[np.isfinite(values)])
     steps = np.diff(distinct)
     steps = steps[steps > 1e-6 * float(np.abs(distinct).max(initial=0.0))]

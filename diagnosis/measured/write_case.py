@@ -1,4 +1,4 @@
-"""A measurement written as a measured case: the same rows and values, with as many digits as that takes."""
+"""Writer of measured cases: the same rows and values as a measurement, with as many digits as that takes."""
 
 from pathlib import Path
 
@@ -13,16 +13,16 @@ from symolo.core.arrays import Array
 from symolo.core.files.atomic_files import make_folder, write_file
 
 MAX_DECIMALS = 12
-"""Beyond which a number is written as the shortest that reads back equal."""
+"""Number of decimals above which a number is written in its shortest form that reads back equal."""
 SUM_S = 1e-9
-"""Error of a session time, the sum of a trial's start and a time in it, which is rounded."""
+"""Allowed error of a session time [s], which is the rounded sum of the start of a trial and a time in it."""
 
 
 def write_case(measurement: Measurement, folder: Path) -> None:
-    """Make `folder` and write data.csv and nominal.yaml into it.
+    """Write data.csv and nominal.yaml of a measurement into a new folder.
 
     Raises:
-        ValueError: The measurement has no nominal parameters, or is of no kind that the format knows.
+        ValueError: The measurement has no nominal parameters, or the format has no such kind.
     """
     if (
         measurement.nominal is None
@@ -37,7 +37,7 @@ def write_case(measurement: Measurement, folder: Path) -> None:
 
 
 def csv_of(measurement: Measurement) -> str:
-    """The text of data.csv."""
+    """Return the text of data.csv."""
     columns = COLUMNS[measurement.kind]
     lines = [",".join(column.name for column in columns)]
     before = 0
@@ -70,7 +70,7 @@ def _texts(values: Array, decimals: int, within: float = 0.0) -> list[str]:
 
 
 def _text(value: float, decimals: int, within: float) -> str:
-    """With these decimals, or more where it would not read back as the value within so much."""
+    """Return a number with these decimals, or with more if it would not read back as the value within a tolerance."""
     for digits in range(decimals, MAX_DECIMALS + 1):
         text = f"{round(value, digits) + 0.0:.{digits}f}"
         if abs(float(text) - value) <= within:

@@ -1,20 +1,20 @@
-"""Stages of the simulator with measured inputs; one file and one line here for each kind of measurement."""
+"""Stages of the simulator with measured inputs: one file, and one line here, for each kind of measurement."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.predictors.base import Binder
+from diagnosis.predictors.base import Binder, only_stage
 from diagnosis.predictors.drive_log import drive_log_stages
-from diagnosis.predictors.motor_steady import motor_steady_stages
-from diagnosis.predictors.motor_step import motor_step_stages
-from diagnosis.predictors.tof_bench import tof_bench_stages
+from diagnosis.predictors.motor_steady import MotorSteady
+from diagnosis.predictors.motor_step import MotorStep
+from diagnosis.predictors.tof_bench import TofBenchStage
 
 STAGES: Mapping[CaseKind, Binder] = MappingProxyType(
     {
-        CaseKind.MOTOR_STEADY: motor_steady_stages,
-        CaseKind.MOTOR_STEP: motor_step_stages,
-        CaseKind.TOF_BENCH: tof_bench_stages,
+        CaseKind.MOTOR_STEADY: only_stage(MotorSteady),
+        CaseKind.MOTOR_STEP: only_stage(MotorStep),
+        CaseKind.TOF_BENCH: only_stage(TofBenchStage),
         CaseKind.DRIVE_LOG: drive_log_stages,
     }
 )

@@ -117,3 +117,8 @@ class Stage(Protocol):
 
 Binder = Callable[[Measurement, RobotConfig], tuple[Stage, ...]]
 """Function that returns the stages of a measurement along the signal chain, with the nominal robot."""
+
+
+def only_stage(stage: Callable[[Measurement, RobotConfig], Stage]) -> Binder:
+    """Return the function for a bench, whose signal chain has a single stage."""
+    return lambda measurement, nominal: (stage(measurement, nominal),)

@@ -93,7 +93,7 @@ def _places(trial: Trial, period_s: float, measurement: Measurement) -> NDArray[
         first, second = trial.t_s[same[0] : same[0] + 2].tolist()
         raise InputError(
             f"column t_s: {first:.10g} and {second:.10g} of trial {trial.name} fall on the same sample",
-            where=next(iter(measurement.source.files), measurement.name),
+            where=measurement.where,
             allowed=f"samples {period_s:.6g} s apart",
             cure="keep one of the two rows, and check the rate",
         )

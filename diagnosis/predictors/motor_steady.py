@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.rows import joined, observed_channel, trial_of_rows
 from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
@@ -21,13 +21,23 @@ moves at all, so such a row contains little about a running motor. `evidence.stu
 
 
 class MotorSteady:
-    """All rows of a bench at once."""
+    """All rows of a bench at once.
+
+    Raises:
+        InputError: No row has a voltage.
+    """
 
     name = "motor"
     at_once = 48
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         trials = measurement.trials
+        if not any(channel.is_offered for channel in measurement.across("u_cmd_V")):
+            raise InputError(
+                "no row has a voltage at the motor, without which current and speed cannot be predicted",
+                where=measurement.where,
+                cure="log that voltage, or the battery's voltage and the duty cycle",
+            )
         self._voltage_V = joined(trial["u_cmd_V"].values for trial in trials)
         self._since_on_s = joined(_since_on_s(trial) for trial in trials)
         self._known = np.isfinite(self._voltage_V)
@@ -67,18 +77,3 @@ class MotorSteady:
 
 def _since_on_s(trial: Trial) -> Array:
     return trial.t_s + (trial.begins_s or 0.0) if trial.is_timed else np.zeros_like(trial.t_s)
-
-
-def motor_steady_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Return the only stage of the bench.
-
-    Raises:
-        InputError: No row has a voltage.
-    """
-    if not any(channel.is_offered for channel in measurement.across("u_cmd_V")):
-        raise InputError(
-            "no row has a voltage at the motor, without which current and speed cannot be predicted",
-            where=next(iter(measurement.source.files), measurement.name),
-            cure="log that voltage, or the battery's voltage and the duty cycle",
-        )
-    return (MotorSteady(measurement, nominal),)

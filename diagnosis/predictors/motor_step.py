@@ -8,9 +8,9 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.grid import Grid
-from diagnosis.predictors.rows import given, joined, observed_channel, trial_covariate, trial_of_rows
+from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked, stacked_effects
@@ -38,7 +38,7 @@ class MotorStep:
         current, speed = (mean[0] for mean in self._means([nominal]))
         voltage_V = self._grid.of_rows(self._voltage_V)
         since_s, step_V = (self._grid.of_rows(samples) for samples in self._since_step())
-        measured = given(measurement, "omega_rad_s")
+        measured = good_values(measurement, "omega_rad_s")
         angle_rad = self._grid.of_rows(self._angle_rad(np.where(np.isfinite(measured), measured, speed)))
         since_start_s = joined(trial.t_s for trial in trials)
         covariates = (
@@ -96,12 +96,8 @@ class MotorStep:
         columns = []
         for place in self._grid.places:
             speeds = speed_rad_s[begin : begin + len(place)]
+            # Trapezoids over the samples, from rest at sample 0.
             known = np.interp(number, np.append(0, place), np.append(0.0, speeds))
             columns.append(self._grid.period_s * np.append(0.0, np.cumsum(0.5 * (known[1:] + known[:-1]))))
             begin += len(place)
         return np.stack(columns, axis=1)
-
-
-def motor_step_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Return the only stage of the bench."""
-    return (MotorStep(measurement, nominal),)

@@ -19,7 +19,15 @@ from diagnosis.measured.nominal import KnownWheels, NominalDrive
 from diagnosis.measured.screening import noise_of
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
-from diagnosis.predictors.rows import bridged, given, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
+from diagnosis.predictors.rows import (
+    bridged,
+    good_values,
+    joined,
+    rows_after,
+    session_time_s,
+    trial_covariate,
+    trial_of_rows,
+)
 from diagnosis.predictors.window_noise import window_noise
 from physics.drivetrain.wheel_turns import uncounted
 from physics.robot.model import RobotModel, through
@@ -67,7 +75,7 @@ class Pose:
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
-        ticks = np.stack([given(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+        ticks = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
         whole = np.isfinite(ticks).all(axis=-1)
         self._ticks = bridged(ticks, self._t_s, self._trials)
         self._steps_s = np.maximum(np.diff(self._t_s, prepend=self._t_s[0]), 0.0)
@@ -133,7 +141,7 @@ class Pose:
         return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
 
     def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:
-        log = np.stack([given(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
+        log = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
         first, last = self._first, self._last
         values = seen_from_body(log[first, 2], log[last] - log[first])
         path, _ = self._paths([nominal])
@@ -222,6 +230,7 @@ def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Arr
         if rows < 2:
             parts.append(poses)
             continue
+        # One delay gives times (n,) for all robots, M delays give (M, n); poses and times are broadcast to each other.
         wanted_s = np.clip(times - delay_s, times[0], times[-1])
         after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
         share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]

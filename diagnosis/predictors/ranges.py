@@ -13,7 +13,7 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predi
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose import earlier
 from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
-from diagnosis.predictors.rows import bridged, given, joined, session_time_s, trial_covariate, trial_of_rows
+from diagnosis.predictors.rows import bridged, good_values, joined, session_time_s, trial_covariate, trial_of_rows
 from physics.robot.model import through
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
@@ -50,7 +50,7 @@ class Ranges:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
-        log = np.stack([given(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
+        log = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
         self._log = bridged(log, self._t_s, self._trials)
         seen = self._seen([nominal])
         noise = nominal_case.noise
@@ -74,7 +74,7 @@ class Ranges:
         self, measurement: Measurement, k: int, seen: RoomRanges, nominal: Predicted, clear: Mask
     ) -> Observed:
         name = f"tof_{SENSORS[k]}_m"
-        values = given(measurement, name)
+        values = good_values(measurement, name)
         usable = clear & np.isfinite(values)
         covariates = (
             Covariate("distance_m", nominal.mean),
@@ -119,6 +119,7 @@ class Ranges:
         # The logged pose is older than its row by the pose delay, the reading by the range delay.
         tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
+        # The effect shifts the axle by a vector that depends on the yaw only; the point minus that vector is the axle.
         return 2.0 * tracked - through(point, tracked)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:

@@ -51,7 +51,7 @@ def observed_channel(
     )
 
 
-def given(measurement: Measurement, name: str) -> Array:
+def good_values(measurement: Measurement, name: str) -> Array:
     """Return the good samples of a channel in the rows of all trials, (n,); NaN elsewhere, or without the channel."""
     parts = []
     for trial in measurement.trials:

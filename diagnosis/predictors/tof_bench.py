@@ -11,8 +11,8 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
-from diagnosis.predictors.rows import given, joined, observed_channel
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.rows import good_values, joined, observed_channel, session_time_s
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
@@ -34,7 +34,7 @@ class TofBenchStage:
         known = measurement.nominal.tof.reflectance if isinstance(measurement.nominal, NominalTof) else {}
         materials = [name for trial in trials for name in _materials(trial)]
         distance_m, incidence_rad, temperature_C, ambient_lux = (
-            given(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
+            good_values(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
         )
         self._distance_m = distance_m
         # What was not logged is assumed to be as during the calibration of the sensor.
@@ -46,11 +46,12 @@ class TofBenchStage:
                 (ambient_lux, 0.0),
             )
         )
-        self._since_on_s = joined(trial.t_s + (trial.begins_s or 0.0) for trial in trials)
+        self._since_on_s = session_time_s(measurement)
         self._materials = np.array(materials)
         self._reflectance = np.array([known.get(name, UNKNOWN_REFLECTANCE) for name in materials])
         self._bare_sd_m = _noise_sd_m(measurement, self._distance_m)
         names = tuple(dict.fromkeys((*known, *sorted(set(materials)))))
+        previous_m = joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
         covariates = (
             Covariate("distance_m", self._distance_m),
             Covariate(
@@ -61,7 +62,7 @@ class TofBenchStage:
             Covariate("ambient_lux", ambient_lux),
             Covariate("t_s", self._since_on_s),
             Covariate("row", np.arange(1.0, len(materials) + 1.0)),
-            Covariate("previous_distance_m", _previous_m(trials), beside="distance_m"),
+            Covariate("previous_distance_m", previous_m, beside="distance_m"),
         )
         # A row without an input that other rows have may or may not show its effect.
         logged = [x for x in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(x).any()]
@@ -104,11 +105,6 @@ def _materials(trial: Trial) -> tuple[str, ...]:
     return known[0] if known else ("",) * len(trial.t_s)
 
 
-def _previous_m(trials: Sequence[Trial]) -> Array:
-    """Return the distance in the previous row of the trial, for all trials; NaN in the first row."""
-    return joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
-
-
 def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:
     """Return the noise (n,) that the case or the channel states, or that of the paper's Eq. 23."""
     if isinstance(measurement.nominal, NominalTof):
@@ -120,8 +116,3 @@ def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:
         if channel.noise_sd is not None:
             by_paper_m[first : first + len(channel.values)] = channel.noise_sd
     return by_paper_m
-
-
-def tof_bench_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Return the only stage of the bench."""
-    return (TofBenchStage(measurement, nominal),)

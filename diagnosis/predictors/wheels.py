@@ -13,7 +13,7 @@ from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.grid import Grid
-from diagnosis.predictors.rows import given, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
+from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked
@@ -66,8 +66,8 @@ class Wheels:
         )
 
     def _observed(self, measurement: Measurement, side: str, predicted: Array, sd: float) -> Observed:
-        voltage_V = given(measurement, f"u_{side}_V")
-        angle_rad = 2.0 * pi / self._counts * given(measurement, f"enc_{side}_ticks")
+        voltage_V = good_values(measurement, f"u_{side}_V")
+        angle_rad = 2.0 * pi / self._counts * good_values(measurement, f"enc_{side}_ticks")
         speed = np.full(len(predicted), np.nan)
         speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._lasts_s
         split = joined(trial.holdout for trial in measurement.trials)
@@ -82,7 +82,7 @@ class Wheels:
             Covariate("t_s", joined(trial.t_s for trial in measurement.trials)),
             Covariate("session_time_s", session_time_s(measurement)),
             trial_covariate(measurement),
-            Covariate("theta_rad", given(measurement, "theta_rad"), CovariateShape.PERIODIC),
+            Covariate("theta_rad", good_values(measurement, "theta_rad"), CovariateShape.PERIODIC),
         )
         return Observed(
             name=f"wheel_{side}_rad_s",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.measured.channel import Mask
-from diagnosis.measured.noise import FEWEST, trimmed_variance
+from diagnosis.measured.noise import MIN_ROWS, trimmed_variance
 from symolo.core.arrays import Array
 
 
@@ -30,6 +30,6 @@ def window_noise(left: Array, trial: NDArray[np.int64], rows: Mask, apart: int) 
     together = (trial[apart:] == trial[:-apart]) & rows[apart:] & rows[:-apart]
     differences = (left[apart:] - left[:-apart])[together]
     differences = differences[np.isfinite(differences)]
-    if len(differences) < FEWEST:
+    if len(differences) < MIN_ROWS:
         return None
     return sqrt(0.5 * trimmed_variance(differences)) or None

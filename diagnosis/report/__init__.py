@@ -1,1 +1,1 @@
-"""What a diagnosis says to people: sentences, tables, pictures and one page, all from the same findings."""
+"""Output of a diagnosis for people: sentences, tables, plots and one page, all from the same results."""

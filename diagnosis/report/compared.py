@@ -19,7 +19,7 @@ def source_text(measurement: Measurement) -> str:
     names = [Path(file).name for file in source.files[:_MAX_FILES]]
     more = f" and {len(source.files) - _MAX_FILES} more" if len(source.files) > _MAX_FILES else ""
     files = f", from {', '.join(names)}{more}" if names else ""
-    return f"Measured: {source.origin}{licence}{files}. {_rate(measurement)}"
+    return f"Data: {source.origin}{licence}{files}. {_rate(measurement)}"
 
 
 def _rate(measurement: Measurement) -> str:

@@ -54,7 +54,7 @@ class ReportData:
     structures: tuple[Structure, ...]
     """Strongest structure in the residuals of each observed quantity, for the nominal robot with fitted nuisances."""
     ablations: tuple[Ablation, ...]
-    """The model without each named effect, in the order of the effects."""
+    """Model without each named effect, in the order of the effects."""
     intervals: Mapping[str, Mapping[str, tuple[Interval, ...]]]
     """Profile intervals by effect and parameter, for the parameters that the data determine."""
     by_quantity: tuple[QuantityGain, ...]
@@ -83,8 +83,8 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
         InputError: The dataset or the measurement is no drive.
     """
     evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
-    robots = (diagnosis.nominal, calibrated(diagnosis), diagnosis.extended)
-    prediction = evidence.of(robots)
+    robots = (diagnosis.nominal, nominal.robot, diagnosis.extended)
+    prediction = evidence.predicted(robots)
     usable = evidence.fit | evidence.heldout
     z = np.where(usable, (evidence.values - prediction.mean) / evidence.sd, np.nan)
     return ReportData(
@@ -103,20 +103,14 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
     )
 
 
-def calibrated(diagnosis: Diagnosis) -> RobotConfig:
-    """Return the nominal robot with its nuisances fitted and without effects."""
-    nominal = diagnosis.selection.nominal
-    return nominal.hypothesis.robot(nominal.x)
-
-
 def _strongest(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
     """Yield one structure for each observed quantity: of the significant ones that which explains most."""
     structures = adequacy(evidence, fit).structures
     for observed in evidence.observed:
-        own = [structure for structure in structures if structure.observed == observed.name]
-        significant = [structure for structure in own if structure.p < LEVEL]
-        if own:
-            yield max(significant, key=lambda structure: structure.explainable) if significant else own[0]
+        candidates = [structure for structure in structures if structure.observed == observed.name]
+        significant = [structure for structure in candidates if structure.p < LEVEL]
+        if candidates:
+            yield max(significant, key=lambda structure: structure.explainable) if significant else candidates[0]
 
 
 def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
@@ -124,13 +118,12 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
     fewer = [fit.hypothesis.without(named.effect) for named in diagnosis.named]
     refits = fits(evidence, [(hypothesis, moved(fit.x, fit.hypothesis, hypothesis)) for hypothesis in fewer])
     for named, refit in zip(diagnosis.named, refits, strict=True):
-        robot = refit.hypothesis.robot(refit.x)
         yield Ablation(
             name=named.effect.name,
             fit=refit,
             cost_rise=refit.cost - fit.cost,
-            gain=gain(evidence, diagnosis.nominal, robot),
-            effect_gain=gain(evidence, robot, diagnosis.extended),
+            gain=gain(evidence, diagnosis.nominal, refit.robot),
+            effect_gain=gain(evidence, refit.robot, diagnosis.extended),
         )
 
 

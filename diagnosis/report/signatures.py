@@ -67,7 +67,7 @@ def signatures(evidence: Evidence, nominal: HypothesisFit, effects: Sequence[Can
     base = nominal.hypothesis
     started = (np.array([*base.null(), *(c.start for c in effect.coordinates)]) for effect in effects)
     robots = [base.with_effect(effect).robot(x) for effect, x in zip(effects, started, strict=True)]
-    prediction = evidence.of([base.robot(base.null()), *robots])
+    prediction = evidence.predicted([base.robot(base.null()), *robots])
     projection = _NuisanceProjection(evidence, nominal)
     rows, directions = [], []
     for k, effect in enumerate(effects, 1):
@@ -87,7 +87,8 @@ def signatures(evidence: Evidence, nominal: HypothesisFit, effects: Sequence[Can
             float(np.exp(log_spread[place].sum() / count)) for place, count in zip(evidence.places, counts, strict=True)
         )
         smallest = _smallest(effect, significance)
-        rows.append(Signature(effect, _start(effect), moves, spreads, significance, smallest))
+        start = ", ".join(f"{name} = {number.start:g}" for name, number in effect.kind.parameters().items())
+        rows.append(Signature(effect, start, moves, spreads, significance, smallest))
         directions.append(direction / significance if significance > 0.0 else direction)
     alike = [
         (a.effect.name, b.effect.name, cosine)
@@ -113,10 +114,6 @@ class _NuisanceProjection:
         """Return the weighted rest (N + P,) of changes (N,) in sigmas."""
         padded = np.concatenate([change * self._root, self._padding])
         return padded - self._basis @ (self._basis.T @ padded)
-
-
-def _start(effect: CandidateEffect) -> str:
-    return ", ".join(f"{name} = {number.start:g}" for name, number in effect.kind.parameters().items())
 
 
 def _smallest(effect: CandidateEffect, significance: float) -> float:

@@ -1,8 +1,9 @@
 """The verdict in plain sentences, the same on a terminal and on the page."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import ceil, log10
+
+import numpy as np
 
 from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.fit import HypothesisFit
@@ -96,6 +97,7 @@ def without_effect(ablation: Ablation) -> str:
 def reach(intervals: Sequence[Interval]) -> str:
     """Return the widest profile interval of a parameter in words."""
     widest = intervals[-1]
+    # Enough digits to show the width of an interval that is narrow compared with its ends.
     digits = max(3, 2 + ceil(log10(max(abs(widest.low), abs(widest.high)) / (widest.high - widest.low))))
     ends = f"{widest.low:.{digits}g} to {widest.high:.{digits}g}"
     return f"{percent(widest.level)} profile interval {ends}" + (", open at a bound" if widest.is_open else "")
@@ -127,24 +129,11 @@ def hints(diagnosis: Diagnosis) -> Iterator[tuple[str, float, float]]:
             yield entry.effect.name, entry.drop, threshold / entry.drop
 
 
-@dataclass(frozen=True)
-class BentParameter:
-    """A nominal parameter that a fit moves out of its tolerance."""
-
-    name: str
-    tolerances: float
-
-
-def bent_parameters(fit: HypothesisFit) -> list[BentParameter]:
-    """Return the nominal parameters that a fit moves further than their tolerances allow, the furthest first."""
-    deviations = zip(fit.hypothesis.nuisances, fit.hypothesis.prior(fit.x).tolist(), strict=True)
-    bent = [BentParameter(nuisance.name, deviation) for nuisance, deviation in deviations if abs(deviation) >= MIN_BENT]
-    return sorted(bent, key=lambda parameter: -abs(parameter.tolerances))
-
-
 def _bent_text(fit: HypothesisFit) -> str:
-    """Return, for example, `track_m by 5 tolerances`; empty if no parameter is bent."""
-    names = ", ".join(f"{bent.name} by {abs(bent.tolerances):.0f}" for bent in bent_parameters(fit))
+    """Return, for example, `track_m by 5 tolerances`, the furthest parameter first; empty if none is bent."""
+    deviations = zip(fit.hypothesis.nuisances, np.abs(fit.hypothesis.prior(fit.x)).tolist(), strict=True)
+    bent = [(nuisance.name, deviation) for nuisance, deviation in deviations if deviation >= MIN_BENT]
+    names = ", ".join(f"{name} by {tolerances:.0f}" for name, tolerances in sorted(bent, key=lambda item: -item[1]))
     return f"{names} tolerances" if names else ""
 
 

@@ -1,4 +1,4 @@
-"""The pattern of all validation experiments: what one shows, its tables, its checks and the panels of its figure."""
+"""The pattern of all validation experiments: tables, checks, panels of a figure, and notes."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from symolo.core.files.file_hashes import canonical_json
 Table = Mapping[str, Any]
 """Columns and single figures by name, with the unit at the end of the name; NaN where there is no value.
 
-A column is an array (N,), a figure a number or a text.
+A column is an array (N,); a single figure is a number or a text.
 """
 
 
@@ -23,12 +23,13 @@ class ValidationCheck:
 
     name: str
     value: float
-    """Figure that the simulation gives, in `unit`; NaN where it gives none."""
+    """Figure that the simulation gives, in `unit`; NaN if it gives none."""
     expected: float
+    """Figure that is expected, in `unit`."""
     tolerance: float | None
-    """Largest allowed difference from `expected`; None where nothing is required of this robot."""
+    """Largest allowed difference from `expected`; None if nothing is required of this robot."""
     source: str
-    """Where the expected figure comes from."""
+    """Source of the expected figure."""
     unit: str = ""
     detail: str = ""
     """Further figures for the reader."""
@@ -37,7 +38,7 @@ class ValidationCheck:
 
     @property
     def passed(self) -> bool | None:
-        """Whether the figure is within the tolerance; None without a verdict."""
+        """Return whether the figure is within the tolerance; None without a verdict."""
         if self.is_open or self.tolerance is None:
             return None
         return abs(self.value - self.expected) <= self.tolerance
@@ -56,13 +57,13 @@ class ValidationCheck:
 
 @dataclass(frozen=True)
 class ExperimentResult:
-    """What one experiment measured on one robot."""
+    """Result of one experiment with one robot."""
 
     tables: Mapping[str, Table]
     checks: Sequence[ValidationCheck] = ()
     panels: Sequence[Panel] = ()
     notes: Sequence[str] = ()
-    """Sentences about what has no expected figure."""
+    """Sentences on results for which no figure is expected."""
 
     def check(self, name: str) -> ValidationCheck:
         """Return the check of this name."""
@@ -79,7 +80,7 @@ class Experiment:
 
     name: str
     shows: str
-    """What a reader learns from it, as a sentence."""
+    """Sentence on what a reader learns from it."""
     run: Callable[[RobotConfig, int], ExperimentResult]
     """Function of the robot and of the seed for everything that is drawn."""
 
@@ -95,7 +96,7 @@ class ValidatedPart:
 
 
 def result_json(part: str, robot: RobotConfig, seed: int, results: Mapping[Experiment, ExperimentResult]) -> bytes:
-    """Return all figures of a part's experiments as JSON, the same bytes for the same figures."""
+    """Return all figures of the experiments with a part as JSON; the same figures give the same bytes."""
     experiments = {
         experiment.name: {
             "shows": experiment.shows,

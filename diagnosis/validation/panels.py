@@ -14,7 +14,7 @@ from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY,
 COLORS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, GREY, BLACK)
 DASHES = ("-", "--", "-.", ":", "-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
-"""Colours, dashes and markers of curves that are told apart by their number."""
+"""Colours, dashes and markers of numbered curves."""
 COLUMNS = 3
 PANEL_SIZE_IN = (5.8, 4.6)
 
@@ -24,9 +24,9 @@ class Curve:
     """Points, a line, bars or an area in a panel."""
 
     x: ArrayLike
-    """(N,)."""
+    """(N,), horizontal coordinates."""
     y: ArrayLike
-    """(N,)."""
+    """(N,), vertical coordinates."""
     label: str = ""
     color: str = BLUE
     style: str = "-"
@@ -49,12 +49,12 @@ class Panel:
     y_label: str
     curves: Sequence[Curve]
     x_lines: Sequence[float] = ()
-    """Places of vertical grey lines, such as a closed form."""
+    """Positions of vertical grey lines, such as a closed form."""
     y_lines: Sequence[float] = ()
-    """Places of horizontal grey lines."""
+    """Positions of horizontal grey lines."""
     x_range: tuple[float, float] | None = None
     y_range: tuple[float | None, float | None] = (None, None)
-    """Lower and upper end; None where the curves decide."""
+    """Lower and upper end; None for an end that follows from the curves."""
     x_names: Sequence[str] = field(default=())
     """Names at x = 0, 1, ... instead of numbers."""
     is_logarithmic: bool = False
@@ -113,5 +113,5 @@ def _draw_curve(axes: Axes, curve: Curve) -> None:
 
 
 def _literal(text: str) -> str:
-    """Return the text with dollar signs that do not begin a formula, as a file's name may hold one."""
+    """Return the text with escaped dollar signs, since those in the name of a file do not begin a formula."""
     return text.replace("$", r"\$")

@@ -1,17 +1,38 @@
-"""A world in which the robot stands still, for one sensor to look at."""
+"""A world in which the robot stands still, for one sensor in it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import radians
 from typing import Protocol
+
+import numpy as np
 
 from sensors.base import Hits
 from symolo.core.arrays import Array
 
 
 class RayCaster(Protocol):
-    """What rays are cast against: an arena in closed form, the same in PyBullet, or a body of another shape."""
+    """Bodies that rays can hit: an arena in closed form, the same in PyBullet, or a body of another shape."""
 
     def cast(self, origins: Array, ends: Array) -> Hits: ...
+
+
+@dataclass
+class RayRecorder:
+    """Passes every cast on to another caster and stores the last one."""
+
+    caster: RayCaster
+    origins: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    ends: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    fraction: Array = field(default_factory=lambda: np.zeros(0))
+
+    def cast(self, origins: Array, ends: Array) -> Hits:
+        hits = self.caster.cast(origins, ends)
+        self.origins, self.ends, self.fraction = origins, ends, hits.fraction
+        return hits
+
+    def points(self) -> Array:
+        """Return where the rays of the last cast ended, (N, 3) in W."""
+        return self.origins + self.fraction[:, None] * (self.ends - self.origins)
 
 
 @dataclass(frozen=True)
@@ -20,7 +41,6 @@ class StillWorld:
 
     caster: RayCaster | None = None
     """None for a sensor that casts no rays."""
-    x_m: float = 0.0
     y_m: float = 0.0
     yaw_deg: float = 0.0
 
@@ -29,7 +49,7 @@ class StillWorld:
         return 0.0
 
     def pose(self) -> tuple[float, float, float]:
-        return self.x_m, self.y_m, radians(self.yaw_deg)
+        return 0.0, self.y_m, radians(self.yaw_deg)
 
     def encoder_counts(self) -> tuple[int, int]:
         return 0, 0

@@ -6,6 +6,7 @@ from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.layout import SIDE, SPEC
 from symolo.dataset.tables.side_reading import first_fault
 
@@ -27,7 +28,7 @@ def read_run_spec(run_folder: Path) -> RunSpec:
     """
     path = run_folder / SIDE / SPEC
     try:
-        return RunSpec.model_validate_json(path.read_bytes())
+        return RunSpec.model_validate_json(read_file(path, FileKind.DOCUMENT))
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
     except ValidationError as error:

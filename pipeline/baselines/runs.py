@@ -16,6 +16,7 @@ from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages, Start
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.time_series import Recording
 from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import SPEC, STAGES
@@ -93,7 +94,7 @@ def _name(folder: Path) -> str:
 
 def _simulated(folder: Path) -> LoggedRun:
     try:
-        spec = RunSpec.model_validate_json((folder / SPEC).read_bytes())
+        spec = RunSpec.model_validate_json(read_file(folder / SPEC, FileKind.DOCUMENT))
         recording = read_recording(folder)
     except (OSError, ValueError, KeyError, ValidationError, BadZipFile) as error:
         what = f"cannot be read: {str(error).splitlines()[0]}"

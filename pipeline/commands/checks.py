@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import OutImage, checked_input
+from pipeline.commands.options import OutImage, Workers, checked_input
 from symolo.core.errors import one_line
 from symolo.core.text_enum import TextEnum
 
@@ -27,14 +27,30 @@ def verify(
             help="Public key of minisign, a file or its 56 characters: whoever owns it must have signed the dataset.",
         ),
     ] = None,
+    reproduce: Annotated[
+        int | None,
+        typer.Option(
+            "--reproduce",
+            min=1,
+            max=100_000,
+            metavar="K",
+            help="Render K images that are drawn at random once more, and compare their bytes.",
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(min=0, max=2**32 - 1, metavar="N", help="Seed of that draw; by default another one each time."),
+    ] = None,
+    workers: Workers = None,
 ) -> int:
     """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums, signature.
 
-    The command prints one line for each fault and ends with exit code 4 if there is any.
+    The command prints one line for each fault and ends with exit code 4 if there is any. With --reproduce, it ends with
+    5 if an image cannot be rendered here, or has other bytes on a machine that differs from that of the dataset.
 
     Example: symolo verify data
 
-    Example: symolo verify data --key symolo.pub
+    Example: symolo verify data --key symolo.pub --reproduce 10
     """
     from configs.assets.quiet import silenced
     from pipeline.assembly.run_spec import spec_problem
@@ -52,7 +68,30 @@ def verify(
         return FAULTS
     signed = f", signed by the key {public.name} ({trusted_comment(folder)})" if public is not None else ""
     typer.echo(f"{folder}: no fault{one_line(signed)}")
-    return 0
+    return 0 if reproduce is None else _reproduce(folder, reproduce, seed, workers)
+
+
+def _reproduce(folder: Path, count: int, seed: int | None, workers: int | None) -> int:
+    import secrets
+
+    from pipeline.repair.reproduction import reproduce
+    from pipeline.work.supervisor import cores
+    from symolo.core.progress import report_here
+    from symolo.publishing.bagging import dataset_in
+
+    chosen = secrets.randbelow(2**32) if seed is None else seed
+    result = reproduce(dataset_in(folder), count, chosen, workers or cores(), report_here())
+    for image in result.unequal:
+        typer.echo(str(image))
+    equal, total = len(result.images) - len(result.unequal), len(result.images)
+    typer.echo(
+        f"{folder}: {equal} of {total} images have the same bytes when they are rendered again (--seed {chosen})"
+    )
+    if not result.unequal:
+        return 0
+    if result.difference:
+        typer.echo(f"{folder}: other bytes prove no fault here: {result.difference}", err=True)
+    return LACKING if result.difference or all(image.is_missing for image in result.unequal) else FAULTS
 
 
 def compare(

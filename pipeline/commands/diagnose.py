@@ -8,6 +8,7 @@ import typer
 
 from pipeline.commands.options import Out, Workers, checked_input
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -166,9 +167,9 @@ def _print(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]", *
     for name, folder in finished if alone or explain else ():
         if not alone:
             typer.echo(f"== {name}\n")
-        typer.echo((folder / "summary.txt").read_text(encoding="utf-8"))
+        typer.echo(read_file(folder / "summary.txt", FileKind.DOCUMENT).decode("utf-8"))
         if explain:
-            typer.echo((folder / "reasoning.txt").read_text(encoding="utf-8"))
+            typer.echo(read_file(folder / "reasoning.txt", FileKind.DOCUMENT).decode("utf-8"))
     if not alone:
         for line in diagnosis_table(cases, out, failed):
             typer.echo(line)
@@ -183,7 +184,7 @@ def _print_json(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str
 
     alone = len(cases) == 1
     answers = {
-        case.name: json.loads((folder_of(case, out, alone=alone) / "answer.json").read_bytes())
+        case.name: json.loads(read_file(folder_of(case, out, alone=alone) / "answer.json", FileKind.DOCUMENT))
         for case in cases
         if case.name not in failed
     }

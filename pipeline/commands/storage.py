@@ -43,12 +43,13 @@ def upload(
     """
     from symolo.core.progress import report_here
     from symolo.storage.address import store_of
-    from symolo.storage.comparison import compare
-    from symolo.storage.upload import files_to_upload, planned
+    from symolo.storage.comparison import compare, released_files
+    from symolo.storage.upload import check_apart, planned
     from symolo.storage.upload import upload as uploaded
 
     store = store_of(url, endpoint, allow_http=allow_http)
-    files, report = files_to_upload(folder, store), report_here()
+    check_apart(folder, store)
+    files, report = released_files(folder), report_here()
     if check:
         findings = list(compare(files, store, report).findings())
         for finding in findings:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from configs.schema.scenario import RunSpec
@@ -15,7 +14,9 @@ from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.layout import frame_name
+from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import Rows
 
 MAX_FRAMES = 60
@@ -130,12 +131,12 @@ SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
 
 def _picture(path: Path) -> ImagePixels:
     try:
-        data = path.read_bytes()
+        data = read_file(path, FileKind.IMAGE)
     except OSError as error:
         raise InputError(
             f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv"
         ) from None
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+    image = decoded_bytes(data, in_colour=True)
     if image is None:
         raise InputError("is no image", where=str(path), cure="replace it, or take its number out of data.csv")
     return np.ascontiguousarray(image[..., ::-1]).astype(np.uint8)

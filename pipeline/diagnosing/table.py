@@ -7,6 +7,7 @@ from typing import Any
 
 from diagnosis.report.quantities import percent
 from pipeline.diagnosing.diagnose import NamedCase, folder_of
+from symolo.core.files.plain_files import FileKind, read_file
 
 LONGEST_NAME = 40
 
@@ -25,7 +26,7 @@ def diagnosis_table(cases: Sequence[NamedCase], out: Path, failed: Collection[st
         if case.name in failed:
             yield f"{case.name:{width}}{'-':8}{'-':22}FAILED, see above"
             continue
-        answer = json.loads((folder_of(case, out, alone=False) / "answer.json").read_bytes())
+        answer = json.loads(read_file(folder_of(case, out, alone=False) / "answer.json", FileKind.DOCUMENT))
         yield f"{case.name:{width}}{_gain(answer)}{_found(answer)}"
     done = len(cases) - len(failed)
     yield f"{done} of {len(cases)} cases diagnosed; {out / '<case>' / 'report.html'} tells each"

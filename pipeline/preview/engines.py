@@ -17,6 +17,7 @@ from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
 from symolo.core.files.disk_space import check_scratch
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import frame_name
@@ -84,4 +85,6 @@ def _cycles(views: Sequence[PreviewImage], folder: Path, user_files: Path, worke
 
 
 def _read(path: Path) -> Pixels:
-    return np.asarray(cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_COLOR), np.uint8)
+    return np.asarray(
+        cv2.imdecode(np.frombuffer(read_file(path, FileKind.IMAGE), np.uint8), cv2.IMREAD_COLOR), np.uint8
+    )

@@ -1,6 +1,6 @@
 """Files that follow from the metadata: specifications of runs, description, bag-info.txt."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from pydantic import ValidationError
 
@@ -14,6 +14,7 @@ from pipeline.stages.assemble import SIDE
 from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 from pipeline.work.processors import cpu_class
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION
@@ -23,7 +24,7 @@ def flip_back(state: RepairState, names: Iterable[str]) -> None:
     """Restore the files in which a single bit is wrong; this needs no source."""
     for name in sorted(set(names) & state.wanted.keys()):
         try:
-            data = (state.out / name).read_bytes()
+            data = read_file(state.out / name, FileKind.ANY)
         except OSError:
             continue
         if (right := with_one_bit_less_wrong(data, state.wanted[name])) is not None:
@@ -97,12 +98,24 @@ def _noted(state: RepairState, metadata: Metadata) -> set[str]:
 
 
 def differences(state: RepairState, metadata: Metadata | None, made_here: Mapping[str, str]) -> str:
-    """Return how this machine differs from that of the release: versions of programs, processor."""
+    """Return how this machine differs from that of the release, or that it is not known to."""
+    there = read_cpu_classes(state.out) if BAG_INFO not in state.wanted else ()
+    known = machine_differences(metadata.made_with if metadata else {}, there, made_here)
+    return known or "no difference of programs or processor is known"
+
+
+def machine_differences(made_there: Mapping[str, str], cpus_there: Sequence[str], made_here: Mapping[str, str]) -> str:
+    """Return which programs and processor of this machine are not those of a release; empty where all are.
+
+    Args:
+        made_there: Version by program that made the release.
+        cpus_there: Classes of the processors that made it; empty where they are not known.
+        made_here: Version by program on this machine.
+    """
     texts = []
-    for program, version in (metadata.made_with if metadata else {}).items():
+    for program, version in made_there.items():
         if made_here.get(program) != version:
             texts.append(f"the release was made with {program} {version}, here is {made_here.get(program, 'none')}")
-    there = read_cpu_classes(state.out) if BAG_INFO not in state.wanted else ()
-    if there and there != (cpu_class(),):
-        texts.append(f"the release was made on {' and '.join(there)}, and this is {cpu_class()}")
-    return "; ".join(texts) or "no difference of programs or processor is known"
+    if cpus_there and tuple(cpus_there) != (cpu_class(),):
+        texts.append(f"the release was made on {' and '.join(cpus_there)}, and this is {cpu_class()}")
+    return "; ".join(texts)

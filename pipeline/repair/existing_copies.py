@@ -9,7 +9,7 @@ from pipeline.stages.assemble import KEPT_METADATA, SIDE
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC
 from symolo.core.files.atomic_files import make_folder, write_file
-from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import ANNOTATIONS
 
@@ -25,11 +25,13 @@ def put_back(state: RepairState, scratch: Path) -> set[str]:
         # It will be overwritten, such as one of two files that were swapped.
         aside[place] = scratch / state.inventory.files.digests[place]
         make_folder(scratch)
-        write_file(aside[place], (state.out / place).read_bytes())
+        write_file(aside[place], read_file(state.out / place, FileKind.ANY))
     moved = set()
     for name, place in sources.items():
         with contextlib.suppress(OSError):
-            if state.put(name, aside.get(place, state.out / place).read_bytes(), f"its content lay in {place}"):
+            if state.put(
+                name, read_file(aside.get(place, state.out / place), FileKind.ANY), f"its content lay in {place}"
+            ):
                 moved |= {place} & state.inventory.extra
     return moved
 
@@ -39,7 +41,7 @@ def take_from_stages(state: RepairState) -> None:
     for name in list(state.wanted):
         for path in _kept(state, name):
             with contextlib.suppress(OSError):
-                if sha256_of(path) == state.wanted[name] and state.put(name, path.read_bytes(), "from the stages"):
+                if state.put(name, read_file(path, FileKind.ANY), "from the stages"):
                     break
 
 

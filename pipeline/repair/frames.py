@@ -19,6 +19,8 @@ from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.progress import Report
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
 from symolo.dataset.layout import ANNOTATIONS
 from symolo.dataset.tables.rows import read_rows
@@ -52,7 +54,7 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
                 work += _ordered(state, spec, tools, pictures, annotations)
             except InputError as error:
                 state.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
-    _render([one.task for one in work], tools)
+    render_tasks([one.task for one in work], tools.workers, tools.report)
     for one in work:
         for file in sorted(one.wanted):
             name = f"{one.run}/{one.inner}/{file}"
@@ -77,51 +79,67 @@ def _ordered(
     if state.read(f"{run}/{DATA}") is None:
         raise InputError("it needs the poses in data.csv, which is not restored")
     user_files = state.workspace.user_files
-    if pictures and any(not _is_stored(user_files, file.sha256) for file in spec.look.files):
-        raise InputError("it shows your own images, and .stages/assets no longer holds them")
+    if pictures:
+        check_user_files(spec, user_files)
     rows = read_rows(state.out / run / DATA)
     appearance = Appearance.of(spec, tools.devices.get(run, "CPU"))
     order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), user_files)
-    _write_job(order)
-    work = [_Work(run, IMAGES, _only(order.task, pictures), pictures)] if pictures else []
+    write_job(order)
+    work = [_Work(run, IMAGES, only_frames(order.task, pictures), pictures)] if pictures else []
     if annotations:
         order = AnnotationTask.of(order.task, appearance, StageFolder(tools.scratch / "annotate" / run))
-        _write_job(order)
-        task = order.task if DOCUMENT in annotations else _only(order.task, annotations)
+        write_job(order)
+        task = order.task if DOCUMENT in annotations else only_frames(order.task, annotations)
         work.append(_Work(run, ANNOTATIONS, task, annotations))
     return work
+
+
+def check_user_files(spec: RunSpec, folder: Path) -> None:
+    """Check that the user's own images that a run shows are still in `.stages`.
+
+    Raises:
+        InputError: One is not, or was changed.
+    """
+    if any(not _is_stored(folder, file.sha256) for file in spec.look.files):
+        raise InputError("it shows your own images, and .stages/assets no longer holds them")
 
 
 def _is_stored(folder: Path, digest: str) -> bool:
     return (folder / digest).is_file() and sha256_of(folder / digest) == digest
 
 
-def _write_job(order: Order) -> None:
+def write_job(order: Order) -> None:
+    """Write the job of a task into its folder."""
     make_folder(order.task.files)
     write_file(order.task.folder.path / JOB, order.job_text.encode())
 
 
-def _only(task: FrameTask, files: Iterable[str]) -> FrameTask:
+def only_frames(task: FrameTask, files: Iterable[str]) -> FrameTask:
     """Return the task with the frames of these files, which are named by their numbers."""
     stems = {PurePosixPath(file).stem for file in files}
     return replace(task, frames=tuple(frame for frame in task.frames if f"{frame.number:06d}" in stems))
 
 
-def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
+def render_tasks(tasks: list[FrameTask], workers: int, report: Report) -> None:
+    """Render the frames of these tasks, whose jobs are written; a frame that fails is left out and reported.
+
+    Raises:
+        EnvironmentLacking: Blender does not start, or a graphics card is not there.
+    """
     tasks = [task for task in tasks if task.frames]
     if not tasks:
         return
-    local = Local(tools.workers)
-    with tools.report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
+    local = Local(workers)
+    with report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
         for failure in local.do(blocks(tasks, local), partial(report_event, stage)):
-            tools.report.say(f"render: {failure.unit.name}: {failure.text}")
+            report.say(f"render: {failure.unit.name}: {failure.text}")
 
 
 def _document(task: FrameTask) -> bytes | None:
-    job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
+    job = AnnotationJob.from_json(read_file(task.folder.path / JOB, FileKind.JOB).decode())
     names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
     try:
-        records = [FrameRecord.from_json((task.files / name).read_bytes()) for name in names]
+        records = [FrameRecord.from_json(read_file(task.files / name, FileKind.JOB)) for name in names]
     except OSError:
         return None
     return document(job, IMAGES, records).to_json()
@@ -129,6 +147,6 @@ def _document(task: FrameTask) -> bytes | None:
 
 def _read(path: Path) -> bytes | None:
     try:
-        return path.read_bytes()
+        return read_file(path, FileKind.ANY)
     except OSError:
         return None

@@ -1,16 +1,18 @@
 """`symolo repair` makes the damaged files of a release again, and puts them in place if they have the same bytes."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from blender_scenes.render.devices import GPU_KINDS, DeviceKind
+from blender_scenes.render.devices import DeviceKind
+from pipeline.assembly.run_spec import spec_problem
 from pipeline.repair import descriptions, existing_copies, frames, tables
-from pipeline.repair.repair_state import RepairState, RepairTools, with_one_bit_less_wrong
+from pipeline.repair.repair_state import RepairState, RepairTools, recorded_device, with_one_bit_less_wrong
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import remove_file, remove_folder, write_file
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
@@ -18,7 +20,11 @@ from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
+from symolo.verification.verify import verify
 
+FITS = (
+    "the file fits its checksum, and nothing else tells what it was; `symolo release` with its scenario makes it again"
+)
 SCRATCH = "repair"
 """Temporary folder below the hidden stages."""
 
@@ -80,7 +86,7 @@ def _repair(
         inventory = Inventory.of(workspace.out)
     faults = list(inventory.findings())
     if not faults:
-        return Repaired(0, ())
+        return Repaired(0, tuple(_faults_of_content(workspace.out)))
     if not inventory.trusted:
         why = "no list of checksums can be trusted; `symolo release` with its scenario makes damaged files again"
         first, *others = faults
@@ -93,7 +99,7 @@ def _repair(
     difference = descriptions.differences(state, metadata, made_with())
     descriptions.write_description(state, metadata, f"written again, the text differs; {difference}")
     runs = metadata.runs if metadata else []
-    devices: dict[str, DeviceKind] = {record.run: _device(record.render_device) for record in runs}
+    devices: dict[str, DeviceKind] = {record.run: recorded_device(record.render_device) for record in runs}
     _remake(state, metadata, RepairTools(scratch, workers, report, devices, difference))
     descriptions.flip_back(state, list(state.wanted))
     descriptions.write_bag_info(state, metadata)
@@ -111,17 +117,13 @@ def _remake(state: RepairState, metadata: Metadata | None, tools: RepairTools) -
     frames.render_frames(state, specs, tools)
 
 
-def _device(name: str) -> DeviceKind:
-    for kind in GPU_KINDS:
-        if kind == name:
-            return kind
-    return "CPU"
-
-
 def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
     """Restore a manifest in which a single bit is wrong, which is possible even if other files are damaged."""
     try:
-        data, noted = (out / MANIFEST).read_bytes(), read_manifest((out / TAG_MANIFEST).read_bytes())[MANIFEST]
+        data, noted = (
+            read_file(out / MANIFEST, FileKind.CHECKSUMS),
+            read_manifest(read_file(out / TAG_MANIFEST, FileKind.CHECKSUMS))[MANIFEST],
+        )
     except (OSError, ValueError, KeyError):
         return False
     right = with_one_bit_less_wrong(data, noted)
@@ -137,14 +139,16 @@ def _write_lists(state: RepairState) -> None:
     expected = state.inventory.expected
     for name, text in ((MANIFEST, manifest(expected)), (TAG_MANIFEST, tag_manifest(expected))):
         if state.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
-            write_file(state.out / name, text)
-            state.tell(f"repaired: {name}: written again")
+            state.write(name, text, "written again")
 
 
 def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:
     """Return the result after another check of every file."""
     left = []
-    for fault in Inventory.of(state.out).findings():
+    by_checksum = list(Inventory.of(state.out).findings())
+    if not by_checksum:
+        left = list(_faults_of_content(state.out))
+    for fault in by_checksum:
         why = state.tried.get(fault.file, "")
         if not why and fault.file in state.wanted:
             why = _unmade(fault.file, metadata)
@@ -152,6 +156,12 @@ def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repai
             why = "--remove-extra removes it"
         left.append(Finding(fault.file, f"{fault.what}; {why}" if why else fault.what))
     return Repaired(max(0, faults - len(left)), tuple(left))
+
+
+def _faults_of_content(out: Path) -> Iterator[Finding]:
+    """Yield what `verify` finds in files that fit their checksums, of which no other content is known."""
+    for fault in verify(out, spec_problem):
+        yield Finding(fault.file, f"{fault.what}; {FITS}")
 
 
 def _unmade(name: str, metadata: Metadata | None) -> str:

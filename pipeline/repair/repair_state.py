@@ -5,9 +5,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from blender_scenes.render.devices import DeviceKind
+from blender_scenes.render.devices import GPU_KINDS, DeviceKind
 from pipeline.run_folder.workspace import Workspace
-from symolo.core.files.atomic_files import make_folder, remove_file, write_file
+from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, write_file
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.verification.inventory import LISTS, Inventory
 
@@ -83,7 +84,7 @@ class RepairState:
         if name in self.wanted or name not in self.inventory.expected:
             return None
         try:
-            data = (self.out / name).read_bytes()
+            data = read_file(self.out / name, FileKind.ANY)
         except OSError:
             return None
         return data if hashlib.sha256(data).hexdigest() == self.inventory.expected[name] else None
@@ -96,23 +97,43 @@ class RepairState:
             if otherwise:
                 self.tried[name] = otherwise
             return False
+        if not self.write(name, data, how):
+            return False
+        del self.wanted[name]
+        return True
+
+    def write(self, name: str, data: bytes, how: str) -> bool:
+        """Write a file of the release, and note the reason where that is not possible."""
         try:
             self._clear_the_way(name)
             write_file(self.out / name, data)
         except OSError as error:
             self.tried[name] = f"cannot be written: {error.strerror}"
             return False
-        del self.wanted[name]
         self.tell(f"repaired: {name}: {how}")
         return True
 
     def _clear_the_way(self, name: str) -> None:
-        """Make the folders of a file, and remove links in their place, which would lead out of the release."""
+        """Make the folders of a file, and remove links in their place, which would lead out of the release.
+
+        An empty folder in the place of the file itself is removed as well.
+        """
         for parent in reversed(PurePosixPath(name).parents[:-1]):
             place = self.out / parent
             if place.is_symlink() or (place.exists() and not place.is_dir()):
                 remove_file(place)
             make_folder(place)
+        place = self.out / name
+        if place.is_dir() and not place.is_symlink() and not any(place.iterdir()):
+            remove_folder(place)
+
+
+def recorded_device(name: str) -> DeviceKind:
+    """Return the device that metadata.json names; the processor for any name that is not known."""
+    for kind in GPU_KINDS:
+        if kind == name:
+            return kind
+    return "CPU"
 
 
 def with_one_bit_less_wrong(data: bytes, digest: str) -> bytes | None:

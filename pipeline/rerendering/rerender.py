@@ -42,6 +42,7 @@ from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.disk_space import check_disk
 from symolo.core.files.file_hashes import canonical_json, hashes_of, holds, read_known
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.lens import lens_problem
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
@@ -132,7 +133,7 @@ def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *
     for draw in draws:
         folder = out / draw.name if apart else out
         for name, wanted in ((DATA, source.data), (LOOK, draw.record)):
-            if (folder / name).is_file() and (folder / name).read_bytes() != wanted:
+            if (folder / name).is_file() and read_file(folder / name, FileKind.ANY) != wanted:
                 what = "holds images of another trajectory or another draw of the look"
                 raise InputError(what, where=str(folder), cure="name a folder by --out")
 
@@ -248,21 +249,18 @@ def read_source(path: Path) -> StoredTrajectory:
                 f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate again"
             ) from None
         return StoredTrajectory(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
-    data = path if path.is_file() else folder / DATA
+    data = path.resolve() if path.is_file() else folder / DATA  # only what the user names may be a link
     if not data.is_file():
-        raise InputError(
-            "is no run folder and no data.csv",
-            where=str(path),
-            cure="name a folder such as OUT/CW/test_1, or a data.csv",
-        )
+        cure = "name a folder such as OUT/CW/test_1, or a data.csv"
+        raise InputError("is no run folder and no data.csv", where=str(path), cure=cure)
     side = folder / SIDE / SPEC
     spec = _read_spec(side) if data.name == DATA and side.is_file() else None
-    return StoredTrajectory(read_rows(data), data.read_bytes(), spec, data)
+    return StoredTrajectory(read_rows(data), read_file(data, FileKind.TABLE), spec, data)
 
 
 def _read_spec(path: Path) -> RunSpec:
     try:
-        return RunSpec.model_validate_json(path.read_bytes())
+        return RunSpec.model_validate_json(read_file(path, FileKind.DOCUMENT))
     except OSError as error:
         reason = error.strerror
     except ValidationError as error:
@@ -397,4 +395,4 @@ def _fill(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, by
     for name, data in texts.items():
         write_file(folder / name, data)
     for name in (JOB, FRAMES):
-        write_file(folder / name, (task.folder.path / name).read_bytes())
+        write_file(folder / name, read_file(task.folder.path / name, FileKind.ANY))

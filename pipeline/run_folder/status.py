@@ -21,6 +21,7 @@ from symolo.core.errors import InputError, one_line
 from symolo.core.files.atomic_files import place_of
 from symolo.core.files.file_hashes import holds
 from symolo.core.files.file_locks import LOCK
+from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.folder_kind import Kind, kind_of
@@ -67,6 +68,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     if (kind := kind_of(out)) is not Kind.DATASET:
         what = f"holds what a command for {kind} made" if kind else "is no folder of a release"
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
+    check_folders(out, f"{STAGES}/simulate")
     workspace = Workspace(out.absolute())
     yield _working(workspace)
     runs = [run_status(workspace, run, spec, check=check) for run, spec in _runs(workspace, specs).items()]
@@ -204,7 +206,7 @@ def _in_order(run: str) -> tuple[str, int]:
 def _working(workspace: Workspace) -> str:
     """Return whether another command works in the folder, by its lock, which is released at once."""
     try:
-        descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW)
+        descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         if (workspace.out / STAGES).is_dir():
             return "nobody works here now"
@@ -298,6 +300,6 @@ def _outcome(workspace: Workspace, run: str) -> RunOutcome | None:
 
 def _read_spec(path: Path) -> RunSpec | None:
     try:
-        return RunSpec.model_validate_json(path.read_bytes())
+        return RunSpec.model_validate_json(read_file(path, FileKind.DOCUMENT))
     except (OSError, ValidationError):
         return None

@@ -8,6 +8,7 @@ from configs.schema.look import LookConfig
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.plain_files import FileKind, read_named_file
 from symolo.core.yaml.reader import displayed
 
 
@@ -28,7 +29,7 @@ def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], fol
             continue
         where = displayed(places[digest]) if digest in places else name
         try:
-            data = places[digest].read_bytes()
+            data = read_named_file(places[digest], FileKind.ANY)
         except (KeyError, OSError):
             raise InputError("is gone since it was read", where=where, cure="put it back") from None
         if sha256(data).hexdigest() != digest:

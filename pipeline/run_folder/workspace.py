@@ -21,6 +21,7 @@ from symolo.core.files.atomic_files import (
 )
 from symolo.core.files.file_hashes import canonical_json, hashes_of, holds
 from symolo.core.files.file_locks import held, lock_or_refuse, opened_lock
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.dataset.folder_kind import KIND, Done, Kind
 from symolo.dataset.layout import DONE, STAGES
@@ -80,7 +81,7 @@ class StageFolder:
     def problem(self, key: str | None = None) -> str:
         """Return why the stage failed with these inputs, or with any; empty where that is unknown."""
         try:
-            failed = _Failed.model_validate_json((self.path / FAILED).read_bytes())
+            failed = _Failed.model_validate_json(read_file(self.path / FAILED, FileKind.DOCUMENT))
         except (*NOT_THERE, ValidationError):
             return ""
         return failed.problem if key in {None, failed.key} else ""
@@ -99,7 +100,7 @@ class StageFolder:
     def done(self) -> Done | None:
         """Return the content of `done.json`; None while the stage is not finished."""
         try:
-            return Done.model_validate_json((self.path / DONE).read_bytes())
+            return Done.model_validate_json(read_file(self.path / DONE, FileKind.DOCUMENT))
         except (*NOT_THERE, ValidationError):
             return None
 

@@ -12,6 +12,7 @@ from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFind
 from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import read_known, sha256_of
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.annotations import DOCUMENT
 from symolo.dataset.layout import ANNOTATIONS
 
@@ -25,7 +26,7 @@ class AnnotationTask(FrameTask):
     def of(cls, pictures: FrameTask, appearance: Appearance, folder: StageFolder) -> Order:
         """Return the order for the images that a task rendered; only its job is read."""
         arena = Arena.from_config(appearance.arena)
-        rendered = RenderJob.from_json((pictures.folder.path / JOB).read_text())
+        rendered = RenderJob.from_json(read_file(pictures.folder.path / JOB, FileKind.JOB).decode())
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
         return cls.order(pictures.run, folder, job, pictures.frames)
 
@@ -36,7 +37,7 @@ class AnnotationTask(FrameTask):
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         job = self._job()
         records = [record_file(frame.number) for frame in self.frames]
-        seen = [FrameRecord.from_json((self.files / name).read_bytes()) for name in records if name in hashes]
+        seen = [FrameRecord.from_json(read_file(self.files / name, FileKind.JOB)) for name in records if name in hashes]
         write_file(self.files / DOCUMENT, document(job, IMAGES, seen).to_json())
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, f"{ANNOTATIONS}/{DOCUMENT}")}
         made = {f"{ANNOTATIONS}/{name}": digest for name, digest in hashes.items()}
@@ -44,7 +45,7 @@ class AnnotationTask(FrameTask):
         return ImageFindings()
 
     def _job(self) -> AnnotationJob:
-        return AnnotationJob.from_json((self.folder.path / JOB).read_text())
+        return AnnotationJob.from_json(read_file(self.folder.path / JOB, FileKind.JOB).decode())
 
 
 def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:

@@ -17,6 +17,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known
+from symolo.core.files.plain_files import FileKind, is_plain_file, read_file
 from symolo.core.progress import Report, StageReport
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
@@ -215,4 +216,4 @@ def _write_if_new(path: Path, data: bytes) -> None:
 
 
 def _holds(path: Path, data: bytes) -> bool:
-    return path.is_file() and path.read_bytes() == data
+    return is_plain_file(path) and read_file(path, FileKind.ANY) == data

@@ -32,6 +32,7 @@ from symolo.core.child_process import Failed, Finished
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, write_file
 from symolo.core.files.file_hashes import canonical_json, sha256_of
 from symolo.core.files.file_locks import held
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.core.versions import versions
@@ -170,7 +171,7 @@ class RenderTask(FrameTask):
 
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         names = {frame.number: frame_name(frame.number) for frame in self.frames}
-        seen = {name: Extremes.of((self.files / name).read_bytes()) for name in names.values()}
+        seen = {name: Extremes.of(read_file(self.files / name, FileKind.IMAGE)) for name in names.values()}
         if problem := all_black(list(seen.values())):
             return ImageFindings(problem=problem)
         records = [
@@ -322,7 +323,7 @@ def _prepare(order: Order) -> None:
     inputs = canonical_json({"key": task.key})
     make_folder(path.parent)
     with held(path.parent):
-        if not (path / INPUTS).is_file() or (path / INPUTS).read_bytes() != inputs:
+        if not (path / INPUTS).is_file() or read_file(path / INPUTS, FileKind.JOB) != inputs:
             remove_folder(path)
         make_folder(task.files)
         for left in (DONE, FAILED):
@@ -344,7 +345,7 @@ class Rendered:
 
     @classmethod
     def read(cls, folder: Path) -> "Rendered":
-        document = json.loads((folder / FRAMES).read_bytes())
+        document = json.loads(read_file(folder / FRAMES, FileKind.JOB))
         cpu = document.get("cpu", [])
         return cls(document["device"], tuple(document["warnings"]), (cpu,) if isinstance(cpu, str) else tuple(cpu))
 

@@ -23,6 +23,7 @@ from pipeline.work.units import SimulateUnit
 from symolo.core.errors import InputError, RunFailed
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.file_hashes import canonical_json
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
@@ -226,17 +227,17 @@ def spec_text(spec: RunSpec) -> bytes:
 
 
 def read_outcome(path: Path) -> RunOutcome:
-    return RunOutcome.model_validate_json((path / OUTCOME).read_bytes())
+    return RunOutcome.model_validate_json(read_file(path / OUTCOME, FileKind.DOCUMENT))
 
 
 def read_recording(path: Path) -> Recording:
     # Read first: the unpacker would report a fault of the disk as a damaged archive.
-    return Recording.load(io.BytesIO((path / TRAJECTORY).read_bytes()))
+    return Recording.load(io.BytesIO(read_file(path / TRAJECTORY, FileKind.TRAJECTORY)))
 
 
 def _refresh_spec(folder: StageFolder, key: str, spec: RunSpec) -> None:
     """Write the current look into `spec.json`; the trajectory does not depend on it."""
     text = spec_text(spec)
-    if (folder.path / SPEC).read_bytes() != text:
+    if read_file(folder.path / SPEC, FileKind.DOCUMENT) != text:
         write_file(folder.path / SPEC, text)
         mark_done(folder.path, key)

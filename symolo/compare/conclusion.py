@@ -1,4 +1,4 @@
-"""What a comparison comes to: one line, an exit code, and what was made differently."""
+"""The conclusion of a comparison: one line, an exit code, and the programs and processors that differ."""
 
 import math
 from collections import Counter
@@ -12,7 +12,7 @@ from symolo.compare.likeness import shown_db
 from symolo.dataset.bag import read_cpu_classes
 from symolo.dataset.documents.metadata import read_metadata
 
-Found = TypeVar("Found")
+Content = TypeVar("Content")
 
 IDENTICAL, CLOSE, DIFFERENT = 0, 6, 7
 """Exit codes of `symolo compare`."""
@@ -27,22 +27,21 @@ class Conclusion:
     def of(cls, results: Sequence[FileResult]) -> "Conclusion":
         count = Counter(result.verdict for result in results)
         total, same = len(results), count[Verdict.IDENTICAL]
+        files = "1 file" if total == 1 else f"{total} files"
         wrong = {verdict: count[verdict] for verdict in (Verdict.DIFFERENT, Verdict.ONLY_A, Verdict.ONLY_B)}
         if any(wrong.values()):
-            told = ", ".join(f"{number} {verdict}" for verdict, number in wrong.items() if number)
-            return cls(DIFFERENT, f"different: {told}; {_of(same, total)} identical")
+            counts = ", ".join(f"{number} {verdict}" for verdict, number in wrong.items() if number)
+            return cls(DIFFERENT, f"different: {counts}; {same} of {files} identical")
         if same == total:
-            return cls(IDENTICAL, f"identical: {_files(total)}")
+            return cls(IDENTICAL, f"identical: {files}")
         worst = min((r.likeness.level_db for r in results if r.verdict is Verdict.CLOSE), default=math.inf)
         if math.isinf(worst):
-            return cls(
-                CLOSE, f"the same values: {_of(same, total)} identical, no number or pixel differs in the others"
-            )
-        return cls(CLOSE, f"equal within {shown_db(worst)}: {_of(same, total)} identical, the others as like as that")
+            return cls(CLOSE, f"the same values: {same} of {files} identical, no number or pixel differs in the others")
+        return cls(CLOSE, f"equal within {shown_db(worst)}: {same} of {files} identical, the others as like as that")
 
 
 def made_differently(a: Path, b: Path) -> Iterator[str]:
-    """Processors and programs that two datasets, or what lies in them, were not both made by."""
+    """Yield a line for each program and processor that differs between the datasets that hold the two paths."""
     one, other = (" and ".join(_above(path, read_cpu_classes) or ()) for path in (a, b))
     if one and other and one != other:
         yield f"other CPU class, which may decide low bits: {one} in A, {other} in B"
@@ -58,14 +57,6 @@ def _programs(root: Path) -> dict[str, str]:
     return metadata.made_with if metadata else {}
 
 
-def _above(path: Path, read: Callable[[Path], Found]) -> Found | None:
-    """What `read` finds in the dataset that a path leads to or into; a run lies two folders below its dataset."""
+def _above(path: Path, read: Callable[[Path], Content]) -> Content | None:
+    """Return what `read` reads from the dataset that holds a path; a run lies two folders below its dataset."""
     return next(filter(None, map(read, (path, *path.absolute().parents[:4]))), None)
-
-
-def _files(count: int) -> str:
-    return "1 file" if count == 1 else f"{count} files"
-
-
-def _of(count: int, total: int) -> str:
-    return f"{count} of {_files(total)}"

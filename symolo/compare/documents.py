@@ -1,4 +1,4 @@
-"""Two JSON documents, leaf by leaf: the largest difference of their numbers, and the first of anything else."""
+"""Comparison of two JSON documents, leaf by leaf: the largest difference of numbers, and the first other difference."""
 
 import json
 import math
@@ -15,7 +15,7 @@ HOW_IT_WAS_MADE = {
     "metadata.json": frozenset({"made_with"}),
     "frames.json": frozenset({"sha256", "cpu"}),
 }
-"""Keys by file that tell of the making, or follow from other files: no difference of the data."""
+"""Keys by file that describe how the file was made, or follow from other files; they are no difference of the data."""
 
 _MISSING = object()
 
@@ -31,18 +31,19 @@ def likeness(a: bytes, b: bytes, name: str) -> Likeness:
         one, other = leaves_a.get(path, _MISSING), leaves_b.get(path, _MISSING)
         if one == other and type(one) is type(other):
             continue
-        told = f"{dotted(path)}: {_shown(one)} in A, {_shown(other)} in B"
-        number, compared = _number(one), _number(other)
-        if number is None or compared is None:
-            return Likeness.none(told)
-        found = level_db(np.array([number - compared]), abs(number))
-        if found < worst.level_db:
-            worst = Likeness(found, told)
+        text_a, text_b = ("nothing" if value is _MISSING else shown(value) for value in (one, other))
+        what = f"{dotted(path)}: {text_a} in A, {text_b} in B"
+        number, other_number = _number(one), _number(other)
+        if number is None or other_number is None:
+            return Likeness.none(what)
+        level = level_db(np.array([number - other_number]), abs(number))
+        if level < worst.level_db:
+            worst = Likeness(level, what)
     return worst
 
 
 def _leaves(value: object, ignored: Collection[str], path: FieldPath = ()) -> Iterator[tuple[FieldPath, object]]:
-    """Every scalar by its path; an empty list or mapping is a leaf of its own."""
+    """Yield every scalar with its path; an empty list or mapping is a leaf too."""
     if isinstance(value, dict) and value:
         for key, item in value.items():
             if key not in ignored:
@@ -64,7 +65,3 @@ def _number(value: object) -> float | None:
     except OverflowError:  # an integer of hundreds of digits
         return None
     return number if math.isfinite(number) else None
-
-
-def _shown(value: object) -> str:
-    return "nothing" if value is _MISSING else shown(value)

@@ -1,26 +1,27 @@
-"""Two folders, file by file: identical, equal within so many decibels, different, or only in one of them."""
+"""Comparison of two folders, file by file: identical, equal within a tolerance, different, or only in one of them."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from symolo.compare import documents, pictures, tables
+from symolo.compare import documents, images, tables
 from symolo.compare.likeness import EQUAL, Likeness, shown_db
 from symolo.core.errors import InputError, one_line
+from symolo.core.files.plain_files import FileKind, open_file, read_file
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import BAG_INFO, DECLARATION
 from symolo.dataset.layout import DESCRIPTION, STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST
 
 KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {
-    **dict.fromkeys(pictures.SUFFIXES, pictures.likeness),
+    **dict.fromkeys(images.SUFFIXES, images.likeness),
     **dict.fromkeys(tables.SEPARATORS, tables.likeness),
     ".json": documents.likeness,
 }
-"""By suffix; files of other kinds are the same bytes or different."""
+"""Comparing function by suffix; all other files are identical or different."""
 
 FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION, *SEALS})
-"""Files at the top that are written from the others, or tell how they were made."""
+"""Files at the top that are written from the others, or describe how they were made."""
 
 _CHUNK_BYTES = 1 << 20
 
@@ -28,9 +29,9 @@ _CHUNK_BYTES = 1 << 20
 class Verdict(TextEnum):
     IDENTICAL = "identical"
     CLOSE = "equal within"
-    """Other bytes whose values are as like as was asked for."""
+    """Other bytes, with values that are equal within the tolerance."""
     FOLLOWS = "follows"
-    """One of `FOLLOWS` that is not the same bytes."""
+    """A file of `FOLLOWS` with other bytes."""
     DIFFERENT = "different"
     ONLY_A = "only in A"
     ONLY_B = "only in B"
@@ -44,28 +45,28 @@ class FileResult:
     likeness: Likeness = EQUAL
 
     def __str__(self) -> str:
-        told = {
+        text = {
             Verdict.CLOSE: f"equal within {shown_db(self.likeness.level_db)}: {self.likeness.what}",
             Verdict.DIFFERENT: f"different ({shown_db(self.likeness.level_db)}): {self.likeness.what}",
-            Verdict.FOLLOWS: "differs; it is written from the other files, or tells how they were made",
+            Verdict.FOLLOWS: "differs; it is written from the other files, or describes how they were made",
         }.get(self.verdict, self.verdict.value)
-        return one_line(f"{self.name}: {told}")
+        return one_line(f"{self.name}: {text}")
 
 
 def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
-    """Each file of two folders, or two files, in order of their names.
+    """Yield the result of each file of two folders, in the order of names, or that of two files.
 
     Args:
-        a: A dataset, a run, a folder of pictures, or a file.
+        a: A dataset, a run, a folder of images, or a file.
         b: Another one.
-        tolerance_db: What is as like as this counts as equal [dB].
+        tolerance_db: Level from which files count as equal [dB].
 
     Raises:
-        InputError: One is not there, or one is a file and the other one a folder.
+        InputError: A path does not exist, or one is a file and the other a folder.
     """
     for path in (a, b):
         if not path.exists():
-            raise InputError("no such file or folder", where=str(path), cure="name two datasets, runs or pictures")
+            raise InputError("no such file or folder", where=str(path), cure="name two datasets, runs or images")
     if a.is_dir() != b.is_dir():
         raise InputError(f"{a} and {b}", allowed="two folders or two files")
     if not a.is_dir():
@@ -84,7 +85,7 @@ def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
 
 
 def _names(root: Path) -> set[str]:
-    """Of everything but folders, and without the hidden stages of an output folder."""
+    """Return the path within `root` of everything but folders and the hidden stages of an output folder."""
     paths = (path for path in root.rglob("*") if path.is_symlink() or not path.is_dir())
     inner = ((path, path.relative_to(root)) for path in paths)
     return {name.as_posix() for _, name in inner if name.parts[0] != STAGES}
@@ -100,16 +101,17 @@ def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:
         if name in FOLLOWS:
             return FileResult(name, Verdict.FOLLOWS)
         kind = KINDS.get(PurePosixPath(name).suffix.lower())
-        found = kind(a.read_bytes(), b.read_bytes(), name) if kind else Likeness.none("other bytes")
+        contents = (read_file(path, FileKind.ANY) for path in (a, b))
+        likeness = kind(*contents, name) if kind else Likeness.none("other bytes")
     except OSError as error:
-        found = Likeness.none(f"cannot be read: {error.strerror}")
-    return FileResult(name, Verdict.CLOSE if found.level_db >= tolerance_db else Verdict.DIFFERENT, found)
+        likeness = Likeness.none(f"cannot be read: {error.strerror}")
+    return FileResult(name, Verdict.CLOSE if likeness.level_db >= tolerance_db else Verdict.DIFFERENT, likeness)
 
 
 def _same_bytes(a: Path, b: Path) -> bool:
     if a.stat().st_size != b.stat().st_size:
         return False
-    with a.open("rb") as one, b.open("rb") as other:
+    with open_file(a) as one, open_file(b) as other:
         while chunk := one.read(_CHUNK_BYTES):
             if chunk != other.read(_CHUNK_BYTES):
                 return False

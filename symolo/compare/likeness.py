@@ -1,34 +1,34 @@
-"""How alike two files are: a decibel number, and where they differ most."""
+"""Likeness of two files: a level in decibels, and the largest difference."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-Array = np.ndarray
-
 
 @dataclass(frozen=True)
 class Likeness:
-    """Of a file to another one that is not the same bytes."""
+    """Likeness of a file to another file with other bytes."""
 
     level_db: float
-    """Peak over root mean square of the difference; infinite for equal values, minus infinite for what is not alike."""
+    """Peak over root mean square of the difference [dB]; inf for equal values, -inf for files without likeness."""
     what: str
-    """The largest difference and where it is."""
+    """Description of the largest difference and its place."""
 
     @classmethod
     def none(cls, what: str) -> "Likeness":
-        """Of things that cannot be held against each other."""
+        """Return the likeness of contents that cannot be compared."""
         return cls(-math.inf, what)
 
 
 EQUAL = Likeness(math.inf, "")
 
 
-def level_db(differences: Array, peak: float) -> float:
-    """20 log10(peak / rms of the differences) [dB]; of pictures with full scale for the peak, this is the PSNR."""
-    # As Huynh-Thu and Ghanbari, Electronics Letters 44 (2008), write the PSNR.
+def level_db(differences: np.ndarray, peak: float) -> float:
+    """Return 20 log10(peak / rms of the differences) [dB]; with full scale as the peak, this is the PSNR of images.
+
+    Definition of the PSNR: Huynh-Thu and Ghanbari, Electronics Letters 44 (2008).
+    """
     mean_square = float(np.mean(np.square(differences, dtype=np.float64))) if differences.size else 0.0
     if mean_square == 0:
         return math.inf

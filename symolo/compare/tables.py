@@ -1,4 +1,4 @@
-"""Two tables of numbers: the largest difference of each column, in its own digits."""
+"""Comparison of two tables of numbers: the largest difference of each column, in its own digits."""
 
 import math
 from pathlib import PurePosixPath
@@ -8,7 +8,7 @@ import numpy as np
 from symolo.compare.likeness import Likeness, level_db
 
 NAMES = frozenset({"t", "state", "img", "status_f", "status_l", "status_r"})
-"""Columns whose numbers name something, so that one more or less is no small difference."""
+"""Columns whose numbers are names, so that no difference is small."""
 SEPARATORS = {".csv": ",", ".txt": " "}
 
 
@@ -49,7 +49,7 @@ def _column(title: str, a: np.ndarray, b: np.ndarray) -> Likeness:
 
 
 def _read(data: bytes, separator: str) -> tuple[list[str], np.ndarray]:
-    """Header and numbers; raises ValueError for what is no table of numbers."""
+    """Return header and numbers; raise ValueError for any other content."""
     first, *lines = data.decode().splitlines()
     header = first.split(separator)
     rows = [line.split(separator) for line in lines]
@@ -59,7 +59,7 @@ def _read(data: bytes, separator: str) -> tuple[list[str], np.ndarray]:
 
 
 def _first_line(a: bytes, b: bytes) -> str:
-    """Where two texts that are no tables part."""
+    """Return where two texts that are no tables begin to differ."""
     lines_a, lines_b = a.splitlines(), b.splitlines()
     for number, (line_a, line_b) in enumerate(zip(lines_a, lines_b, strict=False), start=1):
         if line_a != line_b:

@@ -165,7 +165,10 @@ class AnnotationDocument:
     @classmethod
     def from_json(cls, data: bytes) -> "AnnotationDocument":
         """Return the document that `to_json` wrote; raise ValueError for any other content."""
-        content = json.loads(data)
+        try:
+            content = json.loads(data)
+        except RecursionError:
+            raise ValueError("is nested too deeply") from None
         version = content.get("format") if isinstance(content, dict) else None
         if version != FORMAT:
             raise ValueError(f"format {version}, expected {FORMAT}; annotate again with this version")

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from symolo.core.errors import one_line
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.versions import versions
 
 BAG_INFO, DECLARATION = "bag-info.txt", "bagit.txt"
@@ -12,13 +13,13 @@ CPU_CLASS, OXUM = "CPU-Class", "Payload-Oxum"
 
 
 def bag_info(name: str, description: str, sizes: Mapping[str, int], cpu_classes: Iterable[str]) -> bytes:
-    """The same bytes for the same data: it tells no day.
+    """Return the file, which has no date, so that the same data give the same bytes.
 
     Args:
-        name: Of the dataset.
-        description: In one line or several.
-        sizes: Bytes of each file of the payload.
-        cpu_classes: Of the processors that made it; one that is not known is "".
+        name: Name of the dataset.
+        description: Description, in one line or several.
+        sizes: Size [bytes] of each file of the payload.
+        cpu_classes: Classes of the processors that made the dataset; "" is an unknown one.
     """
     lines = [
         ("Bag-Software-Agent", f"symolo {versions('symolo')['symolo']}"),
@@ -31,14 +32,14 @@ def bag_info(name: str, description: str, sizes: Mapping[str, int], cpu_classes:
 
 
 def cpu_classes(info: bytes) -> tuple[str, ...]:
-    """What the lines of a bag-info.txt say of processors."""
+    """Return the classes of processors that a bag-info.txt names."""
     text = info.decode("utf-8", errors="replace")
     return tuple(one_line(value) for value in re.findall(rf"^{CPU_CLASS}: (.*)$", text, re.MULTILINE))
 
 
 def read_cpu_classes(root: Path) -> tuple[str, ...]:
-    """Of a dataset; nothing where it does not tell."""
+    """Return the classes of the processors that made a dataset; none if its bag-info.txt is missing."""
     try:
-        return cpu_classes((root / BAG_INFO).read_bytes())
+        return cpu_classes(read_file(root / BAG_INFO, FileKind.DOCUMENT))
     except OSError:
         return ()

@@ -5,6 +5,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import DECLARATION
@@ -49,7 +50,7 @@ def kind_of(out: Path) -> Kind | None:
     Without `.stages` a dataset is recognised by its metadata and manifest, so that `.stages` may be deleted.
     """
     try:
-        return Kind((out / STAGES / KIND).read_text(encoding="ascii").strip())
+        return Kind(read_file(out / STAGES / KIND, FileKind.DOCUMENT).decode("ascii").strip())
     except (*NOT_THERE, ValueError):
         released = (out / MANIFEST).is_file() and read_metadata(out) is not None
         return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None

@@ -23,17 +23,17 @@ def manifest(hashes: Mapping[str, str]) -> bytes:
 
 
 def tag_manifest(hashes: Mapping[str, str]) -> bytes:
-    """For the manifest of these files.
+    """Return the tag manifest of files.
 
     Args:
-        hashes: SHA-256 by name, bag-info.txt among them where there is one.
+        hashes: SHA-256 by name, including bag-info.txt if there is one.
     """
-    own = {MANIFEST: hashlib.sha256(manifest(hashes)).hexdigest()}
-    return manifest(own | {name: digest for name, digest in hashes.items() if name == BAG_INFO})
+    tags = {MANIFEST: hashlib.sha256(manifest(hashes)).hexdigest()}
+    return manifest(tags | {name: digest for name, digest in hashes.items() if name == BAG_INFO})
 
 
 def read_manifest(data: bytes) -> dict[str, str]:
-    """SHA-256 by path; raises ValueError with the number of the first line that is not of this form."""
+    """Return SHA-256 by path; raise ValueError with the number of the first line of another form."""
     hashes: dict[str, str] = {}
     for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
         digest, separator, name = line.partition("  ")
@@ -44,5 +44,5 @@ def read_manifest(data: bytes) -> dict[str, str]:
 
 
 def released_hashes(out: Path) -> dict[str, str]:
-    """SHA-256 of every file of a dataset but the manifests, the signatures and the hidden stages."""
+    """Return the SHA-256 of every file of a dataset but the manifests, the signatures and the hidden stages."""
     return hashes_of(out, skip=(STAGES, MANIFEST, TAG_MANIFEST, *SEALS))

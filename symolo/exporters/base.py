@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image
 
@@ -32,7 +33,7 @@ class ExportedFile:
 
 def copied_file(name: str, source: Path) -> ExportedFile:
     """Return a file of the release under another name."""
-    return ExportedFile(name, source.read_bytes, exact_bytes=lambda: source.stat().st_size)
+    return ExportedFile(name, lambda: read_file(source, FileKind.ANY), exact_bytes=lambda: source.stat().st_size)
 
 
 def image_bytes(images: Iterable[Image]) -> int:

@@ -13,6 +13,7 @@ import pandas as pd
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
@@ -83,7 +84,7 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
     for kind in kinds:
         paths = [image.annotation_files.get(kind) for image in images]
         if kind in _IN_16_BIT_COLOUR:
-            columns[kind] = value("binary"), [path.read_bytes() if path else None for path in paths]
+            columns[kind] = value("binary"), [read_file(path, FileKind.IMAGE) if path else None for path in paths]
         else:
             files = [_file(image, path) if path else None for image, path in zip(images, paths, strict=True)]
             columns[kind] = image_file(), files
@@ -92,7 +93,7 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
 
 
 def _file(image: Image, path: Path) -> dict[str, object]:
-    return {"bytes": path.read_bytes(), "path": f"{image.run.name}/{path.name}"}
+    return {"bytes": read_file(path, FileKind.IMAGE), "path": f"{image.run.name}/{path.name}"}
 
 
 def _wide(run: Run) -> pd.DataFrame:

@@ -16,6 +16,7 @@ import pandas as pd
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.file_hashes import canonical_json
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, image_bytes
 from symolo.exporters.features import image_file, parquet_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
@@ -216,7 +217,10 @@ def _episodes(plan: _Plan) -> bytes:
 
 def _frames(episodes: Sequence[_Episode]) -> bytes:
     images = [image for one in episodes for image in one.run.images]
-    files = [{"bytes": image.path.read_bytes(), "path": f"{image.run.name}/{image.path.name}"} for image in images]
+    files = [
+        {"bytes": read_file(image.path, FileKind.IMAGE), "path": f"{image.run.name}/{image.path.name}"}
+        for image in images
+    ]
     columns = {_FRONT: (image_file(), files)}
     number = value("float32")
     for name in episodes[0].numbers:

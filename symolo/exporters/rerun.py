@@ -11,6 +11,7 @@ from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 from symolo.core.extras import optional_module
 from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.poses import rotations_about_z
 from symolo.dataset.manifest import MANIFEST
 from symolo.dataset.tables.rows import COLUMNS
@@ -99,7 +100,7 @@ def _camera(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
         ),
     )
     yield Chunk(f"{_CAMERA}/image", "Pinhole", lens)
-    jpeg = [image.path.read_bytes() for image in images]
+    jpeg = [read_file(image.path, FileKind.IMAGE) for image in images]
     encoded = (
         Component("blob", "Blob", maker.each(maker.blobs(jpeg))),
         Component("media_type", "MediaType", maker.each(arrow.array(["image/jpeg"] * len(jpeg)))),

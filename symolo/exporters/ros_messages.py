@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from symolo.core.arrays import Array
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.poses import pose_X_WR, quaternions
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.tables.side_tables import SideTable
@@ -207,7 +208,7 @@ def _wheel_odometry(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
 
 def _images(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     for image, at_ns, header in _shutters(log, ros):
-        content = np.frombuffer(image.path.read_bytes(), dtype=np.uint8)
+        content = np.frombuffer(read_file(image.path, FileKind.IMAGE), dtype=np.uint8)
         yield at_ns, ros("sensor_msgs/CompressedImage", header, "jpeg", content)
 
 

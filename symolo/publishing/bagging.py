@@ -12,6 +12,7 @@ from pathlib import Path
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.new_folder import check_new, new_folder
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import BAG_INFO, DECLARATION, bag_info, read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata
@@ -20,6 +21,11 @@ from symolo.verification.inventory import Inventory
 
 PAYLOAD = "data"
 DECLARED = b"BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
+
+
+def dataset_in(root: Path) -> Path:
+    """Return the dataset in a bag, or the folder itself where it is no bag."""
+    return root / PAYLOAD if (root / DECLARATION).is_file() else root
 
 
 def make_bag(root: Path, out: Path, report: Report) -> int:
@@ -39,7 +45,7 @@ def make_bag(root: Path, out: Path, report: Report) -> int:
         make_folder(bag / PAYLOAD)
         with report.stage("bag", len(digests), "files") as stage:
             for number, (name, digest) in enumerate(sorted(digests.items()), start=1):
-                data = (root / name).read_bytes()
+                data = read_file(root / name, FileKind.ANY)
                 if hashlib.sha256(data).hexdigest() != digest:
                     raise InputError("has changed meanwhile", where=str(root / name), cure="run the command again")
                 make_folder((bag / PAYLOAD / name).parent)
@@ -57,7 +63,7 @@ def tag_files(release: Path, digests: Mapping[str, str]) -> dict[str, bytes]:
         release: The release, which lies or will lie in `data/`.
         digests: SHA-256 of each of its files.
     """
-    metadata = Metadata.model_validate_json((release / METADATA).read_bytes())
+    metadata = Metadata.model_validate_json(read_file(release / METADATA, FileKind.DOCUMENT))
     sizes = {name: (release / name).stat().st_size for name in digests}
     tags = {
         DECLARATION: DECLARED,

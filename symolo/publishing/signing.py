@@ -8,6 +8,7 @@ from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import write_file
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import NAME_PATTERN
@@ -81,7 +82,7 @@ def sign_release(
         raise InputError(
             f"is not signed, since it has faults: {fault}", where=str(root), cure=f"see `symolo verify {root}`"
         )
-    metadata = Metadata.model_validate_json((root / METADATA).read_bytes())
+    metadata = Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     if not re.fullmatch(NAME_PATTERN, metadata.name):
         allowed = "up to 64 letters, digits, _ and -"
         raise InputError("name", where=str(root / METADATA), got=metadata.name, allowed=allowed)
@@ -90,7 +91,7 @@ def sign_release(
         write_file(root / PROVENANCE, statement)
         _write_signature(root / PROVENANCE_SIGNATURE, statement, key, facts.comment(metadata.name, PROVENANCE))
     comment = facts.comment(metadata.name, TAG_MANIFEST)
-    _write_signature(root / SIGNATURE, (root / TAG_MANIFEST).read_bytes(), key, comment)
+    _write_signature(root / SIGNATURE, read_file(root / TAG_MANIFEST, FileKind.DOCUMENT), key, comment)
     return comment
 
 

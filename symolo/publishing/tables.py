@@ -11,6 +11,7 @@ from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import read_known
+from symolo.core.files.plain_files import FileKind, open_file, read_file
 from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import DATA
 
@@ -65,13 +66,13 @@ def planned_table(
     files = [(run, root / run / source, digests[f"{run}/{source}"]) for run in runs if f"{run}/{source}" in digests]
     if not files:
         raise InputError(f"names a table {source} that no run has", where=str(root / METADATA))
-    with files[0][1].open("rb") as file:
+    with open_file(files[0][1]) as file:
         header, first = file.readline(), file.readline()
     if header.decode(errors="replace").strip().split(",") != list(columns):
         raise InputError(f"{METADATA} names other columns", where=str(files[0][1]), allowed=", ".join(columns))
     size = len(f"{RUN},") + len(header)
     for run, path, _ in files:
-        content = path.read_bytes()
+        content = read_file(path, FileKind.TABLE)
         # Each file loses its header, and each of its other lines gets the name of the run.
         size += len(content) - len(header) + (content.count(b"\n") - 1) * len(f"{run},")
     name = "rows" if source == DATA else Path(source).stem

@@ -9,6 +9,7 @@ import pandas as pd
 from pydantic import ValidationError
 
 from symolo.core.errors import InputError, nearest
+from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
 from symolo.dataset.layout import DATA, LOOK
@@ -78,6 +79,7 @@ def load(path: str | Path) -> Dataset:
     if not root.is_dir():
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
     if (root / DECLARATION).is_file():
+        check_folders(root, PAYLOAD)
         root /= PAYLOAD
     if (root / METADATA).is_file():
         metadata = _metadata(root / METADATA)
@@ -86,6 +88,7 @@ def load(path: str | Path) -> Dataset:
             raise InputError(f"names the run {twice[0]} twice", where=str(root / METADATA), cure="see `symolo repair`")
         return Dataset(root, metadata, tuple(_run(root, name, metadata) for name in names))
     if (root / DATA).is_file():
+        check_folders(root, "")
         absolute = root.absolute()
         name = f"{absolute.parent.name}/{absolute.name}"
         release = read_metadata(absolute.parents[1])
@@ -101,7 +104,7 @@ def load(path: str | Path) -> Dataset:
 
 def _metadata(path: Path) -> Metadata:
     try:
-        return Metadata.model_validate_json(path.read_bytes())
+        return Metadata.model_validate_json(read_file(path, FileKind.DOCUMENT))
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
     except ValidationError as error:
@@ -111,6 +114,7 @@ def _metadata(path: Path) -> Metadata:
 def _run(root: Path, name: str, metadata: Metadata) -> Run:
     if name.startswith("/") or ".." in name.split("/"):
         raise InputError(f"run {name} leads out of the dataset", where=str(root / METADATA))
+    check_folders(root, name)
     run = Run(root / name, name, metadata.sensor_tables)
     if not (run.folder / DATA).is_file():
         cure = "see `symolo verify` and `symolo repair`"

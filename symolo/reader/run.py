@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS, AnnotationDocument, annotation_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, read_camera_document
 from symolo.dataset.documents.metadata import side_tables
@@ -173,7 +174,7 @@ class Run:
             raise InputError(what, where=str(self.folder), cure=OF_THE_RUN)
         path = self.folder / SIDE / SPEC
         try:
-            return json.loads(path.read_bytes())
+            return json.loads(read_file(path, FileKind.DOCUMENT))
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
         except (ValueError, RecursionError) as error:
@@ -277,7 +278,7 @@ class Run:
         """
         path = self._annotation_folder / DOCUMENT
         try:
-            return AnnotationDocument.from_json(path.read_bytes())
+            return AnnotationDocument.from_json(read_file(path, FileKind.ANNOTATIONS))
         except FileNotFoundError:
             cure = "release it with `--set render.annotations=[instance,semantic]`"
             raise InputError("has no annotations", where=str(self.folder), cure=cure) from None

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.reader.dataset import Dataset
 from symolo.report.statistics.run_facts import RunFacts
 from symolo.report.statistics.spread import spread
@@ -60,7 +61,7 @@ def thumbnail(data: Dataset, run: str, number: int) -> bytes:
     pixels = image.pixels()
     height_px, width_px = pixels.shape[:2]
     if width_px <= _MAX_WIDTH_PX:
-        return image.path.read_bytes()
+        return read_file(image.path, FileKind.IMAGE)
     size = (_MAX_WIDTH_PX, max(1, round(height_px * _MAX_WIDTH_PX / width_px)))
     small = np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), np.uint8)
     encoded, jpeg = cv2.imencode(".jpg", small[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import write_file
+from symolo.core.files.plain_files import FileKind, read_named_file
 from symolo.signing.minisign import MAX_BYTES, PublicKey
 from symolo.signing.secret_key import SecretKey, SecretKeyFile
 
@@ -85,7 +86,7 @@ def _text_of(path: Path) -> str:
     try:
         if path.is_file() and path.stat().st_size > MAX_BYTES:
             raise InputError("is no key: it is too large", where=f"--key {path}")
-        return path.read_text(encoding="utf-8")
+        return read_named_file(path, FileKind.DOCUMENT).decode("utf-8")
     except UnicodeDecodeError:
         raise InputError("is no key: it is no text", where=f"--key {path}") from None
     except OSError as error:

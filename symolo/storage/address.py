@@ -1,4 +1,4 @@
-"""Which store a URL names."""
+"""From a URL to the store that it names."""
 
 import os
 import re
@@ -12,31 +12,37 @@ from symolo.storage.folder import Folder
 
 ALLOWED = "s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER"
 BUCKET = re.compile(r"(?:s3|gs)://[a-z0-9][a-z0-9._-]{1,220}[a-z0-9](?:/[A-Za-z0-9._=+-]+)*/?")
-ENDPOINT = re.compile(r"(https?)://[A-Za-z0-9.-]+(?::\d{1,5})?/?")
-
+ENDPOINT = re.compile(r"https?://[A-Za-z0-9.-]+(?::\d{1,5})?/?")
 ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
-"""Variables in which the library looks for it."""
+"""Environment variables from which the library takes the endpoint."""
 
 
 def store_of(url: str, endpoint: str | None = None, *, allow_http: bool = False) -> Store:
-    """The store of an address; nothing is reached yet.
+    """Return the store of an address; no request is sent yet.
 
     Args:
-        url: As `ALLOWED` says.
-        endpoint: Of a server that speaks S3; where None, what the environment names.
+        url: An address in one of the forms of `ALLOWED`.
+        endpoint: Address of a server that speaks S3; None for that of the environment.
         allow_http: Whether requests may go unencrypted.
 
     Raises:
-        InputError: It is none, or holds what may be a secret; then it is not repeated.
-        EnvironmentLacking: As `Bucket.open`.
+        InputError: The address has another form, or may hold a secret; then the message does not repeat it.
+        EnvironmentLacking: obstore is not installed, or the environment holds no key.
     """
     _check_secrets("URL", url)
     if url.startswith("file://"):
-        return _folder(url)
+        path = Path(url.removeprefix("file://"))
+        if not path.is_absolute() or ".." in path.parts or "%" in url:
+            allowed = "file:// and a whole path without .. and %, such as file:///mnt/data"
+            raise InputError("URL", got=url, allowed=allowed)
+        check_path(path, "URL")
+        if path.exists() and not path.is_dir():
+            raise InputError("is no folder", where=url)
+        return Folder(url.rstrip("/"), path)
     if not BUCKET.fullmatch(url) or {".", ".."} & {*url.split("/")[3:]}:
         raise InputError("URL", got=url, allowed=ALLOWED)
     if endpoint is not None and not url.startswith("s3://"):
-        raise InputError("--endpoint", got=endpoint, cure="leave it out: it is of s3:// alone")
+        raise InputError("--endpoint", got=endpoint, cure="leave it out: only s3:// has an endpoint")
     named = {"--endpoint": endpoint} if endpoint is not None else {name: os.environ.get(name) for name in ENDPOINTS}
     for where, address in named.items():
         if address and url.startswith("s3://"):
@@ -50,21 +56,10 @@ def _check_secrets(where: str, text: str) -> None:
         raise InputError(what, where=where, cure="name keys by the environment alone, see docs/storage.md")
 
 
-def _folder(url: str) -> Folder:
-    path = Path(url.removeprefix("file://"))
-    if not path.is_absolute() or ".." in path.parts or "%" in url:
-        raise InputError("URL", got=url, allowed="file:// and a whole path without .. and %, such as file:///mnt/data")
-    check_path(path, "URL")
-    if path.exists() and not path.is_dir():
-        raise InputError("is no folder", where=url)
-    return Folder(url.rstrip("/"), path)
-
-
 def _check_endpoint(where: str, endpoint: str, *, allow_http: bool) -> None:
     _check_secrets(where, endpoint)
-    found = ENDPOINT.fullmatch(endpoint)
-    if not found:
+    if not ENDPOINT.fullmatch(endpoint):
         raise InputError(where, got=endpoint, allowed="https://HOST or https://HOST:PORT")
-    if found.group(1) == "http" and not allow_http:
-        cure = "name it by https://, or say --allow-http where the line is safe"
+    if endpoint.startswith("http:") and not allow_http:
+        cure = "name it by https://, or give --allow-http where the line is safe"
         raise InputError("sends everything unencrypted", where=f"{where} {endpoint}", cure=cure)

@@ -8,30 +8,31 @@ from pathlib import Path
 from typing import Protocol
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import open_file
 
 CHUNK_BYTES = 8 << 20
-"""What is read of a file at a time; a larger one is sent in parts of this size."""
+"""Number of bytes that are read of a file at a time; a larger file is sent in parts of this size."""
 
 
 @dataclass(frozen=True)
 class LocalFile:
-    """One file of a release that is as it was released."""
+    """One file of a release."""
 
     name: str
-    """Its path within the release."""
+    """Path within the release."""
     path: Path
     size_bytes: int
     digest: str
     """SHA-256."""
 
     def chunks(self) -> Iterator[bytes]:
-        """Its bytes, the last of which come only where all of them are those that were checked.
+        """Yield the bytes; the last chunk follows only after the checksum of the whole file turned out right.
 
         Raises:
             InputError: The file has changed meanwhile.
         """
         hashed, held = hashlib.sha256(), b""
-        with self.path.open("rb") as file:
+        with open_file(self.path) as file:
             while chunk := file.read(CHUNK_BYTES):
                 hashed.update(chunk)
                 if held:
@@ -43,30 +44,30 @@ class LocalFile:
 
 
 class Store(Protocol):
-    """One file for each kind. Several threads may use one at a time.
+    """A place that keeps files by their path. Several threads may use it at the same time.
 
-    Every method raises EnvironmentLacking where the store cannot be reached or does not let us in.
+    Every method raises EnvironmentLacking if the store cannot be reached or refuses access.
     """
 
     @property
     def url(self) -> str:
-        """As the user named it."""
+        """Return the address as the user wrote it."""
         ...
 
     def held(self) -> AbstractContextManager[None]:
-        """For this process alone, where the store knows of such a thing.
+        """Lock the store for this process, if it has locks.
 
         Raises:
-            InputError: Another process holds it.
+            InputError: Another process has locked it.
         """
         ...
 
     def sweep(self) -> None:
-        """Remove what a killed upload left unfinished; of a held store that has nothing of others."""
+        """Remove what an interrupted upload left; the caller has locked the store."""
         ...
 
     def sizes(self) -> dict[str, int]:
-        """Bytes of each object by its path; nothing of an object that is still being written.
+        """Return the size [bytes] of each complete object by its path.
 
         Raises:
             InputError: There is no such place.
@@ -74,11 +75,11 @@ class Store(Protocol):
         ...
 
     def digest(self, name: str) -> str:
-        """SHA-256 of an object, without its bytes being sent; empty where the store does not know it."""
+        """Return the SHA-256 of an object without a transfer of its bytes; empty if the store does not know it."""
         ...
 
     def put(self, file: LocalFile) -> None:
-        """Store a file whole, or leave what was there.
+        """Store a file completely, or leave the object as it was.
 
         Raises:
             InputError: The file has changed meanwhile.
@@ -86,5 +87,5 @@ class Store(Protocol):
         ...
 
     def get(self, name: str) -> bytes | None:
-        """All bytes of an object; None where there is none."""
+        """Return all bytes of an object; None if there is no such object."""
         ...

@@ -1,7 +1,7 @@
 """A bucket of an object store (S3 and what speaks like it, Google Cloud Storage), by the library obstore.
 
 The library signs requests, sends large files in parts, and tries again with growing pauses. It takes keys from the
-environment alone, and so do we: none is ever an argument, or told in a message.
+environment only, and so do we: a key is never an argument and never part of a message.
 """
 
 import contextlib
@@ -21,9 +21,9 @@ SHA256 = "sha256"
 """Name of the metadata that holds an object's SHA-256; `x-amz-meta-sha256` on the wire to S3."""
 PARTS_AT_ONCE = 2
 RETRIES = 12
-"""Of each request, with pauses from 0.1 s that double, up to 15 s."""
+"""Number of retries of a request, with pauses that double from 0.1 s up to 15 s."""
 TIMEOUT = "5m"
-"""Of a request with its body: a part of 8 MiB on a slow line takes minutes, and 30 s are the library's default."""
+"""Longest time of a request with its body; a part of 8 MiB takes minutes on a slow line, the default is 30 s."""
 
 KEYS = {
     "s3": (
@@ -43,7 +43,7 @@ KEYS = {
         "GOOGLE_SKIP_SIGNATURE",
     ),
 }
-"""Variables any one of which says who we are. Without any, the library would ask an address of its own choice."""
+"""Variables of which at least one must be set; otherwise the library would request keys from an address of its own."""
 KEY_CURES = {
     "s3": "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_SKIP_SIGNATURE=true where anybody may read",
     "gs": "set GOOGLE_APPLICATION_CREDENTIALS to the key's file, or GOOGLE_SKIP_SIGNATURE=true where anybody may read",
@@ -60,15 +60,15 @@ class Bucket:
 
     @classmethod
     def open(cls, url: str, endpoint: str | None, *, allow_http: bool) -> "Bucket":
-        """Of a checked address; nothing is reached yet.
+        """Return the bucket of a checked address; no request is sent yet.
 
         Args:
             url: `s3://bucket/prefix` or `gs://bucket/prefix`.
-            endpoint: Address of a server that speaks S3; Amazon's where None and the environment names none.
+            endpoint: Address of a server that speaks S3; None for that of the environment, or Amazon's.
             allow_http: Whether requests may go unencrypted.
 
         Raises:
-            EnvironmentLacking: The library is not there, or no variable says who we are.
+            EnvironmentLacking: The library is not installed, or no variable holds a key.
         """
         stores = _library().store
         kind = url.partition(":")[0]
@@ -76,57 +76,54 @@ class Bucket:
             raise EnvironmentLacking(f"{url}: the environment holds no key to it; {KEY_CURES[kind]}")
         options = {"timeout": TIMEOUT, **({"allow_http": True} if allow_http else {})}
         chosen = {"endpoint": endpoint} if endpoint else {}
-        of_kind = stores.S3Store if kind == "s3" else stores.GCSStore
-        with _told(url, kind):
-            store = of_kind.from_url(url, client_options=options, retry_config={"max_retries": RETRIES}, **chosen)
+        store_class = stores.S3Store if kind == "s3" else stores.GCSStore
+        with _plain_errors(url):
+            store = store_class.from_url(url, client_options=options, retry_config={"max_retries": RETRIES}, **chosen)
         return cls(url, store)
 
     def held(self) -> AbstractContextManager[None]:
-        """Nobody holds a bucket: an object is replaced at once, and two who send the same release send the same."""
+        """Need no lock: an object is replaced at once, and two processes that send a release send the same bytes."""
         return nullcontext()
 
     def sweep(self) -> None:
-        """Nothing: of a part that was sent no object comes, and the bucket's own rules remove it."""
+        """Do nothing: parts of an unfinished upload are no object, and the rules of the bucket remove them."""
 
     def sizes(self) -> dict[str, int]:
-        with self._told():
-            return {
-                one["path"]: one["size"] for part in self._obstore.list(self._store, chunk_size=1000) for one in part
-            }
+        with _plain_errors(self.url):
+            listing = self._obstore.list(self._store, chunk_size=1000)
+            return {entry["path"]: entry["size"] for part in listing for entry in part}
 
     def digest(self, name: str) -> str:
-        with self._told():
-            told = self._obstore.get(self._store, name, options={"head": True})
-            return str(told.attributes.get(SHA256, ""))
+        with _plain_errors(self.url):
+            head = self._obstore.get(self._store, name, options={"head": True})
+            return str(head.attributes.get(SHA256, ""))
 
     def put(self, file: LocalFile) -> None:
-        kind = mimetypes.MimeTypes().guess_type(file.name)[0] or "application/octet-stream"
-        with self._told():
+        # Python's own table; that of the module `mimetypes` would also read files of the machine.
+        media_type = mimetypes.MimeTypes().guess_type(file.name)[0] or "application/octet-stream"
+        with _plain_errors(self.url):
             self._obstore.put(
                 self._store,
                 file.name,
                 file.chunks(),
-                attributes={SHA256: file.digest, "Content-Type": kind},
+                attributes={SHA256: file.digest, "Content-Type": media_type},
                 use_multipart=file.size_bytes > CHUNK_BYTES,
                 chunk_size=CHUNK_BYTES,
                 max_concurrency=PARTS_AT_ONCE,
             )
 
     def get(self, name: str) -> bytes | None:
-        with self._told():
+        with _plain_errors(self.url):
             try:
                 return bytes(self._obstore.get(self._store, name).bytes())
             except FileNotFoundError:
                 return None
 
-    def _told(self) -> AbstractContextManager[None]:
-        return _told(self.url, self.url.partition(":")[0])
-
 
 @contextlib.contextmanager
-def _told(url: str, kind: str) -> Iterator[None]:
-    """The library's errors as ours, each in one line without what the server sent beside its code."""
-    errors = _library().exceptions
+def _plain_errors(url: str) -> Iterator[None]:
+    """Raise errors of the library as errors of ours, in one line with the code that the server sent and no more."""
+    errors, key_cure = _library().exceptions, KEY_CURES[url.partition(":")[0]]
     try:
         yield
     except FileNotFoundError as error:
@@ -136,21 +133,19 @@ def _told(url: str, kind: str) -> Iterator[None]:
             raise InputError("there is no such bucket", where=url, cure="make it by the tools of the store") from None
         refused = isinstance(error, errors.PermissionDeniedError | errors.UnauthenticatedError)
         if refused or re.search(r"status code: 40[13]\b", str(error)):  # a refused listing is of no class of its own
-            raise EnvironmentLacking(
-                f"{url}: the store does not let us in: {_short(error)}; {KEY_CURES[kind]}"
-            ) from None
+            raise EnvironmentLacking(f"{url}: the store does not let us in: {_short(error)}; {key_cure}") from None
         cure = "see that the address is right and the network is there, and run the same command again"
         raise EnvironmentLacking(f"{url}: {_short(error)}; {cure}") from None
 
 
 def _short(error: Exception) -> str:
-    """Request and answer, without how long it took and what the server sent, but for its code."""
+    """Return request, answer and the server's code, without the time it took and the page that the server sent."""
     text = str(error)
     code = re.search(r"<Code>(\w{1,60})</Code>", text)
     head = re.split(r":\s*<|\s+Debug source", text, maxsplit=1)[0]
-    found = re.search(r"Error performing (\w+ \S+) in .*?\s-\s+(.*)", head, re.DOTALL)
-    told = f"{found.group(1)}: {found.group(2)}" if found else head
-    return one_line(told[:400] + (f": {code.group(1)}" if code else ""))
+    request = re.search(r"Error performing (\w+ \S+) in .*?\s-\s+(.*)", head, re.DOTALL)
+    message = f"{request.group(1)}: {request.group(2)}" if request else head
+    return one_line(message[:400] + (f": {code.group(1)}" if code else ""))
 
 
 def _library() -> ModuleType:

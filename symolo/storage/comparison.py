@@ -1,4 +1,4 @@
-"""A release beside what a store holds, by listing and by checksums that the store tells: no content is sent for it."""
+"""Comparison of a release with a store, by names, sizes and stated checksums: no content is sent for it."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,35 +17,33 @@ from symolo.verification.inventory import LISTS, Inventory
 @dataclass(frozen=True)
 class Comparison:
     missing: tuple[LocalFile, ...]
-    other: Mapping[str, str]
-    """What is not right about an object, by path."""
+    different: Mapping[str, str]
+    """Difference of each object that has another size or checksum than the file, by path."""
     same: tuple[LocalFile, ...]
     extra: tuple[str, ...]
-    """Objects that are no part of the release."""
+    """Paths of objects that are no part of the release."""
     files: tuple[LocalFile, ...]
-    """All of the release."""
+    """All files of the release."""
 
     @property
     def to_send(self) -> tuple[LocalFile, ...]:
-        """In the order of their paths, which is run by run, and the lists of checksums last."""
-        absent = {file.name for file in self.missing} | self.other.keys()
-        return tuple(sorted((file for file in self.files if file.name in absent), key=_place))
+        """Files that are missing or different, run by run, with the lists of checksums last."""
+        lacking = {file.name for file in self.missing} | self.different.keys()
+        order = {name: number for number, name in enumerate(LISTS, start=1)}
+        files = (file for file in self.files if file.name in lacking)
+        return tuple(sorted(files, key=lambda file: (order.get(file.name, 0), file.name)))
 
     def findings(self) -> Iterator[Finding]:
-        problems = {file.name: "is missing" for file in self.missing} | dict(self.other)
+        problems = {file.name: "is missing" for file in self.missing} | dict(self.different)
         problems |= dict.fromkeys(self.extra, "is no part of the release")
         yield from (Finding(name, problems[name]) for name in sorted(problems))
 
 
-def _place(file: LocalFile) -> tuple[int, str]:
-    return (LISTS.index(file.name) + 1 if file.name in LISTS else 0), file.name
-
-
 def released_files(root: Path) -> tuple[LocalFile, ...]:
-    """All files of a release that is as it was released, its lists of checksums among them.
+    """Return all files of a release, including its lists of checksums.
 
     Raises:
-        InputError: It is not.
+        InputError: The release is damaged.
     """
     digests = Inventory.of_whole(root).files.digests
     return tuple(LocalFile(name, root / name, (root / name).stat().st_size, digest) for name, digest in digests.items())
@@ -54,23 +52,23 @@ def released_files(root: Path) -> tuple[LocalFile, ...]:
 def compare(
     files: Sequence[LocalFile], store: Store, report: Report, known: Mapping[str, str] = MappingProxyType({})
 ) -> Comparison:
-    """What of a release a store holds.
+    """Compare the files of a release with the objects of a store.
 
     Args:
-        files: Of the release.
-        store: Where they are looked for.
-        report: Where to tell.
-        known: SHA-256 of objects that this process has sent or asked for, which are not asked for again.
+        files: Files of the release.
+        store: The store.
+        report: Receives the progress.
+        known: SHA-256 of objects that this process has sent or requested already.
 
     Raises:
         InputError: There is no such place.
         EnvironmentLacking: The store cannot be reached.
     """
     sizes = store.sizes()
-    asked = [file for file in _of_right_size(files, sizes) if file.name not in known]
-    if not asked:
+    requests = sum(file.name not in known for file in files if sizes.get(file.name) == file.size_bytes)
+    if not requests:
         return compare_listed(files, sizes, store, known)
-    with report.stage("compare", len(asked), "files") as stage:
+    with report.stage("compare", requests, "files") as stage:
         return compare_listed(files, sizes, store, known, lambda done: stage.update("all", done))
 
 
@@ -79,29 +77,29 @@ def compare_listed(
     sizes: Mapping[str, int],
     store: Store,
     known: Mapping[str, str] = MappingProxyType({}),
-    tell: Callable[[int], None] = lambda _done: None,
+    progress: Callable[[int], None] = lambda _done: None,
 ) -> Comparison:
-    """The same by a listing that was made before; `tell` is called with the number of files that were asked for."""
+    """Compare with a listing that was made before; `progress` is called with the number of requests so far."""
     missing = tuple(file for file in files if file.name not in sizes)
-    alike = _of_right_size(files, sizes)
-    other = {
+    same_size = [file for file in files if sizes.get(file.name) == file.size_bytes]
+    different = {
         file.name: f"has {sizes[file.name]} bytes in place of {file.size_bytes}"
         for file in files
         if sizes.get(file.name, file.size_bytes) != file.size_bytes
     }
-    digests = {file.name: known[file.name] for file in alike if file.name in known}
-    unknown = [file.name for file in alike if file.name not in digests]
+    digests = {file.name: known[file.name] for file in same_size if file.name in known}
+    unknown = [file.name for file in same_size if file.name not in digests]
     for done, (name, digest) in enumerate(side_by_side(lambda name: digest_of(store, name), unknown), start=1):
         digests[name] = digest
-        tell(done)
-    other |= {file.name: _difference(digests[file.name]) for file in alike if digests[file.name] != file.digest}
+        progress(done)
+    for file in same_size:
+        digest = digests[file.name]
+        if digest != file.digest:
+            what = "has another SHA-256" if digest else "bears no SHA-256, so that only a download would tell"
+            different[file.name] = what
     extra = tuple(sorted(sizes.keys() - {file.name for file in files} - {*SEALS}))
-    same = tuple(file for file in alike if file.name not in other)
-    return Comparison(missing, other, same, extra, tuple(files))
-
-
-def _of_right_size(files: Sequence[LocalFile], sizes: Mapping[str, int]) -> list[LocalFile]:
-    return [file for file in files if sizes.get(file.name) == file.size_bytes]
+    same = tuple(file for file in same_size if file.name not in different)
+    return Comparison(missing, different, same, extra, tuple(files))
 
 
 def digest_of(store: Store, name: str) -> str:
@@ -109,7 +107,3 @@ def digest_of(store: Store, name: str) -> str:
     if name in LISTS:
         return hashlib.sha256(store.get(name) or b"").hexdigest()
     return store.digest(name)
-
-
-def _difference(digest: str) -> str:
-    return "has another SHA-256" if digest else "bears no SHA-256, so that only a download would tell"

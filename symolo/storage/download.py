@@ -1,4 +1,4 @@
-"""A release fetched from a store: whole and checked, or not at all."""
+"""Download of a release from a store: complete and checked, or not at all."""
 
 import hashlib
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ from symolo.storage.side_by_side import side_by_side
 from symolo.verification.inventory import LISTS
 
 MAX_BYTES = 1 << 28
-"""Of a list of checksums, which is some hundred bytes for each file."""
+"""Largest size of the lists of checksums together; a list has some hundred bytes for each file."""
 MAX_SEAL_BYTES = 1 << 24
 """Largest size [byte] of a signature, or of a statement of provenance, which holds a scenario."""
 
@@ -38,7 +38,7 @@ class Remote:
 
     store: Store
     digests: Mapping[str, str]
-    """SHA-256 by path, of all files but the lists."""
+    """SHA-256 by path of all files but the lists."""
     size_bytes: int
     seals: Mapping[str, bytes]
     """Content by path of the signatures and the statement of provenance, where there are any."""
@@ -90,18 +90,18 @@ def _read(listed: bytes, tags: bytes, url: str) -> dict[str, str]:
 
 
 def download(remote: Remote, out: Path, report: Report) -> int:
-    """Fetch a release, which comes into being at once; the number of files that were fetched.
+    """Fetch a release, which appears complete or not at all, and return the number of fetched files.
 
-    What came before an interruption is kept beside `out`, hidden, and not fetched again.
+    After an interruption, the fetched files stay in a hidden folder beside `out` and are not fetched again.
 
     Args:
-        remote: What `Remote.of` gave.
-        out: New or empty.
-        report: Where to tell.
+        remote: The release.
+        out: A new or empty folder.
+        report: Receives the progress.
 
     Raises:
-        InputError: There is something at `out`, or an object is not what the lists say.
-        EnvironmentLacking: The disk has no room, or the store cannot be reached.
+        InputError: `out` is not empty, or an object has another checksum than the lists.
+        EnvironmentLacking: The disk has too little room, or the store cannot be reached.
     """
     check_new(out)
     place = out.resolve()
@@ -137,7 +137,7 @@ def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
 
 
 def _holds_others(partial: Path, expected: Mapping[str, str]) -> bool:
-    """Whether something there is of no use, such as what was begun of another release."""
+    """Return whether the folder holds anything else, such as files of another release that were fetched before."""
     folders = {parent.as_posix() for name in expected for parent in PurePosixPath(name).parents}
     return any(
         path.is_symlink() or path.relative_to(partial).as_posix() not in (folders if path.is_dir() else expected)

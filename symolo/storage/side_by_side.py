@@ -1,21 +1,21 @@
-"""Several requests at a time: with many small files, each of them is little else than waiting."""
+"""Several requests at a time, since the transfer of a small file is mostly waiting."""
 
 from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import TypeVar
 
 AT_ONCE = 16
-"""Requests in flight, each with its file, or the parts of it, in memory."""
+"""Number of requests in flight; each holds its file, or parts of it, in memory."""
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
 def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> Generator[tuple[Item, Result]]:
-    """Each item with what came of it, in the order in which they end; begun in the order given.
+    """Yield each item with its result, as soon as it is done; items start in their order.
 
     Raises:
-        Exception: The first that `work` raised; what is in flight then is ended first, and nothing new is begun.
+        Exception: The first exception of `work`. Running items end first, and no other item starts.
     """
     with ThreadPoolExecutor(AT_ONCE) as pool:
         begun = {pool.submit(work, item): item for item in items}

@@ -1,10 +1,11 @@
-"""What is wrong with the annotations of a released run: files, their form, and ids that no table has."""
+"""Checks of the annotations of a released run: files, their form, and ids that no table has."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.dataset.annotations import (
     CATEGORIES,
@@ -29,20 +30,20 @@ _FORMS = {
     "flow": (np.uint16, 3),
     "free_floor": (np.uint8, 1),
 }
-"""Type and channels of each picture."""
+"""Type and number of channels of the image of each kind."""
 
 _POSE_TOLERANCE = 1e-6
-"""In ms, m, and of the components of unit vectors."""
+"""Largest difference of times [ms], positions [m] and components of unit vectors."""
 
 _LAST_ID = 2**16 - 1
-"""Of an instance: its picture has 16 bits."""
+"""Largest id of an instance, since the image of instances has 16 bits."""
 
 Fault = tuple[str, str]
-"""A file within the folder, nothing for the folder itself, and what is wrong with it."""
+"""File within the folder, empty for the folder itself, and its fault."""
 
 
 def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocument | None) -> Iterator[Fault]:
-    """Every fault of the annotations of a run; without its specification cameras and poses are not looked at."""
+    """Yield every fault of the annotations of a run; without its specification, cameras and poses are not checked."""
     numbers = rows.image[rows.image > 0].tolist()
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     expected = set(_expected(numbers, record))
@@ -53,7 +54,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
     known = set(range(2**16))
     if DOCUMENT in expected & there:
         try:
-            document = AnnotationDocument.from_json((folder / DOCUMENT).read_bytes())
+            document = AnnotationDocument.from_json(read_file(folder / DOCUMENT, FileKind.ANNOTATIONS))
         except ValueError as error:
             yield DOCUMENT, f"cannot be read: {str(error).splitlines()[0]}"
         else:
@@ -68,7 +69,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
                 category_of = {one.id: one.category_id for one in document.instances}
                 yield from _category_faults(folder, expected & there, category_of)
     for name in sorted((expected & there) - {DOCUMENT}):
-        fault = _picture_fault(folder / name, record, known)
+        fault = _image_fault(folder / name, record, known)
         if fault:
             yield name, fault
 
@@ -76,14 +77,14 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
 def _expected(numbers: Sequence[int], record: RunRecord) -> Iterator[str]:
     for kind in record.annotations:
         if kind not in RECORD_KINDS:
-            # Nothing follows the last image.
+            # The flow leads to the next image, which the last image does not have.
             yield from (annotation_file(kind, number) for number in (numbers[:-1] if kind == "flow" else numbers))
     if record.annotations:
         yield DOCUMENT
 
 
 def _head_faults(document: AnnotationDocument, record: RunRecord) -> Iterator[Fault]:
-    """What all images have in common, against the run."""
+    """Check what all images have in common against the run."""
     if sorted(document.kinds) != sorted(record.annotations):
         yield DOCUMENT, f"is of {', '.join(document.kinds)}, metadata.json names {', '.join(record.annotations)}"
     if document.encodings != {kind: ENCODINGS[kind] for kind in document.kinds}:
@@ -110,17 +111,17 @@ def _camera_faults(document: AnnotationDocument, rows: Rows, spec: RunDocument) 
     poses = {int(row[0]): row[1:14] for row in camera_table(spec, rows)}
     for image in document.images:
         X_WC = np.array(image.X_WC)
-        told = np.concatenate([[1000 * image.t_s], X_WC[:3, :3].ravel(), X_WC[:3, 3]])
-        if image.id in poses and not np.allclose(told, poses[image.id], rtol=0, atol=_POSE_TOLERANCE):
+        pose = np.concatenate([[1000 * image.t_s], X_WC[:3, :3].ravel(), X_WC[:3, 3]])
+        if image.id in poses and not np.allclose(pose, poses[image.id], rtol=0, atol=_POSE_TOLERANCE):
             yield DOCUMENT, f"t_s or X_WC of image {image.id} is not that of data.csv"
 
 
 def _category_faults(folder: Path, names: set[str], category_of: dict[int, int]) -> Iterator[Fault]:
-    """Each pixel's category is that of its instance; where only the categories were asked for, they are known ones."""
+    """Check that each pixel has the category of its instance or, without an image of instances, a known category."""
     for name in sorted(name for name in names if name.startswith("semantic/")):
         semantic, instance = decoded(folder / name), decoded(folder / name.replace("semantic", "instance"))
         if semantic is None or semantic.ndim != 2:
-            continue  # which is told elsewhere
+            continue  # `_image_fault` reports it
         if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
             table = np.zeros(_LAST_ID + 1, np.int64)
             table[list(category_of)] = list(category_of.values())
@@ -149,7 +150,7 @@ def _document_faults(document: AnnotationDocument, numbers: Sequence[int], known
         yield DOCUMENT, f"{len(strays)} sightings are of an image or a key point that is not there"
 
 
-def _picture_fault(path: Path, record: RunRecord, known: set[int]) -> str:
+def _image_fault(path: Path, record: RunRecord, known: set[int]) -> str:
     pixels = decoded(path)
     if pixels is None:
         return "cannot be decoded"

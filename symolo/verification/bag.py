@@ -1,4 +1,4 @@
-"""What is wrong with a bag by the rules of RFC 8493, section 3: complete, and every checksum true."""
+"""Checks of a bag by the rules of RFC 8493, section 3: it is complete, and every checksum is right."""
 
 import hashlib
 import re
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.bag import BAG_INFO, DECLARATION, OXUM
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, read_manifest
 from symolo.publishing.bagging import DECLARED, PAYLOAD, tag_files
@@ -15,10 +16,10 @@ from symolo.verification.inventory import Files
 
 
 def bag_findings(root: Path) -> Iterator[Finding]:
-    """Each fault with its file, by its path in the bag."""
+    """Yield each fault with the path of its file in the bag."""
     files = Files.of(root)
     yield from (Finding(name, what) for name, what in files.strange.items())
-    if (root / DECLARATION).read_bytes() != DECLARED:
+    if DECLARATION in files.digests and read_file(root / DECLARATION, FileKind.DOCUMENT) != DECLARED:
         yield Finding(DECLARATION, "is not the declaration of a bag of version 1.0 in UTF-8")
     payload = {name for name in files.digests if name.startswith(f"{PAYLOAD}/")}
     faults = list(_against(root, MANIFEST, files, payload))
@@ -35,7 +36,7 @@ def bag_findings(root: Path) -> Iterator[Finding]:
 
 def _against(root: Path, name: str, files: Files, held: set[str]) -> Iterator[Finding]:
     try:
-        listed = read_manifest((root / name).read_bytes())
+        listed = read_manifest(read_file(root / name, FileKind.CHECKSUMS))
     except OSError as error:
         yield Finding(name, f"cannot be read: {error.strerror}")
         return
@@ -52,7 +53,7 @@ def _against(root: Path, name: str, files: Files, held: set[str]) -> Iterator[Fi
 
 
 def _blamed(root: Path, files: Files, tags: Sequence[Finding]) -> Iterator[Finding]:
-    """With the list in place of a file that is as it was made: only one of the two can be what changed."""
+    """Yield the faults, with the list in place of a file that is as it was made: only one of the two has changed."""
     whole = _as_made(root, files)
     for finding in tags:
         if whole.get(finding.file) and files.digests.get(finding.file) == whole[finding.file]:
@@ -62,7 +63,7 @@ def _blamed(root: Path, files: Files, tags: Sequence[Finding]) -> Iterator[Findi
 
 
 def _as_made(root: Path, files: Files) -> dict[str, str]:
-    """SHA-256 of the files beside the payload as they follow from it; nothing where that cannot be told."""
+    """Return the SHA-256 of the files beside the payload as they follow from it; empty if the payload is damaged."""
     start = f"{PAYLOAD}/"
     payload = {name.removeprefix(start): digest for name, digest in files.digests.items() if name.startswith(start)}
     try:
@@ -73,4 +74,4 @@ def _as_made(root: Path, files: Files) -> dict[str, str]:
 
 
 def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    return read_file(path, FileKind.CHECKSUMS).decode("utf-8", errors="replace") if path.is_file() else ""

@@ -1,9 +1,8 @@
-"""Every file of a release against its checksums, and which of the two is to be believed where they disagree."""
+"""Comparison of the files of a release with its checksums, and which of the two to believe where they differ."""
 
 import contextlib
 import hashlib
 import os
-import stat
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,6 +12,7 @@ from pydantic import ValidationError
 
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.plain_files import FileKind, UnsafeFileError, check_folders, read_file
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.folder_kind import Done
 from symolo.dataset.layout import DONE, STAGES
@@ -22,12 +22,12 @@ from symolo.verification.findings import Finding
 LISTS = (MANIFEST, TAG_MANIFEST)
 
 MAX_LINES = 3000
-"""Of a manifest in which a single wrong line is looked for, which takes time by the square of their number."""
+"""Largest manifest in which a single wrong line is searched; the time grows with the square of the lines."""
 
 
 @dataclass(frozen=True)
 class Files:
-    """What lies in a folder, but for the hidden stages."""
+    """The files of a folder, without the hidden stages."""
 
     digests: Mapping[str, str]
     """SHA-256 by path."""
@@ -44,11 +44,10 @@ class Files:
 
         for path in sorted(_entries(root, unreadable)):
             name = path.relative_to(root).as_posix()
-            if problem := _strange(path):
-                strange[name] = problem
-                continue
             try:
                 digests[name] = sha256_of(path)
+            except UnsafeFileError as error:
+                strange[name] = error.problem
             except OSError as error:
                 strange[name] = f"cannot be read: {error.strerror}"
         return cls(digests, strange)
@@ -64,29 +63,19 @@ def _entries(root: Path, unreadable: Callable[[OSError], None]) -> Iterator[Path
         yield from (here / name for name in folders if (here / name).is_symlink())
 
 
-def _strange(path: Path) -> str:
-    try:
-        mode = path.lstat().st_mode
-    except OSError as error:
-        return f"cannot be read: {error.strerror}"
-    if stat.S_ISLNK(mode):
-        return "is a symbolic link; a dataset holds files"
-    return "" if stat.S_ISREG(mode) else "is no regular file"
-
-
 @dataclass(frozen=True)
 class Inventory:
-    """What is there, what should be, and how sure the latter is."""
+    """The files that are there, the files that should be there, and whether the latter are certain."""
 
     files: Files
     expected: Mapping[str, str]
-    """SHA-256 by path of every file but the lists; empty where nothing tells."""
+    """SHA-256 by path of every file but the lists; empty if no list is readable."""
     trusted: bool
     """Whether `expected` is what was released: it has the checksum that was noted for it, or every file fits it."""
     list_findings: tuple[Finding, ...]
-    """What is wrong with the lists themselves."""
+    """Faults of the lists themselves."""
     assembled: Mapping[str, str] = field(default_factory=dict)
-    """SHA-256 by path as the hidden stages noted them when the runs were put together."""
+    """SHA-256 by path, as the hidden stages noted them when the runs were assembled."""
 
     @classmethod
     def of(cls, root: Path) -> "Inventory":
@@ -104,10 +93,10 @@ class Inventory:
 
     @classmethod
     def of_whole(cls, root: Path) -> "Inventory":
-        """Of a release that is as it was released.
+        """Return the inventory of an undamaged release.
 
         Raises:
-            InputError: It is not; the first file that is not.
+            InputError: The release is damaged; the message names the first such file.
         """
         inventory = cls.of(root)
         if fault := next(inventory.findings(), None):
@@ -135,11 +124,11 @@ class Inventory:
 
     @cached_property
     def places(self) -> Mapping[str, tuple[str, ...]]:
-        """Where contents lie now, by SHA-256."""
+        """Files that hold a content now, by SHA-256."""
         return _inverted(self.files.digests)
 
     def findings(self) -> Iterator[Finding]:
-        """One for each file that is not as it was released."""
+        """Yield a finding for each file that is not as it was released."""
         yield from self.list_findings
         for name in sorted({*self.expected, *self.extra, *self.files.strange}):
             if name in self.files.strange:
@@ -156,20 +145,20 @@ class Inventory:
 
     def _difference(self, name: str) -> str:
         there = self.files.digests.get(name)
-        found = [place for place in self.places.get(self.expected[name], ()) if place != name]
+        copies = [place for place in self.places.get(self.expected[name], ()) if place != name]
         if there is None:
-            moved = [place for place in found if place in self.extra]
+            moved = [place for place in copies if place in self.extra]
             return f"is missing; {MANIFEST} names it" + (f"; its content is now named {moved[0]}" if moved else "")
         changed = f"was changed: its SHA-256 is not that of {MANIFEST}"
         holds = [other for other in self.meant.get(there, ()) if other != name]
-        swapped = [other for other in holds if other in found]
+        swapped = [other for other in holds if other in copies]
         if swapped:
             return f"{changed}; it was swapped with {swapped[0]}"
         if holds:
             return f"{changed}; it holds what {holds[0]} should hold"
         if there == _EMPTY:
             return f"{changed}; it is empty"
-        return changed + (f"; its content lies in {found[0]}" if found else "")
+        return changed + (f"; its content lies in {copies[0]}" if copies else "")
 
     def _meant_as(self, name: str) -> str:
         meant = self.meant.get(self.files.digests.get(name, ""), ())
@@ -196,12 +185,12 @@ def _judged(
     elsewhere: Mapping[str, str],
     assembled: Mapping[str, str],
 ) -> Inventory:
-    """Which list to believe.
+    """Return the inventory with the list of checksums that is to be believed.
 
-    The tag manifest witnesses for the manifest, the files and the notes of the stages for both: whatever list of
-    checksums has the SHA-256 that the tag manifest gives is the one that was released, wherever it was taken from.
+    The tag manifest confirms the manifest; the files and the notes of the stages confirm both. A list of checksums with
+    the SHA-256 that the tag manifest gives is the released one, wherever we took it from.
     """
-    found = {name: files.digests.get(name, "") for name in LISTS}
+    list_digests = {name: files.digests.get(name, "") for name in LISTS}
     listed, problem = _parsed(lists[MANIFEST], files.strange.get(MANIFEST))
     tags, tag_problem = _parsed(lists[TAG_MANIFEST], files.strange.get(TAG_MANIFEST))
     noted = tags.get(MANIFEST, "")
@@ -210,10 +199,10 @@ def _judged(
     for candidate in (listed, elsewhere, *_candidates(listed, content, assembled)) if noted else ():
         if candidate and hashlib.sha256(manifest(candidate)).hexdigest() == noted:
             problems = {MANIFEST: problem or _edited(listed, candidate), TAG_MANIFEST: tag_problem}
-            return _with_lists(files, candidate, found, assembled, problems)
+            return _with_lists(files, candidate, list_digests, assembled, problems)
     fits = bool(listed) and all(content.get(name) == digest for name, digest in listed.items())
     if fits:  # the manifest is what it was, so the list that does not name it is the one that changed
-        return _with_lists(files, listed, found, assembled, {MANIFEST: problem, TAG_MANIFEST: tag_problem})
+        return _with_lists(files, listed, list_digests, assembled, {MANIFEST: problem, TAG_MANIFEST: tag_problem})
     findings = [Finding(name, text) for name, text in ((MANIFEST, problem), (TAG_MANIFEST, tag_problem)) if text]
     if not findings:
         findings = [Finding(MANIFEST, f"was changed, or {TAG_MANIFEST} was: its SHA-256 is not the one noted there")]
@@ -223,7 +212,7 @@ def _judged(
 def _candidates(
     listed: Mapping[str, str], content: Mapping[str, str], assembled: Mapping[str, str]
 ) -> Iterator[dict[str, str]]:
-    """Lists that may be the one that was released, where the manifest is not."""
+    """Yield lists of checksums that may be the released one, for a manifest that is damaged."""
     yield dict(content)
     for names in ({*listed}, {*content}, {*listed} | {*assembled}):
         yield {name: assembled.get(name, content.get(name, listed.get(name, ""))) for name in names}
@@ -240,31 +229,31 @@ def _candidates(
 def _with_lists(
     files: Files,
     expected: Mapping[str, str],
-    found: Mapping[str, str],
+    list_digests: Mapping[str, str],
     assembled: Mapping[str, str],
     problems: Mapping[str, str],
 ) -> Inventory:
-    """With what is wrong with the lists of these files, whose bytes follow from them."""
+    """Return the inventory with the faults of the lists, whose bytes follow from the expected files."""
     findings = []
     texts = {MANIFEST: manifest(expected), TAG_MANIFEST: tag_manifest(expected)}
     for name, text in texts.items():
-        if not found[name]:
+        if not list_digests[name]:
             findings.append(Finding(name, files.strange.get(name, "is missing")))
-        elif found[name] != hashlib.sha256(text).hexdigest():
+        elif list_digests[name] != hashlib.sha256(text).hexdigest():
             other = TAG_MANIFEST if name == MANIFEST else MANIFEST
             findings.append(Finding(name, problems[name] or f"was changed: it does not fit {other} and the files"))
     return Inventory(files, expected, trusted=True, list_findings=tuple(findings), assembled=assembled)
 
 
 def _edited(listed: Mapping[str, str], released: Mapping[str, str]) -> str:
-    """Which lines of the manifest are not those that were released."""
+    """Return a text with the first line of the manifest that is not as it was released; empty if all are."""
     other = sorted(name for name in {*listed, *released} if listed.get(name) != released.get(name))
     more = f" and {len(other) - 1} more" if len(other) > 1 else ""
     return f"was changed: not as released is what it says of {other[0]}{more}" if other else ""
 
 
 def _parsed(data: bytes | None, strange: str | None) -> tuple[dict[str, str], str]:
-    """The list, or what can be read of it, and what is wrong with it."""
+    """Return the list, or the part of it that can be read, and its fault."""
     if data is None:
         return {}, strange or "is missing"
     try:
@@ -279,19 +268,23 @@ def _parsed(data: bytes | None, strange: str | None) -> tuple[dict[str, str], st
 
 def _read(path: Path) -> bytes | None:
     try:
-        return path.read_bytes()
+        return read_file(path, FileKind.CHECKSUMS)
     except OSError:
         return None
 
 
 def _assembled(root: Path) -> dict[str, str]:
-    """What `assemble` noted of each run that it put together; nothing where the stages were deleted."""
+    """Return the checksums that `assemble` noted for each run; empty if the stages were deleted."""
     noted: dict[str, str] = {}
     stage = root / STAGES / "assemble"
+    try:
+        check_folders(root, f"{STAGES}/assemble")
+    except UnsafeFileError:
+        return noted
     for marker in sorted(stage.glob(f"*/*/{DONE}")):
         run = marker.parent.relative_to(stage).as_posix()
         try:
-            files = Done.model_validate_json(marker.read_bytes()).files
+            files = Done.model_validate_json(read_file(marker, FileKind.CHECKSUMS)).files
         except (OSError, ValidationError):
             continue
         noted |= {f"{run}/{name}": digest for name, digest in files.items()}

@@ -1,4 +1,4 @@
-"""What is wrong with one released run: structure, columns, units, ranges, rates, pictures, positions."""
+"""Checks of one released run: structure, columns, units, ranges, rates, images, positions."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
@@ -9,11 +9,13 @@ from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, frame_name
+from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions
@@ -23,9 +25,9 @@ from symolo.verification.annotations import annotation_faults
 from symolo.verification.findings import Finding
 
 SpecCheck = Callable[[str], str]
-"""Returns what is wrong with the text of a spec.json; empty where nothing is."""
+"""Returns the fault of the text of a spec.json; empty if it has none."""
 MAX_PER_KIND = 5
-"""Faults of one kind that are named one by one; a file in wrong units has as many as rows."""
+"""Largest number of reported faults of one kind, since a file in wrong units has a fault in each row."""
 
 START_TOLERANCE_M = 0.002
 FASTEST_M_S = 3.0
@@ -42,8 +44,8 @@ def check_run(
     Args:
         root: The dataset.
         record: The run as metadata.json describes it.
-        check_spec: Holds spec.json to more than the fields that a reader needs.
-        sensor_tables: Tables of the sensors of `robot.sensors`, likewise.
+        check_spec: Checks more of spec.json than the fields that a reader needs.
+        sensor_tables: Tables of the sensors of `robot.sensors`, as metadata.json describes them.
     """
     run = root / record.run
     if not run.is_dir():
@@ -109,7 +111,7 @@ def _ranges(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
 
 
 def _motion(name: str, rows: Rows) -> Iterator[Finding]:
-    """Position and heading must change as the speeds say; a column in another unit does not."""
+    """Check that position and heading change with the speeds; a column in another unit does not."""
     dt = np.diff(rows.t_ms) / 1000
     if len(dt) == 0 or np.any(dt <= 0):
         return
@@ -141,15 +143,10 @@ def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[
 
 
 def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
-    import cv2  # noqa: PLC0415 - half a second that no other command needs
-
-    data = path.read_bytes()
+    data = read_file(path, FileKind.IMAGE)
     if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
         return "is not a whole JPEG file"
-    try:
-        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
-    except cv2.error:  # its head claims more pixels than OpenCV takes
-        picture = None
+    picture = decoded_bytes(data, in_colour=True)
     if picture is None:
         return "cannot be decoded"
     if picture.shape[:2] != (height_px, width_px):
@@ -174,9 +171,9 @@ def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
 
 
 def _specification(path: Path, name: str, check_spec: SpecCheck) -> tuple[object, RunDocument | None, list[Finding]]:
-    """Return a run's specification as plain JSON and as a document, None where it is damaged, and what is wrong."""
+    """Return a run's specification as plain JSON and as a document, each None if it is damaged, and its faults."""
     try:
-        content = json.loads(path.read_bytes())
+        content = json.loads(read_file(path, FileKind.DOCUMENT))
     except (OSError, ValueError, RecursionError) as error:
         return None, None, [Finding(name, f"cannot be read: {error}")]
     text = json.dumps(content)
@@ -222,7 +219,7 @@ def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | 
         return
     size = record.image_width_px, record.image_height_px
     if (model.width_px, model.height_px) != size:
-        what = f"is of pictures of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
+        what = f"is of images of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
         yield Finding(name, what)
     elif spec is not None:
         expected = CameraDocument.of(spec)
@@ -232,7 +229,7 @@ def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | 
 
 
 def _scene(path: Path, name: str) -> Iterator[Finding]:
-    """Its form; which furniture is drawn is a matter of the version. A release of an earlier one has no such file."""
+    """Check the form alone, since the furniture depends on the version; older releases have no such file."""
     try:
         read_scene_record(path)
     except FileNotFoundError:
@@ -244,7 +241,7 @@ def _scene(path: Path, name: str) -> Iterator[Finding]:
 
 
 def _camera_poses(path: Path, name: str, rows: Rows, spec: RunDocument) -> Iterator[Finding]:
-    """Poses and exposures against data.csv and the camera's mounting."""
+    """Check poses and exposures against data.csv and the camera's mounting."""
     table, _ = _table(path, CAMERA.header)
     expected = camera_table(spec, rows)
     if not len(table):
@@ -260,14 +257,14 @@ def _camera_poses(path: Path, name: str, rows: Rows, spec: RunDocument) -> Itera
 
 
 def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRecord) -> Iterator[Finding]:
-    """The poses of moving obstacles against the paths of spec.json."""
+    """Check the poses of moving obstacles against the paths of spec.json."""
     section = spec.get("arena") if isinstance(spec, dict) else None
     try:
         config = ArenaSection.model_validate_json(json.dumps(section))
     except ValidationError as error:
         yield Finding(f"{name}/spec.json", f"arena.{first_fault(error)}")
         return
-    arena = Arena.from_config(config.model_copy(update={"walls": ()}))  # of which a damaged file may make anything
+    arena = Arena.from_config(config.model_copy(update={"walls": ()}))  # walls of a damaged file may be impossible
     side = obstacle_table(arena)
     if side is None:
         return
@@ -285,14 +282,14 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
 
 def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Array, list[str]]:
     try:
-        data = path.read_bytes()
+        data = read_file(path, FileKind.TABLE)
     except OSError as error:
         return np.empty((0, len(header))), [f"cannot be read: {error.strerror}"]
     table, faults = parse_table(data, header, separator)
-    found = [str(fault) for fault in faults]
+    texts = [str(fault) for fault in faults]
     if not data.endswith(b"\n"):
-        found.append("does not end with a line end: the file is cut off")
-    return table, found
+        texts.append("does not end with a line end: the file is cut off")
+    return table, texts
 
 
 def _at(wrong: np.ndarray, values: np.ndarray, column: str, what: str) -> list[str]:

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from symolo.dataset.bag import DECLARATION
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.manifest import PROVENANCE, PROVENANCE_SIGNATURE, SIGNATURE, TAG_MANIFEST
-from symolo.publishing.bagging import PAYLOAD
+from symolo.publishing.bagging import dataset_in
 from symolo.publishing.provenance import subject_problem
 from symolo.signing.minisign import MAX_BYTES, PublicKey, Signature
 from symolo.verification.findings import Finding
@@ -25,7 +25,7 @@ def signature_findings(root: Path, key: PublicKey) -> Iterator[Finding]:
         return
     if problem := _problem(root, PROVENANCE, PROVENANCE_SIGNATURE, key):
         yield Finding(PROVENANCE_SIGNATURE, problem)
-    elif problem := subject_problem((root / PROVENANCE).read_bytes(), root):
+    elif problem := subject_problem(read_file(root / PROVENANCE, FileKind.DOCUMENT), root):
         yield Finding(PROVENANCE, problem)
 
 
@@ -36,15 +36,14 @@ def trusted_comment(root: Path) -> str:
         OSError: There is no signature.
         ValueError: It cannot be read.
     """
-    release = root / PAYLOAD if (root / DECLARATION).is_file() else root
-    return Signature.from_bytes((release / SIGNATURE).read_bytes()).comment
+    return Signature.from_bytes(read_file(dataset_in(root) / SIGNATURE, FileKind.DOCUMENT)).comment
 
 
 def _problem(root: Path, signed: str, signature: str, key: PublicKey) -> str:
     """Return what is wrong with the signature of one file; empty where nothing is."""
     try:
-        content = (root / signature).read_bytes()
-        data = (root / signed).read_bytes()
+        content = read_file(root / signature, FileKind.DOCUMENT)
+        data = read_file(root / signed, FileKind.DOCUMENT)
     except FileNotFoundError as error:
         if error.filename == str(root / signature):
             return f"is missing: {signed} is not signed"

@@ -6,6 +6,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION
@@ -40,8 +41,8 @@ def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None =
     if not root.is_dir():
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
     if (root / DECLARATION).is_file():
-        found_within = _dataset_findings(root / PAYLOAD, check_spec, key)
-        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in found_within]
+        payload = [] if (root / PAYLOAD).is_symlink() else _dataset_findings(root / PAYLOAD, check_spec, key)
+        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in payload]
         yield from within
         told = {found.file for found in within}
         yield from (found for found in bag_findings(root) if found.file not in told)
@@ -55,23 +56,24 @@ def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) 
     inventory = Inventory.of(root)
     faults = list(inventory.findings())
     yield from faults
-    content = _content_findings(root, check_spec)
+    strange = inventory.files.strange
+    content = (finding for finding in _content_findings(root, check_spec) if finding.file not in strange)
     if not inventory.trusted or not faults:
         yield from content
         return
-    # What is proven to be as it was released is not blamed for not fitting to what was damaged.
+    # A file that is proven to be as it was released is not reported for differences from a damaged file.
     wrong = {fault.file for fault in faults}
     known = {*inventory.expected, *inventory.extra}
     folders = {parent.as_posix() for name in known for parent in Path(name).parents}
-    yield from (found for found in content if found.file in wrong or found.file not in known | folders)
+    yield from (finding for finding in content if finding.file in wrong or finding.file not in known | folders)
 
 
 def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
-    """Of the files themselves, whatever their checksums say."""
+    """Yield the faults of the content of the files, regardless of their checksums."""
     if not (root / DESCRIPTION).is_file():
         yield Finding(DESCRIPTION, "is missing")
     try:
-        metadata = Metadata.model_validate_json((root / METADATA).read_bytes())
+        metadata = Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     except OSError as error:
         yield Finding(METADATA, f"cannot be read: {error.strerror}")
     except ValidationError as error:
@@ -82,6 +84,7 @@ def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
                 yield Finding(METADATA, f"run {record.run!r} leads out of the dataset")
                 continue
             try:
+                check_folders(root, record.run)
                 yield from check_run(root, record, check_spec, metadata.sensor_tables)
             except OSError as error:  # such as of a sector that the disk has lost; its file is named above
                 where = Path(str(error.filename)) if error.filename else root / record.run

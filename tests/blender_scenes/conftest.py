@@ -40,6 +40,7 @@ def robot() -> RobotConfig:
 
 _PROGRAM = """
 import os, sys, json, tempfile
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 import numpy as np
@@ -48,9 +49,13 @@ os.dup2(2, 1)
 from blender_scenes.blender_side import build, engine
 from blender_scenes.blender_side.hybrid import images as hybrid_images
 from blender_scenes.render.job import RenderJob
-orders, near_width_px, user_files = json.load(sys.stdin)
+orders, near_width_px, coarser, user_files = json.load(sys.stdin)
 if near_width_px:
     mock.patch.object(hybrid_images, "_NEAR_WIDTH_PX", near_width_px).start()
+for name in ("_IRRADIANCE", "_RELIEF"):
+    tiling = getattr(hybrid_images, name)
+    texel_m, core, margin = coarser * tiling.texel_m, tiling.core // coarser, tiling.margin // coarser
+    mock.patch.object(hybrid_images, name, replace(tiling, texel_m=texel_m, core=core, margin=margin)).start()
 for job, threads, numbers in orders:
     job = RenderJob.from_json(job)
     by_number = {view.number: view for view in job.frames}
@@ -59,66 +64,92 @@ for job, threads, numbers in orders:
     build.build(job.scene, job.camera, Path(user_files) if user_files else None)
     with tempfile.TemporaryDirectory() as scratch:
         engine.configure(job, threads, Path(scratch))
-        images = engine.FrameTracer(job, threads, Path(scratch))
+        tracer = engine.FrameTracer(job, threads, Path(scratch))
         for view in views:
-            out.write(images.light(view).astype(np.float32).tobytes())
+            out.write(tracer.light(view).astype(np.float32).tobytes())
 """
 Order = tuple[RenderJob, int, list[int] | None]
 """A job, threads, and the numbers of its views; None for all of them as they come."""
 
 
 def _lights(
-    orders: Sequence[Order], near_width_px: int | None = None, user_files: Path | None = None
+    orders: Sequence[Order], near_width_px: int | None = None, coarser: int = 1, user_files: Path | None = None
 ) -> list[np.ndarray]:
-    """(N, H, W, 3) linear light of each order, all made in one Blender process."""
+    """Return the linear light (N, H, W, 3) of each order, all rendered in one Blender process."""
     jobs = [(job.to_json(), threads, numbers) for job, threads, numbers in orders]
-    sent = json.dumps((jobs, near_width_px, str(user_files) if user_files else None)).encode()
+    sent = json.dumps((jobs, near_width_px, coarser, str(user_files) if user_files else None)).encode()
     done = subprocess.run([sys.executable, "-c", _PROGRAM], input=sent, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()[-2000:]
-    rest, found = np.frombuffer(done.stdout, np.float32), []
+    rest, lights = np.frombuffer(done.stdout, np.float32), []
     for job, _, numbers in orders:
         shape = len(job.frames if numbers is None else numbers), job.camera.height_px, job.camera.width_px, 3
-        found.append(rest[: np.prod(shape)].reshape(shape))
+        lights.append(rest[: np.prod(shape)].reshape(shape))
         rest = rest[np.prod(shape) :]
     assert not rest.size
-    return found
+    return lights
+
+
+def _light_job(
+    scene: Scene,
+    views: Sequence[FrameView],
+    pixels: int,
+    focal_px: float,
+    shutter: Shutter = INSTANT,
+    lens: Coefficients = NO_DISTORTION,
+    samples: int = 64,
+) -> RenderJob:
+    """Return the job of images of a scene, P pixels wide and high, traced in full and not denoised."""
+    middle = 0.5 * (pixels - 1)
+    return RenderJob(
+        format=RenderJob.FORMAT,
+        scene=scene,
+        camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
+        frames=tuple(views),
+        sampling=TracingSettings(seed=1, samples=samples, denoise=False),
+        response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
+        shutter=shutter,
+    )
 
 
 @pytest.fixture(scope="session")
 def light_of() -> Callable[..., np.ndarray]:
     """Linear light (N, P, P, 3) of N views of a scene, P pixels wide and high, before any camera response."""
 
-    def traced(
-        scene: Scene,
-        views: Sequence[FrameView],
-        pixels: int,
-        focal_px: float,
-        shutter: Shutter = INSTANT,
-        lens: Coefficients = NO_DISTORTION,
-        user_files: Path | None = None,
-    ) -> np.ndarray:
-        middle = 0.5 * (pixels - 1)
-        job = RenderJob(
-            format=RenderJob.FORMAT,
-            scene=scene,
-            camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
-            frames=tuple(views),
-            sampling=TracingSettings(seed=1, samples=64, denoise=False),
-            response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
-            shutter=shutter,
-        )
-        (light,) = _lights([(job, 1, None)], user_files=user_files)
+    def traced(*arguments: object, user_files: Path | None = None, **options: object) -> np.ndarray:
+        """Render a job; the arguments are those of `_light_job`."""
+        (light,) = _lights([(_light_job(*arguments, **options), 1, None)], user_files=user_files)
         return light
 
     return traced
 
 
 @pytest.fixture(scope="session")
-def lights_of() -> Callable[..., list[np.ndarray]]:
-    """(N, H, W, 3) linear light of each order, all made in one Blender process."""
+def lights_of_scenes() -> Callable[..., dict[str, np.ndarray]]:
+    """Linear light (N, P, P, 3) of N views of each of several scenes by name, rendered in one Blender process."""
 
-    def traced(*orders: Order, near_width_px: int | None = None) -> list[np.ndarray]:
-        """`near_width_px`: what the light of an image from parts has at least, for small ones to share its pixels."""
-        return _lights(orders, near_width_px)
+    def traced(
+        scenes: dict[str, tuple[Scene, Sequence[FrameView]]], pixels: int, focal_px: float
+    ) -> dict[str, np.ndarray]:
+        orders = [(_light_job(scene, views, pixels, focal_px), 1, None) for scene, views in scenes.values()]
+        return dict(zip(scenes, _lights(orders), strict=True))
+
+    return traced
+
+
+@pytest.fixture(scope="session")
+def lights_of() -> Callable[..., list[np.ndarray]]:
+    """Linear light (N, H, W, 3) of each order, all rendered in one Blender process."""
+
+    def traced(*orders: Order, near_width_px: int | None = None, coarser: int = 1) -> list[np.ndarray]:
+        """Render some orders.
+
+        Args:
+            orders: What is rendered.
+            near_width_px: Minimum width of the light image of hybrid rendering, so that pixels of small images share
+                its pixels.
+            coarser: Number of times that the texels of hybrid rendering's light maps are larger; most of the time goes
+                into them.
+        """
+        return _lights(orders, near_width_px, coarser)
 
     return traced

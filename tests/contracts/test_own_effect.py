@@ -102,12 +102,12 @@ def test_it_changes_a_run_and_stands_in_the_specification_that_metadata_come_fro
 def test_the_diagnosis_tries_it_where_it_can_show(toy, kind, is_listed):
     seen = []
 
-    def of(robots):
+    def predicted(robots):
         seen.extend(robots)
         mean = np.array([[sum(e.share for e in robot.effects if isinstance(e, toy))] for robot in robots])
         return SimpleNamespace(mean=mean, sd=np.ones_like(mean))
 
-    evidence = SimpleNamespace(of=of, sd=np.array([1.0]), fit=np.array([True]))
+    evidence = SimpleNamespace(predicted=predicted, sd=np.array([1.0]), fit=np.array([True]))
     listed = candidates(SimpleNamespace(kind=kind, trials=()), evidence, Hypothesis(drawn().robot, ()))
     assert ("leaky_shunt" in [effect.name for effect in listed.testable]) is is_listed
     assert any(robot.effects.get(toy) for robot in seen) is is_listed

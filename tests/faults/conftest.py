@@ -10,7 +10,22 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
+import cv2
+import numpy as np
 import pytest
+
+from configs.draw import draw_all
+from configs.loader import load_scenario
+from pipeline.assembly.run_spec import spec_problem
+from pipeline.run_folder.workspace import Workspace
+from pipeline.stages.assemble import assemble
+from pipeline.stages.render import JOB, Appearance, RenderTask
+from pipeline.stages.simulate_runs import read_recording, simulate_into, simulation_key
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.file_hashes import sha256_of
+from symolo.core.progress import LineReport
+from symolo.dataset.tables.rows import Rows
+from symolo.verification.verify import verify
 
 FOLDER = Path(__file__).parent
 HIDDEN = re.compile(r"(^|/)(\.[^/]+\.tmp|\.[^/]+\.dropped|[^/]+\.tmp)(/|$)")
@@ -19,6 +34,7 @@ JOURNAL = re.compile(r"\.stages/.*\.jsonl$")
 """Grows by what was done, so that it tells of the interruptions."""
 
 TINY = ["release", str(FOLDER / "bare.yaml")]
+SETTINGS = ["stop.time_limit_s=0.4", "render.width_px=32", "render.height_px=24"]
 
 
 def tree_of(out: Path) -> dict[str, str]:
@@ -94,3 +110,29 @@ def wrong():
 @pytest.fixture(scope="session")
 def tree():
     return tree_of
+
+
+@pytest.fixture(scope="session")
+def release(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two runs of 0.4 s; its images are noise, for what they show plays no part here."""
+    workspace = Workspace(tmp_path_factory.mktemp("release") / "data")
+    loaded = load_scenario("smoke", SETTINGS)
+    specs = draw_all(loaded)
+    rng = np.random.default_rng(1)
+    with workspace.locked():
+        for spec in specs:
+            path = workspace.simulate(spec.key).path
+            simulate_into(spec.model_dump_json(), path, simulation_key(spec), lambda _share: None)
+            rows = Rows.from_recording(read_recording(path))
+            order = RenderTask.of(spec.key, Appearance.of(spec), rows, workspace.render(spec.key))
+            make_folder(order.task.files)
+            write_file(order.task.folder.path / JOB, order.job_text.encode())
+            hashes = {}
+            for name in order.task.names():
+                cv2.imwrite(str(order.task.files / name), rng.integers(30, 220, (24, 32, 3), dtype=np.uint8))
+            for name in order.task.names():
+                hashes[name] = sha256_of(order.task.files / name)
+            order.task.finish(hashes)
+        assemble(workspace, loaded.tree, specs, [], LineReport())
+    assert list(verify(workspace.out, spec_problem)) == []
+    return workspace.out

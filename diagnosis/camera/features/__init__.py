@@ -1,1 +1,1 @@
-"""What is measured in the images: edges, levels, sharpness and noise."""
+"""Measurements in images: edges, levels, sharpness and noise."""

@@ -1,4 +1,4 @@
-"""Where the edges of the line are in the images, to fractions of a pixel.
+"""Measurement of the edges of the line in images, to fractions of a pixel.
 
 Each is searched along the normal at its expected place, as in model-based tracking (Harris and Stennett, RAPID, BMVC
 1990): the steepest rise from dark to bright outwards, its place by a parabola through the gradient's peak. Grey values
@@ -33,7 +33,7 @@ class EdgeProfiles:
     along_px: Array
     """(K,), distance outwards from the expected edge."""
     light: Array
-    """(N, K)."""
+    """(N, K), light at these distances across each edge."""
 
 
 def profiles(edges: LineEdges, images: list[Array], reach_px: float) -> EdgeProfiles:

@@ -40,7 +40,7 @@ class LevelModel(CameraModel):
             "exposure_scale",
             "1",
             0.03,
-            "the images take so many times the light",
+            "the images take this many times the light",
             "exposure time, gain, iris, or light",
         ),
         CameraParameter(

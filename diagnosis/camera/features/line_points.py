@@ -1,4 +1,4 @@
-"""Where an edge of the line should be seen in each image."""
+"""Points on the edges of the line, and the pixels at which a camera sees them."""
 
 from dataclasses import dataclass, replace
 
@@ -17,7 +17,7 @@ MAX_DISTANCE_M = 1.5
 SPACING = 1 / 40
 """Distance between points that are used, as a share of the image's width; closer ones contain the same texture."""
 MIN_WIDTH_PX = 4.0
-"""Smallest width of a line in the image at which its two edges can be told apart."""
+"""Smallest width of a line in the image at which its two edges can be distinguished."""
 CLEAR_M = (0.001, 0.004, 0.008)
 """Distances beyond the edge at which there must be floor, and no other piece of the line."""
 WALL_CLEAR_M = 0.015
@@ -31,7 +31,7 @@ class LineEdges(EdgePoints):
     """Edge points with the pixels at which they are expected, or were measured."""
 
     pixels: Array
-    """(N, 2)."""
+    """(N, 2), column and row in the image."""
     outwards: Array
     """(N, 2), unit vector across the edge in the image, from the line to the floor."""
     width_px: Array
@@ -49,10 +49,10 @@ def edge_candidates(arena: Arena) -> tuple[Array, Array, Ints]:
     for number, piece in enumerate(arena.line.pieces):
         s = np.linspace(0.0, piece.length_m, max(2, int(piece.length_m / ALONG_M) + 1))[1:-1]
         middle = piece.at(s)
-        for side in (0, 1):
+        for edge in (0, 1):
             middles.append(middle)
-            outwards.append(piece.at(s, 1.0 - 2.0 * side) - middle)
-            chains.append(np.full(len(s), 2 * number + side))
+            outwards.append(piece.at(s, 1.0 - 2.0 * edge) - middle)
+            chains.append(np.full(len(s), 2 * number + edge))
     if not middles:
         return np.empty((0, 2)), np.empty((0, 2)), np.empty(0, np.int64)
     middle, outward, chain = np.concatenate(middles), np.concatenate(outwards), np.concatenate(chains)

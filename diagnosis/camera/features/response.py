@@ -12,7 +12,7 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class ToneResponse:
-    """What lies between the exposed light of the sensor and the numbers of the image."""
+    """The response of a camera: from the exposed light of the sensor to the values of the image."""
 
     contrast: float
     saturation: float
@@ -23,7 +23,7 @@ class ToneResponse:
         return cls(nominal.contrast, nominal.saturation, nominal.white_balance)
 
     def raw(self, coded: Array) -> Array:
-        """Light of the sensor (..., 3), of values (..., 3) from 0 to 1, sharpening left aside."""
+        """Return the light of the sensor (..., 3) for values (..., 3) from 0 to 1, without regard to sharpening."""
         exposed = untoned(coded, self.contrast)
         if self.saturation > 0:
             grey = (exposed @ LUMINANCE)[..., None]
@@ -31,7 +31,7 @@ class ToneResponse:
         return exposed / np.array(self.white_balance)
 
     def coded(self, raw: Array) -> Array:
-        """Values (..., 3) from 0 to 1, of light of the sensor (..., 3)."""
+        """Return values (..., 3) from 0 to 1 for light of the sensor (..., 3)."""
         exposed = np.maximum(raw, 0.0) * np.array(self.white_balance)
         grey = (exposed @ LUMINANCE)[..., None]
         exposed = np.maximum(grey + self.saturation * (exposed - grey), 0.0)
@@ -39,6 +39,6 @@ class ToneResponse:
 
 
 def luminance(image: ImagePixels, contrast: float) -> Array:
-    """(H, W) light of an image by the nominal tone curve."""
+    """Return the light (H, W) of an image by the tone curve."""
     table = untoned(np.arange(256) / 255.0, contrast)
     return table[image] @ LUMINANCE

@@ -26,7 +26,7 @@ MIN_PX2 = 0.02
 OUTER = 12.0
 """Distance [px] to either side over which the unsharp mask is computed."""
 MIN_WIDTH_PX = 5.0
-"""Smallest width of a line whose edges can be told apart when they are blurred."""
+"""Smallest width of a line whose edges can be distinguished when they are blurred."""
 SHIFT_SD_PX = 0.2
 """Standard deviation of the measured place of the edges of an image."""
 

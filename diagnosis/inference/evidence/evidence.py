@@ -33,9 +33,9 @@ class Prediction:
     """Predictions of N samples by M robots."""
 
     mean: Array
-    """(M, N)."""
+    """(M, N), means of the samples."""
     sd: Array
-    """(M, N)."""
+    """(M, N), standard deviations of their noise."""
 
     def some(self, which: slice | Sequence[int]) -> "Prediction":
         """Return the predictions by some of the robots."""
@@ -84,7 +84,7 @@ class Evidence:
 
     @cached_property
     def places(self) -> tuple[slice, ...]:
-        """Where each observed quantity stands in the vector."""
+        """Positions of each observed quantity in the vector."""
         ends = np.cumsum(self._counts).tolist()
         return tuple(slice(end - count, end) for count, end in zip(self._counts, ends, strict=True))
 
@@ -99,17 +99,15 @@ class Evidence:
         """(N,), index of the trial of a sample."""
         return np.concatenate([observed.trial for observed in self.observed])
 
-    def without(self, channel: str) -> "Evidence":
-        """Return the same evidence without samples of a channel in the fit."""
+    def with_rows(self, *, fit: Mask | None = None, heldout: Mask | None = None) -> "Evidence":
+        """Return the same evidence with other samples (N,) for the fit or for the gain."""
         others = copy(self)
         others.known = {}
-        others.fit = self.fit.copy()
-        for observed, place in zip(self.observed, self.places, strict=True):
-            if observed.channel == channel:
-                others.fit[place] = False
+        others.fit = self.fit if fit is None else fit
+        others.heldout = self.heldout if heldout is None else heldout
         return others
 
-    def of(self, robots: Sequence[RobotConfig]) -> Prediction:
+    def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
         mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
         first = 0
@@ -117,8 +115,10 @@ class Evidence:
             places = self.places[first : first + len(stage.observed)]
             first += len(stage.observed)
             for begin in range(0, len(robots), stage.at_once):
-                some = slice(begin, begin + stage.at_once)
-                for observed, place, predicted in zip(stage.observed, places, stage.predict(robots[some]), strict=True):
-                    mean[some, place] = predicted.mean
-                    sd[some, place] = self._factors.get(observed.name, 1.0) * predicted.sd
+                batch = slice(begin, begin + stage.at_once)
+                for observed, place, predicted in zip(
+                    stage.observed, places, stage.predict(robots[batch]), strict=True
+                ):
+                    mean[batch, place] = predicted.mean
+                    sd[batch, place] = self._factors.get(observed.name, 1.0) * predicted.sd
         return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd))

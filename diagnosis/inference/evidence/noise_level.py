@@ -9,13 +9,14 @@ autocorrelations of the residuals without their running mean, up to the first th
 (1992) 473-483), expressed as the p of AR(1) noise with the same sum (1 + p)/(1 - p).
 """
 
-from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.fit import HypothesisFit
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.noise import noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed
 from symolo.core.arrays import Array
@@ -32,38 +33,39 @@ MIN_AUTOCORRELATION = 0.03
 MAX_CORRELATION = 0.9
 
 
-def combined(evidence: Evidence, noises: Mapping[str, EstimatedNoise]) -> Mapping[str, EstimatedNoise]:
-    """Return the total noises, if `noises` were estimated from an evidence that already has estimated noises."""
-    before = {name: noise.factor for name, noise in evidence.noises.items()}
-    return {name: EstimatedNoise(n.factor * before.get(name, 1.0), n.correlation) for name, n in noises.items()}
-
-
 def is_open(quantity: Observed) -> bool:
     """Return whether the source does not state all of a quantity's noise."""
     return not quantity.noise_is_stated or quantity.correlation is None
 
 
-def estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, EstimatedNoise]:
-    """Return the estimated noise of each observed quantity whose source does not state all of it."""
+def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
+    """Return the evidence with the noise of each quantity whose source does not state all of it, from a fit."""
     noises: dict[str, EstimatedNoise] = {}
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         rows = evidence.fit[place]
         if not is_open(quantity) or np.count_nonzero(rows) < MIN_ROWS:
             continue
-        if quantity.noise_is_stated:
-            z = np.where(rows, np.clip(fit.z[place], -CLIP, CLIP), np.nan)
-            noises[quantity.name] = EstimatedNoise(1.0, lasting(z, quantity.trial))
-            continue
-        z, trial = fit.z[place][rows], quantity.trial[rows]
-        together = np.diff(trial) == 0
-        noise = noise_of_differences(z, together)
-        if noise is not None and len(z) >= ROWS_FOR_CORRELATION and noise.sd > 0.0:
-            noises[quantity.name] = EstimatedNoise(noise.sd, max(noise.correlation, 0.0))
-            continue
-        bends = (z[2:] - 2.0 * z[1:-1] + z[:-2])[together[1:] & together[:-1]]
-        level = np.sqrt(trimmed_variance(bends) / 6.0) if len(bends) else float(np.std(z))
-        noises[quantity.name] = EstimatedNoise(max(float(level), 1e-9), 0.0)
-    return noises
+        noise = _estimated(quantity, rows, fit.z[place])
+        # The residuals are in sigmas of the noise that was estimated before.
+        before = evidence.noises.get(quantity.name, EstimatedNoise(1.0, 0.0))
+        noises[quantity.name] = replace(noise, factor=noise.factor * before.factor)
+    return Evidence(evidence.stages, noises)
+
+
+def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
+    """Return the noise of the residuals z (n,) in some rows (n,)."""
+    if quantity.noise_is_stated:
+        clipped = np.where(rows, np.clip(z, -CLIP, CLIP), np.nan)
+        return EstimatedNoise(1.0, lasting(clipped, quantity.trial))
+    z, trial = z[rows], quantity.trial[rows]
+    together = np.diff(trial) == 0
+    noise = noise_of_differences(z, together)
+    if noise is not None and len(z) >= ROWS_FOR_CORRELATION and noise.sd > 0.0:
+        return EstimatedNoise(noise.sd, max(noise.correlation, 0.0))
+    bends = (z[2:] - 2.0 * z[1:-1] + z[:-2])[together[1:] & together[:-1]]
+    # The variance of second differences of white noise is 1 + 4 + 1 times its own.
+    level = np.sqrt(trimmed_variance(bends) / 6.0) if len(bends) else float(np.std(z))
+    return EstimatedNoise(max(float(level), 1e-9), 0.0)
 
 
 def lasting(z: Array, trial: NDArray[np.int64]) -> float:
@@ -78,14 +80,15 @@ def lasting(z: Array, trial: NDArray[np.int64]) -> float:
     """
     if np.count_nonzero(np.isfinite(z)) < ROWS_FOR_CORRELATION:
         return 0.0
-    left = np.concatenate([_without_mean(z[trial == k]) for k in np.unique(trial)])
-    variance = total = float(np.nanmean(left**2))
+    rest = np.concatenate([_without_mean(z[trial == k]) for k in np.unique(trial)])
+    variance = total = float(np.nanmean(rest**2))
     if variance <= 0.0:
         return 0.0
     terms = 1
     for lag in range(1, MAX_LAG + 1):
-        products = np.where(trial[lag:] == trial[:-lag], left[lag:] * left[:-lag], np.nan)
+        products = np.where(trial[lag:] == trial[:-lag], rest[lag:] * rest[:-lag], np.nan)
         shared = float(np.nanmean(products)) if np.isfinite(products).any() else 0.0
+        # The first lag is counted in any case: a negative one is a property of the noise and not its end.
         if lag > 1 and shared < MIN_AUTOCORRELATION * variance:
             break
         total, terms = total + 2.0 * shared, terms + 2

@@ -12,7 +12,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.rows import given
+from diagnosis.predictors.rows import good_values
 from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
 
@@ -45,7 +45,7 @@ def stuck_rows(measurement: Measurement, nominal: RobotConfig) -> tuple[StuckRow
         measurement: A measurement of kind motor_steady.
         nominal: The robot whose motor is on the bench, with its nominal parameters.
     """
-    voltage_V, speed, current_A = (given(measurement, name) for name in ("u_cmd_V", "omega_rad_s", "current_A"))
+    voltage_V, speed, current_A = (good_values(measurement, name) for name in ("u_cmd_V", "omega_rad_s", "current_A"))
     known = np.isfinite(voltage_V) & np.isfinite(speed)
     expected = np.zeros_like(voltage_V)
     model = RobotModel.from_config(nominal)

@@ -24,7 +24,7 @@ from diagnosis.inference.selection import MAX_EFFECTS, needed
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose, seen_from_body
-from diagnosis.predictors.rows import given
+from diagnosis.predictors.rows import good_values
 from symolo.core.arrays import Array
 
 PARTS = 20
@@ -47,7 +47,7 @@ class WholeRuns:
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._pose = Pose(measurement, nominal)
-        log = np.stack([given(measurement, name) for name in POSE], axis=-1)
+        log = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         rows, self._points = 0, []
         firsts = []
         for trial in measurement.trials:
@@ -145,6 +145,7 @@ def _fit(runs: WholeRuns, hypothesis: Hypothesis, x: Array) -> WholeRunFit:
     for _ in range(MAX_STEPS):
         around = np.concatenate([x[None], x + STEP * np.eye(len(x))])
         errors = runs.free_of_start(np.stack([runs.errors(robot) for robot in hypothesis.robots(around)]))
+        # All points of a run together count as one.
         weight = 1.0 / (_scatter(errors[0]) * np.sqrt(PARTS))
         z = (errors[0] * weight).ravel()
         slopes = ((errors[1:] - errors[0]) * weight / STEP).reshape(len(x), -1)
@@ -157,6 +158,7 @@ def _fit(runs: WholeRuns, hypothesis: Hypothesis, x: Array) -> WholeRunFit:
         if np.max(np.abs(step), initial=0.0) < SETTLED:
             break
     scatter = _scatter(runs.free_of_start(runs.errors(hypothesis.robot(x))))
+    # Three logarithms for each run: two axes of the place and one heading, as explained above.
     cost = runs.count * float(np.log(scatter**2).sum()) + float((hypothesis.prior(x) ** 2).sum())
     covariance = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
     return WholeRunFit(hypothesis, x, covariance, cost, float(scatter[0]), float(scatter[2]))

@@ -93,7 +93,7 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
         inside = np.arange(place.start, place.stop)[rows]
         along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
         along += [
-            (rank, covariate, standing_out(tangents.left[inside], quantity.trial[rows]))
+            (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows]))
             for rank, covariate, _ in along
             if covariate.name == ROW_TIME
         ]
@@ -109,11 +109,12 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
                     best = Structure(*names, basis.what, p, gain, rank, columns)
             if best is not None:
                 structures.append(best)
+    # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
     whole = [replace(structure, p=min(1.0, structure.p * len(structures))) for structure in structures]
     explained = {s.observed for s in whole if s.p < LEVEL and s.what != RUNS_OF_ROWS}
     # A function of a covariate also makes runs of rows stand out, which then add nothing.
-    left = [s for s in whole if s.what != RUNS_OF_ROWS or s.observed not in explained]
-    return Adequacy(tuple(sorted(left, key=lambda s: (s.p, -s.explainable))))
+    structures = [s for s in whole if s.what != RUNS_OF_ROWS or s.observed not in explained]
+    return Adequacy(tuple(sorted(structures, key=lambda s: (s.p, -s.explainable))))
 
 
 class _Tangents:
@@ -125,8 +126,8 @@ class _Tangents:
         z, x = _moved_beside(evidence, fit, beside)
         padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
         self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
-        left = replace(fit, x=x).left(np.clip(z, -CLIP, CLIP), self._root)
-        self.left = left - self._basis @ (self._basis.T @ left)
+        residuals = replace(fit, x=x).weighted_residuals(np.clip(z, -CLIP, CLIP), self._root)
+        self.residuals = residuals - self._basis @ (self._basis.T @ residuals)
         """(N + P,), weighted clipped residuals in sigmas without all that the parameters could still explain."""
 
     def test(self, inside: NDArray[np.intp], basis: Basis) -> tuple[float, float]:
@@ -137,13 +138,15 @@ class _Tangents:
         k = combined.shape[1]
         if k == 0:
             return 1.0, 0.0
-        left = self.left[inside]
-        along = combined.T @ (columns.T @ left)
+        residuals = self.residuals[inside]
+        along = combined.T @ (columns.T @ residuals)
         explained = float(along @ along)
-        here = left - columns @ (combined @ along) + self._basis[inside] @ (taken @ (combined @ along))
+        outside = residuals - columns @ (combined @ along) + self._basis[inside] @ (taken @ (combined @ along))
+        # Inside the span of a smooth function, correlated noise has (1 + p)/(1 - p) times the squares of independent
+        # noise. The weight in `explained` corrects that. The level is that of single rows, without the weight.
         weight = float(self._evidence.weight[inside[0]])
         degrees = max(1, len(inside) - k - 1)
-        level = float(here @ here) / weight / degrees
+        level = float(outside @ outside) / weight / degrees
         return f_test(explained, level, k, degrees), max(0.0, explained - k * level)
 
 
@@ -165,11 +168,12 @@ def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tup
     Outliers are reweighted.
     """
     z, x = fit.z, fit.x
+    # With the columns, samples that were outliers may fit, and others may become outliers.
     for _ in range(REWEIGHTINGS if columns.shape[1] else 0):
         root = root_weights(evidence, z)
         padded = np.concatenate([columns * root[:, None], np.zeros((len(fit.x), columns.shape[1]))])
         both = np.concatenate([padded, fit.tangents(root)], axis=1)
-        solved = np.linalg.lstsq(both, fit.left(fit.z, root), rcond=1e-10)[0]
+        solved = np.linalg.lstsq(both, fit.weighted_residuals(fit.z, root), rcond=1e-10)[0]
         z = fit.z - np.concatenate([columns, fit.slopes.T], axis=1) @ solved
         x = fit.x + solved[columns.shape[1] :]
     return z, x
@@ -190,6 +194,7 @@ def survivors(
         fit: The fit with the effects.
         structure: Structure in the residuals of the fit.
     """
+    # Effects that explain much less than what stays unexplained are probably parts of the unknown cause.
     drop = nominal.cost - fit.cost
     if drop < EXPLAINED * (drop + structure.explainable):
         return []
@@ -198,21 +203,21 @@ def survivors(
     functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
     taken = [nominal.tangents(root), flexible]
-    residual = nominal.left(nominal.z, root)
+    residual = nominal.weighted_residuals(nominal.z, root)
     needed: list[CandidateEffect] = []
     priors = np.zeros(size)
-    left = {
+    changes = {
         effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
         for effect in fit.hypothesis.effects
     }
-    while left:
+    while changes:
         basis = orthonormal(np.concatenate(taken, axis=1))
-        falls = {effect: _fall(residual, change, basis) for effect, change in left.items()}
+        falls = {effect: _fall(residual, change, basis) for effect, change in changes.items()}
         best = max(falls, key=lambda effect: falls[effect])
         if falls[best] < max(NEEDED, structure.explainable):
             break
         needed.append(best)
-        taken.append(left.pop(best)[:, None])
+        taken.append(changes.pop(best)[:, None])
     return needed
 
 
@@ -238,7 +243,7 @@ def change_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, ef
     alone = nominal.hypothesis.with_effect(effect)
     x = moved(nominal.x, nominal.hypothesis, alone)
     x[alone.parameters(effect)] = fit.x[fit.hypothesis.parameters(effect)]
-    before, after = evidence.of([nominal.hypothesis.robot(nominal.x), alone.robot(x)]).mean
+    before, after = evidence.predicted([nominal.robot, alone.robot(x)]).mean
     return np.where(evidence.fit, (after - before) / nominal.sd, 0.0)
 
 

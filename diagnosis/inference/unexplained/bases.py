@@ -119,19 +119,19 @@ def _turns(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
                 yield replace(basis, tries=tries)
 
 
-def standing_out(left: Array, trial: NDArray[np.int64]) -> Iterator[Basis]:
+def standing_out(residuals: Array, trial: NDArray[np.int64]) -> Iterator[Basis]:
     """Yield bases of runs of rows with large residuals: of the largest run, of the two largest, of four, and so on.
 
     A single row that stands out is an outlier, which any log has; several successive ones have a lasting cause. A basis
     counts as one of all sets of as many runs, with either sign.
 
     Args:
-        left: (n,), residuals, clipped.
+        residuals: (n,), residuals, clipped.
         trial: (n,), trial of each row; a run lies within one trial.
     """
-    if len(left) < ROWS_FOR_RUNS:
+    if len(residuals) < ROWS_FOR_RUNS:
         return
-    total = np.append(0.0, np.cumsum(left))
+    total = np.append(0.0, np.cumsum(residuals))
     begins, lengths, means = [], [], []
     for length in RUNS:
         begin = np.flatnonzero(trial[length - 1 :] == trial[: len(trial) - length + 1])
@@ -140,7 +140,7 @@ def standing_out(left: Array, trial: NDArray[np.int64]) -> Iterator[Basis]:
         means.append((total[begin + length] - total[begin]) / length)
     begin, length, mean = np.concatenate(begins), np.concatenate(lengths), np.concatenate(means)
     square = length * mean**2
-    column = np.zeros(len(left))
+    column = np.zeros(len(residuals))
     for count in range(1, MAX_RUNS + 1):
         run = int(np.argmax(square))
         if square[run] <= 0.0:

@@ -35,14 +35,14 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     if not fit.hypothesis.effects:
         return None
     root = root_weights(evidence, fit.z)
-    left = fit.left(fit.z * fit.sd / nominal.sd, root)
+    rest = fit.weighted_residuals(fit.z * fit.sd / nominal.sd, root)
     numbers = fit.hypothesis.size - nominal.hypothesis.size
     # Both models are compared with the nominal noise. If an effect changes the noise, its level scales the squares.
     changes_noise = any(is_of_noise(fit, effect) for effect in fit.hypothesis.effects)
-    level = float(left @ left) / np.count_nonzero(root) if changes_noise else 1.0
-    named = float(left @ left) / level
+    level = float(rest @ rest) / np.count_nonzero(root) if changes_noise else 1.0
+    named = float(rest @ rest) / level
     basis = orthonormal(nominal.tangents(root))
-    residual = nominal.left(nominal.z, root)
+    residual = nominal.weighted_residuals(nominal.z, root)
     residual = residual - basis @ (basis.T @ residual)
     changes = [change_by(evidence, nominal, fit, e) for e in fit.hypothesis.effects if not is_of_noise(fit, e)]
     best: tuple[float, float, Array] | None = None
@@ -53,6 +53,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
             weighed = columns * root[:, None]
             combined = beyond(weighed, basis[: len(root)].T @ weighed)
             along = combined.T @ (weighed.T @ residual[: len(root)])
+            # The same toll for each parameter as in the selection of effects, so that the two models can be compared.
             toll = TOLL * (combined.shape[1] + MOMENT_PARAMETERS)
             squares = float(residual @ residual - along @ along) / level + toll
             if best is None or squares < best[0]:
@@ -60,6 +61,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     if best is None or best[0] >= named + TOLL * numbers:
         return None
     squares, moment, columns = best
+    # A jump that leaves structure of its own is only another substitute.
     if not adequacy(evidence, nominal, columns).is_adequate:
         return None
     fallen = [float(((root * nominal.z)[place] ** 2).sum()) for place in evidence.places]

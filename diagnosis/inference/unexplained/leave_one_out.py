@@ -6,7 +6,6 @@ the errors are a little too small, the less so the fewer effects were tried.
 """
 
 from collections.abc import Mapping
-from copy import copy
 
 import numpy as np
 
@@ -38,10 +37,8 @@ def leave_one_out(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Array]
         in_row[[place.start + row for place in evidence.places]] = True
         if not (in_row & evidence.fit).any():
             continue
-        fewer = copy(evidence)
-        fewer.fit = evidence.fit & ~in_row
-        (refit,) = fits(fewer, [(fit.hypothesis, fit.x)])
-        mean = evidence.of([refit.hypothesis.robot(refit.x)]).mean[0]
+        (refit,) = fits(evidence.with_rows(fit=evidence.fit & ~in_row), [(fit.hypothesis, fit.x)])
+        mean = evidence.predicted([refit.robot]).mean[0]
         residuals = np.where(evidence.fit, evidence.values - mean, np.nan)
         errors[:, row] = [residuals[place][row] for place in evidence.places]
     return {observed.name: errors[k] for k, observed in enumerate(evidence.observed)}

@@ -12,21 +12,24 @@ from diagnosis.inference.unexplained.adequacy import LEVEL, Adequacy, adequacy
 from diagnosis.inference.unexplained.scatter import with_scatter
 
 
-def located(evidence: Evidence, nominal: Hypothesis, left: Adequacy) -> Adequacy:
+def located(evidence: Evidence, nominal: Hypothesis, result: Adequacy) -> Adequacy:
     """Return the structures, those of the channel with the cause first; `nominal` has no effects."""
-    channels = dict.fromkeys(structure.channel for structure in left.structures if structure.p < LEVEL)
+    channels = dict.fromkeys(structure.channel for structure in result.structures if structure.p < LEVEL)
     if len(channels) < 2:
-        return left
-    alone = [channel for channel in channels if _is_adequate_without(evidence, nominal, channel)]
-    if len(alone) != 1:
-        return left
-    (channel,) = alone
-    return Adequacy(tuple(sorted(left.structures, key=lambda structure: structure.channel != channel)))
+        return result
+    causes = [channel for channel in channels if _is_adequate_without(evidence, nominal, channel)]
+    if len(causes) != 1:
+        return result
+    (channel,) = causes
+    return Adequacy(tuple(sorted(result.structures, key=lambda structure: structure.channel != channel)))
 
 
 def _is_adequate_without(evidence: Evidence, nominal: Hypothesis, channel: str) -> bool:
-    others = evidence.without(channel)
-    if not others.fit.any():
+    rows = evidence.fit.copy()
+    for observed, place in zip(evidence.observed, evidence.places, strict=True):
+        rows[place] &= observed.channel != channel
+    others = evidence.with_rows(fit=rows)
+    if not rows.any():
         return False
     (fit,) = fits(others, [(nominal, nominal.null())])
     return with_scatter(others, fit, adequacy(others, fit)).is_adequate

@@ -19,7 +19,7 @@ WIDENED = 1.5
 MIN_ROWS = 8
 
 
-def with_scatter(evidence: Evidence, fit: HypothesisFit, left: Adequacy) -> Adequacy:
+def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Adequacy:
     """Return the structures of a fit, and a scatter for each quantity without significant structure that has too much.
 
     A scatter is reported along the best covariate. Quantities without a stated noise are not tested, since their noise
@@ -32,16 +32,15 @@ def with_scatter(evidence: Evidence, fit: HypothesisFit, left: Adequacy) -> Adeq
     ]
     scatters: list[Structure] = []
     for name, place in tested:
-        best = next((structure for structure in left.structures if structure.observed == name), None)
+        best = next((structure for structure in result.structures if structure.observed == name), None)
         rows = evidence.fit[place]
         weight, z = evidence.weight[place][rows], fit.z[place][rows]
         independent = float(weight.sum())
         squares = float((weight * np.minimum(z**2, CLIP**2)).sum())
+        # The fitted parameters use up degrees of freedom in proportion to the rows of a quantity.
         degrees = max(1.0, independent - len(fit.x) * np.count_nonzero(rows) / np.count_nonzero(evidence.fit))
         p = float(chdtrc(degrees, squares / WIDENED)) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
             scatters.append(replace(best, p=p, what=f"scatter of {times:.1f} times the stated noise"))
-    return (
-        Adequacy(tuple(sorted((*scatters, *left.structures), key=lambda structure: structure.p))) if scatters else left
-    )
+    return Adequacy(tuple(sorted((*scatters, *result.structures), key=lambda structure: structure.p)))

@@ -4,9 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from diagnosis.measured.channel import Mask
+from diagnosis.inference.gain import trimmed_rms
 from diagnosis.predictors.base import Covariate, Observed
-from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, reach_of, residual_panel, trimmed_rms
+from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, reach_of, residual_panel
 from diagnosis.report.quantities import axis
 from diagnosis.report.report_data import ReportData
 from symolo.core.arrays import Array
@@ -41,7 +41,9 @@ def misfit_plot(data: ReportData, k: int) -> bytes:
             # The fitted models share a scale, to be compared by eye; the nominal one may have far larger residuals.
             shared = None if model == 0 else reach_of(np.concatenate([data.z[m][place] for *_, m in models[1:]]))
             residual_panel(panel, covariate, z, observed.holdout, colour, shared)
-        panel.set_title(f"{name}: {trimmed_rms(z):.3g} σ", fontsize="medium")
+        sizes = np.abs(z[np.isfinite(z)])
+        error = trimmed_rms(sizes) if len(sizes) else float("nan")
+        panel.set_title(f"{name}: {error:.3g} σ", fontsize="medium")
     if covariate is None or covariate.second is None:
         axes[1].set_ylabel("measured - predicted [σ]")
     return png(figure)
@@ -90,12 +92,9 @@ def _is_log(observed: Observed) -> bool:
 
 
 def _worst(observed: Observed, z: Array) -> int:
-    """Return the trial with the largest residuals."""
+    """Return the trial with the largest mean square of its residuals."""
     trials = np.unique(observed.trial)
-    errors = [_mean_square(z[observed.trial == trial]) for trial in trials]
+    # Residuals are limited to 20 sigma, so that a single wild sample does not decide.
+    residuals = [np.clip(z[(observed.trial == trial) & np.isfinite(z)], -20.0, 20.0) for trial in trials]
+    errors = [float(np.mean(of_trial**2)) if len(of_trial) else 0.0 for of_trial in residuals]
     return int(trials[int(np.argmax(errors))])
-
-
-def _mean_square(z: Array) -> float:
-    known: Mask = np.isfinite(z)
-    return float(np.mean(np.clip(z[known], -20.0, 20.0) ** 2)) if known.any() else 0.0

@@ -39,7 +39,7 @@ def residual_panel(  # noqa: PLR0917 - an order that reads well: where, what, ho
     if covariate.second is not None:
         _place(axes, covariate, z, shown)
         return
-    x = _folded(covariate)
+    x = np.mod(covariate.values, 2.0 * np.pi) if covariate.shape is CovariateShape.PERIODIC else covariate.values
     reach = reach_of(z[shown]) if reach is None else reach
     axes.axhspan(-2.0, 2.0, color=PALE, alpha=0.6, linewidth=0.0)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
@@ -79,26 +79,17 @@ def binned(covariate: Covariate, x: Array, z: Array) -> tuple[Array, Array, Arra
     groups = [group for group in groups if np.count_nonzero(group) >= MIN_IN_BIN]
     middle = np.array([float(np.mean(x[group])) for group in groups])
     median = np.array([float(np.median(z[group])) for group in groups])
+    # The median absolute deviation of normal noise is its standard deviation over 1.4826; outliers hardly change it.
     spread = [1.4826 * float(np.median(np.abs(z[group] - m))) for group, m in zip(groups, median.tolist(), strict=True)]
     error = np.array([MEDIAN_ERROR * s / np.sqrt(np.count_nonzero(g)) for s, g in zip(spread, groups, strict=True)])
     return middle, median, error
-
-
-def trimmed_rms(z: Array) -> float:
-    """Return the root mean square without the largest 3 %, as for the error of a gain."""
-    size = np.sort(np.abs(z[np.isfinite(z)]))
-    smallest = size[: max(1, int(0.97 * len(size)))]
-    return float(np.sqrt(np.mean(smallest**2))) if len(smallest) else float("nan")
-
-
-def _folded(covariate: Covariate) -> Array:
-    return np.mod(covariate.values, 2.0 * np.pi) if covariate.shape is CovariateShape.PERIODIC else covariate.values
 
 
 def _jitter(covariate: Covariate, rows: int) -> Array:
     """Return offsets from the category, so that points do not hide each other; by row, so that they are not random."""
     if covariate.shape is not CovariateShape.CATEGORY:
         return np.zeros(rows)
+    # Multiples of the golden ratio fill an interval evenly, however many there are.
     return 0.5 * (np.mod(np.arange(rows) * 0.618034, 1.0) - 0.5)
 
 

@@ -1,1 +1,1 @@
-"""The validation experiment of the line sensor."""
+"""Validation experiments with the line sensor."""

@@ -1,4 +1,4 @@
-"""How channels differ between robots, and what the converter makes of a reading."""
+"""Differences of the channels between robots, and the steps of the converter."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ DARK, LIGHT = 0.25, 0.65
 """Reflectances of the bare floors between which a gain is measured; no channel saturates with the shipped spreads."""
 POINTS_PER_LEVEL = 2
 MAX_BITS_SWEPT = 12
-"""Finer converters are swept over their lowest 4096 levels only."""
+"""Number of bits above which a converter is swept only over its lowest 4096 levels."""
 MAX_STANDARD_ERRORS = 5.0
 HISTOGRAM_SDS = 4.0
 ZOOMED_STEPS = 6
@@ -23,10 +23,10 @@ ROUNDING = 1e-6
 
 
 def channels(robot: RobotConfig, seed: int) -> ExperimentResult:
-    """Return gain and offset of every channel of many robots, from two bare floors, without noise and converter."""
+    """Return gain and offset of every channel of many robots, from readings of two bare floors without noise."""
     config = robot.line_sensor
     drawn = without_faults(config, gain_sd=config.gain_sd, offset_sd=config.offset_sd)
-    # The same stream on both floors makes the same sensor.
+    # The same random stream gives the same sensor on both floors.
     dark, light = (
         np.array([_on_floor(drawn, level, seed, "channels", number) for number in range(ROBOTS)])
         for level in (DARK, LIGHT)
@@ -37,12 +37,12 @@ def channels(robot: RobotConfig, seed: int) -> ExperimentResult:
     for name, values, mean, sd in (("gain", gain, 1.0, config.gain_sd), ("offset", offset, 0.0, config.offset_sd)):
         table = spread(values, sd)
         tables[name] = table
-        # The finest converter's steps remain where nothing is drawn.
-        of_mean = MAX_STANDARD_ERRORS * sd / np.sqrt(len(values)) + 1e-4
-        of_sd = MAX_STANDARD_ERRORS * table["sd_error"] + 1e-4
+        # With no spread at all, the steps of the finest converter remain.
+        mean_tolerance = MAX_STANDARD_ERRORS * sd / np.sqrt(len(values)) + 1e-4
+        sd_tolerance = MAX_STANDARD_ERRORS * table["sd_error"] + 1e-4
         source = f"configuration, {len(values)} channels"
-        checks.append(ValidationCheck(f"mean {name}", table["mean"], mean, of_mean, source))
-        checks.append(ValidationCheck(f"standard deviation of {name}", table["sd"], sd, of_sd, source))
+        checks.append(ValidationCheck(f"mean {name}", table["mean"], mean, mean_tolerance, source))
+        checks.append(ValidationCheck(f"standard deviation of {name}", table["sd"], sd, sd_tolerance, source))
     return ExperimentResult(tables, checks, (_gain_panel(gain, config.gain_sd),))
 
 
@@ -58,7 +58,7 @@ def spread(values: Array, configured_sd: float) -> dict:
 
 
 def converter(robot: RobotConfig, seed: int) -> ExperimentResult:
-    """Return readings of bare floors of finely rising reflectance, by a sensor without spread and noise."""
+    """Return readings of bare floors with a slowly rising reflectance, by a sensor without spread and noise."""
     config = robot.line_sensor
     quiet = without_faults(config, adc_bits=config.adc_bits)
     bits = min(config.adc_bits, MAX_BITS_SWEPT)

@@ -1,4 +1,4 @@
-"""Across the tape at two heights: what each channel reads, and how wide the edge of the tape is to it."""
+"""Readings of each channel across the tape at two heights of the sensor, and the width of the edge of the tape."""
 
 import numpy as np
 from scipy.special import ndtri
@@ -6,17 +6,18 @@ from scipy.special import ndtri
 from configs.schema.robot import LineSensor, RobotConfig
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
 from diagnosis.validation.line_sensor.rig import Tape, readings, sensor, spot_diameter_m, without_faults
+from diagnosis.validation.measures import rms
 from diagnosis.validation.panels import COLORS, MARKERS, Curve, Panel
 from sensors.line_sensor import channel_weights
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, VERMILION
 
 HEIGHT_FACTORS = (1.0, 2.0)
-"""Factors on the configured height; the QTR-8A's 3 mm are optimal, 6 mm the most that its maker recommends."""
+"""Factors on the configured height. For the QTR-8A, its maker gives 3 mm as optimal and recommends at most 6 mm."""
 FINE_POINTS = 1001
 COARSE_POINTS = 81
 MAX_SPOT_SHARE = 0.15
-"""Standard deviation of the spot over the width of the tape, up to which the tape's two edges are apart."""
+"""Largest standard deviation of the spot, as a share of the width of the tape, for which the two edges are apart."""
 TOLERANCE = 0.005
 """Largest relative difference from the closed form."""
 
@@ -32,7 +33,7 @@ def edges(robot: RobotConfig, seed: int) -> ExperimentResult:
         tables[name] = table
         closed_m = table["edge_closed_form_m"]
         widths = table["edge_10_90_m"]
-        # The closed form is that of one edge: a spot that sees both is beside it only.
+        # The closed form is that of one edge; a spot that sees both edges is only compared with it.
         tolerance = 1e3 * TOLERANCE * closed_m if table["edges_are_apart"] else None
         worst = float(widths[np.argmax(np.abs(widths - closed_m))])
         source = "2.563 standard deviations of the spot"
@@ -43,7 +44,7 @@ def edges(robot: RobotConfig, seed: int) -> ExperimentResult:
         across.append(Curve(from_middle, 100.0 * ink, name, color, style))
         half_mm, closed_mm = 0.5e3 * tape.width_m, 1e3 * closed_m
         across.append(Curve([half_mm - 0.5 * closed_mm, half_mm + 0.5 * closed_mm], [90.0, 10.0], "", color, "o"))
-    title = "Edge of the tape under L4, points by the closed form"
+    title = "Edge of the tape under L4, points from the closed form"
     spot = ("spot from the tape's middle [mm]", "tape in the spot [%]")
     panels.append(Panel(title, *spot, across, (0.5e3 * tape.width_m,), (10.0, 90.0), (0.0, 1e3 * tape.width_m)))
     return ExperimentResult(tables, checks, panels)
@@ -58,9 +59,8 @@ def crossing(config: LineSensor, height_m: float, tape: Tape, seed: int) -> dict
     fine, coarse = np.linspace(-reach_m, reach_m, FINE_POINTS), np.linspace(-reach_m, reach_m, COARSE_POINTS)
     quiet = sensor(without_faults(at_height), tape, seed)
     faultless = readings(quiet, fine)
-    # The same stream at both heights is the same sensor, raised.
+    # The same random stream gives the same sensor at both heights.
     sampled = readings(sensor(at_height, tape, seed, "crossing"), coarse)
-    residual = sampled - readings(quiet, coarse)
     return {
         "height_m": height_m,
         "spot_diameter_m": diameter_m,
@@ -69,7 +69,7 @@ def crossing(config: LineSensor, height_m: float, tape: Tape, seed: int) -> dict
         **{f"faultless_L{k}": channel for k, channel in enumerate(faultless.T)},
         "sampled_offset_m": coarse,
         **{f"sampled_L{k}": channel for k, channel in enumerate(sampled.T)},
-        "residual_rms": float(np.sqrt(np.mean(residual**2))),
+        "residual_rms": rms(sampled - readings(quiet, coarse)),
         "edge_10_90_m": np.array([edge_width_m(fine, channel, tape) for channel in faultless.T]),
         "edge_closed_form_m": 2.0 * float(ndtri(0.9)) * 0.25 * diameter_m,
         "edges_are_apart": 0.25 * diameter_m <= MAX_SPOT_SHARE * tape.width_m,
@@ -97,5 +97,5 @@ def _panels(name: str, table: dict, threshold: float) -> tuple[Panel, Panel]:
     title = f"Sensor {name}: points one drawn sensor, lines faultless, dashed the threshold"
     return (
         Panel(title, x, "reading [1 is white]", curves, y_lines=(threshold,), y_range=(0.0, 1.0)),
-        Panel(f"Sensor {name}: drawn less faultless", x, "reading [1]", residuals, y_lines=(0.0,)),
+        Panel(f"Sensor {name}: drawn minus faultless", x, "reading [1]", residuals, y_lines=(0.0,)),
     )

@@ -1,4 +1,4 @@
-"""The robot's QTR-8A across a straight tape, beside closed forms and the paper's Fig. 5."""
+"""Experiments with the QTR-8A of the robot across a straight tape, against closed forms and the paper's Fig. 5."""
 
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.experiment import Experiment, ValidatedPart

@@ -1,4 +1,4 @@
-"""The rig of the line sensor's experiments: a straight tape along x on a bare floor, and a sensor that crosses it."""
+"""Set-up of the experiments with the line sensor: a straight tape along x on a bare floor, and a sensor above it."""
 
 from dataclasses import dataclass
 
@@ -14,12 +14,12 @@ from symolo.core.random_streams import stream
 PHYSICS_HZ = 1000
 """Rate of the simulation, which decides when a sensor samples but not what it reads."""
 FAR_M = 1.0
-"""Distance from the tape at which every channel sees bare floor."""
+"""Distance from the tape at which every channel sees only the bare floor."""
 
 
 @dataclass(frozen=True)
 class Tape:
-    """A tape on a floor, with the defaults of an arena's file."""
+    """A tape on a floor, with the defaults of an arena."""
 
     width_m: float = 0.015
     reflectance: float = 0.05
@@ -36,12 +36,12 @@ def sensor(config: LineSensor, tape: Tape, seed: int, *key: str | int) -> LineSe
 
 
 def readings(model: LineSensorModel, y_m: Array) -> Array:
-    """Return readings (N, 8) with the robot's middle so far to the left of the tape's middle, (N,)."""
+    """Return readings (N, 8) with the middle of the robot at distances (N,) to the left of the middle of the tape."""
     return np.array([model.sample(StillWorld(y_m=y)) for y in y_m.tolist()])
 
 
 def spot_diameter_m(config: LineSensor, height_m: float) -> float:
-    """Return the diameter of a channel's evenly lit spot on the floor; its standard deviation is a quarter of that."""
+    """Return the diameter of the evenly lit spot of a channel; its standard deviation is a quarter of that."""
     return config.spot_diameter_at_floor_m + config.spot_growth * height_m
 
 

@@ -1,4 +1,4 @@
-"""The paper's Fig. 5: which channels are on, the line error that follows, and the tapes that it holds for."""
+"""The paper's Fig. 5: the channels that are on, the line error, and the widths of tape for which both hold."""
 
 from dataclasses import dataclass, replace
 
@@ -18,17 +18,17 @@ MIN_WIDTH_M, MAX_WIDTH_M = 0.004, 0.040
 BISECTIONS = 30
 TOLERANCE_MM = 0.02
 FIGURE_5 = ((0.0, (3, 4), 0.0), (-0.5, (4,), 0.5), (0.5, (3,), -0.5))
-"""Offset of the robot to the left of the tape in pitches, channels that are on, line error (Eq. 12)."""
+"""Offsets of the robot to the left of the tape in pitches, channels that are on, and line error (Eq. 12)."""
 
 
 @dataclass(frozen=True)
 class ThresholdCase:
-    """A position of the robot over the tape, beside the paper's Fig. 5."""
+    """A position of the robot over the tape, compared with the paper's Fig. 5."""
 
     offset_m: float
     active: tuple[int, ...]
     line_error: float | None
-    """Line error in pitches; None where no channel is on."""
+    """Line error in pitches; None if no channel is on."""
     active_in_figure_5: tuple[int, ...]
     line_error_in_figure_5: float
 
@@ -46,42 +46,42 @@ def threshold(robot: RobotConfig, _seed: int, tape: Tape | None = None) -> Exper
         [line_error(row, config.threshold) for row in readings(sensor(quiet, tape, 0), offset).tolist()], np.float64
     )
     share = (tape.floor_reflectance - config.threshold) / (tape.floor_reflectance - tape.reflectance)
-    # How far inside the tape's edge the middle of a spot lies that reads the threshold.
+    # Distance inside the edge of the tape at which the middle of a spot reads the threshold.
     inside_m = 0.25 * spot_diameter_m(config, config.height_m) * float(ndtri(share))
-    found = cases(quiet, tape)
+    positions = cases(quiet, tape)
     levels = vars(tape) | {"threshold": config.threshold}
     tables = {"line_error": levels | {"offset_m": offset, "line_error": error}}
     checks = []
-    for case in found:
+    for case in positions:
         name = f"robot {1e3 * case.offset_m:+.2f} mm off the tape"
         tables[name] = vars(case)
         value = np.nan if case.line_error is None else case.line_error
         detail = "on: " + (" ".join(f"L{channel}" for channel in case.active) or "none")
         expected = case.line_error_in_figure_5
         checks.append(ValidationCheck(f"line error, {name}", value, expected, 0, "Fig. 5", "pitches", detail))
-    other = sum(case.active != case.active_in_figure_5 for case in found)
+    other = sum(case.active != case.active_in_figure_5 for case in positions)
     checks += [
         ValidationCheck("cases with other channels on", other, 0, 0, "Fig. 5"),
         ValidationCheck(
             "narrowest tape for which Fig. 5 holds",
             1e3 * last_good_m(quiet, tape, MIN_WIDTH_M),
-            # Both middle channels reach the tape.
+            # Both middle channels must see the tape.
             1e3 * (config.pitch_m + 2.0 * inside_m),
             TOLERANCE_MM,
-            "a pitch and twice how far inside the edge the threshold lies",
+            "a pitch and twice the depth inside the edge at which a channel turns on",
             "mm",
         ),
         ValidationCheck(
             "widest tape for which Fig. 5 holds",
             1e3 * last_good_m(quiet, tape, MAX_WIDTH_M),
-            # Beside one channel above the middle no other reaches it.
+            # With one channel above the middle of the tape, no other channel may see it.
             1e3 * (2.0 * config.pitch_m + 2.0 * inside_m),
             TOLERANCE_MM,
-            "two pitches and twice how far inside the edge the threshold lies",
+            "two pitches and twice the depth inside the edge at which a channel turns on",
             "mm",
         ),
     ]
-    points = [1e3 * case.offset_m for case in found], [case.line_error_in_figure_5 for case in found]
+    points = [1e3 * case.offset_m for case in positions], [case.line_error_in_figure_5 for case in positions]
     curves = (
         Curve(1e3 * offset, error, "mean weight of the channels that are on (Eq. 12)", BLUE, ".", size=3),
         Curve(*points, "the paper's Fig. 5", VERMILION, "o", size=9),
@@ -91,17 +91,20 @@ def threshold(robot: RobotConfig, _seed: int, tape: Tape | None = None) -> Exper
 
 
 def cases(config: LineSensor, tape: Tape) -> tuple[ThresholdCase, ...]:
-    """Return what a sensor gives in the three cases of Fig. 5."""
-    seen = []
+    """Return the channels and the line error in the three cases of Fig. 5."""
+    positions = []
     for pitches, active, error in FIGURE_5:
         row = readings(sensor(config, tape, 0), np.array([pitches * config.pitch_m]))[0].tolist()
         on = tuple(channel for channel, reading in enumerate(row) if reading < config.threshold)
-        seen.append(ThresholdCase(pitches * config.pitch_m, on, line_error(row, config.threshold), active, error))
-    return tuple(seen)
+        positions.append(ThresholdCase(pitches * config.pitch_m, on, line_error(row, config.threshold), active, error))
+    return tuple(positions)
 
 
 def last_good_m(config: LineSensor, tape: Tape, bad_m: float) -> float:
-    """Return the width between that of the tape and a bad one up to which Fig. 5 holds; NaN if not for the tape."""
+    """Return the width between that of the tape and a bad one up to which Fig. 5 holds, by bisection.
+
+    It is NaN if Fig. 5 does not hold for the tape itself.
+    """
 
     def holds(width_m: float) -> bool:
         return all(case.agrees for case in cases(config, replace(tape, width_m=width_m)))

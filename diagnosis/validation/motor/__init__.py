@@ -1,1 +1,1 @@
-"""The validation experiment of the motor."""
+"""Validation experiments with the motor."""

@@ -1,6 +1,6 @@
-"""Where the electrical work goes: heat of winding and friction, and the rotor's kinetic energy.
+"""Balance of electrical work, heat of winding and friction, and kinetic energy of the rotor.
 
-Measured on the exact step that the fast twin uses too, without those effects whose losses lie elsewhere.
+It is computed for the exact step that the fast twin uses too, without effects, since some of them have other losses.
 """
 
 import numpy as np
@@ -17,19 +17,19 @@ from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, ORANGE, SKY
 
 PROGRAMME = ((1.0, 8), (0.0, 4), (-0.5, 8), (1.0, 8), (0.0, 4))
-"""Share of the highest voltage, and for how many time constants: run, brake, reverse, plug, brake to a stop."""
+"""Shares of the highest voltage with their durations in time constants: run, brake, reverse, plug, brake to a stop."""
 MAX_IMBALANCE = 1e-6
 """Largest imbalance, as a share of the electrical work."""
 
 
 def energy(robot: RobotConfig, _seed: int) -> ExperimentResult:
-    """Return the sums of work and heat over the programme, from rest, on the right motor off load."""
+    """Return the sums of work and heat over the programme, from rest, for the right motor without load."""
     motor = RobotModel.from_config(robot).motors.right
     row_s = time_constant_s(motor) / ROWS_PER_TIME_CONSTANT
     share, lasts = np.array(PROGRAMME).T
     voltage = voltage_limit_V(robot.power) * np.repeat(share, (lasts * ROWS_PER_TIME_CONSTANT).astype(int))
     speed, half, angle = _driven(motor, voltage, row_s)
-    # Simpson's rule, for within a row the speed is exponential; the angle is exact as it comes.
+    # Simpson's rule integrates the squared speed, which is exponential within a row; the angle itself is exact.
     squared = row_s / 6.0 * (speed[:-1] ** 2 + 4.0 * half**2 + speed[1:] ** 2)
     resistance, constant = motor.resistance_ohm, motor.torque_constant_N_m_A
     electrical = voltage * (voltage * row_s - constant * angle) / resistance

@@ -1,4 +1,4 @@
-"""The robot's right motor with rotor and gearbox, off load, beside the paper's Table 1 and closed forms."""
+"""Experiments with the right motor, rotor and gearbox without load, against Table 1 of the paper and closed forms."""
 
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.experiment import Experiment, ValidatedPart
@@ -10,7 +10,7 @@ from symolo.core.errors import InputError
 
 
 def require_inertia(robot: RobotConfig) -> None:
-    """Refuse a motor whose rotor has no inertia, because off load nothing would have a time constant.
+    """Refuse a motor whose rotor has no inertia, since without load it would have no time constant.
 
     Raises:
         InputError: The inertia is 0.
@@ -24,8 +24,10 @@ MOTOR = ValidatedPart(
     (
         Experiment("steady_states", "Speed and current at the voltages of Table 1 (paper Fig. 10).", steady_states),
         Experiment("steps", "Steps of voltage from rest follow the time constant of Eq. 20.", steps),
-        Experiment("stiction", "A wheel breaks away where dry friction says, and does not chatter below.", stiction),
-        Experiment("energy", "Electrical work is heat and kinetic energy; the motor is without effects here.", energy),
+        Experiment(
+            "stiction", "A wheel breaks away at the voltage of dry friction, and does not chatter below it.", stiction
+        ),
+        Experiment("energy", "Electrical work becomes heat and kinetic energy, for the motor without effects.", energy),
     ),
     require_inertia,
 )

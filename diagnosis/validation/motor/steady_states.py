@@ -1,4 +1,4 @@
-"""Steady states of a motor beside the measured ones of the paper's Table 1 (the paper's Fig. 10)."""
+"""Steady states of the motor compared with the measured ones of the paper's Table 1 (the paper's Fig. 10)."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass
@@ -14,6 +14,7 @@ from diagnosis.motor_identification import (
     identify_as_printed,
 )
 from diagnosis.validation.experiment import ExperimentResult
+from diagnosis.validation.measures import rms
 from diagnosis.validation.panels import Curve, Panel
 from physics.drivetrain import motor_bench
 from physics.drivetrain.motor import MotorModel
@@ -26,11 +27,11 @@ CURVE_POINTS = 201
 
 @dataclass(frozen=True)
 class MotorCandidate:
-    """A motor model that is held against Table 1."""
+    """A motor model that is compared with Table 1."""
 
     name: str
     parameters: MotorParameters
-    """Parameters of the motor; of the robot, with those effects that scale them."""
+    """Parameters of the motor; those of the robot include the effects that scale them."""
     states: Callable[[Array], tuple[Array, Array]]
     """Function from voltages to currents [A] and speeds [rad/s], (N,) each."""
     color: str
@@ -40,7 +41,7 @@ class MotorCandidate:
 
 
 def steady_states(robot: RobotConfig, _seed: int) -> ExperimentResult:
-    """Return steady states of the right motor, from rest and off load, and of three sets of parameters."""
+    """Return steady states of the right motor, from rest and without load, and of three sets of parameters."""
     voltage = TABLE_1.voltage_V
     fine = np.linspace(voltage.min(), voltage.max(), CURVE_POINTS)
     candidates = _candidates(robot)
@@ -66,9 +67,9 @@ def steady_states(robot: RobotConfig, _seed: int) -> ExperimentResult:
         tables[candidate.name] = table
         r, k, b, tq = astuple(candidate.parameters)
         notes.append(
-            f"{candidate.name} (R {r:.4f} ohm, K {k:.4f} N m/A, B {b:.5f} N m s, Tq {tq:.4f} N m) less Table 1: "
-            f"speed {rms(speed_residual):.3f} rad/s rms, {largest(speed_residual):+.3f} at most; "
-            f"current {1e3 * rms(current_residual):.2f} mA rms, {1e3 * largest(current_residual):+.2f} at most"
+            f"{candidate.name} (R {r:.4f} ohm, K {k:.4f} N m/A, B {b:.5f} N m s, Tq {tq:.4f} N m) minus Table 1: "
+            f"speed {rms(speed_residual):.3f} rad/s rms, {largest(speed_residual):+.3f} at worst; "
+            f"current {1e3 * rms(current_residual):.2f} mA rms, {1e3 * largest(current_residual):+.2f} at worst"
         )
     return ExperimentResult(tables, panels=_panels(candidates, tables), notes=notes)
 
@@ -84,7 +85,7 @@ def _candidates(robot: RobotConfig) -> tuple[MotorCandidate, ...]:
         return motor_bench.steady_states(model, voltage_V, np.zeros_like(voltage_V))
 
     fitted, printed = identify(TABLE_1), identify_as_printed(TABLE_1)
-    # The literal fit is drawn first and wide, because a nominal robot's motor is just that.
+    # The literal fit is drawn first and wide, because the motor of the nominal robot lies exactly on it.
     return (
         MotorCandidate("fit of Eq. 21-22 as written", fitted, _states(fitted), ORANGE, "-", 3.5),
         MotorCandidate("robot", parameters, states_of_robot, BLUE, "-", 1.5),
@@ -103,13 +104,8 @@ def _states(parameters: MotorParameters) -> Callable[[Array], tuple[Array, Array
     return states
 
 
-def rms(residuals: Array) -> float:
-    """Return the root mean square."""
-    return float(np.sqrt(np.mean(residuals**2)))
-
-
 def largest(residuals: Array) -> float:
-    """Return the residual that is largest by size, with its sign."""
+    """Return the residual of the largest magnitude, with its sign."""
     return float(residuals[np.argmax(np.abs(residuals))])
 
 
@@ -126,6 +122,6 @@ def _panels(candidates: Sequence[MotorCandidate], tables: dict) -> list[Panel]:
         curves.append(Curve(voltage, scale * tables["table_1"][name], "measured (Table 1)", BLACK, "o", size=4))
         panels.append(Panel(f"{what} in the steady state", "voltage [V]", f"{what.lower()} [{unit}]", curves))
         panels.append(
-            Panel(f"{what}: model less Table 1", "voltage [V]", f"difference [{unit}]", residuals, y_lines=[0.0])
+            Panel(f"{what}: model minus Table 1", "voltage [V]", f"difference [{unit}]", residuals, y_lines=[0.0])
         )
     return panels

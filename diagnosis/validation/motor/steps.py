@@ -1,12 +1,12 @@
-"""Steps of voltage from rest on rotor and gearbox: speed and current against time, beside Eq. 20's time constant."""
+"""Responses of rotor and gearbox to steps of voltage from rest, compared with the time constant of Eq. 20."""
 
 from math import log
 
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.validation.crossing import first_reached
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import first_reached
 from diagnosis.validation.panels import COLORS, DASHES, Curve, Panel
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.motor_bench import steady_states, step_responses
@@ -34,7 +34,7 @@ def is_ideal(robot: RobotConfig) -> bool:
 
 
 def steps(robot: RobotConfig, _seed: int) -> ExperimentResult:
-    """Return responses of the robot's right motor, off load, with all of the robot's effects."""
+    """Return responses of the right motor of the robot without load, with all effects of the robot."""
     model = RobotModel.from_config(robot)
     constant_s = time_constant_s(model.motors.right)
     row_s = constant_s / ROWS_PER_TIME_CONSTANT

@@ -1,4 +1,4 @@
-"""Stick-slip: where a wheel breaks away, where it comes to rest, and whether it is still in between."""
+"""Stick-slip: the voltages at which a wheel breaks away and comes to rest, and whether it is at rest in between."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from symolo.pages.plotting import ORANGE, VERMILION
 
 ROW_S = 5e-4
 LEG_S = 2.0
-"""Time of the ramp from 0 V to its highest voltage."""
+"""Duration of the ramp from 0 V to its highest voltage."""
 BREAKAWAYS = 2.5
 """Highest voltage of the ramp, in breakaway voltages."""
 MIN_TOP_V = 0.2
@@ -26,7 +26,7 @@ TABLE_ROWS = 801
 
 
 def stiction(robot: RobotConfig, _seed: int) -> ExperimentResult:
-    """Return a slow ramp 0, +top, -top, 0 from rest and held voltages, on the right motor with all of its effects."""
+    """Return the responses of the right motor with its effects to a slow ramp 0, +top, -top, 0 and to held voltages."""
     model = RobotModel.from_config(robot)
     motor = model.motors.right
     breakaway_V = motor.resistance_ohm * motor.coulomb_N_m / motor.torque_constant_N_m_A
@@ -49,7 +49,7 @@ def stiction(robot: RobotConfig, _seed: int) -> ExperimentResult:
         ValidationCheck("breaks away at", breaks_V, breakaway_V, known, "R Tq / K", "V"),
         ValidationCheck("comes to rest at", stops_V, stops_closed_form_V, known, "R Tq / K, a time constant late", "V"),
         ValidationCheck("fastest wheel below breakaway", float(np.abs(held).max()), 0.0, 0.0, "dry friction", "rad/s"),
-        ValidationCheck("starts from rest", starts, 2, 0, "one in each direction; more would be chatter"),
+        ValidationCheck("starts from rest", starts, 2, 0, "one in each direction; more of them are chatter"),
         ValidationCheck("reversals", reversals, 1, 0, "one, where the voltage passes through zero"),
     )
     shown = np.unique(np.linspace(0, len(voltage) - 1, TABLE_ROWS).round().astype(int))

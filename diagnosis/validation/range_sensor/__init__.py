@@ -1,1 +1,1 @@
-"""The bench of the range sensor: the paper's five experiments, and real scans (paper section 5.2)."""
+"""Validation experiments with the range sensor: the five of the paper (section 5.2), and recordings."""

@@ -1,26 +1,28 @@
-"""The same sensor on PyBullet's own rays: how far its readings are from those on the rays of the simulation."""
+"""The same sensor with the rays of PyBullet: how far its readings are from those with the rays of the simulation."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import rms
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM
-from diagnosis.validation.range_sensor.recorder import RayRecorder
-from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, grid, reading_mm, target
+from diagnosis.validation.range_sensor.stand import SensorOnStand, grid, target
 from diagnosis.validation.range_sensor.step import step_arena
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.still_world import RayRecorder
 from physics.bullet.ray_oracle import EngineRays
 from symolo.arena.geometry import Arena
 
 PLANE_TOLERANCE_MM = 0.1
 EDGE_TOLERANCE_MM = 5.0
-"""Largest difference where a ray may fall to this or that side of an edge that the engine rounds."""
+"""Largest difference at an edge, which the engine rounds, so that a ray may hit another board."""
 Place = tuple[float, float]
 """Lateral position y [m] and yaw [deg] of the sensor."""
 
 
 def engine_rays(robot: RobotConfig, seed: int) -> ExperimentResult:
-    """Return noiseless readings of boards met head-on and tilted, and across the step, on both kinds of rays."""
+    """Return noiseless readings of boards at several angles, and across the step, with both kinds of rays."""
     noiseless = SensorOnStand.of_robot(robot, seed).without_noise()
     plane: list[tuple[Arena, list[Place]]] = []
     edge: list[tuple[Arena, list[Place]]] = []
@@ -41,25 +43,25 @@ def _compared(mounted: SensorOnStand, scene: str, stations: list[tuple[Arena, li
     reading_off, ray_off, other = [], [], 0
     rays = slice(0, mounted.tof.rays)
     for arena, places in stations:
-        sensor = mounted.sensor(arena, "engine", scene)
+        closed_form = mounted.facing(arena, "engine", scene)
+        recorder = RayRecorder(closed_form.caster)
         with EngineRays(arena) as engine:
             for y_m, yaw_deg in places:
-                recorder = RayRecorder(closed_form(arena))
-                ours = reading_mm(sensor, StillWorld(recorder, y_m=y_m, yaw_deg=yaw_deg))
-                theirs = reading_mm(sensor, StillWorld(engine, y_m=y_m, yaw_deg=yaw_deg))
+                ours = replace(closed_form, caster=recorder).reading_mm(y_m, yaw_deg)
+                theirs = replace(closed_form, caster=engine).reading_mm(y_m, yaw_deg)
                 reading_off.append(theirs - ours)
-                one = closed_form(arena).cast(recorder.origins[rays], recorder.ends[rays])
-                two = engine.cast(recorder.origins[rays], recorder.ends[rays])
+                origins, ends = recorder.origins[rays], recorder.ends[rays]
+                one, two = closed_form.caster.cast(origins, ends), engine.cast(origins, ends)
+                # Lengths are compared for rays that meet the same board on both sides.
                 same = one.surface == two.surface
-                length_mm = 1e3 * np.linalg.norm(recorder.ends[rays] - recorder.origins[rays], axis=1)
+                length_mm = 1e3 * np.linalg.norm(ends - origins, axis=1)
                 ray_off += (length_mm * (two.fraction - one.fraction))[same].tolist()
                 other += int((~same).sum())
     return {
         "places": len(reading_off),
         "rays": len(ray_off) + other,
-        # Lengths are compared for rays that meet the same board on both sides.
         "largest_ray_mm": float(np.abs(ray_off).max()),
-        "rms_ray_mm": float(np.sqrt(np.mean(np.square(ray_off)))),
+        "rms_ray_mm": rms(np.array(ray_off)),
         "other_board": other,
         "largest_reading_mm": float(np.abs(reading_off).max()),
     }

@@ -1,4 +1,4 @@
-"""The paper's five experiments with the simulated range sensor, and what they must show."""
+"""The five experiments of the paper with the simulated range sensor."""
 
 from functools import partial
 
@@ -8,11 +8,10 @@ from diagnosis.validation.experiment import Experiment, ValidatedPart
 from diagnosis.validation.range_sensor.engine_rays import engine_rays
 from diagnosis.validation.range_sensor.field_of_view import field_of_view
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM, STEP_HEIGHT_MM, TABLE_3, TABLE_4
-from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, seen_mm, target
+from diagnosis.validation.range_sensor.stand import SensorOnStand, target
 from diagnosis.validation.range_sensor.step import step
 from diagnosis.validation.range_sensor.surfaces import materials, tones
 from diagnosis.validation.range_sensor.tilt import ANGLES_DEG, tilt
-from diagnosis.validation.still_world import StillWorld
 from symolo.core.errors import InputError
 
 READINGS = 5001
@@ -34,10 +33,14 @@ def range_sensor(readings: int = READINGS) -> ValidatedPart:
         (
             Experiment("tones", "Experiment 1: boards of four tones (Table 3).", partial(tones, counts=counts)),
             Experiment("materials", "Experiment 2: five materials (Table 4).", partial(materials, counts=counts)),
-            Experiment("step", "Experiment 3: across the edge of a box of 106 mm (paper Fig. 17).", step),
-            Experiment("tilt", "Experiment 4: tilted in place (paper Fig. 18).", partial(tilt, readings=elsewhere)),
-            Experiment("field_of_view", "Experiment 5: how wide the spot is (paper Fig. 19).", field_of_view),
-            Experiment("engine_rays", "The same readings on PyBullet's own rays.", engine_rays),
+            Experiment(
+                "step", "Experiment 3: the sensor moved across the edge of a box of 106 mm (paper Fig. 17).", step
+            ),
+            Experiment(
+                "tilt", "Experiment 4: the sensor tilted in place (paper Fig. 18).", partial(tilt, readings=elsewhere)
+            ),
+            Experiment("field_of_view", "Experiment 5: width of the spot on a board (paper Fig. 19).", field_of_view),
+            Experiment("engine_rays", "The same readings with the rays of PyBullet.", engine_rays),
         ),
         require_sight,
     )
@@ -60,5 +63,4 @@ def require_sight(robot: RobotConfig) -> None:
 
 
 def _see(mounted: SensorOnStand, distance_mm: float, surface: SurfaceName, yaw_deg: float) -> None:
-    arena = target(1e-3 * distance_mm, surface)
-    seen_mm(mounted.sensor(arena, "check"), StillWorld(closed_form(arena), yaw_deg=yaw_deg), distance_mm)
+    mounted.facing(target(1e-3 * distance_mm, surface), "check").seen_mm(distance_mm, yaw_deg=yaw_deg)

@@ -1,4 +1,6 @@
-"""Experiment 5: how wide the spot on a board is (paper Fig. 19)."""
+"""Experiment 5: width of the spot on a board (paper Fig. 19)."""
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -6,9 +8,8 @@ from configs.schema.robot import RobotConfig
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
 from diagnosis.validation.panels import Curve, Panel
 from diagnosis.validation.range_sensor.paper import FIELD_OF_VIEW_MM, footprint_mm
-from diagnosis.validation.range_sensor.recorder import RayRecorder
-from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, closed_form, target
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, target
+from diagnosis.validation.still_world import RayRecorder
 from symolo.pages.plotting import BLACK, VERMILION
 
 TOLERANCE = 0.05
@@ -32,10 +33,10 @@ def field_of_view(robot: RobotConfig, seed: int) -> ExperimentResult:
 
 
 def spot(mounted: SensorOnStand, distance_mm: float) -> dict:
-    """Return where the rays of one sensor meet a board, from the axis, and the diameter of that spot."""
-    arena = target(1e-3 * distance_mm)
-    recorder = RayRecorder(closed_form(arena))
-    mounted.sensor(arena, "field of view", distance_mm).sample(StillWorld(recorder))
+    """Return where the rays of one sensor meet a board, relative to its axis, and the diameter of that spot."""
+    scene = mounted.facing(target(1e-3 * distance_mm), "field of view", distance_mm)
+    recorder = RayRecorder(scene.caster)
+    replace(scene, caster=recorder).reading_mm()
     points = recorder.points()[: mounted.tof.rays]
     y, z = 1e3 * points[:, 1], 1e3 * (points[:, 2] - HEIGHT_M)
     return {

@@ -1,4 +1,4 @@
-"""Figures that the paper prints for its five experiments, copied here so that the model is not judged by itself."""
+"""Figures that the paper prints for its five experiments, so that the model is not judged by its own figures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ HALF_ANGLE_DEG = 12.5
 """Half of the field of view, by the datasheet."""
 STEP_HEIGHT_MM = 106.0
 DISTANCES_MM = (50.0, 100.0, 150.0, 200.0, 250.0, 300.0)
-"""Distances of experiments 3 and 4; the paper says six from 50 to 300."""
+"""Distances of experiments 3 and 4, where the paper names six from 50 to 300 mm."""
 FIELD_OF_VIEW_MM = (50.0, 70.0, 90.0, 100.0, 130.0, 150.0)
 """Distances of experiment 5 (Fig. 19)."""
 

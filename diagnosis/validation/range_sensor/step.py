@@ -3,21 +3,11 @@
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.validation.crossing import first_reached
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import first_reached
 from diagnosis.validation.panels import COLORS, DASHES, Curve, Panel
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM, STEP_HEIGHT_MM, footprint_mm
-from diagnosis.validation.range_sensor.stand import (
-    TARGET_HALF_WIDTH_M,
-    SensorOnStand,
-    arena_of,
-    board,
-    closed_form,
-    grid,
-    reading_mm,
-    seen_mm,
-)
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.range_sensor.stand import TARGET_HALF_WIDTH_M, SensorOnStand, arena_of, board, grid
 from sensors.tof import log_error_m
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -28,7 +18,7 @@ EDGE_MM = 150.0
 TOLERANCE = 0.10
 """Largest relative difference of the width from the footprint."""
 EVEN_DISC = 0.687
-"""10-90 % width of a disc of even light, in diameters."""
+"""10-90 % width of an evenly lit disc, in diameters."""
 
 
 def step(robot: RobotConfig, seed: int) -> ExperimentResult:
@@ -38,9 +28,9 @@ def step(robot: RobotConfig, seed: int) -> ExperimentResult:
     far, far_mm = list(scans.values())[-1], DISTANCES_MM[-1]
     equation_mm = 1e3 * float(log_error_m(np.array([1e-3 * far_mm]))[0])
     note = (
-        f"a board at {far_mm:.0f} mm reads {far['before_mm'] - far_mm:+.1f} mm off; Eq. 24 with its zero at 0.18 m is "
-        f"{equation_mm:+.1f} mm there, the robot takes {mounted.tof.error_scale:g} of it. The paper calls the same "
-        "readings of experiments 3 and 4 close to the distance, without a figure"
+        f"the reading of a board at {far_mm:.0f} mm differs by {far['before_mm'] - far_mm:+.1f} mm. Eq. 24 with its "
+        f"zero at 0.18 m gives {equation_mm:+.1f} mm there, and the robot uses {mounted.tof.error_scale:g} of it. The "
+        "paper calls the readings of experiments 3 and 4 close to the distance, without a figure"
     )
     return ExperimentResult(scans, checks_of(scans), _panels(scans), (note,))
 
@@ -55,17 +45,16 @@ def step_arena(distance_mm: float) -> Arena:
 def scan(mounted: SensorOnStand, distance_mm: float) -> dict:
     """Return one path across the edge: readings as configured and without noise, and the widths of the step."""
     arena = step_arena(distance_mm)
-    rays = closed_form(arena)
-    configured = mounted.sensor(arena, "step", distance_mm)
-    noiseless = mounted.without_noise().sensor(arena, "step", distance_mm)
+    configured = mounted.facing(arena, "step", distance_mm)
+    noiseless = mounted.without_noise().facing(arena, "step", distance_mm)
     positions = grid(0.0, 300.0, 1.0)
-    worlds = [StillWorld(rays, y_m=1e-3 * (position - EDGE_MM)) for position in positions.tolist()]
-    exact = np.array([seen_mm(noiseless, world, distance_mm + STEP_HEIGHT_MM) for world in worlds])
+    places_m = (1e-3 * (positions - EDGE_MM)).tolist()
+    exact = np.array([noiseless.seen_mm(distance_mm + STEP_HEIGHT_MM, y_m) for y_m in places_m])
     low, start, middle, end, high = places_of_shares(positions, exact, (0.01, 0.1, 0.5, 0.9, 0.99))
     return {
         "distance_mm": distance_mm,
         "position_mm": positions,
-        "reading_mm": np.array([reading_mm(configured, world) for world in worlds]),
+        "reading_mm": np.array([configured.reading_mm(y_m) for y_m in places_m]),
         "noiseless_mm": exact,
         "before_mm": float(exact[0]),
         "after_mm": float(exact[-1]),
@@ -87,7 +76,7 @@ def checks_of(scans: dict[str, dict]) -> list[ValidationCheck]:
     checks = []
     for name, table in scans.items():
         share, nearly_all = (table[key] / table["footprint_mm"] for key in ("width_10_90_mm", "width_1_99_mm"))
-        detail = f"a disc of even light has {EVEN_DISC:.2f}; from 1 to 99 % it is {nearly_all:.2f}"
+        detail = f"an evenly lit disc has {EVEN_DISC:.2f}; the 1-99 % width is {nearly_all:.2f}"
         what = f"10-90 % width over the footprint, at {name}"
         checks.append(ValidationCheck(what, share, 1.0, TOLERANCE, "footprint 2 d tan 12.5", detail=detail))
     narrower = int(np.sum(np.diff([table["width_10_90_mm"] for table in scans.values()]) <= 0.0))
@@ -113,7 +102,7 @@ def _panels(scans: dict[str, dict]) -> tuple[Panel, Panel]:
     )
     widths = (
         Curve(distance, footprint, "paper: 2 d tan 12.5°", BLACK, "o", size=8),
-        Curve(distance, EVEN_DISC * footprint, "10-90 % of a disc of even light", SKY, ":"),
+        Curve(distance, EVEN_DISC * footprint, "10-90 % of an evenly lit disc", SKY, ":"),
         Curve(distance, narrow, "simulated, 10-90 %", VERMILION, "x-"),
         Curve(distance, nearly_all, "simulated, 1-99 %", BLUE, "+--"),
     )

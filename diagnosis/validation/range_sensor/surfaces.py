@@ -1,4 +1,4 @@
-"""Experiments 1 and 2: boards of four tones and five materials, at 100 mm and over the distance (Tables 3 and 4)."""
+"""Experiments 1 and 2: boards of four tones and five materials, at 100 mm and at other distances (Tables 3 and 4)."""
 
 from collections.abc import Mapping
 
@@ -7,10 +7,10 @@ import numpy as np
 from configs.schema.arena import SurfaceName
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import mean_and_sd
 from diagnosis.validation.panels import COLORS, DASHES, MARKERS, Curve, Panel
 from diagnosis.validation.range_sensor.paper import MEAN_WITHIN_MM, SD_WITHIN, TABLE_3, TABLE_4, PrintedReadings
-from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, grid, target, valid_mm
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.range_sensor.stand import SensorOnStand, grid, target, valid_mm
 from sensors.tof import log_error_m, noise_sd_m
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
@@ -34,7 +34,7 @@ def tones(robot: RobotConfig, seed: int, counts: tuple[int, int]) -> ExperimentR
     result = _surfaces(mounted, "tones", TABLE_3, grid(0.0, 1200.0, 10.0), counts)
     distance, scale = EQUATION_MM, robot.tof.error_scale
     bias_mm = 1e3 * log_error_m(1e-3 * distance)
-    bias = Curve(distance, bias_mm, f"Eq. 24; the robot takes {scale:g} of it", GREY, width=3)
+    bias = Curve(distance, bias_mm, f"Eq. 24; the robot uses {scale:g} of it", GREY, width=3)
     noise_mm = 1e3 * noise_sd_m(np.full_like(distance, 1.41e-3), 1e-3 * distance)
     noise = [Curve(distance, noise_mm, "Eq. 23, in x - 0.18 m", GREY, width=3)]
     for k, surface in enumerate(TABLE_3):
@@ -43,8 +43,8 @@ def tones(robot: RobotConfig, seed: int, counts: tuple[int, int]) -> ExperimentR
     mean, *others = result.panels
     with_bias = Panel(mean.title, mean.x_label, mean.y_label, (bias, *mean.curves))
     deviation = Panel("1  Tones: deviation", "distance [mm]", "standard deviation [mm]", noise, y_range=(0.0, None))
-    glass = "a surface's offset is the same at all distances; the paper's glass errs more with the distance (no figure)"
-    dark = "nothing is lost for want of light: a black board reads as far as a white one"
+    glass = "the offset of a surface is the same at all distances; in the paper that of glass grows with it (no figure)"
+    dark = "no reading is lost in the model for lack of light: a black board is seen as far as a white one"
     tables = {**result.tables, "equation_24": {"share_in_the_robot": scale}}
     return ExperimentResult(tables, result.checks, (with_bias, deviation, *others), (glass, dark))
 
@@ -71,20 +71,19 @@ def _surfaces(
         off = table["mean_mm"] - table["distance_mm"]
         curves.append(Curve(table["distance_mm"], off, _shown(surface), COLORS[k], DASHES[k]))
         curves.append(Curve([100.0], [paper.mean_mm - 100.0], "", COLORS[k], MARKERS[k], size=7))
-    title = f"{name.capitalize()}: mean less distance, points printed"
-    panel = Panel(title, "distance [mm]", "mean reading less distance [mm]", curves)
+    title = f"{name.capitalize()}: mean minus distance; points: paper"
+    panel = Panel(title, "distance [mm]", "mean reading minus distance [mm]", curves)
     return ExperimentResult(tables, checks, (panel, *_panels_at_100_mm(tables, source)))
 
 
 def at_100_mm(mounted: SensorOnStand, name: str, surface: SurfaceName, paper: PrintedReadings, count: int) -> dict:
     """Return mean and deviation of the valid readings of one surface at 100 mm, beside the paper's."""
-    arena = target(0.1, surface)
-    sensor = mounted.sensor(arena, name, surface, "at 100 mm")
-    readings = mounted.readings_mm(sensor, StillWorld(closed_form(arena)), count)
+    readings = mounted.facing(target(0.1, surface), name, surface, "at 100 mm").readings_mm(count)
+    mean_mm, sd_mm = mean_and_sd(readings)
     return {
         "readings_at_100_mm": len(readings),
-        "mean_at_100_mm": float(readings.mean()),
-        "sd_at_100_mm": float(readings.std(ddof=1)),
+        "mean_at_100_mm": mean_mm,
+        "sd_at_100_mm": sd_mm,
         "paper_mean_mm": paper.mean_mm,
         "paper_sd_mm": paper.sd_mm,
     }
@@ -97,11 +96,10 @@ def over_distance(
     mean, sd, without = np.full((3, len(distances_mm)), np.nan)
     for k, distance_mm in enumerate(distances_mm.tolist()):
         arena = target(max(1e-3 * distance_mm, 1e-6), surface)
-        sensor = mounted.sensor(arena, name, surface, distance_mm)
-        samples = mounted.samples(sensor, StillWorld(closed_form(arena)), count)
+        samples = mounted.facing(arena, name, surface, distance_mm).samples(count)
         valid = valid_mm(samples)
         if len(valid) >= MIN_READINGS:
-            mean[k], sd[k] = valid.mean(), valid.std(ddof=1)
+            mean[k], sd[k] = mean_and_sd(valid)
         without[k] = np.mean(samples[:, 1] == TofStatus.NO_TARGET)
     return {"distance_mm": distances_mm, "mean_mm": mean, "sd_mm": sd, "without_target": without}
 

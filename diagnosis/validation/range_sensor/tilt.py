@@ -1,6 +1,7 @@
 """Experiment 4: the sensor tilted in place before a white board, to the sides and up and down (paper Fig. 18).
 
-The sensor turns about itself and so keeps its distance, square to the board; the axis meets the board further away.
+The sensor turns about its own place, so its perpendicular distance stays the same, and its axis meets the board further
+away.
 """
 
 from collections.abc import Mapping
@@ -10,18 +11,18 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import mean_and_sd
 from diagnosis.validation.panels import COLORS, DASHES, MARKERS, Curve, Panel
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM
-from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, grid, seen_mm, target
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.range_sensor.stand import SensorOnStand, grid, target
 from symolo.pages.plotting import GREY
 
 ANGLES_DEG = tuple(grid(-25.0, 25.0, 2.0).tolist())
 """Angles as in the paper; 0 is not among them."""
 MAX_STANDARD_ERRORS = 4.0
-"""How far two means may be apart: of 156 pairs none is by chance in a hundred repetitions of the experiment."""
+"""Largest allowed difference of two means: in 100 repetitions, none of the 156 pairs exceeds it by chance."""
 MIN_SD_MM = 0.01
-"""Standard deviation that is taken for a sensor without noise, whose standard errors would be 0."""
+"""Standard deviation that is used for a sensor without noise, whose standard errors would be 0."""
 
 Axis = Literal["sideways", "up_and_down"]
 AXES: tuple[Axis, ...] = ("sideways", "up_and_down")
@@ -32,7 +33,7 @@ def tilt(robot: RobotConfig, seed: int, readings: int) -> ExperimentResult:
     mounted = SensorOnStand.of_robot(robot, seed)
     curves = {f"{axis} at {d:g} mm": curve(mounted, axis, d, readings) for axis in AXES for d in DISTANCES_MM}
     note = (
-        "the paper's tilt curves up and down lean to one side (no figure); the model has emitter and receiver in one "
+        "the up-and-down curves of the paper lean to one side (no figure); the model has emitter and receiver at one "
         "place and is symmetric about both axes"
     )
     return ExperimentResult(curves, checks_of(curves), (_panel(curves),), (note,))
@@ -41,36 +42,32 @@ def tilt(robot: RobotConfig, seed: int, readings: int) -> ExperimentResult:
 def curve(mounted: SensorOnStand, axis: Axis, distance_mm: float, count: int) -> dict:
     """Return mean and deviation of `count` readings at each angle, and one reading without noise."""
     arena = target(1e-3 * distance_mm)
-    rays = closed_form(arena)
     noiseless = mounted.without_noise()
 
-    def placed(angle_deg: float) -> tuple[StillWorld, float]:
-        """Return a world with the sensor's yaw, and the sensor's pitch [deg]."""
-        if axis == "sideways":
-            return StillWorld(rays, yaw_deg=angle_deg), 0.0
-        return StillWorld(rays), angle_deg
+    def yaw_and_pitch(angle_deg: float) -> tuple[float, float]:
+        return (angle_deg, 0.0) if axis == "sideways" else (0.0, angle_deg)
 
     def exact_mm(angle_deg: float) -> float:
-        world, pitch_deg = placed(angle_deg)
-        return seen_mm(noiseless.sensor(arena, "tilt", axis, pitch_up_deg=pitch_deg), world, distance_mm)
+        yaw_deg, pitch_deg = yaw_and_pitch(angle_deg)
+        return noiseless.facing(arena, "tilt", axis, pitch_up_deg=pitch_deg).seen_mm(distance_mm, yaw_deg=yaw_deg)
 
     exact = np.array([exact_mm(angle) for angle in ANGLES_DEG])
-    means, sds, valid = [], [], count
+    means_and_sds, valid = [], count
     for angle_deg in ANGLES_DEG:
-        world, pitch_deg = placed(angle_deg)
-        sensor = mounted.sensor(arena, "tilt", axis, distance_mm, angle_deg, pitch_up_deg=pitch_deg)
-        readings = mounted.readings_mm(sensor, world, count)
-        means.append(float(readings.mean()))
-        sds.append(float(readings.std(ddof=1)))
+        yaw_deg, pitch_deg = yaw_and_pitch(angle_deg)
+        scene = mounted.facing(arena, "tilt", axis, distance_mm, angle_deg, pitch_up_deg=pitch_deg)
+        readings = scene.readings_mm(count, yaw_deg)
+        means_and_sds.append(mean_and_sd(readings))
         valid = min(valid, len(readings))
-    mean, sd = np.array(means), np.maximum(sds, MIN_SD_MM)
+    mean, measured_sd = np.array(means_and_sds).T
+    sd = np.maximum(measured_sd, MIN_SD_MM)
     apart = np.abs(mean - mean[::-1])
     return {
         "axis": axis,
         "distance_mm": distance_mm,
         "angle_deg": ANGLES_DEG,
         "mean_mm": mean,
-        "sd_mm": np.array(sds),
+        "sd_mm": measured_sd,
         "readings_at_each_angle": valid,
         "noiseless_mm": exact,
         "level_mm": exact_mm(0.0),
@@ -84,7 +81,7 @@ def checks_of(curves: Mapping[str, dict]) -> list[ValidationCheck]:
     """Return the checks of curves about each axis at rising distances."""
     name, worst = max(curves.items(), key=lambda item: item[1]["largest_asymmetry_standard_errors"])
     half = len(ANGLES_DEG) // 2
-    # Without noise, because the mean of a few readings may fall by chance near 0.
+    # Without noise, because near 0 the mean of a few readings may fall by chance.
     arms = [arm for c in curves.values() for arm in (c["noiseless_mm"][half:], c["noiseless_mm"][:half][::-1])]
     falling = sum(not (np.diff(arm) > 0).all() for arm in arms)
     rises: dict[str, list[float]] = {axis: [] for axis in AXES}

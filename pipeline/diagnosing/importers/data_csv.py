@@ -69,7 +69,7 @@ def no_target_code_m(tof_m: Array) -> float | None:
 
 
 def _read(path: Path) -> Measurement:
-    rows = read_rows(path)
+    rows = read_rows(path.resolve())  # the user has named it, and it may be a link
     code_m = no_target_code_m(rows.tof_m)
     code = np.zeros(rows.tof_m.shape, dtype=bool) if code_m is None else rows.tof_m == code_m
     note = "no reading is taken for no target"
@@ -84,7 +84,6 @@ def _read(path: Path) -> Measurement:
 
 IMPORTER = Importer(
     "data-csv",
-    "SyMoLo data.csv with nothing beside it",
     lambda path: first_line(path).split(",")[: len(HEADER)] == list(HEADER),
     _read,
 )

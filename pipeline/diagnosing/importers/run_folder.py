@@ -18,6 +18,7 @@ from pipeline.stages.assemble import DATA, SIDE
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.time_series import TimeSeries
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.metadata import METADATA
@@ -96,7 +97,7 @@ def robots_of(path: Path) -> list[RobotConfig]:
     for run in _runs_or_error(path):
         spec = run.folder / SPEC if run.simulated else run.folder / SIDE / SPEC
         try:
-            robot = RunSpec.model_validate_json(spec.read_bytes()).robot
+            robot = RunSpec.model_validate_json(read_file(spec, FileKind.DOCUMENT)).robot
         except (OSError, ValidationError):
             raise InputError("does not say which robot drove", where=str(spec), cure="make the run again") from None
         robots.setdefault(robot.model_dump_json(), robot)
@@ -168,4 +169,4 @@ def _trial(run: _DatasetRun) -> Trial:
     return trial_of(run.name, rows, (*drive, *seen))
 
 
-IMPORTER = Importer("run", "run of symolo, a whole release, or what simulate made", _recognises, _read)
+IMPORTER = Importer("run", _recognises, _read)

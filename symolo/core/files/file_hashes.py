@@ -8,15 +8,20 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from symolo.core.errors import EnvironmentLacking
+from symolo.core.files.plain_files import FileKind, is_plain_file, open_file, read_file
 from symolo.core.os_errors import NOT_THERE
 
 _BLOCK_BYTES = 1 << 18
 
 
 def sha256_of(path: Path) -> str:
-    """Return the SHA-256 of a file, which is read in blocks."""
+    """Return the SHA-256 of a plain file, which is read in blocks.
+
+    Raises:
+        OSError: It is no plain file, or the disk does not give it.
+    """
     digest = hashlib.sha256()
-    with path.open("rb") as file:
+    with open_file(path) as file:
         while block := file.read(_BLOCK_BYTES):
             digest.update(block)
     return digest.hexdigest()
@@ -60,7 +65,7 @@ def _files_below(folder: Path) -> Iterator[Path]:
 
 def holds(folder: Path, files: Mapping[str, str]) -> bool:
     """Whether each of the files is there with the SHA-256 named."""
-    return all((folder / name).is_file() and sha256_of(folder / name) == digest for name, digest in files.items())
+    return all(is_plain_file(folder / name) and sha256_of(folder / name) == digest for name, digest in files.items())
 
 
 def read_known(path: Path, digest: str) -> bytes:
@@ -69,7 +74,7 @@ def read_known(path: Path, digest: str) -> bytes:
     Raises:
         EnvironmentLacking: It is no longer what was written.
     """
-    data = path.read_bytes()
+    data = read_file(path, FileKind.ANY)
     if hashlib.sha256(data).hexdigest() != digest:
         raise EnvironmentLacking(f"{path} is no longer what was written; run the same command again")
     return data

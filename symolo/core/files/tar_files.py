@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+from symolo.core.files.plain_files import FileKind, read_file
+
 _END_BYTES = 2 * tarfile.BLOCKSIZE
 
 
@@ -22,7 +24,7 @@ class Member:
 
     @property
     def content(self) -> bytes:
-        return self.source if isinstance(self.source, bytes) else self.source.read_bytes()
+        return self.source if isinstance(self.source, bytes) else read_file(self.source, FileKind.ANY)
 
     @property
     def head(self) -> bytes:

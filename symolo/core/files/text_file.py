@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_named_file
 
-MAX_BYTES = 100_000_000
+MAX_BYTES = FileKind.LOG.max_bytes
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -82,6 +83,6 @@ def _bytes_of(path: Path) -> bytes:
         if path.stat().st_size > MAX_BYTES:
             allowed = f"{MAX_BYTES / 1e6:.0f} MB"
             raise InputError("is too large", where=str(path), allowed=allowed, cure="split it into several logs")
-        return path.read_bytes()
+        return read_named_file(path, FileKind.LOG)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None

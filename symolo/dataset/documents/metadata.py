@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from symolo.arena.geometry import Arena
 from symolo.core.files.file_hashes import canonical_json
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
@@ -24,7 +25,7 @@ from symolo.dataset.tables.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTa
 
 METADATA = "metadata.json"
 LOG_TAIL = "; the last lines of its log:"
-"""Where the renderer's errors turn from what happened to what was printed."""
+"""Text in an error of the renderer after which its log follows."""
 _FOLDERS = re.compile(r"""(?<=["'])/(?:[^/"'\n]+/)*(?=[^\s/"'])|(?<![\w.)"'])/(?:[^\s/"']+/)*(?=[^\s/"'])""")
 FORMAT_VERSION = 1
 
@@ -86,11 +87,11 @@ class BoardRecord(Record):
     bits_per_s: int
     actuation_delay_ticks: int
     firmware_id: str
-    """First eight bytes of the SHA-256 of what its firmware was built from; empty where it could not be asked."""
+    """First eight bytes of the SHA-256 of the sources of its firmware; empty if the board did not report it."""
     rows_unanswered: int
-    """Rows in which no command came from it."""
+    """Number of rows without a command from the board."""
     events: dict[str, int]
-    """How often something else went wrong on the line, by the column of side/board.csv."""
+    """Number of other faults on the line, by the column of side/board.csv."""
 
 
 class RunRecord(Record):
@@ -306,6 +307,6 @@ def describe(
 def read_metadata(root: Path) -> Metadata | None:
     """Return what metadata.json of a folder holds; None where there is none, or none of this format."""
     try:
-        return Metadata.model_validate_json((root / METADATA).read_bytes())
+        return Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     except (*NOT_THERE, ValidationError):
         return None

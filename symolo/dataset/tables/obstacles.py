@@ -13,16 +13,16 @@ from symolo.dataset.tables.side_tables import SideTable
 
 SERIES = "obstacle_{name}"
 TOLERANCE = 1e-6
-"""Of a table's digits against the path, twice the rounding [m, rad]."""
+"""Largest difference of a table from the path, twice the rounding of its digits [m, rad]."""
 
 
 def obstacle_series(arena: Arena, t_s: Array) -> tuple[TimeSeries, ...]:
-    """One for each obstacle that moves, (N, 3), x [m], y [m], yaw [rad] of its middle in W at the times (N,)."""
+    """Return the poses of each moving obstacle in W, (N, 3), x [m], y [m], yaw [rad] of its middle, at times (N,)."""
     return tuple(TimeSeries(SERIES.format(name=box.name), "m, m, rad", t_s, box.poses_at(t_s)) for box in arena.moving)
 
 
 def obstacle_table(arena: Arena) -> SideTable | None:
-    """The table of this arena; None where nothing moves."""
+    """Return the table of the obstacles of an arena; None if none moves."""
     if not arena.moving:
         return None
     columns = [
@@ -41,7 +41,7 @@ def obstacles_csv(table: SideTable, arena: Arena, recording: Recording) -> bytes
 
 
 def off_the_path(arena: Arena, table: Array, rows: Rows, row_hz: int) -> Iterator[tuple[str, list[int]]]:
-    """Name of each obstacle whose poses in the table are not those of its path, and in which rows."""
+    """Yield the name of each obstacle whose poses in the table differ from its path, and the rows where they do."""
     t_s = np.arange(len(rows.t_ms)) / row_hz
     for number, box in enumerate(arena.moving):
         pose = table[:, 1 + 3 * number : 4 + 3 * number]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.text_file import LineFault, decode_text
 from symolo.core.table import NumberColumn, header_fault, table_of
 from symolo.core.time_series import Recording
@@ -20,12 +21,11 @@ from symolo.dataset.tables.column import Column, Series
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]
 
-MAX_BYTES = 512 * 2**20
 STATES = tuple(state.value for state in State)
 WHOLE = frozenset({"state", "img"})
 """Columns of whole numbers."""
 _LARGEST = 2**53
-"""Up to here a float holds every whole number, and no square of a reading overflows."""
+"""Largest reading: up to it a float holds every whole number, and no square overflows."""
 
 
 RANGES = Series(
@@ -55,7 +55,7 @@ HEADER = tuple(column.name for column in COLUMNS)
 
 @dataclass(frozen=True)
 class Rows:
-    """The content of one data.csv, to the digits of the file, so that pictures made from either are the same."""
+    """The content of one data.csv, rounded to the digits of the file, so that images made from either are the same."""
 
     t_ms: Ints
     """(N,), [ms], strictly increasing."""
@@ -117,19 +117,19 @@ class Rows:
 
 
 def wrapped(yaw_rad: Array) -> Array:
-    """The same directions in (-pi, pi]."""
+    """Return the same directions in (-pi, pi]."""
     return -((-yaw_rad + math.pi) % (2 * math.pi) - math.pi)
 
 
 def heading(yaw_rad: Array, decimals: int) -> Array:
-    """The same directions to so many decimals; half a turn is positive, also where only rounding makes it one."""
+    """Return the same directions, rounded; half a turn is positive, also if it results from rounding."""
     half_turn = round(math.pi, decimals)
     rounded = np.array([round(yaw, decimals) for yaw in wrapped(yaw_rad).tolist()])
     return np.where(rounded <= -half_turn, half_turn, rounded)
 
 
 def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, separator: str = ",") -> bytes:
-    """A table as text that is the same bytes for the same numbers: fixed decimals, no negative zero, one line end."""
+    """Return a table as text, the same bytes for the same numbers: fixed decimals, no negative zero, one line end."""
     lines = [separator.join(header)]
     lines += [
         separator.join(f"{round(value, digits) + 0.0:.{digits}f}" for value, digits in zip(row, decimals, strict=True))
@@ -140,7 +140,7 @@ def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, se
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong with a table, and in which line of the file."""
+    """A fault of a table, with the line of the file."""
 
     line: int
     what: str
@@ -159,12 +159,9 @@ def read_rows(path: Path) -> Rows:
         InputError: The first fault, with its line and column.
     """
     try:
-        size = path.stat().st_size
-        data = path.read_bytes() if size <= MAX_BYTES else b""
+        data = read_file(path, FileKind.TABLE)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
-    if size > MAX_BYTES:
-        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", where=str(path), cure="split it into runs")
     table, faults = parse_table(data, HEADER)
     faults = faults or [fault for fault in semantic_faults(Rows.from_table(table)) if fault.kind in ("time", "image")]
     if faults:

@@ -1,4 +1,4 @@
-"""A side file of a run, read strictly; tables are held against the rows of data.csv."""
+"""Strict reading of the side files of a run; the times of tables must be those of data.csv."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.rows import Rows, parse_table
 from symolo.dataset.tables.side_tables import CAMERA, SideTable
 
@@ -22,7 +23,7 @@ def read_record(path: Path, kind: type[Record]) -> Record:
         ValueError: It is damaged; the text is one line.
     """
     try:
-        return kind.model_validate_json(path.read_bytes())
+        return kind.model_validate_json(read_file(path, FileKind.DOCUMENT))
     except ValidationError as error:
         raise ValueError(first_fault(error)) from None
 
@@ -40,7 +41,7 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
         InputError: It cannot be read, has another form, or is of other times or images.
     """
     try:
-        data = path.read_bytes()
+        data = read_file(path, FileKind.TABLE)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
     numbers, faults = parse_table(data, table.header)
@@ -48,8 +49,7 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
         raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
     taken = rows.image > 0
     keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if table is CAMERA else rows.t_ms[:, None]
-    told = numbers[:, : keys.shape[1]]
-    for name, column, expected in zip(table.header, told.T, keys.T, strict=False):
+    for name, column, expected in zip(table.header, numbers.T, keys.T, strict=False):
         if not np.array_equal(column, expected):
             raise InputError(f"column {name} is not that of data.csv", where=str(path), cure="make the run again")
     return numbers

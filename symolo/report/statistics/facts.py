@@ -3,6 +3,7 @@
 import hashlib
 from dataclasses import dataclass
 
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import Metadata
 from symolo.dataset.manifest import MANIFEST, read_manifest
@@ -48,7 +49,7 @@ def release_facts(data: Dataset, metadata: Metadata, max_detailed: int, report: 
             facts.append(one)
             if one.images:
                 images.append(image_numbers(run, lambda done, name=run.name: stage.update(name, done)))
-    manifest = (data.root / MANIFEST).read_bytes()
+    manifest = read_file(data.root / MANIFEST, FileKind.CHECKSUMS)
     sizes = [(data.root / name).stat().st_size for name in read_manifest(manifest)]
     return ReleaseFacts(
         metadata=metadata,

@@ -25,69 +25,81 @@ LOOKING_DOWN = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, 0.
 LOOKING_UP = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.5), (0.0, 0.0, 0.0, 1.0))
 
 
-def _seen(light_of, panels=(), sun=None, gains=((1.0, 1.0, 1.0),), surface=GREY, sky=NO_SKY, X_WC=LOOKING_DOWN):
-    """Mean radiance for each gain, from 0.5 m above the origin of a floor."""
-    mesh = floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "floor")
-    scene = Scene((surface,), (mesh,), robot=(), panels=tuple(panels), sun=sun, sky=sky)
-    views = [FrameView(1, 0.0, (5.0, 5.0, 0.0), X_WC, light_gain=gain) for gain in gains]
-    return np.squeeze(light_of(scene, views, 5, 200.0).mean(axis=(1, 2)))
-
-
 LAMP = LightPanel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.2, (8.0, 4.0, 2.0))
+LARGE_LAMP = replace(LAMP, width_m=1.0, height_m=1.0)
 GAIN = (0.5, 0.75, 1.25)
+SUN = Sun((0.0, np.cos(np.radians(30)), 0.5), (2.0, 1.0, 0.5), np.radians(0.5))
+BLACK = Surface("floor", Color((0.0, 0.0, 0.0)), roughness=1.0, refractive_index=1.0)
+GLASS = Surface("glass", Color((1.0, 1.0, 1.0)), roughness=0.02, refractive_index=1.52, transmission=1.0)
+PANE = block("pane", (0.0, 0.0, 0.7), (2.0, 2.0, 0.006), "glass")
+PANEL = replace(LAMP, center=(0.0, 0.0, 1.0), width_m=1.0, height_m=1.0, radiance=(0.4, 0.2, 0.1))
+"""Above the pane of glass."""
+UNSEEN_PANEL = replace(PANEL, seen=False)
+
+
+def _scene(surface=GREY, panels=(), sun=None, sky=NO_SKY, *, pane=False) -> Scene:
+    meshes = (floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "floor"), *((PANE,) if pane else ()))
+    return Scene((surface, *((GLASS,) if pane else ())), meshes, robot=(), panels=panels, sun=sun, sky=sky)
+
+
+def _views(X_WC, *gains):
+    return [FrameView(1, 0.0, (5.0, 5.0, 0.0), X_WC, light_gain=gain) for gain in gains or ((1.0, 1.0, 1.0),)]
 
 
 @pytest.fixture(scope="module")
-def below_a_lamp(light_of) -> np.ndarray:
-    return _seen(light_of, [LAMP], gains=((1.0, 1.0, 1.0), GAIN))
+def radiances(lights_of_scenes) -> dict[str, np.ndarray]:
+    """Mean radiance (N, 3) of each view by the name of the scene, from 0.5 m above the origin of a floor."""
+    glossy, bright = replace(GREY, refractive_index=1.45), Sky("studio", 0.0, 5.0, 10.0, 1.0)
+    down, up = _views(LOOKING_DOWN), _views(LOOKING_UP)
+    scenes = {
+        "below a lamp": (_scene(panels=(LAMP,)), _views(LOOKING_DOWN, (1.0, 1.0, 1.0), GAIN)),
+        "sun": (_scene(sun=SUN), down),
+        "a lamp in sight": (_scene(panels=(replace(LARGE_LAMP, seen=True),)), up),
+        "an unseen lamp": (_scene(panels=(replace(LARGE_LAMP, seen=False),)), up),
+        "sky": (_scene(glossy, sky=bright), down),
+        "glass below a lamp": (_scene(BLACK, (PANEL,), pane=True), up),
+        "glass below an unseen lamp": (_scene(BLACK, (UNSEEN_PANEL,), pane=True), up),
+        "floor below glass and a lamp": (_scene(GREY, (PANEL,), pane=True), down),
+        "floor below glass and an unseen lamp": (_scene(GREY, (UNSEEN_PANEL,), pane=True), down),
+    }
+    return {name: light.mean(axis=(1, 2)) for name, light in lights_of_scenes(scenes, 5, 200.0).items()}
 
 
-def test_a_lamp_lights_the_floor_as_the_inverse_square_says(below_a_lamp):
+def test_a_lamp_lights_the_floor_as_the_inverse_square_says(radiances):
     illuminance = np.array(LAMP.radiance) * 0.1 * 0.2 / 2.0**2
-    assert below_a_lamp[0] == pytest.approx(0.5 / np.pi * illuminance, rel=0.02)
+    assert radiances["below a lamp"][0] == pytest.approx(0.5 / np.pi * illuminance, rel=0.02)
 
 
-def test_the_gain_of_a_frame_is_that_of_all_its_light(below_a_lamp):
-    assert below_a_lamp[1] == pytest.approx(below_a_lamp[0] * GAIN)
+def test_the_gain_of_a_frame_is_that_of_all_its_light(radiances):
+    without, with_gain = radiances["below a lamp"]
+    assert with_gain == pytest.approx(without * GAIN)
 
 
-def test_the_sun_lights_the_floor_by_the_sine_of_its_elevation(light_of):
-    sun = Sun((0.0, np.cos(np.radians(30)), 0.5), (2.0, 1.0, 0.5), np.radians(0.5))
-    assert _seen(light_of, sun=sun) == pytest.approx(0.5 / np.pi * 0.5 * np.array([2.0, 1.0, 0.5]), rel=0.02)
+def test_the_sun_lights_the_floor_by_the_sine_of_its_elevation(radiances):
+    assert radiances["sun"][0] == pytest.approx(0.5 / np.pi * 0.5 * np.array([2.0, 1.0, 0.5]), rel=0.02)
 
 
-@pytest.mark.parametrize(("seen", "radiance"), [(True, LAMP.radiance), (False, (0.0, 0.0, 0.0))])
-def test_a_lamp_is_seen_as_bright_as_it_is_unless_something_else_is_seen_there(light_of, seen, radiance):
-    lamp = replace(LAMP, width_m=1.0, height_m=1.0, seen=seen)
-    assert _seen(light_of, [lamp], X_WC=LOOKING_UP) == pytest.approx(radiance)
+@pytest.mark.parametrize(
+    ("name", "radiance"), [("a lamp in sight", LAMP.radiance), ("an unseen lamp", (0.0, 0.0, 0.0))]
+)
+def test_a_lamp_is_seen_as_bright_as_it_is_unless_something_else_is_seen_there(radiances, name, radiance):
+    assert radiances[name][0] == pytest.approx(radiance)
 
 
-def test_through_a_pane_of_glass_the_sky_is_seen_and_no_panel_beside_it(light_of):
+def test_through_a_pane_of_glass_the_sky_is_seen_and_no_panel_beside_it(radiances):
     """Above a black floor, so that the pane has nothing to mirror; the panel still lights what lies below the pane."""
-    glass = Surface("glass", Color((1.0, 1.0, 1.0)), roughness=0.02, refractive_index=1.52, transmission=1.0)
-    pane = block("pane", (0.0, 0.0, 0.7), (2.0, 2.0, 0.006), "glass")
-    lamp = replace(LAMP, center=(0.0, 0.0, 1.0), width_m=1.0, height_m=1.0, radiance=(0.4, 0.2, 0.1))
     # From the floor's middle to a metre's square a metre above it; a clear pane of index 1.52 lets 92 % through.
     view_factor, transmittance = 4 / np.pi * np.sqrt(0.2) * np.arctan(np.sqrt(0.2)), 0.92
-
-    def radiance(surface, X_WC, *panels):
-        meshes = floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "floor"), pane
-        scene = Scene((surface, glass), meshes, robot=(), panels=panels, sun=None, sky=NO_SKY)
-        return light_of(scene, [FrameView(1, 0.0, (5.0, 5.0, 0.0), X_WC)], 5, 200.0).mean(axis=(0, 1, 2))
-
-    black = Surface("floor", Color((0.0, 0.0, 0.0)), roughness=1.0, refractive_index=1.0)
-    unseen = replace(lamp, seen=False)
-    assert radiance(black, LOOKING_UP, lamp) == pytest.approx(lamp.radiance, rel=0.15)
-    assert radiance(black, LOOKING_UP, unseen) == pytest.approx((0, 0, 0), abs=1e-3)
-    below = radiance(GREY, LOOKING_DOWN, unseen)
-    assert below == pytest.approx(radiance(GREY, LOOKING_DOWN, lamp), rel=1e-3)
-    assert below == pytest.approx(0.5 * view_factor * transmittance * np.array(lamp.radiance), rel=0.06)
+    assert radiances["glass below a lamp"][0] == pytest.approx(PANEL.radiance, rel=0.15)
+    assert radiances["glass below an unseen lamp"][0] == pytest.approx((0, 0, 0), abs=1e-3)
+    below = radiances["floor below glass and an unseen lamp"][0]
+    assert below == pytest.approx(radiances["floor below glass and a lamp"][0], rel=1e-3)
+    assert below == pytest.approx(0.5 * view_factor * transmittance * np.array(PANEL.radiance), rel=0.06)
 
 
-def test_the_sky_lights_nothing_for_its_windows_do(light_of):
+def test_the_sky_lights_nothing_because_its_windows_do(radiances):
     """Nor by way of the gloss: a ray thrown for it meets the sky, and must not bring light for the matt part too."""
-    bright, surface = Sky("studio", 0.0, 5.0, 10.0, 1.0), replace(GREY, refractive_index=1.45)
-    assert not _seen(light_of, surface=surface, sky=bright).any()
+    assert not radiances["sky"].any()
 
 
 @pytest.fixture(scope="module")

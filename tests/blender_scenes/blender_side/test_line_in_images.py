@@ -125,7 +125,7 @@ def test_the_line_in_the_image_lies_where_the_sensor_reads_it(frames, arena, lin
     assert np.abs(errors).mean() < 0.4
 
 
-def test_behind_a_lens_too(tmp_path, arena, robot):
+def test_the_line_lies_there_behind_a_lens_too(tmp_path, arena, robot):
     """Its axis off the middle, and an arc, so that the line is bent and nowhere only displaced along itself."""
     lens = LensDistortion(k1=-0.28, k2=0.09, p1=0.001, p2=-0.002)
     moved = {"distortion": lens, "principal_point_right_mm": 1.5, "principal_point_down_mm": -1.0}

@@ -56,7 +56,7 @@ def seen(light_of) -> dict[str, np.ndarray]:
         x += size
     sun = Sun((0.0, 0.0, 1.0), (math.pi, math.pi, math.pi), 0.01)
     scene = Scene(tuple(surfaces), tuple(meshes), (), (), sun, Sky("studio", 0.0, 0.0, 10.0, 1.0))
-    light = light_of(scene, views, PIXELS, 4.0 * PIXELS)
+    light = light_of(scene, views, PIXELS, 4.0 * PIXELS, samples=16)
     return {surface.name: image @ LUMINANCE for surface, image in zip(surfaces, light, strict=True)}
 
 

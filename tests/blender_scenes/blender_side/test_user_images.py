@@ -135,7 +135,7 @@ def job(robot) -> RenderJob:
     return build_job(arena, robot, look, Render(width_px=160, height_px=120, samples=1), frames, seed=1)
 
 
-def test_a_wall_with_an_image_is_to_the_range_sensors_what_it_was(job):
+def test_a_wall_with_a_picture_is_to_the_range_sensors_what_it_was(job):
     wall = WallConfig(name="W", start=(0.9, -0.7), end=(0.9, 0.7), surface="wood")
     (box,) = Arena.from_config(ArenaConfig(name="one", line=LineConfig(), walls=(wall,))).boxes
     assert box.surface == "wood"
@@ -162,7 +162,7 @@ def test_the_flat_renderer_shows_the_tiles_of_floor_and_wall_where_the_camera_se
     assert len(checked) >= 5
 
 
-def test_an_image_that_is_gone_or_changed_is_refused(job, user_files, tmp_path):
+def test_a_user_image_that_is_missing_or_changed_is_refused(job, user_files, tmp_path):
     with pytest.raises(ValueError, match="is not in the workspace"):
         FlatRenderer(job, tmp_path)
     (tmp_path / TILES_FILE.sha256).write_bytes(HDR)

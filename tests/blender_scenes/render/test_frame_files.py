@@ -19,7 +19,7 @@ def _made(images, number=1) -> FrameFile:
     return FrameFile(number, frame_name(number), sha256, len(JPEG), 0.1)
 
 
-def test_an_image_is_put_in_place_whole_and_leaves_nothing_beside_it(tmp_path):
+def test_an_image_is_put_in_place_complete_and_leaves_nothing_beside_it(tmp_path):
     _made(tmp_path / "images")
     assert [p.name for p in (tmp_path / "images").iterdir()] == ["000001.jpg"]
     assert cv2.imread(str(tmp_path / "images" / "000001.jpg")).shape == (12, 16, 3)
@@ -37,7 +37,7 @@ def test_an_image_of_another_size_is_refused(tmp_path):
         put_in_place(JPEG, tmp_path / "000001.jpg", 32, 24)
 
 
-def test_recorded_images_are_known_again(tmp_path):
+def test_recorded_images_are_recognised(tmp_path):
     ledger = Ledger(tmp_path / "images", "job")
     frame = _made(tmp_path / "images")
     assert ledger.whole_files() == {}

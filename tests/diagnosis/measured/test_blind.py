@@ -18,9 +18,9 @@ POSE = (
 
 def test_the_pose_of_an_unseen_drive_is_that_of_its_first_row(tmp_path):
     (tmp_path / "blind_pose_inputs.csv").write_text(POSE)
-    found = read_blind(tmp_path, CaseKind.DRIVE_LOG)
-    assert list(found) == ["blind_pose_inputs.csv"]
-    (trial,) = found["blind_pose_inputs.csv"].trials
+    measurement = read_blind(tmp_path, CaseKind.DRIVE_LOG)
+    assert list(measurement) == ["blind_pose_inputs.csv"]
+    (trial,) = measurement["blind_pose_inputs.csv"].trials
     assert trial.holdout.all()
     assert trial.begins_s == 105.0
     np.testing.assert_array_equal(trial["x_m"].quality, [SampleQuality.GOOD, SampleQuality.MISSING])
@@ -38,9 +38,9 @@ def test_unseen_rows_of_a_range_bench_have_materials_and_no_reading(tmp_path):
 
 def test_an_unseen_run_with_readings_is_none(tmp_path):
     (tmp_path / "blind_inputs.csv").write_text("row,t_s,u_cmd_V,current_A\n1,504.0,3.614,0.1\n")
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as raised:
         read_blind(tmp_path, CaseKind.MOTOR_STEADY)
-    assert re.search("blind_inputs.csv: row 1: column current_A is not known", str(told.value))
+    assert re.search("blind_inputs.csv: row 1: column current_A is not known", str(raised.value))
 
 
 def test_a_case_without_unseen_runs_has_none(tmp_path):

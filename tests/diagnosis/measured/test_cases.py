@@ -1,4 +1,4 @@
-"""The four kinds of measured case: what is read of good ones, and what is said of bad ones."""
+"""The four kinds of measured case: content of good ones, and messages for bad ones."""
 
 import re
 
@@ -23,18 +23,18 @@ def read(path):
 
 
 def refusal(path):
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as raised:
         read(path)
-    text = str(told.value)
+    text = str(raised.value)
     assert "\n" not in text
     return text
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_case_is_recognised_by_its_nominal_file(case, kind):
-    found = read(case(kind))
-    assert (found.kind, found.name) == (CaseKind(kind), kind)
-    assert found.nominal.kind == kind
+    measurement = read(case(kind))
+    assert (measurement.kind, measurement.name) == (CaseKind(kind), kind)
+    assert measurement.nominal.kind == kind
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -90,19 +90,19 @@ def test_channels_that_were_never_logged_are_named(case, text):
     lines = text("drive_log").splitlines()
     cells = [line.split(",") for line in lines[1:]]
     data = "\n".join([lines[0], *(",".join([*row[:6], "", "", *row[8:]]) for row in cells)]) + "\n"
-    found = read(case("drive_log", data=data))
-    assert "not logged: u_left_V, u_right_V" in found.notes
-    assert not found.trials[0]["u_left_V"].is_offered
+    measurement = read(case("drive_log", data=data))
+    assert "not logged: u_left_V, u_right_V" in measurement.notes
+    assert not measurement.trials[0]["u_left_V"].is_offered
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_case_comes_back_from_what_was_written(case, kind, tmp_path):
-    found = read(case(kind))
-    write_case(found, tmp_path / "again" / kind)
+    measurement = read(case(kind))
+    write_case(measurement, tmp_path / "again" / kind)
     again = read(tmp_path / "again" / kind)
-    assert again.nominal == found.nominal
-    assert csv_of(again) == csv_of(found)
-    for before, after in zip(found.trials, again.trials, strict=True):
+    assert again.nominal == measurement.nominal
+    assert csv_of(again) == csv_of(measurement)
+    for before, after in zip(measurement.trials, again.trials, strict=True):
         assert (before.name, before.begins_s, before.labels) == (after.name, after.begins_s, after.labels)
         np.testing.assert_array_equal(before.holdout, after.holdout)
         for channel in before.channels:
@@ -156,7 +156,7 @@ BAD_STEPS = {
     "time missing": (changed(3, 4, ""), "row 3: column t_s: got ''"),
     "unknown split": (changed(3, 2, "held"), "row 3: column split: got 'held'.*fit, holdout"),
     "trial is no number": (changed(3, 1, "1.5"), "row 3: column trial: got '1.5'.*whole number"),
-    "trial comes again": (changed(3, 1, "2"), "row 4: column trial: 1 comes again.*sort"),
+    "trial comes again": (changed(3, 1, "2"), "row 4: column trial: 1 appears again.*sort"),
     "time repeats": (changed(3, 4, "0.005"), "row 3: column t_s: 0.005 repeats 0.005 of the row above"),
     "time goes back": (changed(4, 4, "0.007"), "row 4: column t_s: 0.007 goes back from 0.01 of the row above"),
     "session goes back": (changed(5, 3, "0.001"), "row 5: column session_time_s"),
@@ -198,10 +198,10 @@ BAD_STEPS = {
 
 @pytest.mark.parametrize("fault", BAD_STEPS)
 def test_a_bad_log_is_refused_with_file_row_and_column(case, text, fault):
-    spoil, said = BAD_STEPS[fault]
-    told = refusal(case("motor_step", data=spoil(text("motor_step"))))
-    assert "data.csv" in told
-    assert re.search(said, told), told
+    spoil, pattern = BAD_STEPS[fault]
+    message = refusal(case("motor_step", data=spoil(text("motor_step"))))
+    assert "data.csv" in message
+    assert re.search(pattern, message), message
 
 
 def test_a_huge_file_is_refused_before_it_is_read(case, monkeypatch):
@@ -216,13 +216,13 @@ def test_millimetres_under_a_header_in_metres_are_refused(case, text, column):
     for row in rows:
         cell = row[names.index(column)]
         row[names.index(column)] = f"{1000 * float(cell):g}" if cell else ""
-    told = refusal(case("tof_bench", data="\n".join(map(",".join, [names, *rows])) + "\n"))
-    assert re.search(rf"column {column}: most values are out of scale.*mm.*: divide by 1000", told)
+    message = refusal(case("tof_bench", data="\n".join(map(",".join, [names, *rows])) + "\n"))
+    assert re.search(rf"column {column}: most values are out of scale.*mm.*: divide by 1000", message)
 
 
 def test_a_wild_reading_is_no_wrong_unit(case, text):
-    found = read(case("tof_bench", data=text("tof_bench").replace("902,0.321", "902,4321")))
-    assert found.trials[0]["reading_m"].values[0] == 4321
+    measurement = read(case("tof_bench", data=text("tof_bench").replace("902,0.321", "902,4321")))
+    assert measurement.trials[0]["reading_m"].values[0] == 4321
 
 
 def test_speeds_in_rpm_are_told_by_what_the_motor_can_do(case):
@@ -246,26 +246,26 @@ def test_degrees_under_a_header_in_radians_are_told_by_what_the_wheels_did(case,
 
 
 def test_an_unknown_material_names_its_row_and_the_nearest(case, text):
-    told = refusal(case("tof_bench", data=text("tof_bench").replace("plastic", "plastik")))
-    assert re.search("row 3: column material: got 'plastik'.*did you mean plastic", told)
+    message = refusal(case("tof_bench", data=text("tof_bench").replace("plastic", "plastik")))
+    assert re.search("row 3: column material: got 'plastik'.*did you mean plastic", message)
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_read(case, text):
     data = b"\xef\xbb\xbf" + text("motor_step").replace("\n", "\r\n").encode()
-    found = read(case("motor_step", data=data))
-    assert csv_of(found) == csv_of(read(case("motor_step")))
+    measurement = read(case("motor_step", data=data))
+    assert csv_of(measurement) == csv_of(read(case("motor_step")))
 
 
 def test_mixed_line_ends_are_read_and_said(case, text):
-    found = read(case("motor_step", data=text("motor_step").replace("\n", "\r\n", 2)))
-    assert any("mixes line ends: 2 of 6 rows" in note for note in found.notes)
-    assert found.rows == 5
+    measurement = read(case("motor_step", data=text("motor_step").replace("\n", "\r\n", 2)))
+    assert any("mixes line ends: 2 of 6 rows" in note for note in measurement.notes)
+    assert measurement.rows == 5
 
 
 def test_a_last_number_without_line_end_is_taken_for_missing_and_said(case, text):
-    found = read(case("motor_step", data=text("motor_step").removesuffix("\n")))
-    assert found.trials[1]["omega_rad_s"].quality[-1] == MISSING
-    assert any("column omega_rad_s may be cut off" in note for note in found.notes)
+    measurement = read(case("motor_step", data=text("motor_step").removesuffix("\n")))
+    assert measurement.trials[1]["omega_rad_s"].quality[-1] == MISSING
+    assert any("column omega_rad_s may be cut off" in note for note in measurement.notes)
 
 
 BAD_NOMINAL = {
@@ -283,11 +283,11 @@ BAD_NOMINAL = {
 
 @pytest.mark.parametrize("fault", BAD_NOMINAL)
 def test_bad_nominal_parameters_are_refused_with_line_and_field(case, fault):
-    spoil, said = BAD_NOMINAL[fault]
+    spoil, pattern = BAD_NOMINAL[fault]
     good = (case("motor_step") / "nominal.yaml").read_text()
-    told = refusal(case("motor_step", nominal=spoil(good) if callable(spoil) else spoil))
-    assert "nominal.yaml" in told
-    assert re.search(said, told), told
+    message = refusal(case("motor_step", nominal=spoil(good) if callable(spoil) else spoil))
+    assert "nominal.yaml" in message
+    assert re.search(pattern, message), message
 
 
 def test_a_case_without_its_data_says_which_file_lacks(case):
@@ -297,14 +297,14 @@ def test_a_case_without_its_data_says_which_file_lacks(case):
 
 
 def test_an_unknown_folder_says_what_would_be_known(tmp_path):
-    assert re.search("is none of the measured data.*motor_steady.*nominal.yaml and data.csv", refusal(tmp_path))
+    assert re.search("is not measured data of a known form.*motor_steady.*nominal.yaml and data.csv", refusal(tmp_path))
 
 
 def test_a_path_that_is_not_there_is_said_to_be_so(tmp_path):
     assert "no such file or folder" in refusal(tmp_path / "nowhere")
 
 
-TOLD = {
+EXPECTED_LINE = {
     "motor_steady": r"omega_rad_s +rad/s +reading +5 +1 +- +- +- +0 +15.71 ",
     "motor_step": r"current_A +A +reading +5 +1 +- +- +- +-0.99 +0.98 ",
     "tof_bench": r"reading_m +m +reading +3 +1 +1 +- +- +0.321 +0.321 ",
@@ -316,33 +316,33 @@ TOLD = {
 def test_the_overview_counts_what_is_missing_and_without_target(case, kind):
     lines = overview(read(case(kind)))
     assert lines[0].startswith(f"{kind}: {kind}, ")
-    assert any(re.match(TOLD[kind], line) for line in lines), "\n".join(lines)
+    assert any(re.match(EXPECTED_LINE[kind], line) for line in lines), "\n".join(lines)
 
 
 def test_a_range_bench_that_noted_distances_alone_is_read(case, text):
     """Ten times the same board, without a word of material, angle, temperature or light."""
     rows = [f"{i},fit,{i}.0,0.2,,,,,0.2{i % 3:02}" for i in range(1, 13)]
-    found = read(case("tof_bench", data="\n".join([text("tof_bench").splitlines()[0], *rows]) + "\n"))
-    assert "not logged: incidence_rad, temperature_C, ambient_lux" in found.notes
-    lines = overview(found)
+    measurement = read(case("tof_bench", data="\n".join([text("tof_bench").splitlines()[0], *rows]) + "\n"))
+    assert "not logged: incidence_rad, temperature_C, ambient_lux" in measurement.notes
+    lines = overview(measurement)
     assert "material: (not noted)" in lines
     assert any(re.search(r"^reading_m .* 11 repeats", line) for line in lines)
 
 
 @pytest.mark.parametrize(
-    ("kind", "coefficients", "said"),
+    ("kind", "coefficients", "pattern"),
     [
         ("tof_bench", "[-1.4, 4.88, 2.51, 1.15]", r"noise\.polynomial_mm: .* -1.4 mm at 0.14 m.*above 0"),
         ("tof_bench", "[0, 0, 0, 0]", r"noise\.polynomial_mm: .* 0 mm at 0.14 m.*above 0"),
         ("drive_log", "[1.4, -4.88, 0, 0]", r"noise\.tof_polynomial_mm: .* -0.\d+ mm at 0.46[78] m.*above 0"),
     ],
 )
-def test_a_noise_that_is_not_above_zero_at_the_distances_is_refused(case, kind, coefficients, said):
+def test_a_noise_that_is_not_above_zero_at_the_distances_is_refused(case, kind, coefficients, pattern):
     """1.4 - 4.88 x is 0 at x = 0.287, that is at 0.467 m."""
     nominal = (case(kind) / "nominal.yaml").read_text().replace("[1.4, 4.88, 2.51, 1.15]", coefficients)
-    told = refusal(case(kind, nominal=nominal))
-    assert "nominal.yaml" in told
-    assert re.search(said, told), told
+    message = refusal(case(kind, nominal=nominal))
+    assert "nominal.yaml" in message
+    assert re.search(pattern, message), message
 
 
 def test_a_noise_that_is_negative_beyond_the_distances_is_read(case):
@@ -358,8 +358,8 @@ def test_a_heading_that_wraps_is_refused_at_its_row(case, text):
         f"1,fit,{0.05 * k:.2f},{0.05 * k:.2f},,,,,{k},{k},,,,1.0,0.8,{theta}"
         for k, theta in enumerate((2.9, 3.0, 3.1, -3.08, -2.98))
     ]
-    told = refusal(case("drive_log", data="\n".join([text("drive_log").splitlines()[0], *rows]) + "\n"))
-    assert re.search(r"row 5: column theta_rad: goes from 3.1 to -3.08.*unwrap the angle", told), told
+    message = refusal(case("drive_log", data="\n".join([text("drive_log").splitlines()[0], *rows]) + "\n"))
+    assert re.search(r"row 5: column theta_rad: goes from 3.1 to -3.08.*unwrap the angle", message), message
 
 
 @pytest.mark.parametrize("spelling", ["'kind': motor_step", "kind : motor_step", '"kind": "motor_step"'])
@@ -380,10 +380,10 @@ def test_digits_beyond_the_usual_ones_come_back_from_what_was_written(case, text
     rows = [f"1,fit,{k / 150:.9f},{k / 150:.9f},3.123456,0.12345678,1.1234567" for k in range(1, 20)]
     nominal = (case("motor_step") / "nominal.yaml").read_text().replace("200", "150")
     data = "\n".join([text("motor_step").splitlines()[0], *rows]) + "\n"
-    found = read(case("motor_step", data=data, nominal=nominal))
-    write_case(found, tmp_path / "again")
+    measurement = read(case("motor_step", data=data, nominal=nominal))
+    write_case(measurement, tmp_path / "again")
     again = read(tmp_path / "again")
-    (before,), (after,) = found.trials, again.trials
+    (before,), (after,) = measurement.trials, again.trials
     np.testing.assert_array_equal(after.t_s, before.t_s)
     for channel in before.channels:
         np.testing.assert_array_equal(after[channel.name].values, channel.values)

@@ -49,7 +49,10 @@ def test_something_is_left_to_fit(drives):
 
 
 def test_one_part_of_the_robot_alone(drives):
-    found = of_part(drives, "left wheel")
-    assert ([trial.name for trial in found.trials], found.name) == (["square/1", "circular/1"], "drives-left-wheel")
+    measurement = of_part(drives, "left wheel")
+    assert ([trial.name for trial in measurement.trials], measurement.name) == (
+        ["square/1", "circular/1"],
+        "drives-left-wheel",
+    )
     with pytest.raises(InputError, match=r"got 'left weel', allowed: left wheel, right wheel; did you mean left wheel"):
         of_part(drives, "left weel")

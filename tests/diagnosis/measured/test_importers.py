@@ -20,9 +20,9 @@ def read(path, name=None):
 
 
 def refusal(path, name=None):
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as raised:
         read(path, name)
-    return str(told.value)
+    return str(raised.value)
 
 
 @pytest.fixture
@@ -38,16 +38,16 @@ def session(tmp_path):
 
 
 def test_counts_of_optiodom_add_up_and_belong_to_their_side(session):
-    found = read(session)
-    assert (found.kind, [trial.name for trial in found.trials]) == (
+    measurement = read(session)
+    assert (measurement.kind, [trial.name for trial in measurement.trials]) == (
         CaseKind.DRIVE_LOG,
         ["circular/250620202104_run-01", "circular/250620202104_run-02"],
     )
-    first, second = found.trials
+    first, second = measurement.trials
     assert first["enc_left_ticks"].values[-1] == 12 * 5
     assert (first["enc_right_ticks"].values[-1], second["enc_right_ticks"].values[-1]) == (12 * 8, 12 * 2)
     assert (first["x_m"].clock, first["enc_left_ticks"].clock) == ("camera", "log")
-    assert any("driven with a wheel separation of 0.205 m" in note for note in found.notes)
+    assert any("driven with a wheel separation of 0.205 m" in note for note in measurement.notes)
 
 
 def test_optiodom_knows_its_wheels_as_they_were_drawn(session):
@@ -62,10 +62,10 @@ def test_every_third_run_of_an_optiodom_session_is_held_out(session):
     text = (session / "250620202104_run-01.csv").read_text()
     for run in ("03", "04", "05", "06"):
         (session / f"250620202104_run-{run}.csv").write_text(text)
-    found = read(session)
-    assert [t.name[-2:] for t in found.trials if t.holdout.all()] == ["03", "06"]
-    assert sum(t.holdout.any() for t in found.trials) == 2
-    assert "every third run of a session is held out" in found.notes
+    measurement = read(session)
+    assert [t.name[-2:] for t in measurement.trials if t.holdout.all()] == ["03", "06"]
+    assert sum(t.holdout.any() for t in measurement.trials) == 2
+    assert "every third run of a session is held out" in measurement.notes
     assert read(session / "250620202104_run-03.csv").heldout_rows == 0
 
 
@@ -102,14 +102,14 @@ def test_the_motor_of_the_micromouse_is_that_of_its_maker(tmp_path):
     """12 V and 0.75 A stalled are 16 ohm; idling, 80 mA leave 10.72 V at 1100 rpm; friction is K times 80 mA there."""
     path = tmp_path / "wheelSpeedCalibration3.csv"
     path.write_text(STEADY + "".join(f"{1000 * k}, 7500, 51, 60.00, 30.00\n" for k in range(1, 9)))
-    found = read(path)
-    motor = found.nominal.motor
+    measurement = read(path)
+    motor = measurement.nominal.motor
     idling = 1100 * np.pi / 30
     assert motor.winding_resistance_ohm.value == 16.0
     assert motor.torque_constant_N_m_A.value == pytest.approx(10.72 / idling)
     friction = motor.coulomb_friction_N_m.value + motor.viscous_friction_N_m_s_rad.value * idling
     assert friction == pytest.approx(10.72 / idling * 0.08)
-    for trial in found.trials:
+    for trial in measurement.trials:
         np.testing.assert_array_equal(trial.holdout, [False, False, False, True] * 2)
 
 
@@ -147,7 +147,7 @@ def test_a_log_of_another_name_is_read_where_its_form_is_named(tmp_path):
     path = tmp_path / "mine.csv"
     path.write_text(STEADY + "1000, 7500, 51, 60.00, 30.00\n")
     assert "is none of these logs" in refusal(path, "micromouse")
-    assert "is none of the measured data" in refusal(path)
+    assert "is not measured data of a known form" in refusal(path)
 
 
 ROBOTINO = (
@@ -168,7 +168,7 @@ def test_three_header_rows_and_milliseconds_of_the_robotino(tmp_path):
 
 def test_an_angle_of_the_robotino_that_is_missing_leaves_the_others(tmp_path):
     """170, 178, none, -166, -158 degrees: a steady turn of 8 a row, over half a turn and a hole."""
-    symbols = {"t": "ms", **{symbol: quantity.unit for symbol, quantity in FORMS[-1].items()}}
+    symbols = {"t": "ms", **{column.name: column.unit for column in FORMS[-1]}}
     rows = [
         ";".join(str(32 * k) if symbol == "t" else angle if symbol == "ang" else "0" for symbol in symbols)
         for k, angle in enumerate(("170", "178", "", "-166", "-158"))

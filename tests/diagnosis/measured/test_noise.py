@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.noise import (
-    Noise,
     noise_of_differences,
     noise_of_repeats,
-    noise_of_residuals,
     trimmed_variance,
 )
 
@@ -40,41 +38,37 @@ def test_a_trimmed_variance_of_few_is_that_of_what_is_kept():
 
 
 @pytest.mark.parametrize(
-    ("estimate", "correlation", "within"),
-    [
-        *((noise_of_differences, correlation, 0.06) for correlation in (-0.4, 0.0, 0.3)),
-        (noise_of_differences, 0.6, 0.15),  # slow noise is hard to tell from a slow signal
-        *((noise_of_residuals, correlation, 0.03) for correlation in (-0.4, 0.0, 0.3, 0.6, 0.9)),
-    ],
+    ("correlation", "within"),
+    [(-0.4, 0.06), (0.0, 0.06), (0.3, 0.06), (0.6, 0.15)],  # slow noise is hard to distinguish from a slow signal
 )
-def test_standard_deviation_and_correlation_of_known_noise(estimate, correlation, within):
-    found = estimate(ar1(7, 20_000, 0.1, correlation))
-    assert found.sd == pytest.approx(0.1, rel=within)
-    assert found.correlation == pytest.approx(correlation, abs=within)
+def test_standard_deviation_and_correlation_of_known_noise(correlation, within):
+    noise = noise_of_differences(ar1(7, 20_000, 0.1, correlation))
+    assert noise.sd == pytest.approx(0.1, rel=within)
+    assert noise.correlation == pytest.approx(correlation, abs=within)
 
 
 def test_the_standard_errors_are_of_the_size_of_the_errors():
     """Over 40 logs of 2000 rows the estimates scatter as their standard errors say, within a third."""
-    found = [noise_of_differences(ar1(seed, 2000, 0.1, 0.3)) for seed in range(40)]
-    for name, told in (("sd", "sd_error"), ("correlation", "correlation_error")):
-        scatter = np.std([getattr(noise, name) for noise in found], ddof=1)
-        assert np.mean([getattr(noise, told) for noise in found]) == pytest.approx(scatter, rel=0.35)
+    noises = [noise_of_differences(ar1(seed, 2000, 0.1, 0.3)) for seed in range(40)]
+    for name, error in (("sd", "sd_error"), ("correlation", "correlation_error")):
+        scatter = np.std([getattr(noise, name) for noise in noises], ddof=1)
+        assert np.mean([getattr(noise, error) for noise in noises]) == pytest.approx(scatter, rel=0.35)
 
 
 def test_a_smooth_signal_is_no_noise():
     t = np.arange(4000) * 0.005
-    found = noise_of_differences(2.0 * np.sin(2.0 * t) + 5.0 * t + ar1(3, 4000, 0.02, 0.3))
-    assert found.sd == pytest.approx(0.02, rel=0.1)
-    assert found.correlation == pytest.approx(0.3, abs=0.1)
+    noise = noise_of_differences(2.0 * np.sin(2.0 * t) + 5.0 * t + ar1(3, 4000, 0.02, 0.3))
+    assert noise.sd == pytest.approx(0.02, rel=0.1)
+    assert noise.correlation == pytest.approx(0.3, abs=0.1)
 
 
 def test_steps_outliers_and_dropouts_hardly_count():
     values = ar1(5, 6000, 0.1, 0.3) + np.repeat([0.0, 8.0, -3.0], 2000)
     values[::60] += 5.0
     values[7::90] = np.nan
-    found = noise_of_differences(values)
-    assert found.sd == pytest.approx(0.1, rel=0.15)
-    assert found.correlation == pytest.approx(0.3, abs=0.1)
+    noise = noise_of_differences(values)
+    assert noise.sd == pytest.approx(0.1, rel=0.15)
+    assert noise.correlation == pytest.approx(0.3, abs=0.1)
 
 
 def test_differences_do_not_reach_across_a_gap():
@@ -85,30 +79,23 @@ def test_differences_do_not_reach_across_a_gap():
     assert noise_of_differences(values).sd > 1.0
 
 
-def test_the_correlation_time_is_when_it_has_fallen_to_one_over_e():
-    """Of 1/root e over 50 ms, that is 100 ms."""
-    assert Noise(1.0, math.exp(-0.5), 100).correlation_time_s(0.05) == pytest.approx(0.1)
-    assert Noise(1.0, -0.2, 100).correlation_time_s(0.05) == 0.0
-
-
 def test_repeats_tell_the_noise_whatever_lies_between_the_conditions():
     conditions = [k // 3 for k in range(3000)]
     means = rng(4).uniform(-100, 100, 1000)
-    found = noise_of_repeats(means[conditions] + 0.04 * rng(5).standard_normal(3000), conditions)
-    assert found.rows == 2000
-    assert found.sd == pytest.approx(0.04, rel=0.05)
+    noise = noise_of_repeats(means[conditions] + 0.04 * rng(5).standard_normal(3000), conditions)
+    assert noise.rows == 2000
+    assert noise.sd == pytest.approx(0.04, rel=0.05)
 
 
 def test_a_pair_counts_as_its_difference_over_the_root_of_two():
     values = np.array([0.0, 0.2] * 10)
-    found = noise_of_repeats(values, [k // 2 for k in range(20)])
+    noise = noise_of_repeats(values, [k // 2 for k in range(20)])
     kept = trimmed_variance(np.full(10, 0.2 / math.sqrt(2)))
-    assert found.sd == pytest.approx(math.sqrt(kept))
+    assert noise.sd == pytest.approx(math.sqrt(kept))
 
 
 def test_too_little_data_tell_no_noise():
     assert noise_of_differences(np.arange(9.0)) is None
-    assert noise_of_residuals(np.full(100, np.nan)) is None
     assert noise_of_repeats(np.arange(10.0), list(range(10))) is None
 
 

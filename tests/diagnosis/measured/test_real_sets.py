@@ -49,8 +49,8 @@ def read(path):
 
 def test_optiodom_counts_and_camera_agree_on_the_way(recordings):
     """On the straight runs, counts times the nominal wheel's circumference are the camera's way within 3 %."""
-    found = read(recordings / "optiodom_diff" / "ivanjko" / "250620201618")
-    straight = [trial for trial in found.trials if np.ptp(trial["theta_rad"].values) < 0.5]
+    measurement = read(recordings / "optiodom_diff" / "ivanjko" / "250620201618")
+    straight = [trial for trial in measurement.trials if np.ptp(trial["theta_rad"].values) < 0.5]
     assert len(straight) >= 2
     for trial in straight:
         counts = 0.5 * (trial["enc_left_ticks"].values[-1] + trial["enc_right_ticks"].values[-1])
@@ -60,9 +60,9 @@ def test_optiodom_counts_and_camera_agree_on_the_way(recordings):
 
 
 def test_optiodom_turns_left_where_the_right_wheel_goes_further(recordings):
-    found = read(recordings / "optiodom_diff" / "circular" / "250620202104")
+    measurement = read(recordings / "optiodom_diff" / "circular" / "250620202104")
     per_tick_m = np.pi * WHEEL_DIAMETER_M / ENCODER_TICKS_PER_REVOLUTION
-    for trial in found.trials:
+    for trial in measurement.trials:
         turned = per_tick_m * (trial["enc_right_ticks"].values[-1] - trial["enc_left_ticks"].values[-1]) / TRACK_M
         assert turned == pytest.approx(trial["theta_rad"].values[-1], rel=0.1)
 
@@ -72,12 +72,14 @@ def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(rec
     """Least squares over whole paths for both diameters and the track, with a code of its own, on the same runs."""
     monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis"))
     trade = importlib.import_module("wheel_calibrations")
-    found = read(recordings / "optiodom_diff" / session)
-    held = np.array([trial.holdout.all() for trial in found.trials])
-    robot = nominal_robot(found.nominal, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
-    bare = Hypothesis(robot, nuisances(found.nominal))
-    ours = WholeRuns(found, robot).errors(fitted_to_whole_runs(found, bare, bare.null(), ()).robot)[held, -1]
-    runs = [np.loadtxt(file, delimiter=",", encoding="utf-8-sig") for file in found.source.files]
+    measurement = read(recordings / "optiodom_diff" / session)
+    held = np.array([trial.holdout.all() for trial in measurement.trials])
+    robot = nominal_robot(measurement.nominal, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
+    bare = Hypothesis(robot, nuisances(measurement.nominal))
+    ours = WholeRuns(measurement, robot).errors(fitted_to_whole_runs(measurement, bare, bare.null(), ()).robot)[
+        held, -1
+    ]
+    runs = [np.loadtxt(file, delimiter=",", encoding="utf-8-sig") for file in measurement.source.files]
     nominal = trade.Wheels(WHEEL_DIAMETER_M, WHEEL_DIAMETER_M, TRACK_M)
     fit = [run for run, is_held in zip(runs, held, strict=True) if not is_held]
     wheels = trade.by_whole_paths(fit, nominal, ENCODER_TICKS_PER_REVOLUTION)
@@ -93,8 +95,8 @@ def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(rec
 
 
 def test_a_set_is_read_with_the_runs_held_out_that_are_asked_for(recordings):
-    found = read_case(recordings / "optiodom_diff", DiagnosisSettings(held_out=("circular/*", "ivanjko/*")))
-    held = {trial.name.split("/")[0]: bool(trial.holdout.all()) for trial in found.trials}
+    measurement = read_case(recordings / "optiodom_diff", DiagnosisSettings(held_out=("circular/*", "ivanjko/*")))
+    held = {trial.name.split("/")[0]: bool(trial.holdout.all()) for trial in measurement.trials}
     assert held == {"circular": True, "ivanjko": True, "square": False}
     one = read_case(
         recordings / "opatiny_micromouse" / "wheelSpeedCalibration3.csv", DiagnosisSettings(part="left wheel")
@@ -116,17 +118,17 @@ def test_every_log_of_the_micromouse_is_read(recordings, name):
     path = recordings / "opatiny_micromouse" / f"{name}.csv"
     lines = path.read_text().splitlines()
     rows = sum(line.count(",") == lines[0].count(",") for line in lines[1:])
-    found = read(path)
-    assert all(len(trial.t_s) == rows for trial in found.trials)
-    assert any("is broken" in note for note in found.notes) == (path.stem == "testPid4")
-    assert 0.0 < found.trials[0].t_s[-1] < 700.0
+    measurement = read(path)
+    assert all(len(trial.t_s) == rows for trial in measurement.trials)
+    assert any("is broken" in note for note in measurement.notes) == (path.stem == "testPid4")
+    assert 0.0 < measurement.trials[0].t_s[-1] < 700.0
 
 
 def test_a_floor_of_the_robotino_is_24_drives_at_a_third_of_a_tenth_of_a_second(recordings):
-    found = read(recordings / "robotino_slip" / "one_surface_type" / "brown_surface")
-    assert len(found.trials) == 24
-    assert np.median(np.diff(found.trials[0].t_s)) == pytest.approx(0.032, abs=0.002)
-    assert found.trials[0]["motor_1_set_rad_s"].values[0] == pytest.approx(-34.641)
+    measurement = read(recordings / "robotino_slip" / "one_surface_type" / "brown_surface")
+    assert len(measurement.trials) == 24
+    assert np.median(np.diff(measurement.trials[0].t_s)) == pytest.approx(0.032, abs=0.002)
+    assert measurement.trials[0]["motor_1_set_rad_s"].values[0] == pytest.approx(-34.641)
 
 
 @pytest.mark.parametrize("name", ROBOTINO)
@@ -137,15 +139,15 @@ def test_every_motor_log_of_the_robotino_is_read(recordings, name):
 
 def test_the_record_of_a_sensor_at_rest_has_its_noise(recordings):
     """2 mm from one reading to the next, as the range bench finds by its Allan deviation."""
-    found = read(recordings / "tof_vl53l0x_static" / "static_tof_dist_data_1_h.csv")
-    (trial,) = found.trials
+    measurement = read(recordings / "tof_vl53l0x_static" / "static_tof_dist_data_1_h.csv")
+    (trial,) = measurement.trials
     noise = noise_of_differences(usable(trial["reading_m"])[:20_000])
-    assert found.kind is CaseKind.OTHER
+    assert measurement.kind is CaseKind.OTHER
     assert noise.sd == pytest.approx(2.1e-3, rel=0.15)
 
 
 def test_the_scan_over_an_apple_is_read(recordings):
     (path,) = (recordings / "tof_vl53l0x_scan").glob("*.csv")
-    found = read(path)
-    assert found.rows == len(path.read_text().splitlines()) - 1
-    assert not found.trials[0].is_timed
+    measurement = read(path)
+    assert measurement.rows == len(path.read_text().splitlines()) - 1
+    assert not measurement.trials[0].is_timed

@@ -20,9 +20,9 @@ def channel(values, t_s=None, **marks):
 
 
 def test_rate_and_gaps_are_those_of_the_times():
-    found = timing(np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.75]))
-    assert found.rate_hz == pytest.approx(10.0)
-    assert (found.gaps, found.longest_s) == (1, pytest.approx(0.3))
+    steps = timing(np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.75]))
+    assert steps.rate_hz == pytest.approx(10.0)
+    assert (steps.gaps, steps.longest_s) == (1, pytest.approx(0.3))
     assert timing(np.array([0.0, 0.1, 0.3])).gaps == 1
     assert timing(np.array([3.0])) is None
 
@@ -70,7 +70,7 @@ def test_resolution_is_the_step_that_all_values_lie_on():
 
 def test_a_channel_is_refused_whose_marks_contradict_its_values():
     series = TimeSeries("x_m", "m", np.arange(3.0), np.array([0.0, np.nan, 1.0]))
-    with pytest.raises(ValueError, match="NaN where it is not missing"):
+    with pytest.raises(ValueError, match="NaN and the quality MISSING do not agree"):
         Channel(series, Role.READING, np.array([SampleQuality.GOOD] * 3, dtype=np.int8))
     with pytest.raises(ValueError, match="shape"):
         Channel.logged(series, Role.READING, noise_sd=np.ones(2))
@@ -82,14 +82,14 @@ def test_noise_finer_than_the_resolution_is_never_told_too_small(steps_of_sd):
     fresh = np.random.Generator(np.random.PCG64(9)).standard_normal(4000)
     t = 0.005 * np.arange(4000)
     values = np.rint(fresh / steps_of_sd) * steps_of_sd
-    found = noise_of(Channel.logged(TimeSeries("x", "m", t, values), Role.READING))
-    assert found.sd >= steps_of_sd / np.sqrt(12) * (1 - 1e-12)
-    assert found.sd < 1.6 * np.hypot(1.0, steps_of_sd / np.sqrt(12))
+    noise = noise_of(Channel.logged(TimeSeries("x", "m", t, values), Role.READING))
+    assert noise.sd >= steps_of_sd / np.sqrt(12) * (1 - 1e-12)
+    assert noise.sd < 1.6 * np.hypot(1.0, steps_of_sd / np.sqrt(12))
 
 
 def test_a_channel_that_seldom_changes_by_a_step_has_noise_below_its_resolution():
     t = 0.005 * np.arange(400)
-    found = noise_of(Channel.logged(TimeSeries("x", "m", t, np.repeat([0.2, 0.3], 200)), Role.READING))
-    assert not found.is_resolved
-    assert found.sd == pytest.approx(0.1 / np.sqrt(12))
-    assert (found.correlation, found.sd_error) == (0.0, None)
+    noise = noise_of(Channel.logged(TimeSeries("x", "m", t, np.repeat([0.2, 0.3], 200)), Role.READING))
+    assert not noise.is_resolved
+    assert noise.sd == pytest.approx(0.1 / np.sqrt(12))
+    assert (noise.correlation, noise.sd_error) == (0.0, None)

@@ -19,9 +19,9 @@ def test_robots_that_differ_in_nothing_that_acts_are_one(robot):
     sagging = robot.with_effect(SupplySag(source_resistance_ohm=0.3))
     heavy = robot.model_copy(update={"motor": robot.motor.model_copy(update={"coulomb_friction_N_m": 0.05})})
     given = [robot, scaled, more, sagging, heavy, robot.with_effect(SupplySag(source_resistance_ohm=0.3))]
-    found, which = distinct(given, ("motor",), {Slot.SUPPLY})
+    different, which = distinct(given, ("motor",), {Slot.SUPPLY})
     assert which.tolist() == [0, 0, 0, 1, 2, 1]
-    assert [found[k] for k in which] == [robot, robot, robot, sagging, heavy, sagging]
+    assert [different[k] for k in which] == [robot, robot, robot, sagging, heavy, sagging]
     _, by_range = distinct(given, (), {Slot.RANGE})
     assert by_range.tolist() == [0, 1, 2, 0, 0, 0]
 

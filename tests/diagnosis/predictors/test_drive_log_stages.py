@@ -103,10 +103,10 @@ def trial(name, begins_s=0.0, rows=None, **columns):
 
 
 def stages(robot, *trials, nominal=NOMINAL):
-    found = STAGES[CaseKind.DRIVE_LOG](
+    stages_of_log = STAGES[CaseKind.DRIVE_LOG](
         Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), trials, nominal), robot
     )
-    return {stage.name: stage for stage in found}
+    return {stage.name: stage for stage in stages_of_log}
 
 
 def means(stage, robot, *several):
@@ -156,10 +156,10 @@ class TestWheels:
 
     def test_a_mismatch_takes_from_one_wheel_what_it_gives_the_other(self, wheels, robot):
         left, right = means(wheels, robot, TorqueConstantMismatch(mismatch=0.1))
-        for found, k in ((-left, 1.05 * K), (right, 0.95 * K)):
+        for predicted, k in ((-left, 1.05 * K), (right, 0.95 * K)):
             damping = k * k / R + B
             expected = self.run_up((k * self.U / R - TC) / damping, J / damping)
-            np.testing.assert_allclose(found, expected, rtol=1e-9)
+            np.testing.assert_allclose(predicted, expected, rtol=1e-9)
 
     def test_the_battery_declines_with_the_time_of_the_session(self, wheels, robot):
         left_over = 1.0 - 0.02 * self.SESSION_S / 60.0
@@ -225,8 +225,8 @@ class TestPose:
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
         return stages(robot, trial("1", **columns))["pose"]
 
-    def check(self, found, expected, atol=2e-5):
-        for a, b in zip(found, self.windows(expected), strict=True):
+    def check(self, predicted, expected, atol=2e-5):
+        for a, b in zip(predicted, self.windows(expected), strict=True):
             np.testing.assert_allclose(a, b, atol=atol)
 
     def test_a_circle_is_the_same_arc_seen_from_every_window(self, pose, robot):
@@ -266,16 +266,16 @@ class TestPose:
         log[0] = self.circle(marker_m=0.03)[0]
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
         stage = stages(robot, trial("1", **columns))["pose"]
-        found = stage.path(robot.with_effect(MarkerOffset(offset_m=0.03)), log[:1])
-        np.testing.assert_allclose(found, self.circle(marker_m=0.03), atol=5e-5)
+        predicted = stage.path(robot.with_effect(MarkerOffset(offset_m=0.03)), log[:1])
+        np.testing.assert_allclose(predicted, self.circle(marker_m=0.03), atol=5e-5)
 
     def test_an_old_pose_lags_behind_the_wheels(self, pose, robot):
         """But in the first window, which begins at rest."""
-        found = means(pose, robot, PoseTimeOffset(delay_s=0.083))
+        predicted = means(pose, robot, PoseTimeOffset(delay_s=0.083))
         late = self.windows(self.circle(late_s=0.083))
-        for a, b in zip(found, late, strict=True):
+        for a, b in zip(predicted, late, strict=True):
             np.testing.assert_allclose(a[1:], b[1:], atol=1e-4)
-        assert found[2][0] == pytest.approx(self.W * (0.5 - 0.083))
+        assert predicted[2][0] == pytest.approx(self.W * (0.5 - 0.083))
 
     def test_ticks_that_were_missed_are_put_back(self, robot):
         """Of the right wheel a tenth is missed at its 6 rad/s, of which the threshold's edge is 20 widths away."""
@@ -289,8 +289,8 @@ class TestPose:
         effect = EncoderMissedTicks(side="right", fraction=0.2, threshold_rad_s=3.0)
         kept = 1.0 - 0.2 / (1.0 + math.exp(-(speed - 3.0) / 0.3))
         columns = {**ticks_of(0.0 * self.T, kept * speed * self.T), **pose_columns(self.circle())}
-        found = means(stages(robot, trial("1", **columns))["pose"], robot, effect)
-        np.testing.assert_allclose(found[2], RADIUS * speed / BASE * 10 * ROW_S, rtol=1e-3)
+        predicted = means(stages(robot, trial("1", **columns))["pose"], robot, effect)
+        np.testing.assert_allclose(predicted[2], RADIUS * speed / BASE * 10 * ROW_S, rtol=1e-3)
 
     def test_a_window_without_a_tick_or_a_pose_is_not_used(self, robot):
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
@@ -303,8 +303,8 @@ class TestPose:
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
         both = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
         assert both.observed[0].trial.tolist() == [0] * 7 + [1] * 7
-        for found in means(both, robot, PoseTimeOffset(delay_s=0.06)):
-            np.testing.assert_allclose(found[7:], found[:7], atol=1e-12)
+        for predicted in means(both, robot, PoseTimeOffset(delay_s=0.06)):
+            np.testing.assert_allclose(predicted[7:], predicted[:7], atol=1e-12)
 
 
 class TestRanges:
@@ -333,19 +333,19 @@ class TestRanges:
 
     def test_a_turned_mount_looks_elsewhere(self, ranges, robot):
         turned = MOUNTS | {"left": (0.045, 0.05, math.pi / 4 + 0.1)}
-        found = means(ranges, robot, TofMountYaw(sensor="left", angle_rad=0.1))
-        np.testing.assert_allclose(found, self.expected(self.POSES, turned), atol=2e-4)
+        predicted = means(ranges, robot, TofMountYaw(sensor="left", angle_rad=0.1))
+        np.testing.assert_allclose(predicted, self.expected(self.POSES, turned), atol=2e-4)
 
     def test_offset_and_scale_act_on_the_reading(self, ranges, robot):
         true = np.array(means(ranges, robot))
-        found = means(ranges, robot, TofRangeOffset(sensor="right", offset_m=0.02), TofRangeScale(scale=1.1))
-        np.testing.assert_allclose(found, 1.1 * true + np.array([[0.0], [0.0], [0.02]]), rtol=1e-12)
+        predicted = means(ranges, robot, TofRangeOffset(sensor="right", offset_m=0.02), TofRangeScale(scale=1.1))
+        np.testing.assert_allclose(predicted, 1.1 * true + np.array([[0.0], [0.0], [0.02]]), rtol=1e-12)
 
     def test_a_marker_ahead_of_the_axle_moves_the_sensors_back(self, ranges, robot):
         back = self.POSES.copy()
         back[:, :2] -= 0.03 * np.stack([np.cos(back[:, 2]), np.sin(back[:, 2])], axis=-1)
-        found = means(ranges, robot, MarkerOffset(offset_m=0.03))
-        np.testing.assert_allclose(found, self.expected(back), atol=2e-4)
+        predicted = means(ranges, robot, MarkerOffset(offset_m=0.03))
+        np.testing.assert_allclose(predicted, self.expected(back), atol=2e-4)
 
     def test_old_ranges_are_those_of_an_earlier_pose_and_old_poses_of_a_later_one(self, robot):
         t = ROW_S * np.arange(20)

@@ -91,11 +91,11 @@ def predict(kind, robot, *trials, nominal=None):
 def test_a_settled_motor_balances_its_torques(carrier):
     case = {"kind": "motor_steady", "motor": STEADY_MOTOR, "noise": {"current_A": 0.001, "omega_rad_s": 0.04}}
     robot = nominal_robot(NominalSteady.model_validate(case), carrier)
-    (found,) = predict(CaseKind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan]))
+    (predicted,) = predict(CaseKind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan]))
     speed = [0.0, 0.0, (K * 2.0 / R - TC) / DAMPING, -(K * 5.0 / R - TC) / DAMPING, math.nan]
     current = [(u - K * w) / R for u, w in zip((0.0, 0.19, 2.0, -5.0, math.nan), speed, strict=True)]
-    np.testing.assert_allclose(found["omega_rad_s"], speed, rtol=1e-9)
-    np.testing.assert_allclose(found["current_A"], current, rtol=1e-9)
+    np.testing.assert_allclose(predicted["omega_rad_s"], speed, rtol=1e-9)
+    np.testing.assert_allclose(predicted["current_A"], current, rtol=1e-9)
 
 
 def test_a_bench_without_any_voltage_is_refused_with_what_to_log(carrier):
@@ -109,16 +109,16 @@ def test_a_sweep_taken_later_has_a_warmer_gear(robot):
     """Friction is 1.5 times its value when switched on and has fallen to 1.5/e above it after 100 s."""
     warm = robot.with_effect(FrictionWarmup(amplitude=0.5, time_constant_s=100.0))
     first, second = predict(CaseKind.MOTOR_STEADY, warm, trial("1", [0.0], [2.0]), trial("2", [100.0], [2.0]))
-    for found, share in ((first, 1.5), (second, 1 + 0.5 / math.e)):
-        assert found["omega_rad_s"][0] == pytest.approx((K * 2.0 / R - share * TC) / DAMPING)
+    for predicted, share in ((first, 1.5), (second, 1 + 0.5 / math.e)):
+        assert predicted["omega_rad_s"][0] == pytest.approx((K * 2.0 / R - share * TC) / DAMPING)
 
 
 def test_a_step_from_rest_is_an_exponential(robot):
     t = 0.005 * np.arange(1, 101)
-    (found,) = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(100, 3.0)))
+    (predicted,) = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(100, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
-    np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
-    np.testing.assert_allclose(found["current_A"], (3.0 - K * found["omega_rad_s"]) / R, rtol=1e-6)
+    np.testing.assert_allclose(predicted["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
+    np.testing.assert_allclose(predicted["current_A"], (3.0 - K * predicted["omega_rad_s"]) / R, rtol=1e-6)
 
 
 def test_rows_that_a_log_lacks_do_not_move_the_others(robot):
@@ -151,8 +151,8 @@ def test_rounded_times_do_not_drift(robot, rate_hz, decimals, states_rate):
     noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
     case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": rate_hz, "noise": noise}
     nominal = NominalStep.model_validate(case) if states_rate else None
-    (found,) = predict(CaseKind.MOTOR_STEP, robot, log, nominal=nominal)
-    np.testing.assert_allclose(found["omega_rad_s"], expected, atol=1e-5 if states_rate else 5e-3)
+    (predicted,) = predict(CaseKind.MOTOR_STEP, robot, log, nominal=nominal)
+    np.testing.assert_allclose(predicted["omega_rad_s"], expected, atol=1e-5 if states_rate else 5e-3)
 
 
 def test_a_log_whose_clock_is_not_the_stated_one_keeps_its_own(robot):
@@ -161,17 +161,17 @@ def test_a_log_whose_clock_is_not_the_stated_one_keeps_its_own(robot):
     noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
     case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": 200, "noise": noise}
     log = trial("1", t, np.full(398, 3.0))
-    (found,) = predict(CaseKind.MOTOR_STEP, robot, log, nominal=NominalStep.model_validate(case))
+    (predicted,) = predict(CaseKind.MOTOR_STEP, robot, log, nominal=NominalStep.model_validate(case))
     settled = (K * 3.0 / R - TC) / DAMPING
-    np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
+    np.testing.assert_allclose(predicted["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
 
 
 def test_a_row_at_time_0_is_the_state_at_rest(robot):
     t = 0.005 * np.arange(0, 101)
-    (found,) = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(101, 3.0)))
+    (predicted,) = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(101, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
-    np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
-    assert found["current_A"][0] == 0.0
+    np.testing.assert_allclose(predicted["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
+    assert predicted["current_A"][0] == 0.0
 
 
 def test_two_rows_at_one_sample_are_refused_by_their_times(robot):
@@ -184,11 +184,11 @@ def test_two_rows_at_one_sample_are_refused_by_their_times(robot):
 def mixed_robots(robot):
     """Robots that differ in numbers, in effects and in choices."""
     stronger = robot.model_copy(update={"motor": robot.motor.model_copy(update={"torque_constant_N_m_A": 1.1 * K})})
-    found = [robot, stronger]
+    robots = [robot, stronger]
     for effect in ALL_EFFECTS:
         choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
-        found += [robot.with_effect(effect.start(choices)), stronger.with_effect(effect.start(choices))]
-    return found
+        robots += [robot.with_effect(effect.start(choices)), stronger.with_effect(effect.start(choices))]
+    return robots
 
 
 @pytest.mark.parametrize("kind", [CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP])
@@ -214,11 +214,11 @@ def test_robots_that_only_read_differently_move_as_one(robot, kind):
 
 def central_slopes(stage, robots_of, value, step):
     """Derivative of the predicted speeds by a parameter, by two widths of step."""
-    found = []
+    slopes = []
     for h in (step, 0.5 * step):
         above, below = (stage.predict([robots_of(value + s)])[1].mean[0] for s in (h, -h))
-        found.append((above - below) / (2 * h))
-    return found
+        slopes.append((above - below) / (2 * h))
+    return slopes
 
 
 @pytest.mark.parametrize("delay_s", [0.0012, 0.0113])
@@ -238,8 +238,8 @@ def test_a_late_speed_log_is_interpolated_along_the_samples(robot):
     stage = bound(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
     (_, speed) = stage.predict([robot.with_effect(SpeedTimeOffset(delay_s=0.0083))])
-    found = np.interp(t - 0.0083, np.append(0.0, t), settled * (1 - np.exp(-np.append(0.0, t) / TAU_S)))
-    np.testing.assert_allclose(speed.mean[0], found, rtol=1e-9, atol=1e-12)
+    delayed = np.interp(t - 0.0083, np.append(0.0, t), settled * (1 - np.exp(-np.append(0.0, t) / TAU_S)))
+    np.testing.assert_allclose(speed.mean[0], delayed, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -256,7 +256,7 @@ def test_rows_of_5_ms_come_to_the_same_as_much_shorter_ones(robot, effect):
 def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
     """Two masses and a gap by the definition, in explicit steps of 10 microseconds: run-up, brake, reversal."""
     gap, voltage = 0.06, np.repeat([4.0, 0.0, -3.0], 24)
-    (found,) = predict(
+    (predicted,) = predict(
         CaseKind.MOTOR_STEP, robot.with_effect(GearBacklash(gap_rad=gap)), trial("1", ROWS_S[:72], voltage)
     )
     h, side_j, side_f = 1e-5, (0.6 * J, 0.4 * J), 0.5
@@ -278,7 +278,7 @@ def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
                 speeds, after = [both, both], math.copysign(gap / 2, after)
             (motor, load), slack = speeds, after
         expected.append(motor)
-    np.testing.assert_allclose(found["omega_rad_s"], expected, atol=0.02)
+    np.testing.assert_allclose(predicted["omega_rad_s"], expected, atol=0.02)
 
 
 @pytest.mark.parametrize("kind", [CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP])

@@ -78,8 +78,8 @@ def stage(robot):
 def predicted(stage, robot, *several):
     for effect in several:
         robot = robot.with_effect(effect)
-    (found,) = stage.predict([robot])
-    return found.mean[0], found.sd[0]
+    (predicted,) = stage.predict([robot])
+    return predicted.mean[0], predicted.sd[0]
 
 
 def test_the_nominal_reading_is_offset_and_scale_of_the_distance_alone(stage, robot):
@@ -149,10 +149,10 @@ def test_many_robots_at_once_are_each_of_them_alone(stage, robot):
 
 
 def test_covariates_name_what_a_reading_may_depend_on(stage):
-    found = {covariate.name: covariate for covariate in stage.observed[0].covariates}
-    assert set(found) == {
+    covariates = {covariate.name: covariate for covariate in stage.observed[0].covariates}
+    assert set(covariates) == {
         "distance_m", "material", "incidence_rad", "temperature_C", "ambient_lux", "t_s", "row", "previous_distance_m"
     }  # fmt: skip
-    assert [found["material"].labels[int(k)] for k in found["material"].values] == list(MATERIALS)
-    np.testing.assert_array_equal(found["previous_distance_m"].values, [math.nan, *D[:-1]])
-    np.testing.assert_array_equal(found["t_s"].values, 100.0 + T_S)
+    assert [covariates["material"].labels[int(k)] for k in covariates["material"].values] == list(MATERIALS)
+    np.testing.assert_array_equal(covariates["previous_distance_m"].values, [math.nan, *D[:-1]])
+    np.testing.assert_array_equal(covariates["t_s"].values, 100.0 + T_S)

@@ -17,14 +17,14 @@ def left():
 
 
 def test_noise_of_windows_that_share_poses_is_found(left):
-    found = window_noise(left, np.zeros(4000, dtype=int), np.ones(4000, dtype=bool), SHARE_NO_POSE)
-    assert found == pytest.approx(SD, rel=0.05)
+    sd = window_noise(left, np.zeros(4000, dtype=int), np.ones(4000, dtype=bool), SHARE_NO_POSE)
+    assert sd == pytest.approx(SD, rel=0.05)
 
 
 def test_what_bends_slowly_is_no_noise(left):
     slow = left + 3.0 * np.sin(np.arange(4000) / 500.0)
-    found = window_noise(slow, np.zeros(4000, dtype=int), np.ones(4000, dtype=bool), SHARE_NO_POSE)
-    assert found == pytest.approx(SD, rel=0.05)
+    sd = window_noise(slow, np.zeros(4000, dtype=int), np.ones(4000, dtype=bool), SHARE_NO_POSE)
+    assert sd == pytest.approx(SD, rel=0.05)
 
 
 def test_steps_from_trial_to_trial_and_rows_held_out_do_not_count(left):

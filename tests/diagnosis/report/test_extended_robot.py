@@ -50,12 +50,14 @@ def with_effect(diagnosis, name, choices=(), **values):
 def test_the_file_reads_back_as_the_robot_that_was_fitted(diagnosis_of, loaded):
     diagnosis = diagnosis_of("weak")
     robot = extended_robot(diagnosis)
-    found = loaded(robot)
-    assert found == robot.config
-    assert found.motor.winding_resistance_ohm == pytest.approx(
+    reloaded = loaded(robot)
+    assert reloaded == robot.config
+    assert reloaded.motor.winding_resistance_ohm == pytest.approx(
         diagnosis.extended.motor.winding_resistance_ohm, rel=1e-6
     )
-    assert found.effects.get(TorqueConstantScale).scale == pytest.approx(diagnosis.named[0].values["scale"], rel=1e-6)
+    assert reloaded.effects.get(TorqueConstantScale).scale == pytest.approx(
+        diagnosis.named[0].values["scale"], rel=1e-6
+    )
 
 
 def test_the_robot_of_the_file_turns_as_the_real_one(diagnosis_of, loaded):
@@ -121,9 +123,9 @@ def test_a_robot_that_cannot_turn_is_said_to_be_none(diagnosis_of):
     stuck = diagnosis_of("plain")
     motor = stuck.nominal.motor.model_copy(update={"coulomb_friction_N_m": 5.0})
     bad = replace(stuck, nominal=stuck.nominal.model_copy(update={"motor": motor}))
-    found = extended_robot(with_effect(bad, "viscous_friction_scale", scale=2.0))
-    assert "cannot overcome its friction" in found.problem
-    assert "# THIS ROBOT CANNOT DRIVE YET: robot.motor.coulomb_friction_N_m" in found.text
+    extended = extended_robot(with_effect(bad, "viscous_friction_scale", scale=2.0))
+    assert "cannot overcome its friction" in extended.problem
+    assert "# THIS ROBOT CANNOT DRIVE YET: robot.motor.coulomb_friction_N_m" in extended.text
 
 
 def test_friction_that_was_fitted_below_zero_is_none(diagnosis_of, loaded):
@@ -166,7 +168,7 @@ def test_another_nominal_robot_stands_in_for_what_a_case_does_not_tell(motor_ben
     classroom, _ = draw_robot(load_section("robot", "classroom"), 0, "test")
     other = classroom.model_copy(update={"drive": classroom.drive.model_copy(update={"caster_friction": 0.05})})
     measured = read_measurement(motor_bench_case(tmp_path / "plain"), IMPORTERS)
-    found = loaded(extended_robot(diagnose(measured, other)))
-    assert found.drive.caster_friction == 0.05
-    assert found.motor.winding_resistance_ohm == pytest.approx(3.0, rel=0.03)
-    assert found.controller == other.controller
+    reloaded = loaded(extended_robot(diagnose(measured, other)))
+    assert reloaded.drive.caster_friction == 0.05
+    assert reloaded.motor.winding_resistance_ohm == pytest.approx(3.0, rel=0.03)
+    assert reloaded.controller == other.controller

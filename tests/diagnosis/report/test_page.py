@@ -1,4 +1,4 @@
-"""The page: it stands alone, is well formed whatever is written in the data, and says what was found."""
+"""The page: it stands alone, is well formed for any text in the data, and shows the results."""
 
 import json
 import re
@@ -33,53 +33,53 @@ def test_the_page_is_well_formed_and_asks_nobody_for_anything(files_of, name):
 
 @pytest.mark.parametrize("name", BENCHES)
 def test_every_plot_has_an_alternative_text(files_of, name):
-    pictures = list(ET.fromstring(files_of(name)[PAGE].decode()).iter("img"))  # noqa: S314 - our own page
+    images = list(ET.fromstring(files_of(name)[PAGE].decode()).iter("img"))  # noqa: S314 - our own page
     plots = {path for path in files_of(name) if path.startswith("plots/")}
-    assert len(pictures) == len(plots) >= 3
-    assert all(len(picture.attrib["alt"]) > 10 for picture in pictures)
+    assert len(images) == len(plots) >= 3
+    assert all(len(image.attrib["alt"]) > 10 for image in images)
     assert all(files_of(name)[path].startswith(PNG) for path in plots)
 
 
 def test_an_effect_is_told_with_value_cause_and_gain(files_of, diagnosis_of):
-    told = text_of(files_of("weak")[PAGE].decode())
+    text = text_of(files_of("weak")[PAGE].decode())
     (named,) = diagnosis_of("weak").named
     assert named.name == "torque_constant_scale"
-    assert "The real robot differs from the nominal one by torque_constant_scale." in told
-    assert f"scale = {named.values['scale']:.4f} ± " in told
-    assert "Possible causes: another or an aged magnet, another gear ratio." in told
-    assert "On the held-out rows the error falls from " in told
-    assert "but parameters leave their tolerances" in told
+    assert "The real robot differs from the nominal one by torque_constant_scale." in text
+    assert f"scale = {named.values['scale']:.4f} ± " in text
+    assert "Possible causes: another or an aged magnet, another gear ratio." in text
+    assert "On the held-out rows the error falls from " in text
+    assert "but parameters leave their tolerances" in text
 
 
 def test_what_has_no_name_is_told_with_channel_covariate_and_picture(files_of, diagnosis_of):
-    told = text_of(files_of("bumped")[PAGE].decode())
+    text = text_of(files_of("bumped")[PAGE].decode())
     left = diagnosis_of("bumped").unexplained
     assert left.channel == "current_A"
-    assert f"The residuals of current_A have structure along predicted {left.covariate}" in told
+    assert f"The residuals of current_A have structure along predicted {left.covariate}" in text
     assert "plots/unexplained.png" in files_of("bumped")
 
 
 def test_a_bench_without_effects_says_so(files_of):
-    told = text_of(files_of("plain")[PAGE].decode())
-    assert "The nominal simulation explains these data, within the tolerances of its parameters." in told
+    text = text_of(files_of("plain")[PAGE].decode())
+    assert "The nominal simulation explains these data, within the tolerances of its parameters." in text
     assert "plots/unexplained.png" not in files_of("plain")
 
 
 def test_effects_that_cannot_show_in_steady_states_are_listed(files_of):
-    told = text_of(files_of("plain")[PAGE].decode())
-    assert re.search(r"nothing is known about them: [^.]*rotor_inertia_scale, [^.]*gear_backlash", told)
+    text = text_of(files_of("plain")[PAGE].decode())
+    assert re.search(r"nothing is known about them: [^.]*rotor_inertia_scale, [^.]*gear_backlash", text)
 
 
 HOSTILE = "<b>\"&'</td><script>alert(1)</script>"
 
 
 def test_markup_in_the_data_is_text(findings_of, files_of):
-    found = findings_of("weak")
-    measurement = found.diagnosis.measurement
+    data = findings_of("weak")
+    measurement = data.diagnosis.measurement
     source = replace(measurement.source, origin=HOSTILE, files=(f"{HOSTILE}.csv",), licence=HOSTILE)
     hostile = replace(measurement, name=HOSTILE, source=source, notes=(HOSTILE,))
-    pictures = {name[6:-4]: data for name, data in files_of("weak").items() if name.startswith("plots/")}
-    html = page(replace(found, diagnosis=replace(found.diagnosis, measurement=hostile)), pictures)
+    images = {name[6:-4]: data for name, data in files_of("weak").items() if name.startswith("plots/")}
+    html = page(replace(data, diagnosis=replace(data.diagnosis, measurement=hostile)), images)
     assert {element.tag for element in ET.fromstring(html).iter()}.isdisjoint({"b", "script"})  # noqa: S314 - our own page
     assert text_of(html).count("alert(1)") >= 4
 
@@ -105,16 +105,16 @@ def test_texts_fit_a_terminal(files_of, name):
 def test_each_effect_is_taken_away_in_turn(files_of, findings_of):
     """What is left without an effect and what that effect takes of it make up the whole gain; here the nominal torque
     constant can be bent as far, which costs, and is said."""
-    told = json.loads(files_of("weak")[ANSWER])["without"]["torque_constant_scale"]
-    assert told["cost_rise"] > 100.0
-    assert told["heldout_gain_ci"][0] <= told["heldout_gain"] <= told["heldout_gain_ci"][1]
+    answered = json.loads(files_of("weak")[ANSWER])["without"]["torque_constant_scale"]
+    assert answered["cost_rise"] > 100.0
+    assert answered["heldout_gain_ci"][0] <= answered["heldout_gain"] <= answered["heldout_gain_ci"][1]
     (without,) = findings_of("weak").ablations
     alone = findings_of("weak").diagnosis.gain
     assert 1.0 - alone.value == pytest.approx((1.0 - without.gain.value) * (1.0 - without.effect_gain.value))
-    assert told["adds_ci"][0] <= told["adds"] <= told["adds_ci"][1]
+    assert answered["adds_ci"][0] <= answered["adds"] <= answered["adds_ci"][1]
     low, high = json.loads(files_of("weak")[ANSWER])["intervals"]["torque_constant_scale"]["scale"]["0.95"]
     assert low < 0.9 < high
-    page_told = text_of(files_of("weak")[PAGE].decode())
-    assert "Without this effect and with everything else fitted again, the cost rises by" in page_told
-    assert "parameters leave their tolerances (torque_constant_N_m_A by 1" in page_told
+    page_text = text_of(files_of("weak")[PAGE].decode())
+    assert "Without this effect and with everything else fitted again, the cost rises by" in page_text
+    assert "parameters leave their tolerances (torque_constant_N_m_A by 1" in page_text
     assert "95 % profile interval 0.8" in files_of("weak")[SUMMARY].decode()

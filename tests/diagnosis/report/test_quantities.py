@@ -15,7 +15,7 @@ from diagnosis.report.quantities import axis, confidence, covariate_axis, percen
 
 
 @pytest.mark.parametrize(
-    ("value", "error", "told"),
+    ("value", "error", "text"),
     [
         (0.92962, 0.0067, "0.9296 ± 0.0067"),
         (0.00465, 0.0002, "0.00465 ± 0.00020"),
@@ -27,8 +27,8 @@ from diagnosis.report.quantities import axis, confidence, covariate_axis, percen
         (1e-12, 2e-13, "1e-12 ± 2e-13"),
     ],
 )
-def test_a_value_has_as_many_digits_as_its_error_leaves(value, error, told):
-    assert with_error(value, error) == told
+def test_a_value_has_as_many_digits_as_its_error_leaves(value, error, text):
+    assert with_error(value, error) == text
 
 
 def test_nothing_is_certain():

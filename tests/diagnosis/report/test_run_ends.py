@@ -24,10 +24,10 @@ def test_the_extended_robot_of_known_wheels_ends_nearer_than_the_nominal_one(mad
     """Planted: radii 40.0 and 40.2 mm for 40, a track of 202.4 mm for 200; two runs of nine are held out."""
     measurement = made.measured(runs=9)
     held = (replace(t, holdout=np.full(len(t.t_s), k in {2, 5})) for k, t in enumerate(measurement.trials))
-    found = diagnose(replace(measurement, trials=tuple(held)))
-    drive = found.extended.drive
+    diagnosis = diagnose(replace(measurement, trials=tuple(held)))
+    drive = diagnosis.extended.drive
     assert drive.track_m == pytest.approx(0.2024, abs=4e-4)
-    (sentence, *more) = run_ends(found)
+    (sentence, *more) = run_ends(diagnosis)
     assert not more
     before, after = (float(sentence.split(" mm and ")[k].split()[-1]) for k in (0, 1))
     assert "rms of 2 runs" in sentence

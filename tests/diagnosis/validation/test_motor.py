@@ -9,9 +9,10 @@ import yaml
 
 from configs.schema.robot import RobotConfig
 from diagnosis.motor_identification import TABLE_2
+from diagnosis.validation.measures import rms
 from diagnosis.validation.motor.energy import energy
 from diagnosis.validation.motor.experiments import require_inertia
-from diagnosis.validation.motor.steady_states import largest, rms, steady_states
+from diagnosis.validation.motor.steady_states import largest, steady_states
 from diagnosis.validation.motor.steps import steps
 from diagnosis.validation.motor.stiction import starts_and_reversals, stiction
 from physics.effects.input_delay import InputDelay

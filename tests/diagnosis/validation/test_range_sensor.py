@@ -12,22 +12,18 @@ from diagnosis.validation.range_sensor import field_of_view, step, surfaces, til
 from diagnosis.validation.range_sensor.experiments import require_sight
 from diagnosis.validation.range_sensor.paper import HALF_ANGLE_DEG, TABLE_4
 from diagnosis.validation.range_sensor.recordings.after_move import after_move, modelled
-from diagnosis.validation.range_sensor.recordings.allan import allan_deviation, group_lengths
-from diagnosis.validation.range_sensor.recordings.cone import Cone
+from diagnosis.validation.range_sensor.recordings.ball_scene import BallScene, Cone
 from diagnosis.validation.range_sensor.recordings.edge import ball_edge
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording, read_scan
-from diagnosis.validation.range_sensor.recordings.sphere import BallScene
-from diagnosis.validation.range_sensor.recordings.static import RestRecording, at_rest, notes, read_rest_recording
-from diagnosis.validation.range_sensor.stand import (
-    HEIGHT_M,
-    SensorOnStand,
-    arena_of,
-    board,
-    closed_form,
-    reading_mm,
-    target,
+from diagnosis.validation.range_sensor.recordings.static import (
+    RestRecording,
+    allan_deviation,
+    at_rest,
+    group_lengths,
+    notes,
+    read_rest_recording,
 )
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board, target
 from physics.bullet.ray_oracle import EngineRays
 from symolo.core.errors import InputError
 
@@ -53,14 +49,14 @@ def rng(seed):
 
 def test_allan_deviation_of_white_noise_falls_with_the_root_of_the_length():
     lengths = (1, 4, 16, 64)
-    found = allan_deviation(2.0 * rng(1).standard_normal(200_000), lengths)
-    assert found == pytest.approx(2.0 / np.sqrt(lengths), rel=0.05)
+    deviation = allan_deviation(2.0 * rng(1).standard_normal(200_000), lengths)
+    assert deviation == pytest.approx(2.0 / np.sqrt(lengths), rel=0.05)
 
 
 def test_allan_deviation_of_a_random_walk_rises_with_the_root_of_a_third_of_the_length():
     lengths = (32, 128)
-    found = allan_deviation(np.cumsum(0.5 * rng(2).standard_normal(400_000)), lengths)
-    assert found == pytest.approx(0.5 * np.sqrt(np.array(lengths) / 3.0), rel=0.08)
+    deviation = allan_deviation(np.cumsum(0.5 * rng(2).standard_normal(400_000)), lengths)
+    assert deviation == pytest.approx(0.5 * np.sqrt(np.array(lengths) / 3.0), rel=0.08)
 
 
 def test_allan_deviation_of_a_steady_drift_is_its_rate_times_the_length_over_the_root_of_two():
@@ -148,20 +144,20 @@ def test_a_step_that_is_too_narrow_is_reported_as_missed(mounted):
 
 def test_a_tilted_board_reads_the_weighted_mean_over_the_cone(mounted):
     """Summed over a fine grid of the cone: a ray at angle a, roll b meets the board at d / cosine of its incidence."""
-    sensor, tilt_rad = mounted.without_noise().sensor(target(0.2), "test"), math.radians(25.0)
+    tilt_rad = math.radians(25.0)
     a, b = np.meshgrid((np.arange(400) + 0.5) / 400 * math.radians(HALF_ANGLE_DEG), np.arange(400) / 400 * 2 * np.pi)
     cosine = np.cos(tilt_rad) * np.cos(a) - np.sin(tilt_rad) * np.sin(a) * np.cos(b)
     beam = np.sin(a) * np.exp(-0.5 * (a / math.radians(7.0)) ** 2)
     calibrated = (beam * np.cos(a)).sum() / beam.sum()
     expected_mm = 200.0 * calibrated * beam.sum() / (beam * cosine).sum()
-    found_mm = reading_mm(sensor, StillWorld(closed_form(target(0.2)), yaw_deg=25.0))
-    assert found_mm - 0.25 == pytest.approx(expected_mm, abs=0.3)
+    tilted_mm = mounted.without_noise().facing(target(0.2), "test").reading_mm(yaw_deg=25.0)
+    assert tilted_mm - 0.25 == pytest.approx(expected_mm, abs=0.3)
 
 
 def test_tilt_up_and_to_the_side_read_alike(mounted):
-    rays, still = closed_form(target(0.2)), mounted.without_noise()
-    aside = reading_mm(still.sensor(target(0.2), "test"), StillWorld(rays, yaw_deg=17.0))
-    up = reading_mm(still.sensor(target(0.2), "test", pitch_up_deg=17.0), StillWorld(rays))
+    still = mounted.without_noise()
+    aside = still.facing(target(0.2), "test").reading_mm(yaw_deg=17.0)
+    up = still.facing(target(0.2), "test", pitch_up_deg=17.0).reading_mm()
     assert up == pytest.approx(aside, abs=0.2)
 
 
@@ -181,10 +177,10 @@ def test_the_spot_is_the_cone_of_25_degrees(mounted):
 
 def test_readings_on_the_engines_own_rays_are_the_same(mounted):
     arena = target(0.2)
-    sensor = mounted.without_noise().sensor(arena, "test")
+    ours = mounted.without_noise().facing(arena, "test")
     with EngineRays(arena) as engine:
-        theirs = reading_mm(sensor, StillWorld(engine, yaw_deg=10.0))
-    assert theirs == pytest.approx(reading_mm(sensor, StillWorld(closed_form(arena), yaw_deg=10.0)), abs=0.01)
+        theirs_mm = replace(ours, caster=engine).reading_mm(yaw_deg=10.0)
+    assert theirs_mm == pytest.approx(ours.reading_mm(yaw_deg=10.0), abs=0.01)
 
 
 def test_rays_meet_a_ball_where_geometry_says():
@@ -200,10 +196,11 @@ def test_rays_meet_a_ball_where_geometry_says():
 def test_the_what_if_without_falling_light_is_the_sensors_own_mean(mounted):
     scene = BallScene(nearest_m=0.15, radius_m=0.037, board_m=0.97)
     cone = Cone.of_sensor(mounted.tof)
-    sensor = mounted.without_noise().sensor(arena_of(board("ball", 0.1, 1.0), board("board", 1.0, 1.0)), "test")
+    boards = arena_of(board("ball", 0.1, 1.0), board("board", 1.0, 1.0))
+    before_ball = replace(mounted.without_noise().facing(boards, "test"), caster=scene)
     for y_m in (0.0, 0.02, 0.04, 0.06):
-        found_mm = 1e3 * cone.ranges_m(scene, np.array([[0.0, y_m, HEIGHT_M]]), 0.0)[0]
-        assert reading_mm(sensor, StillWorld(scene, y_m=y_m)) - 0.25 == pytest.approx(found_mm, abs=1e-6)
+        range_mm = 1e3 * cone.ranges_m(scene, np.array([[0.0, y_m, HEIGHT_M]]), 0.0)[0]
+        assert before_ball.reading_mm(y_m) - 0.25 == pytest.approx(range_mm, abs=1e-6)
 
 
 def scan_of_a_ball(mounted, power, radius_m=0.03):

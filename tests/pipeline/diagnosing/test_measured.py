@@ -112,10 +112,10 @@ def test_side_tables_of_another_run_are_refused(copy_of, dataset, symolo):
 
 BAD = {
     "nowhere": (["nowhere"], "no such file or folder"),
-    "nothing known": (["."], "is none of the measured data that are known"),
+    "nothing known": (["."], "is not measured data of a known form"),
     "no such importer": (["table-1", "--importer", "papre"], "did you mean paper"),
     "wrong importer": (["table-1", "--importer", "motor_step"], "there is no nominal.yaml"),
-    "a picture": (["picture.png"], "is none of the measured data"),
+    "a picture": (["picture.png"], "is not measured data"),
 }
 
 

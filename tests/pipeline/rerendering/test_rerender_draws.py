@@ -90,15 +90,17 @@ def test_without_out_the_folder_is_named_by_run_and_looks(run, tmp_path, symolo,
     assert "--out CW-test_1-lab: is a file" in ended.err
 
 
+@pytest.mark.usefixtures("hands")
 @pytest.mark.parametrize("option", ["--look", "--looks"])
-def test_a_folder_that_nobody_named_is_continued_but_not_replaced(run, tmp_path, symolo, monkeypatch, option):
+def test_a_folder_without_out_is_continued_but_not_replaced(run, tmp_path, symolo, monkeypatch, option):
     monkeypatch.chdir(tmp_path)
-    asked = ("rerender", run, option, "lab", "--set", "render.width_px=32", "--set", "render.height_px=24")
-    assert symolo(*asked).code == symolo(*asked).code == 0
+    command = ("rerender", run, option, "lab", "--set", "render.width_px=32", "--set", "render.height_px=24")
+    assert symolo(*command).code == symolo(*command).code == 0
     before = {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
-    ended = symolo(*asked, "--seed", 77)
+    ended = symolo(*command, "--seed", 77)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert "holds images of another trajectory or another draw of the look; name a folder by --out" in ended.err
+    assert before
     assert before == {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
 
 

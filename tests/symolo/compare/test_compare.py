@@ -17,7 +17,7 @@ TABLE = "t,x,state\n0,4.0,0\n50,-8.0,0\n100,2.0,1\n"
 
 @pytest.fixture
 def pair(tmp_path):
-    """Two folders of the same run: a picture, a mask, a table and a document."""
+    """Two folders of the same run: an image, a mask, a table and a document."""
     a = tmp_path / "a"
     (a / "annotations/instance").mkdir(parents=True)
     cv2.imwrite(str(a / "000001.png"), np.full((6, 8, 3), 100, np.uint8))
@@ -81,7 +81,7 @@ def test_pictures_of_other_sizes_or_no_pictures_are_different(pair):
     cv2.imwrite(str(pair[1] / "000001.png"), np.zeros((6, 9, 3), np.uint8))
     assert "8 x 6 px, 3 channels of uint8 in A, 9 x 6 px" in str(only(pair, 0))
     (pair[1] / "000001.png").write_bytes(b"\x89PNG nothing")
-    assert "the picture of B cannot be decoded" in str(only(pair, 0))
+    assert "the image of B cannot be decoded" in str(only(pair, 0))
 
 
 def test_columns_are_told_apart_by_their_largest_difference(pair):
@@ -155,7 +155,7 @@ def test_processors_and_programs_that_differ_are_told(pair, symolo):
     ended = symolo("compare", *pair)
     assert ended.code == 6
     assert ended.out.splitlines() == [
-        "bag-info.txt: differs; it is written from the other files, or tells how they were made",
+        "bag-info.txt: differs; it is written from the other files, or describes how they were made",
         f"other CPU class, which may decide low bits: {cpus[0]} in A, {cpus[1]} in B",
         "the same values: 4 of 5 files identical, no number or pixel differs in the others",
     ]

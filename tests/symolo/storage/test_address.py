@@ -30,7 +30,7 @@ def nothing_in_the_environment(monkeypatch):
         (["file://data"], "URL: got 'file://data', allowed: file:// and a whole path"),
         (["s3://bucket/x", "--endpoint", "localhost:9000"], "--endpoint: got 'localhost:9000', allowed: https://HOST"),
         (["s3://bucket/x", "--endpoint", "http://localhost:9000"], "sends everything unencrypted; name it by https://"),
-        (["gs://bucket/x", "--endpoint", "https://localhost"], "leave it out: it is of s3:// alone"),
+        (["gs://bucket/x", "--endpoint", "https://localhost"], "leave it out: only s3:// has an endpoint"),
     ],
 )
 def test_what_is_no_address_is_refused(symolo, tmp_path, arguments, told):

@@ -126,7 +126,7 @@ def test_an_object_that_somebody_else_put_there_without_a_checksum_is_sent_again
     store = Bucket("s3://bucket/data", memory)
     found = planned(sent[0], store, LineReport())
     assert {file.name for file in found.to_send} == sent[1].keys() - {MANIFEST, TAG_MANIFEST}
-    assert set(found.other.values()) == {"bears no SHA-256, so that only a download would tell"}
+    assert set(found.different.values()) == {"bears no SHA-256, so that only a download would tell"}
 
 
 def test_a_damaged_release_is_not_sent(release, tmp_path, symolo):

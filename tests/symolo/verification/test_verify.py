@@ -1,4 +1,4 @@
-"""`symolo verify` names the file and the fault of every kind of damage, also where the checksums were written anew."""
+"""`symolo verify` names the file and the fault of every kind of damage, also where the checksums were written again."""
 
 import errno
 import hashlib
@@ -186,7 +186,7 @@ CONTENT = {
     "intrinsics of other pictures": (
         edit(f"{RUN}/side/intrinsics.json", lambda t: t.replace('"width_px": 32', '"width_px": 64')),
         f"{RUN}/side/intrinsics.json",
-        "is of pictures of 64 x 24 px, metadata.json says 32 x 24",
+        "is of images of 64 x 24 px, metadata.json says 32 x 24",
     ),
     "a specification that is none": (
         edit(f"{RUN}/side/spec.json", lambda text: re.sub(r'("focal_length_mm": ?)[0-9.]+', r"\g<1>0.0", text)),
@@ -203,11 +203,6 @@ CONTENT = {
     "run folder added": (lambda root: (root / "CW/test_2").mkdir(), "CW/test_2", "is not named in metadata.json"),
     "run folder gone": (lambda root: (root / RUN).rename(root / "CW/test_9"), RUN, "the folder is missing"),
     "description missing": (remove("README.md"), "README.md", "is missing"),
-    "link instead of a file": (
-        lambda root: (remove(CSV)(root), (root / CSV).symlink_to("../../CCW/test_1/data.csv")),
-        CSV,
-        "symbolic link",
-    ),
 }
 
 UNSIGNED = {
@@ -233,7 +228,12 @@ UNSIGNED = {
         f"is not named in manifest-sha256.txt; it is a copy of {CSV}",
     ),
     "bag-info edited": (edit("bag-info.txt", lambda t: t.replace("CPU", "GPU")), "bag-info.txt", "was changed"),
-    "pipe added": (lambda root: os.mkfifo(root / "CW/pipe"), "CW/pipe", "is no regular file"),
+    "link instead of a file": (
+        lambda root: (remove(CSV)(root), (root / CSV).symlink_to("../../CCW/test_1/data.csv")),
+        CSV,
+        "symbolic link",
+    ),
+    "pipe added": (lambda root: os.mkfifo(root / "CW/pipe"), "CW/pipe", "is a pipe, and a dataset holds plain files"),
     "file added": (lambda root: (root / "CW/notes.txt").write_text("x"), "CW/notes.txt", "is not named in"),
     "file removed": (remove(f"{RUN}/side/camera.csv"), f"{RUN}/side/camera.csv", "is missing"),
     "description edited": (edit("README.md", str.upper), "README.md", "was changed"),
@@ -360,14 +360,14 @@ def test_a_file_that_the_disk_does_not_give_is_named_and_the_others_are_checked(
     root = copy_of(dataset)
     cell("L3", 0, "1.5")(root)
     lost = root / RUN / "images/000004.jpg"
-    opened = Path.open
+    opened = os.open
 
     def open_or_fail(path, *args, **options):
         if path == lost:
             raise OSError(errno.EIO, os.strerror(errno.EIO), str(path))
         return opened(path, *args, **options)
 
-    monkeypatch.setattr(Path, "open", open_or_fail)
+    monkeypatch.setattr(os, "open", open_or_fail)
     found = [str(finding) for finding in verify(root)]
     assert f"{RUN}/images/000004.jpg: cannot be read: {os.strerror(errno.EIO)}" in found
     assert f"{CSV}: line 2: column L3: 1.5 is outside 0..1" in found

@@ -1,1 +1,1 @@
-"""The range sensor model beside recordings of a real sensor."""
+"""Comparison of the range sensor model with recordings of a real sensor."""

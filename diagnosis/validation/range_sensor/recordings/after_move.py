@@ -1,4 +1,4 @@
-"""Readings right after a move: whether they are of the old or the new place, in a scan and in the simulated sensor."""
+"""Readings right after a move, in a scan and by the simulated sensor: do they show the old or the new place?"""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from symolo.pages.plotting import BLUE, PALE, VERMILION
 JUMP_MM = 10.0
 """Smallest difference between neighbouring points whose old and new readings can be distinguished."""
 NEAR = 0.25
-"""Share of the change of range within which a reading counts as being of the old or the new place."""
+"""Distance from the old or the new range, as a share of the change, within which a reading shows that place."""
 DEVICE_PERIOD_S = 0.2
 """Period of the device's high-accuracy profile, with which the scan was made."""
 TOLERANCE = 0.15
@@ -22,9 +22,9 @@ STEPS_HZ = 10_000
 
 
 def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult | None:
-    """Return the share of the change that each reading at a new place shows, by its number; 0 the old place, 1 the new.
+    """Return the share of the change of range that each reading after a move shows: 0 for the old place, 1 for the new.
 
-    None where no move changes the range, or every one does: where nothing changes, the spacing of readings is measured.
+    None if no move changes the range, or every move does: the time between readings is measured where nothing changes.
     """
     readings = scan.reading_mm
     old, new = scan.settled_mm[:-1], scan.settled_mm[1:]
@@ -50,7 +50,8 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
         "model": configured,
         "model_at_device_period": of_device,
     }
-    detail = f"{table['moves']} moves, a reading every {poll_s:.2f} s; as configured the model has {_row(configured)}"
+    as_configured = " ".join(f"{share:.2f}" for share in configured)
+    detail = f"{table['moves']} moves, a reading every {poll_s:.2f} s; the model as configured: {as_configured}"
     checks = [
         ValidationCheck(
             f"share of the change in reading {k + 1} after a move",
@@ -63,8 +64,8 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
         for k in range(count)
     ]
     note = (
-        "NOT IN THE MODEL: its value is the scene at one instant, where the device gathers light for its whole period; "
-        "a scan that stands still at each point cannot show by how much that differs"
+        "NOT IN THE MODEL: the device gathers light for its whole period, a value of the model shows one moment; a "
+        "scan that stands still at each point cannot show the difference"
     )
     number = np.arange(1, count + 1)
     curves = (
@@ -77,15 +78,11 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
     return ExperimentResult({"after_move": table}, checks, (panel,), (note,))
 
 
-def _row(shares: Array) -> str:
-    return " ".join(f"{share:.2f}" for share in shares)
-
-
 def _share_new(steady: Array) -> float:
-    """Return which share of the readings (P, K), taken where nothing changes, are new values of the device.
+    """Return the share of readings (P, K), where nothing changes, that are new values of the device.
 
-    Read every s, a value that is new every T is new in a share s / T. Some new values are the same by chance: readings
-    three apart are certainly different values, so that these show how many.
+    If the device has a new value every T and is read every s, the share is s / T. Some new values are equal to the one
+    before by chance. Readings that are three apart are certainly different values, and show how many.
     """
     same = float(np.mean(steady[:, 1:] == steady[:, :-1]))
     by_chance = float(np.mean(steady[:, 3:] == steady[:, :-3])) if steady.shape[1] > 3 else 0.0
@@ -93,9 +90,9 @@ def _share_new(steady: Array) -> float:
 
 
 def modelled(period_s: float, delay_s: float, poll_s: float, count: int) -> Array:
-    """Return in which share of moves reading 0, 1, ... is of the new place, over all moments of the sensor's period."""
+    """Return the share of moves after which reading 0, 1, ... shows the new place, over all phases of the period."""
     sampling = Sampling.from_seconds(period_s, delay_s, STEPS_HZ)
-    # Far enough from the start that the sensor has delivered, whatever the delay.
+    # Late enough that the sensor has delivered a value, whatever the delay.
     first = sampling.period_steps * (2 + sampling.delay_steps // sampling.period_steps)
     moves = range(first, first + sampling.period_steps)
     polls = [round(number * poll_s * STEPS_HZ) for number in range(count)]

@@ -1,4 +1,4 @@
-"""Mixed ranges at the edge of a ball before a board: a real scan, the sensor's mean, and a mean with falling light."""
+"""Mixed ranges at the edge of a ball in front of a board: a real scan, the sensor, and a cone with falling light."""
 
 from dataclasses import dataclass, replace
 
@@ -7,56 +7,56 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from diagnosis.validation.experiment import ExperimentResult
+from diagnosis.validation.measures import rms
 from diagnosis.validation.panels import Curve, Panel
 from diagnosis.validation.range_sensor.paper import footprint_mm
-from diagnosis.validation.range_sensor.recordings.cone import Cone
+from diagnosis.validation.range_sensor.recordings.ball_scene import BALL, BOARD, BallScene, Cone
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording
-from diagnosis.validation.range_sensor.recordings.sphere import BALL, BOARD, BallScene
-from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board, reading_mm
+from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board
 from diagnosis.validation.range_sensor.step import places_of_shares
-from diagnosis.validation.still_world import StillWorld
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, VERMILION
 
 INNER_MM = 30.0
-"""Readings within this of the nearest are of the ball alone, or nearly."""
+"""Distance from the nearest reading up to which readings are of the ball alone, or nearly."""
 MIN_INNER = 12
 RING_MM = 4.0
 START_RADIUS_MM = 40.0
 MIN_RADIUS_MM = 5.0
 DIFFERENCE = 0.02
-"""Relative step with which the fit takes its slope. A planted ball of 30 mm at 160 mm comes out as 34 mm at 165 mm."""
+"""Relative step of the numerical slope of the fit. A planted ball of 30 mm at 160 mm is fitted as 34 mm at 165 mm."""
 CLEARLY = 0.8
 """Ratio of the residuals of two laws of light, below which the first explains a scan better."""
 
 
 @dataclass(frozen=True)
 class BallFit:
-    """The ball that explains the readings of its middle best, under one law of light."""
+    """The ball that explains the readings of its middle best, for one law of light."""
 
     falls_with_power: float
-    """Power of the distance with which light falls: 0 as the sensor has it, 2 as real light does."""
+    """Power of the distance with which light falls off: 0 as in the sensor, 2 for real light."""
     x_mm: float
     y_mm: float
     nearest_mm: float
     radius_mm: float
     inner_rms_mm: float
     all_rms_mm: float
-    """Residual over the outer side of the ball too, which was not fitted."""
+    """Residual that includes the outer part of the ball, which was not fitted."""
 
 
 @dataclass(frozen=True)
 class _HalfScan:
-    """Points of the scan from the ball's middle on to the side where nothing holds the ball."""
+    """Points of the scan from the middle of the ball to the side where nothing holds the ball."""
 
     places_mm: Array
-    """(P, 2)."""
+    """(P, 2), x and y of the points."""
     reading_mm: Array
+    """(P,), settled readings."""
     board_mm: float
 
 
 def ball_edge(mounted: SensorOnStand, scan: ScanRecording) -> ExperimentResult | None:
-    """Return fits of the ball and profiles across its edge; None where the scan has nothing near before a far board."""
+    """Return fits of the ball and profiles across its edge; None for a scan without a near object and a far board."""
     half = _half(scan)
     inner = half.reading_mm < half.reading_mm.min() + INNER_MM
     if inner.sum() < MIN_INNER or half.board_mm < half.reading_mm.min() + 3.0 * INNER_MM:
@@ -76,21 +76,21 @@ def ball_edge(mounted: SensorOnStand, scan: ScanRecording) -> ExperimentResult |
     }
     better = falling.inner_rms_mm < CLEARLY * plain.inner_rms_mm
     outshine = (
-        ". NOT IN THE MODEL: near things outshine far ones in the cone. It weighs a ray by beam and incidence alone, "
-        "so that its ranges at edges are too long and near things look too small"
+        ". NOT IN THE MODEL: near things outshine far ones. It weighs a ray by beam and incidence only, so that its "
+        "ranges at edges are too long and near things look too small"
     )
     notes = (
         (
-            f"a ball before a board at {half.board_mm:.0f} mm: the middle of the ball fits the model's mean with "
-            f"{plain.inner_rms_mm:.1f} mm rms and a radius of {plain.radius_mm:.0f} mm, and one in which light falls "
-            f"with the square of the distance with {falling.inner_rms_mm:.1f} mm and {falling.radius_mm:.0f} mm"
+            f"a ball in front of a board at {half.board_mm:.0f} mm: the model fits the middle of the ball to "
+            f"{plain.inner_rms_mm:.1f} mm rms with a radius of {plain.radius_mm:.0f} mm; a model in which light falls "
+            f"with the square of the distance fits it to {falling.inner_rms_mm:.1f} mm with {falling.radius_mm:.0f} mm"
         ),
         (
-            f"past the edge of that ball of {falling.radius_mm:.0f} mm the real range goes from 10 to 90 % in "
-            f"{real['width_10_90_mm']:.0f} mm about {real['middle_mm']:.0f} mm from its centre; the model takes "
-            f"{model['width_10_90_mm']:.0f} mm about {model['middle_mm']:.0f} mm, with falling light it would take "
-            f"{with_light['width_10_90_mm']:.0f} mm about {with_light['middle_mm']:.0f} mm (the footprint there is "
-            f"{rim_footprint_mm:.0f} mm){outshine if better else ': falling light explains it no better'}"
+            f"across the edge of that ball of {falling.radius_mm:.0f} mm, the real range is half-way to the board "
+            f"{real['middle_mm']:.0f} mm from the centre, and goes from 10 to 90 % in {real['width_10_90_mm']:.0f} mm; "
+            f"by the model these are {model['middle_mm']:.0f} and {model['width_10_90_mm']:.0f} mm, by falling light "
+            f"{with_light['middle_mm']:.0f} and {with_light['width_10_90_mm']:.0f} mm (the footprint there is "
+            f"{rim_footprint_mm:.0f} mm){outshine if better else '; falling light does not explain it better'}"
         ),
     )
     curves = (
@@ -98,14 +98,14 @@ def ball_edge(mounted: SensorOnStand, scan: ScanRecording) -> ExperimentResult |
         Curve(model["radius_mm"], model["reading_mm"], "model", VERMILION),
         Curve(with_light["radius_mm"], with_light["reading_mm"], "model, were light to fall as 1/d²", BLUE, "--"),
     )
-    title = "Mixed ranges at the edge of a ball, dashed: its fitted edge"
+    title = "Mixed ranges at the edge of a ball (dashed: its fitted edge)"
     axes = ("distance from the ball's centre, across [mm]", "median reading [mm]")
     panel = Panel(title, *axes, curves, x_lines=(falling.radius_mm,), y_range=(0.0, None))
     return ExperimentResult(tables, panels=(panel,), notes=notes)
 
 
 def _half(scan: ScanRecording) -> _HalfScan:
-    """Return the side of the scan on which the board shows at the rim; what holds the ball is in view on the other."""
+    """Return the side of the scan on which the board is seen at the rim; the other side shows what holds the ball."""
     settled = scan.settled_mm
     middle = float(np.median(scan.y_mm[settled < settled.min() + 0.3 * INNER_MM]))
     first, last = (np.median(settled[scan.y_mm == end]) for end in (scan.y_mm.min(), scan.y_mm.max()))
@@ -121,7 +121,7 @@ def _scene(fit: BallFit, board_mm: float) -> BallScene:
 
 
 def _readings(cone: Cone, half: _HalfScan, fit: BallFit) -> Array:
-    """Return readings (P,) [mm] by a law of light; x of the scan is y of the stand, and y its height."""
+    """Return readings (P,) [mm] for a law of light; x of the scan is y on the stand, and y is its height."""
     across = 1e-3 * half.places_mm
     places = np.stack([np.zeros(len(across)), across[:, 0], HEIGHT_M + across[:, 1]], axis=1)
     return 1e3 * cone.ranges_m(_scene(fit, half.board_mm), places, fit.falls_with_power)
@@ -144,26 +144,25 @@ def _fit(cone: Cone, half: _HalfScan, inner: NDArray[np.bool_], power: float) ->
         (x_mm, y_mm, nearest, START_RADIUS_MM),
         bounds=([-1e3, -1e3, 1.0, MIN_RADIUS_MM], [1e3, 1e3, 2e3, 500.0]),
         x_scale=(1.0, 1.0, 1.0, 5.0),
-        # Rays fall off the rim one by one: smaller steps see the slope between two falls only.
+        # Rays leave the ball one by one at its rim, so the residuals have steps; a small difference would miss them.
         diff_step=DIFFERENCE,
     )
     fit = ball(solution.x)
     outside = _readings(cone, half, fit) - half.reading_mm
-    return replace(fit, inner_rms_mm=_rms(solution.fun), all_rms_mm=_rms(outside))
+    return replace(fit, inner_rms_mm=rms(solution.fun), all_rms_mm=rms(outside))
 
 
 def _with_sensor(mounted: SensorOnStand, half: _HalfScan, fit: BallFit) -> Array:
-    """Return readings (P,) of the simulator's own sensor without noise: the ball is moved past it."""
-    # Their order gives the surfaces their numbers: the ball is 1, the board 2.
+    """Return readings (P,) of the simulated sensor without noise, past which the ball is moved."""
+    # The order of the boards gives the surfaces their numbers: the ball is 1, the board 2.
     boards = {BALL: board("ball", 0.1, 1.0), BOARD: board("board", 1.0, 1.0)}
-    # The scan has unknown offsets; what is compared is the mean over the cone.
+    # The scan has an unknown offset, so only the mean over the cone is compared.
     exact = replace(mounted, tof=mounted.tof.model_copy(update={"error_scale": 0.0})).without_noise()
-    sensor, scene = exact.sensor(arena_of(*boards.values()), "edge"), _scene(fit, half.board_mm)
+    on_stand, ball = exact.facing(arena_of(*boards.values()), "edge"), _scene(fit, half.board_mm)
     moved = (
-        replace(scene, y_m=scene.y_m - 1e-3 * x_mm, z_m=scene.z_m - 1e-3 * y_mm)
-        for x_mm, y_mm in half.places_mm.tolist()
+        replace(ball, y_m=ball.y_m - 1e-3 * x_mm, z_m=ball.z_m - 1e-3 * y_mm) for x_mm, y_mm in half.places_mm.tolist()
     )
-    return np.array([reading_mm(sensor, StillWorld(ball)) for ball in moved])
+    return np.array([replace(on_stand, caster=scene).reading_mm() for scene in moved])
 
 
 def _profile(half: _HalfScan, fit: BallFit, reading: Array) -> dict:
@@ -175,7 +174,3 @@ def _profile(half: _HalfScan, fit: BallFit, reading: Array) -> dict:
     median = np.array([np.median(reading[ring == number]) for number in rings])
     start, middle, end = places_of_shares(radius, median, (0.1, 0.5, 0.9))
     return {"radius_mm": radius, "reading_mm": median, "width_10_90_mm": end - start, "middle_mm": middle}
-
-
-def _rms(residual: Array) -> float:
-    return float(np.sqrt(np.mean(residual**2)))

@@ -1,4 +1,4 @@
-"""A scan of a real sensor over a grid, some readings at each point, in the order they were taken."""
+"""Scan of a real sensor over a grid, with several readings at each point in the order of time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,11 +24,11 @@ class ScanRecording:
     """P points with K readings each, in the order of the scan."""
 
     x_mm: Array
-    """(P,), place of each point."""
+    """(P,), x of each point."""
     y_mm: Array
-    """(P,), place of each point."""
+    """(P,), y of each point."""
     reading_mm: Array
-    """(P, K), readings; the first one right after the move."""
+    """(P, K), readings; the first of each point is right after the move."""
 
     @property
     def settled_mm(self) -> Array:

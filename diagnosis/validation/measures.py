@@ -1,4 +1,4 @@
-"""Where a curve first reaches a level, by which rises and edges are measured."""
+"""Figures by which curves and readings are measured."""
 
 import numpy as np
 
@@ -10,3 +10,13 @@ def first_reached(x: Array, y: Array, level: float) -> float:
     after = int(np.argmax(y >= level))
     share = (level - y[after - 1]) / (y[after] - y[after - 1])
     return float(x[after - 1] + share * (x[after] - x[after - 1]))
+
+
+def rms(residuals: Array) -> float:
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(residuals**2)))
+
+
+def mean_and_sd(values: Array) -> tuple[float, float]:
+    """Return mean and standard deviation of a sample (N,)."""
+    return float(values.mean()), float(values.std(ddof=1))

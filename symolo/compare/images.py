@@ -1,10 +1,11 @@
-"""Two pictures: PSNR of their pixels, or the pixels that differ where those are names and no amounts."""
+"""Comparison of two images: the PSNR of their pixels, or the number of different pixels where pixels are ids."""
 
 from pathlib import PurePosixPath
 
 import numpy as np
 
 from symolo.compare.likeness import Likeness, level_db
+from symolo.dataset.pixels import decoded_bytes
 
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png"})
 LABELS = frozenset({"instance", "semantic", "free_floor"})
@@ -15,7 +16,7 @@ def likeness(a: bytes, b: bytes, name: str) -> Likeness:
     pixels_a, pixels_b = _decoded(a), _decoded(b)
     if pixels_a is None or pixels_b is None:
         which = "A" if pixels_a is None else "B"
-        return Likeness.none(f"the picture of {which} cannot be decoded")
+        return Likeness.none(f"the image of {which} cannot be decoded")
     if pixels_a.shape != pixels_b.shape or pixels_a.dtype != pixels_b.dtype:
         return Likeness.none(f"{_form(pixels_a)} in A, {_form(pixels_b)} in B")
     differences = pixels_a.astype(np.float64) - pixels_b
@@ -32,12 +33,7 @@ def likeness(a: bytes, b: bytes, name: str) -> Likeness:
 
 
 def _decoded(data: bytes) -> np.ndarray | None:
-    import cv2  # noqa: PLC0415 - half a second that no other command needs
-
-    try:
-        pixels = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED) if data else None
-    except cv2.error:  # its head claims more pixels than OpenCV takes
-        return None
+    pixels = decoded_bytes(data)
     return pixels if pixels is not None and np.issubdtype(pixels.dtype, np.integer) else None
 
 

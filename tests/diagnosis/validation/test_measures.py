@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.validation.crossing import first_reached
+from diagnosis.validation.measures import first_reached
 
 
 def test_a_level_is_reached_on_the_straight_between_two_points():
