@@ -1,5 +1,6 @@
 """Checks of one released run: structure, columns, units, ranges, rates, images, positions."""
 
+import codecs
 import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -289,6 +290,11 @@ def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Arr
     texts = [str(fault) for fault in faults]
     if not data.endswith(b"\n"):
         texts.append("does not end with a line end: the file is cut off")
+    # Both are read, as of logs of other programs, and written by no release.
+    if data.startswith(codecs.BOM_UTF8):
+        texts.append("begins with a byte-order mark")
+    if not faults and b"\r" in data:
+        texts.append("has line ends of Windows")
     return table, texts
 
 
