@@ -124,7 +124,7 @@ def release_of() -> Callable[[Path], dict[str, bytes]]:
 
 
 def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
-    """In place of Blender: a picture of one grey for each frame, 32 x 24, told to be made by a class of processor."""
+    """In place of Blender: an image of one grey for each frame, 32 x 24, told to be made by a class of processor."""
     data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
     ledger = Ledger(unit.folder, sha256_of(unit.job))
     for number in unit.numbers:
@@ -135,7 +135,7 @@ def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
 
 @pytest.fixture
 def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Units of work are done one by one in this process, the pictures by `paint`, which a test may replace."""
+    """Units of work are done one by one in this process, the images by `paint`, which a test may replace."""
     chosen = SimpleNamespace(paint=_paint)
 
     def run_units(units: Sequence[AnyUnit], workers: int, on_event: Callable, **_options: object) -> list[UnitFailure]:

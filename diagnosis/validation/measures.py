@@ -6,8 +6,11 @@ from symolo.core.arrays import Array
 
 
 def first_reached(x: Array, y: Array, level: float) -> float:
-    """Return where y (N,), which begins below `level`, first reaches it, by linear interpolation between points."""
-    after = int(np.argmax(y >= level))
+    """Return where y (N,) first reaches a level, by linear interpolation; NaN if it never does, or begins there."""
+    reached = y >= level
+    if reached[0] or not reached.any():
+        return np.nan
+    after = int(np.argmax(reached))
     share = (level - y[after - 1]) / (y[after] - y[after - 1])
     return float(x[after - 1] + share * (x[after] - x[after - 1]))
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from configs.schema.scenario import RunSpec
@@ -17,6 +16,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.layout import frame_name
+from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import Rows
 
 MAX_FRAMES = 60
@@ -136,7 +136,7 @@ def _picture(path: Path) -> ImagePixels:
         raise InputError(
             f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv"
         ) from None
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+    image = decoded_bytes(data, in_colour=True)
     if image is None:
         raise InputError("is no image", where=str(path), cure="replace it, or take its number out of data.csv")
     return np.ascontiguousarray(image[..., ::-1]).astype(np.uint8)

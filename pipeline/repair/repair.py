@@ -1,11 +1,12 @@
 """`symolo repair` makes the damaged files of a release again, and puts them in place if they have the same bytes."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.render.devices import DeviceKind
+from pipeline.assembly.run_spec import spec_problem
 from pipeline.repair import descriptions, existing_copies, frames, tables
 from pipeline.repair.repair_state import RepairState, RepairTools, recorded_device, with_one_bit_less_wrong
 from pipeline.run_folder.workspace import Workspace
@@ -19,7 +20,11 @@ from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
+from symolo.verification.verify import verify
 
+FITS = (
+    "the file fits its checksum, and nothing else tells what it was; `symolo release` with its scenario makes it again"
+)
 SCRATCH = "repair"
 """Temporary folder below the hidden stages."""
 
@@ -81,7 +86,7 @@ def _repair(
         inventory = Inventory.of(workspace.out)
     faults = list(inventory.findings())
     if not faults:
-        return Repaired(0, ())
+        return Repaired(0, tuple(_faults_of_content(workspace.out)))
     if not inventory.trusted:
         why = "no list of checksums can be trusted; `symolo release` with its scenario makes damaged files again"
         first, *others = faults
@@ -140,7 +145,10 @@ def _write_lists(state: RepairState) -> None:
 def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:
     """Return the result after another check of every file."""
     left = []
-    for fault in Inventory.of(state.out).findings():
+    by_checksum = list(Inventory.of(state.out).findings())
+    if not by_checksum:
+        left = list(_faults_of_content(state.out))
+    for fault in by_checksum:
         why = state.tried.get(fault.file, "")
         if not why and fault.file in state.wanted:
             why = _unmade(fault.file, metadata)
@@ -148,6 +156,12 @@ def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repai
             why = "--remove-extra removes it"
         left.append(Finding(fault.file, f"{fault.what}; {why}" if why else fault.what))
     return Repaired(max(0, faults - len(left)), tuple(left))
+
+
+def _faults_of_content(out: Path) -> Iterator[Finding]:
+    """Yield what `verify` finds in files that fit their checksums, of which no other content is known."""
+    for fault in verify(out, spec_problem):
+        yield Finding(fault.file, f"{fault.what}; {FITS}")
 
 
 def _unmade(name: str, metadata: Metadata | None) -> str:

@@ -5,6 +5,7 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from symolo.compare.likeness import Likeness, level_db
+from symolo.dataset.pixels import decoded_bytes
 
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png"})
 LABELS = frozenset({"instance", "semantic", "free_floor"})
@@ -32,12 +33,7 @@ def likeness(a: bytes, b: bytes, name: str) -> Likeness:
 
 
 def _decoded(data: bytes) -> np.ndarray | None:
-    import cv2  # noqa: PLC0415 - half a second that no other command needs
-
-    try:
-        pixels = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED) if data else None
-    except cv2.error:  # its head claims more pixels than OpenCV takes
-        return None
+    pixels = decoded_bytes(data)
     return pixels if pixels is not None and np.issubdtype(pixels.dtype, np.integer) else None
 
 

@@ -6,7 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 _LONGEST_VALUE = 60
 _LONGEST_WHAT = 300
-_UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]+")
+_UNPRINTABLE = re.compile(
+    r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff"
+    r"\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]+"  # those that turn the direction of what follows
+)
 
 
 class InputError(Exception):

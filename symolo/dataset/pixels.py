@@ -1,22 +1,37 @@
-"""A picture of a dataset as it is stored."""
+"""Images of a dataset: the only place where the bytes of a stranger's image reach a decoder."""
 
 from pathlib import Path
 
 import numpy as np
 
+from symolo.core.files.image_headers import image_size
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
+
+MAX_PIXELS = 8192 * 8192
+"""Of one image, the largest that can be rendered."""
 
 
 def decoded(path: Path) -> np.ndarray | None:
     """(H, W) or (H, W, 3), in OpenCV's order of channels and the file's own type; None for what is no picture."""
+    try:
+        return decoded_bytes(read_file(path, FileKind.IMAGE))
+    except NOT_THERE:
+        return None
+
+
+def decoded_bytes(data: bytes, *, in_colour: bool = False) -> np.ndarray | None:
+    """Return the image that a file holds; None where it is no whole PNG or JPEG, or takes too long to decode.
+
+    Args:
+        data: Content of the file.
+        in_colour: Whether to return (H, W, 3) of 8 bits whatever is stored, blue first.
+    """
     import cv2  # noqa: PLC0415 - half a second that whoever reads tables does not need
 
     try:
-        data = np.frombuffer(read_file(path, FileKind.IMAGE), dtype=np.uint8)
-    except NOT_THERE:
-        return None
-    try:
-        return cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
-    except cv2.error:  # its head claims more pixels than OpenCV takes
+        image_size(data, MAX_PIXELS)
+        flags = cv2.IMREAD_COLOR if in_colour else cv2.IMREAD_UNCHANGED
+        return cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
+    except (ValueError, cv2.error):
         return None

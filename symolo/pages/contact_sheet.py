@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.layout import STAGES, frame_name
+from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked
 
@@ -68,7 +68,7 @@ def _row(images: Sequence[SheetImage], width_px: int) -> Pixels:
     cells = []
     for image in images:
         data = read_file(image.path, FileKind.IMAGE) if image.path.is_file() else b""
-        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+        pixels = decoded_bytes(data, in_colour=True)
         if pixels is None:
             raise InputError("is missing or cannot be decoded", where=str(image.path), cure="run `symolo verify`")
         cells.append(Cell(np.asarray(pixels, np.uint8), (image.label,)))

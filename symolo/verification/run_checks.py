@@ -1,5 +1,6 @@
 """Checks of one released run: structure, columns, units, ranges, rates, images, positions."""
 
+import codecs
 import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, frame_name
+from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions
@@ -142,15 +144,10 @@ def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[
 
 
 def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
-    import cv2  # noqa: PLC0415 - half a second that no other command needs
-
     data = read_file(path, FileKind.IMAGE)
     if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
         return "is not a whole JPEG file"
-    try:
-        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
-    except cv2.error:  # its head claims more pixels than OpenCV takes
-        picture = None
+    picture = decoded_bytes(data, in_colour=True)
     if picture is None:
         return "cannot be decoded"
     if picture.shape[:2] != (height_px, width_px):
@@ -293,6 +290,11 @@ def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Arr
     texts = [str(fault) for fault in faults]
     if not data.endswith(b"\n"):
         texts.append("does not end with a line end: the file is cut off")
+    # Both are read, as of logs of other programs, and written by no release.
+    if data.startswith(codecs.BOM_UTF8):
+        texts.append("begins with a byte-order mark")
+    if not faults and b"\r" in data:
+        texts.append("has line ends of Windows")
     return table, texts
 
 

@@ -1,4 +1,7 @@
-"""Every file of a dataset is opened in one way, that of `symolo.core.files.plain_files`."""
+"""Every file of a dataset is opened in one way, that of `symolo.core.files.plain_files`.
+
+Its images are decoded in one way too, that of `symolo.dataset.pixels`.
+"""
 
 import ast
 from pathlib import Path
@@ -11,7 +14,18 @@ PACKAGES = ("symolo", "pipeline", "diagnosis", "blender_scenes")
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 THE_WAY = "symolo/core/files/plain_files.py"
 
-READERS = {"read_text", "read_bytes", "imread", "imreadmulti", "fromfile", "memmap", "loadtxt", "genfromtxt"}
+READERS = {
+    "read_text",
+    "read_bytes",
+    "imread",
+    "imdecode",
+    "imdecodemulti",
+    "imreadmulti",
+    "fromfile",
+    "memmap",
+    "loadtxt",
+    "genfromtxt",
+}
 READERS |= {"copyfile", "copy2", "copytree", "copyfileobj", "readlines", "FileIO", "ZipFile", "TarFile", "mmap"}
 OF_MODULES = {
     "np.load",
@@ -29,6 +43,9 @@ OF_PANDAS = ("pd.read_", "pandas.read_", "pq.read_", "pyarrow.")
 OPENERS = ("open", "fdopen")
 
 JUSTIFIED = {
+    ("symolo/dataset/pixels.py", "imdecode"): "after its header was looked at",
+    ("pipeline/preview/engines.py", "imdecode"): "what Blender has just made, as scratch",
+    ("blender_scenes/render/frame_files.py", "imdecode"): "what was just encoded",
     ("blender_scenes/blender_side/rendering.py", "read_bytes"): "the picture that Blender has just made, as scratch",
     ("pipeline/commands/sign.py", "read_text"): "a passphrase, which a shell may give by a pipe",
     ("pipeline/doctor.py", "read_text"): "the lock of our packages, and /proc",
@@ -50,14 +67,15 @@ JUSTIFIED = {
 def reads(tree):
     """What in a module opens files in a way of its own, with its line."""
     for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and node.attr in READERS:  # called, or passed to somebody who calls it
+            yield node.attr, node.lineno
         if not isinstance(node, ast.Call):
             continue
         called = ast.unparse(node.func)
-        name = called.rsplit(".", 1)[-1]
         if called in OF_MODULES or called.startswith(OF_PANDAS):
             yield called, node.lineno
-        elif called == "open" or (name in READERS and called != name) or (name in OPENERS and _is_of_a_path(node)):
-            yield name, node.lineno
+        elif called == "open" or (called.rsplit(".", 1)[-1] in OPENERS and _is_of_a_path(node)):
+            yield called.rsplit(".", 1)[-1], node.lineno
 
 
 def _is_of_a_path(call):
@@ -89,6 +107,7 @@ def test_nothing_opens_files_in_another_way():
         "path.open('rb')",
         "path.open(encoding='utf-8')",
         "path.read_bytes()",
+        "File(name, path.read_bytes)",
         "Path('a').read_text(encoding='ascii')",
         "cv2.imread('a.png')",
         "np.load(path)",

@@ -72,7 +72,7 @@ def test_no_page_has_what_a_docstring_tells_programmers(page):
     assert re.findall(r"^.*\b(?:Args|Attributes|Raises|Returns|Yields):.*$", page.read_text(), re.MULTILINE) == []
 
 
-def test_every_material_has_a_picture():
+def test_every_material_has_an_image():
     pictures = re.findall(r"!\[[^]]*]\(([^)]+)\)", _page("materials.md"))
     assert len(pictures) >= len(FLOORS) - 1 + len(SURFACES)
     assert [name for name in pictures if not (DOCS / "reference" / name).is_file()] == []

@@ -12,7 +12,7 @@ from symolo.core.geometry.pinhole import Intrinsics
 HEIGHT_M, FOCAL_PX = 0.2, 100.0
 CAMERA = Intrinsics(160, 120, FOCAL_PX, FOCAL_PX, 79.5, 59.5, (0.0, 0.0, 0.0, 0.0, 0.0))
 STRAIGHT_DOWN = np.array([[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, -1, HEIGHT_M], [0, 0, 0, 1.0]])
-"""X_WC: the picture's right is -y of W, its bottom -x, and it looks at the origin."""
+"""X_WC: the image's right is -y of W, its bottom -x, and it looks at the origin."""
 
 
 @pytest.fixture
@@ -32,13 +32,13 @@ def test_a_line_seen_from_above_is_where_similar_triangles_say(line_frames):
 
 
 def test_a_slanted_line_moves_a_pixel_per_pixel(line_frames):
-    """x = y on the floor runs from the picture's lower right to its upper left."""
+    """x = y on the floor runs from the image's lower right to its upper left."""
     found = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((-1, -1), (1, 1)), line_frames.ROWS)
     assert found == pytest.approx([79.5 - 28, 79.5, 79.5 + 28], abs=1e-9)
 
 
 def test_rows_that_a_line_does_not_reach_have_no_label(line_frames):
-    """It begins at the middle of the picture and goes on to its top."""
+    """It begins at the middle of the image and goes on to its top."""
     found = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((0.02, 0), (1, 0)), line_frames.ROWS)
     assert found[0] == pytest.approx(79.5)
     assert np.isnan(found[1:]).all()

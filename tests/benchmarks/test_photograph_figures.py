@@ -1,4 +1,4 @@
-"""The estimators on pictures of which the answer is known."""
+"""The estimators on images of which the answer is known."""
 
 import importlib
 

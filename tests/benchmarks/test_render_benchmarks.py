@@ -1,4 +1,4 @@
-"""The yardsticks of `benchmarks/render`: errors of pictures, and references to measure against."""
+"""The yardsticks of `benchmarks/render`: errors of images, and references to measure against."""
 
 import importlib
 
@@ -27,7 +27,7 @@ def test_one_level_of_difference_is_48_dB(errors):
     assert errors.psnr_dB(0.0) == float("inf")
 
 
-def test_ssim_of_even_pictures_is_its_term_of_luminance(errors):
+def test_ssim_of_even_images_is_its_term_of_luminance(errors):
     """Eq. 13 with no variance is (2ab + C1) / (a^2 + b^2 + C1)."""
     a, b, c1 = 60.0, 90.0, 2.55**2
     got = errors.ssim(grey(np.full((20, 20), a)), grey(np.full((20, 20), b)))
@@ -42,7 +42,7 @@ def test_ssim_is_that_of_scikit_image(errors):
     assert errors.ssim(plain, plain) == pytest.approx(1.0, abs=1e-12)
 
 
-def test_a_reference_put_together_from_its_passes_is_the_whole_picture(reference, monkeypatch):
+def test_a_reference_composed_of_its_passes_is_the_full_image(reference, monkeypatch):
     """Where nothing is denoised, colour times light plus the rest is what was traced."""
     monkeypatch.setattr(reference, "Denoiser", lambda _threads, _quality: lambda light, _normal, _albedo: light)
     colour, direct, indirect, gloss = np.random.Generator(np.random.PCG64(2)).random((4, 3, 4, 3)).astype(np.float32)

@@ -70,7 +70,7 @@ def test_frames_under_lamps_alone_flicker_in_full_and_daylight_steadies_them(are
     assert "light_gain" not in steady
 
 
-def test_the_phase_that_is_told_is_that_of_the_light():
+def test_the_recorded_phase_is_that_of_the_light():
     """Of lamps alone, which the record's formula gives: 1 + depth cos(4 pi mains_hz t + phase)."""
     gains = frame_gains(FlickerLook(depth=0.4, mains_hz=50.3), TIMES, 0.0, WHITE, WHITE, 7)
     expected = 1 + 0.4 * np.cos(4 * np.pi * 50.3 * TIMES + mains_phase_rad(7))

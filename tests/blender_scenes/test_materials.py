@@ -109,7 +109,7 @@ def test_no_surface_returns_more_light_than_it_receives(name):
     surface = _all()[name]
     low, high = _range(surface.base_color)
     assert low <= high < 1
-    assert low >= 0 if name.endswith("image") else low > 0  # a picture may be as black as it likes
+    assert low >= 0 if name.endswith("image") else low > 0  # an image may be as black as it likes
     low, high = _range(as_texture(surface.roughness))
     assert 0 <= low <= high <= 1 + 1e-9
 

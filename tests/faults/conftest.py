@@ -114,7 +114,7 @@ def tree():
 
 @pytest.fixture(scope="session")
 def release(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two runs of 0.4 s; its pictures are noise, for what they show plays no part here."""
+    """Two runs of 0.4 s; its images are noise, for what they show plays no part here."""
     workspace = Workspace(tmp_path_factory.mktemp("release") / "data")
     loaded = load_scenario("smoke", SETTINGS)
     specs = draw_all(loaded)

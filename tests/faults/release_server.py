@@ -2,7 +2,7 @@
 
 Run as a script. It reads an `Order` a line and answers with an `Outcome` a line. In the fork, all is that of the
 command but for three things: the scenario is read beforehand, units of work are done in the process itself one by one,
-and the pictures are painted, not traced. All that writes, names, journals, hashes and resumes is the command's own.
+and the images are painted, not traced. All that writes, names, journals, hashes and resumes is the command's own.
 """
 
 import contextlib

@@ -63,7 +63,7 @@ def block(job: Path, folder: Path, numbers: Sequence[int], threads: int = 1) -> 
 
 
 def hashes_in(folder: Path) -> dict[str, str]:
-    """SHA-256 of every file in the folder of pictures by name: whatever lies there besides counts too."""
+    """SHA-256 of every file in the folder of images by name: whatever lies there besides counts too."""
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted((folder / "images").iterdir())}
 
 
@@ -127,7 +127,7 @@ def test_blender_killed_200_times_loses_at_max_one_frame_each_time(tmp_path):
 
 @pytest.mark.parametrize("method", ["full", "hybrid"])
 def test_a_release_killed_while_blender_renders_ends_with_the_same_tree(method, tmp_path, wrong, tree):
-    """Blender and the command itself in turns, at any time from Blender's start to the last picture."""
+    """Blender and the command itself in turns, at any time from Blender's start to the last image."""
     undisturbed, out = tmp_path / "undisturbed", tmp_path / "killed"
     release = _releasing(undisturbed, method)
     begin = _when_blender_starts(release)

@@ -51,9 +51,50 @@ def test_repair_gives_back_what_the_stages_keep(release, tmp_path):
         assert sorted(_content(copy).items()) == sorted(_content(release).items()), damage
 
 
+@pytest.mark.parametrize("fits", [False, True], ids=["lists as released", "lists that fit"])
+def test_repair_has_nothing_to_say_if_and_only_if_verify_finds_nothing(fits, release, tmp_path, sign, symolo):
+    """Of each kind of damage; with lists that fit it, only the content of the files can tell."""
+    for i, kind in enumerate(corruptions.KINDS):
+        copy = tmp_path / str(i)
+        damage = corruptions.Corrupter(release, copy, seed=20 + i).damage(kind)
+        if fits:
+            sign(copy)
+        _agree(copy, symolo, damage)
+
+
+def test_repair_and_verify_agree_on_content_whose_checksums_fit(release, tmp_path, sign, symolo):
+    """What no list of checksums can tell."""
+    deep = b"[" * 100_000 + b"]" * 100_000
+    contents = {
+        "metadata.json": deep,
+        "CW/test_1/side/spec.json": deep,
+        "CW/test_1/side/intrinsics.json": b'{"a":' * 100_000,
+        "CW/test_1/data.csv": b"t,x\n1,2\n",
+        "CW/test_1/images/000001.jpg": b"\xff\xd8\xff and no more",
+        "CW/test_1/image_positions.txt": b"",
+    }
+    for i, (name, data) in enumerate(contents.items()):
+        copy = tmp_path / str(i)
+        shutil.copytree(release, copy, ignore=shutil.ignore_patterns(".stages"))
+        (copy / name).write_bytes(data)
+        sign(copy)
+        assert _agree(copy, symolo, name), f"{name}: nobody finds it"
+
+
+def _agree(copy: Path, symolo, damage: object) -> bool:
+    """Whether `verify` finds a fault; `repair` then repairs or names one, and else says that there is none."""
+    faults = [str(fault) for fault in verify(copy, spec_problem)]
+    ended = symolo("repair", copy)
+    has_nothing_to_say = ended.code == 0 and "0 faults repaired, every file is as it was released" in ended.out
+    assert has_nothing_to_say == (not faults), (damage, faults, ended)
+    left = list(verify(copy, spec_problem))
+    assert (ended.code == 0) == (not left), (damage, left, ended)
+    return bool(faults)
+
+
 @pytest.mark.faults
 def test_repair_of_every_file_that_can_be_made_without_the_stages(release, tmp_path):
-    """All but the pictures, which are noise here; each is emptied in turn, metadata.json has one bit flipped."""
+    """All but the images, which are noise here; each is emptied in turn, metadata.json has one bit flipped."""
     copy = tmp_path / "copy"
     corrupter = corruptions.Corrupter(release, copy, seed=10)
     for name in corrupter.names:

@@ -54,7 +54,7 @@ def test_killed_at_random_instants_it_ends_with_the_same_tree(kills, server, who
     killed = 0
     while killed < kills:
         out = tmp_path / f"after_{killed}"
-        # Some are killed until they come to their end, the others are begun anew after one kill.
+        # Some are killed until they come to their end, the others are begun again after one kill.
         while killed < kills:
             done = server.release(out, kill_after_s=float(instants.uniform(0, whole.seconds)))
             assert done.status in {0, -9}, done.err

@@ -94,7 +94,7 @@ def test_the_example_of_the_page_reads_them(annotated):
     assert (float(height_m) < 1e-3, has_line) == (True, "True")
 
 
-def test_an_export_has_the_boxes_of_what_is_seen_and_every_picture(annotated, tmp_path, symolo):
+def test_an_export_has_the_boxes_of_what_is_seen_and_every_image(annotated, tmp_path, symolo):
     out = tmp_path / "out"
     assert symolo("export", annotated, "--format", "coco,webdataset", "--out", out).code == 0
     coco = json.loads((out / "coco/annotations/instances.json").read_text())

@@ -237,7 +237,7 @@ def test_a_full_disk_is_noticed_before_the_work_starts(here, symolo, monkeypatch
 def test_room_for_every_draw_and_picture_is_looked_for_before_the_work_starts(
     here, symolo, monkeypatch, arguments, named
 ):
-    """A drawn scene is over a megabyte of text, whatever the size of its pictures."""
+    """A drawn scene is over a megabyte of text, whatever the size of its images."""
     before = files_in(here)
     usage = shutil.disk_usage(here)._replace(free=40_000_000)
     monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)

@@ -1,4 +1,4 @@
-"""What the render stage and the dataset make of pictures on which little can be seen."""
+"""What the render stage and the dataset make of images on which little can be seen."""
 
 import hashlib
 import json
@@ -28,7 +28,7 @@ from symolo.dataset.tables.rows import Rows
 
 
 def put_grey(folder: Path, job_sha256: str, number: int, grey: int) -> None:
-    """One picture in place and in the journal, as the renderer leaves it."""
+    """One image in place and in the journal, as the renderer leaves it."""
     data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
     name = frame_name(number)
     sha256 = put_in_place(data, folder / name, 32, 24)
@@ -37,7 +37,7 @@ def put_grey(folder: Path, job_sha256: str, number: int, grey: int) -> None:
 
 @pytest.fixture
 def render(tmp_path, monkeypatch):
-    """Renders a run of pictures of one grey each, with hands of its own in place of Blender's."""
+    """Renders a run of images of one grey each, with hands of its own in place of Blender's."""
 
     def rendered(*greys: int, device: DeviceKind = "CPU") -> tuple[RenderTask, list[FailedRun]]:
         frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in range(1, len(greys) + 1))
@@ -66,7 +66,7 @@ def test_a_black_image_among_others_is_a_warning_told_and_kept(render, capsys):
     assert shares == [0.0, 1.0]
 
 
-def test_what_rendered_the_pictures_is_kept(render):
+def test_what_rendered_the_images_is_recorded(render):
     task, _ = render(128, device="HIP")
     assert Rendered.read(task.folder.path).device == "HIP"
 

@@ -106,7 +106,7 @@ def bench(rows: Callable[[str], str | bytes], nominal: Callable[[str], str] = st
 
 
 def png_header(width: int, height: int) -> bytes:
-    """A picture that says it is so large, and holds next to nothing."""
+    """An image that says it is so large, and holds next to nothing."""
 
     def chunk(name: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))

@@ -69,7 +69,7 @@ def test_a_place_without_room_is_left_backwards_so_that_the_obstacle_stands_ahea
     assert behind - 0.02 <= y <= behind
 
 
-def test_single_pictures_are_traced_whole_whatever_the_scenario_says(tmp_path):
+def test_single_images_are_rendered_in_full_whatever_the_scenario_says(tmp_path):
     file = tmp_path / "in_parts.yaml"
     file.write_text("extends: smoke\nname: in_hybrid\nrender: {method: hybrid}\n")
     loaded = load_scenario(str(file))
@@ -88,7 +88,7 @@ def test_an_arena_with_nothing_to_follow_is_seen_from_the_start():
     assert Way.of(spec, Arena.from_config(bare)).place(0.5, 0.0) == pytest.approx(start)
 
 
-def test_pictures_are_runs_as_a_release_draws_them_whatever_their_number():
+def test_images_are_of_runs_as_a_release_draws_them_whatever_their_number():
     few, more = (list(views("symolo", ("render.samples=1",), (), count, 40)) for count in (2, 5))
     assert [view.job() for view in few] == [view.job() for view in more[:2]]
     runs = [f"{route}/test_{number}" for number in (1, 2, 3) for route in ("CW", "CCW")]
@@ -145,7 +145,7 @@ def test_a_flat_preview_is_one_file_and_the_same_bytes_again(tmp_path, symolo):
     assert sheet.shape == (2 * (48 + 3 * 18), 2 * 64, 3)
     assert sheet[:48, :64].std() > 5
     assert sheet[48:102, :64].max() > 200  # the text
-    assert sheet[102:, 64:].max() == 0  # no fourth picture
+    assert sheet[102:, 64:].max() == 0  # no fourth image
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one.png", "two.png"]
 
 
@@ -167,7 +167,7 @@ def test_cycles_previews_what_the_flat_one_does_and_leaves_nothing_behind(tmp_pa
     assert list(scratch.iterdir()) == []
 
 
-def test_a_picture_that_fails_is_told_and_the_others_are_shown(tmp_path, symolo, monkeypatch):
+def test_an_image_that_fails_is_reported_and_the_others_are_shown(tmp_path, symolo, monkeypatch):
     def picture(_self, view):
         if view.number == 2:
             raise ValueError("the picture is black")

@@ -130,7 +130,7 @@ def test_a_second_release_touches_nothing(dataset, copy_of, symolo, tiny):
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()} == before
 
 
-def test_another_look_is_rendered_anew_but_not_simulated(dataset, copy_of, symolo, tiny):
+def test_another_look_is_rendered_again_but_not_simulated(dataset, copy_of, symolo, tiny):
     """And a route that the scenario no longer has is taken back."""
     out = copy_of(dataset, stages=True)
     trajectory = out / ".stages/simulate/CW/test_1/trajectory.npz"

@@ -47,7 +47,7 @@ def test_an_interrupted_repair_leaves_whole_files_and_goes_on(dataset, copy_of, 
     assert release_of(root) == release_of(dataset)
 
 
-def test_a_file_that_comes_out_otherwise_is_left_and_the_reason_told(dataset, copy_of, sign, symolo):
+def test_a_file_that_comes_out_otherwise_is_left_and_the_reason_reported(dataset, copy_of, sign, symolo):
     """A README of another version: its checksum is what was released, and nothing here makes it again."""
     root = copy_of(dataset)
     metadata = root / "metadata.json"
@@ -104,7 +104,7 @@ def test_without_stages_a_run_is_simulated_and_only_the_damaged_frames_are_rende
 def test_without_stages_annotations_are_made_again_with_the_frames_that_need_it(
     tmp_path, tiny, copy_of, symolo, release_of
 ):
-    """One file of each kind, the tables, and the picture of another frame."""
+    """One file of each kind, the tables, and the image of another frame."""
     kinds = ["depth", "instance", "semantic", "normals", "flow", "free_floor"]
     asked = f"render.annotations=[{','.join(kinds)},boxes_2d,boxes_3d,key_points]"
     made = tmp_path / "made"

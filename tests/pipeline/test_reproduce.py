@@ -27,7 +27,7 @@ def elsewhere(dataset, copy_of, sign):
 
 
 def forge(root, sign):
-    """Put a picture of one grey in the place of an image, with lists of checksums that fit."""
+    """Replace an image by one of a single grey, with lists of checksums that fit."""
     path = root / "CW/test_1/images/000002.jpg"
     path.write_bytes(cv2.imencode(".jpg", np.full((24, 32, 3), 90, np.uint8))[1].tobytes())
     sign(root)

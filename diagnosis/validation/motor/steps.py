@@ -12,7 +12,6 @@ from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.motor_bench import steady_states, step_responses
 from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.robot.model import RobotModel
-from symolo.core.arrays import Array
 
 SHARES = (0.25, 0.5, 0.75, 1.0)
 """Steps as shares of the highest voltage that the robot's bridge applies."""
@@ -54,7 +53,9 @@ def steps(robot: RobotConfig, _seed: int) -> ExperimentResult:
     checks, speeds, currents = [], [], []
     for k, step_V in enumerate(voltage.tolist()):
         levels = settled[k] * np.array([0.1, 1.0 - np.exp(-1.0), 0.9])
-        start, reached, end = (_first_time(time, speed[:, k], level) for level in levels.tolist())
+        # The wheel is at rest at time 0, one row before the first; a wheel that is stuck reaches no level.
+        from_rest = np.append(0.0, time), np.append(0.0, speed[:, k])
+        start, reached, end = (first_reached(*from_rest, level) for level in levels.tolist())
         name = f"step to {step_V:g} V"
         tables[name] = {
             "voltage_V": step_V,
@@ -76,10 +77,3 @@ def steps(robot: RobotConfig, _seed: int) -> ExperimentResult:
         Panel("Step from rest, inductance neglected", "time [ms]", "current [mA]", currents),
     )
     return ExperimentResult(tables, checks, panels)
-
-
-def _first_time(time: Array, speed: Array, level: float) -> float:
-    """Return when the speed, which is 0 at time 0, first reaches a level; NaN for a level of 0 or out of reach."""
-    if level == 0.0 or speed.max() < level:
-        return np.nan
-    return first_reached(np.append(0.0, time), np.append(0.0, speed), level)

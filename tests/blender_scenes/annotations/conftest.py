@@ -88,7 +88,7 @@ def small() -> Arena:
 @pytest.fixture(scope="session")
 def pictures_job(small, robot) -> RenderJob:
     frames = [FramePose(i + 1, 0.2 * i, *pose) for i, pose in enumerate(POSES)]
-    # Looking less far down than the shipped robot, so that the tops of things are in the picture.
+    # Looking less far down than the shipped robot, so that the tops of things are in the image.
     camera = robot.camera.model_copy(update={"pitch_down_deg": 12.0})
     robot = robot.model_copy(update={"camera": camera})
     return build_job(small, robot, LookConfig(name="plain"), Render(width_px=96, height_px=72), frames, seed=1)

@@ -212,7 +212,7 @@ def test_boxes_are_those_of_the_masks_and_lie_within_those_of_the_whole(annotate
 
 
 @pytest.mark.parametrize("name", ["pane", "board"])
-def test_of_a_thing_partly_hidden_the_engine_finds_the_same_whole(annotated, name):
+def test_of_a_thing_partly_hidden_the_engine_gives_the_same_full_box(annotated, name):
     """The whole is what its rays meet in an arena in which it stands alone."""
     alone = at_its_time(annotated, 1)
     alone = replace(alone, boxes=tuple(box for box in alone.boxes if box.name == name))

@@ -70,7 +70,7 @@ def test_boxes_and_fraction_of_a_thing_that_is_half_hidden(job):
     assert not box.truncated
 
 
-def test_a_thing_behind_the_camera_is_in_no_picture_and_one_across_the_border_is_truncated(job):
+def test_a_thing_behind_the_camera_is_in_no_image_and_one_across_the_border_is_truncated(job):
     frame = seen(job)
     assert not silhouette(frame, solid_named(job, "cart")).any()
     assert "cart" not in {job.instances.known[thing.instance_id - 1].name for thing in record(frame).things}
@@ -85,7 +85,7 @@ def test_a_thing_behind_the_camera_is_in_no_picture_and_one_across_the_border_is
 
 
 def test_a_thing_that_reaches_beyond_the_fold_of_a_lens_is_truncated(job):
-    """Where the model alone would bring its ends back into the picture: r (1 - 0.12 r^2) falls from r = 1.67 on."""
+    """Where the model alone would bring its ends back into the image: r (1 - 0.12 r^2) falls from r = 1.67 on."""
     folding = replace(job, camera=replace(job.camera, distortion=(-0.12, 0.0, 0.0, 0.0, 0.0)))
     board = solid_named(job, "board")
     _, depth_m, height_m = board.size_m  # its length is across, for the wall stands across the view
@@ -166,7 +166,7 @@ def test_flow_that_leads_behind_the_camera_or_too_far_is_not_valid(job):
     assert flow(replace(frame, following=None)) is None
 
 
-def test_normals_are_told_in_the_cameras_frame(job):
+def test_normals_are_written_in_the_cameras_frame(job):
     """Towards a camera that looks along +x: -z in C."""
     mesh = np.zeros((HEIGHT, WIDTH), dtype=int)
     mesh[0, 0] = 1
@@ -221,7 +221,7 @@ def test_materials_and_light_play_no_part(small, pictures_job):
     )
 
 
-def test_a_frame_has_a_file_for_each_picture_and_one_for_all_records(job):
+def test_a_frame_has_a_file_for_each_map_and_one_for_all_records(job):
     both = replace(job, kinds=("depth", "flow", "boxes_2d", "key_points"))
     assert both.files(1) == ("depth/000001.png", "flow/000001.png", "records/000001.json")
     assert both.files(2) == ("depth/000002.png", "records/000002.json")

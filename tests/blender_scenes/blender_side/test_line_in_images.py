@@ -1,4 +1,4 @@
-"""The line in the picture lies where the line sensor reads it.
+"""The line in the image lies where the line sensor reads it.
 
 The arena's own edges are projected through the camera model and compared with the decoded JPEG. What is left, 0.2 to
 0.3 px, is mostly the shade beside a tape 0.13 mm thick; with surfaces that shine by themselves it is 0.02 to 0.1 px.
@@ -74,7 +74,7 @@ def _rendered(folder: Path, arena, robot, look: LookConfig, drives: list[Drive])
 
 @pytest.fixture(scope="module")
 def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
-    """A job and its pictures by the kind of line, made side by side."""
+    """A job and its images by the kind of line, made side by side."""
 
     def made(look: LookConfig, folder: Path) -> tuple[RenderJob, Path]:
         drives = [(i + 1, *POSES[i]) for line, i in CASES if line == look.line]
@@ -88,7 +88,7 @@ def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
 
 
 def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
-    """Signed distances [px] of the picture's edges from the projected ones, outwards positive."""
+    """Signed distances [px] of the image's edges from the projected ones, outwards positive."""
     (view,) = (view for view in job.frames if view.number == index + 1)
     picture = _linear(cv2.imread(str(images / f"{view.number:06d}.jpg")))
     X_WC = np.array(view.X_WC)
@@ -119,13 +119,13 @@ def _is_hidden(arena, eye: np.ndarray, point: np.ndarray) -> bool:
 
 
 @pytest.mark.parametrize(("line", "index"), CASES)
-def test_the_line_in_the_picture_lies_where_the_sensor_reads_it(frames, arena, line, index):
+def test_the_line_in_the_image_lies_where_the_sensor_reads_it(frames, arena, line, index):
     errors = _errors(*frames[line], arena, index)
     assert len(errors) >= 40
     assert np.abs(errors).mean() < 0.4
 
 
-def test_behind_a_lens_too(tmp_path, arena, robot):
+def test_the_line_lies_there_behind_a_lens_too(tmp_path, arena, robot):
     """Its axis off the middle, and an arc, so that the line is bent and nowhere only displaced along itself."""
     lens = LensDistortion(k1=-0.28, k2=0.09, p1=0.001, p2=-0.002)
     moved = {"distortion": lens, "principal_point_right_mm": 1.5, "principal_point_down_mm": -1.0}
@@ -138,4 +138,4 @@ def test_behind_a_lens_too(tmp_path, arena, robot):
     X_WC, pinhole = np.array(job.frames[0].X_WC), replace(job.camera, distortion=NO_DISTORTION)
     (there, depth), (without, _) = (project(camera, X_WC, on) for camera in (job.camera, pinhole))
     seen = (depth > 0) & np.all((there > 10) & (there < np.array([629, 469])), axis=1)
-    assert np.linalg.norm(there - without, axis=1)[seen].mean() > 5  # a picture without the lens would not pass
+    assert np.linalg.norm(there - without, axis=1)[seen].mean() > 5  # an image without the lens would not pass

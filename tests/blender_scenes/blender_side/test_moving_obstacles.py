@@ -72,7 +72,7 @@ def test_a_job_in_which_nothing_moves_does_not_speak_of_it(arena, robot):
     assert all("moving" not in view for view in fields["frames"])
 
 
-def test_the_room_holds_the_whole_way(moving):
+def test_the_room_holds_the_whole_path(moving):
     _, high = arena_bounds(moving)
     assert high[0] == pytest.approx(1.55 + 0.04 * np.sqrt(2))
 

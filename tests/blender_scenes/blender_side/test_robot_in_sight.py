@@ -53,7 +53,7 @@ def _picture(annotated, kind):
 def _depth_of_body(job, pixels):
     """(N,) along the axis to where each pixel's ray enters a box of the body, inf where it meets none; by slabs.
 
-    Wheels are round; they lie outside of the picture, which the comparison shows.
+    Wheels are round; they lie outside of the image, which the comparison shows.
     """
     X_RC = np.linalg.inv(_X_WR(job.frames[0].robot_pose)) @ np.array(job.frames[0].X_WC)
     rays = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(matrix_K(job.camera)).T @ X_RC[:3, :3].T
@@ -113,7 +113,7 @@ def test_the_mask_of_the_robot_is_where_rays_meet_its_boxes(annotated):
     assert np.array_equal(mask[clear], np.isfinite(body)[clear])
 
 
-def test_its_depth_is_that_of_the_boxes_and_it_stands_still_in_the_picture(annotated):
+def test_its_depth_is_that_of_the_boxes_and_it_stands_still_in_the_image(annotated):
     body, clear = _clear(annotated[0])
     inside = clear & np.isfinite(body)
     assert _picture(annotated, "depth")[inside] / 10_000 == pytest.approx(body[inside], abs=1e-4)

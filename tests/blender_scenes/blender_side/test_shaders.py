@@ -61,7 +61,7 @@ def seen(light_of) -> dict[str, np.ndarray]:
 
 
 def _reflectances(light_of, textures: Sequence, pixels: int = 5, focal_px: float = 800.0) -> list[np.ndarray]:
-    """Means over pictures of squares in a row, each seen from 0.5 m above its middle, in the sun from the zenith."""
+    """Means over images of squares in a row, each seen from 0.5 m above its middle, in the sun from the zenith."""
     surfaces, meshes, views = [], [], []
     for i, texture in enumerate(textures):
         surfaces.append(Surface(f"s{i}", texture, roughness=1.0, refractive_index=1.0))

@@ -1,4 +1,4 @@
-"""Pictures and panoramas of the user's own, seen by Cycles and by the flat renderer where geometry says they are."""
+"""Images and panoramas of the user's own, seen by Cycles and by the flat renderer where geometry says they are."""
 
 import hashlib
 import math
@@ -109,7 +109,7 @@ def test_cycles_shows_each_tile_in_its_place_at_its_size_and_as_bright_as_it_is(
     u, v = (x - CORNER_M[0]) / TILE_M, (y - CORNER_M[1]) / TILE_M
     colors = np.array([[LIGHT[column, row] for column in range(3)] for row in range(2)])
     expected = WHITE * colors[np.floor(v).astype(int) % 2, np.floor(u).astype(int) % 3]
-    # Half a pixel, half of the picture's own, within which colours run into each other, and the filter's width.
+    # Half a pixel, half of the image's own, within which colours run into each other, and the filter's width.
     edge = (pixel_m + 0.5 * TILE_M / 4) / TILE_M
     inside = np.minimum.reduce([u % 1, 1 - u % 1, v % 1, 1 - v % 1]) > edge
     assert 0.2 < inside.mean() < 0.6
@@ -126,7 +126,7 @@ def test_cycles_shows_the_panorama_from_minus_x_by_plus_y_round(traced, quarter)
 
 @pytest.fixture(scope="module")
 def job(robot) -> RenderJob:
-    """Seen from the side of a wall in the same picture."""
+    """Seen from the side of a wall in the same image."""
     wall = WallConfig(name="W", start=(0.45, -0.7), end=(0.45, 0.7), height_m=0.6, surface="wood")
     arena = Arena.from_config(ArenaConfig(name="one", line=LineConfig(), walls=(wall,)))
     own = IMAGE.model_copy(update={"right_m": 0.0, "up_m": 0.0})
@@ -162,7 +162,7 @@ def test_the_flat_renderer_shows_the_tiles_of_floor_and_wall_where_the_camera_se
     assert len(checked) >= 5
 
 
-def test_a_picture_that_is_gone_or_changed_is_refused(job, user_files, tmp_path):
+def test_a_user_image_that_is_missing_or_changed_is_refused(job, user_files, tmp_path):
     with pytest.raises(ValueError, match="is not in the workspace"):
         FlatRenderer(job, tmp_path)
     (tmp_path / TILES_FILE.sha256).write_bytes(HDR)

@@ -31,7 +31,7 @@ def test_an_edge_that_the_guide_shows_stays_where_it_is():
     assert clean[8:-8, 33].mean() > 0.7
 
 
-def test_a_picture_does_not_depend_on_those_denoised_before_nor_on_threads():
+def test_an_image_does_not_depend_on_those_denoised_before_nor_on_threads():
     first, other = noisy(48, 64, 3), noisy(32, 40, 4)
     kept = Denoiser(1, "BALANCED")
     alone = kept(first, upwards(first))

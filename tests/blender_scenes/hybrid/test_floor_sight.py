@@ -70,7 +70,7 @@ def test_a_pixel_sees_the_floor_point_of_the_camera_model(camera, view, right_px
     _agree(sight.points(view, FilterPoint(right_px, down_px, 0.5)), _seen(camera, view.X_WC, right_px, down_px))
 
 
-def test_some_rows_are_those_of_the_whole_picture(camera, view):
+def test_points_of_some_rows_are_those_of_the_full_image(camera, view):
     sight, rows = FloorSight(camera, view, 1.0), slice(20, 27)
     np.testing.assert_array_equal(sight.points(view, MIDDLE, rows), sight.points(view, MIDDLE)[rows])
 
@@ -209,7 +209,7 @@ def test_with_a_rolling_shutter_each_row_is_seen_when_it_is_exposed(camera, aren
             away = np.linalg.norm(expected - (x, y), axis=-1, keepdims=True)
             # Between moments the way is straight: off by (0.0225 rad)^2 / 8 at most.
             assert np.nanmax(np.abs(found[row] - expected) / away) < 1e-4
-    # In the time between two rows' exposures the picture turns by more than that tolerance.
+    # In the time between two rows' exposures the image turns by more than that tolerance.
     assert RATE_RAD_S * SHUTTER.read_out_s / HEIGHT_PX > 1e-3
 
 
@@ -225,7 +225,7 @@ def test_a_turn_through_half_a_turn_goes_the_short_way(camera, arena, X_RC, view
 
 
 @pytest.mark.parametrize("kept", [0, 2])
-def test_points_of_large_pictures_which_are_not_kept_are_the_same(monkeypatch, camera, view, kept):
+def test_points_of_large_images_which_are_not_cached_are_the_same(monkeypatch, camera, view, kept):
     points = filter_points(1.5)
     whole = [FloorSight(camera, view, 1.0).points(view, point) for point in points]
     monkeypatch.setattr("blender_scenes.hybrid.floor_sight._MAX_BYTES", kept * 8 * WIDTH_PX * HEIGHT_PX)

@@ -21,7 +21,7 @@ def _two_kinds() -> np.ndarray:
     return np.broadcast_to(stripes[None, :, None], (HEIGHT, WIDTH, 1)).copy()
 
 
-def test_values_on_a_line_over_the_guide_are_told_exactly():
+def test_values_on_a_line_over_the_guide_are_exact():
     """To what the least variance takes off the slope: 1e-4 of a variance of up to 0.09."""
     guide = _two_kinds()
     values = guide * np.float32([2.0, -0.5]) + np.float32([0.1, 0.8])

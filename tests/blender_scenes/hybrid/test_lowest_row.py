@@ -62,7 +62,7 @@ def test_a_rail_that_leaves_through_the_bottom_is_seen_down_to_there():
     assert EdgesInSight(CAMERA, [rail], [OBSTACLE]).lowest_row(_view()) == 48
 
 
-def test_no_more_rows_are_told_than_there_are():
+def test_no_more_rows_are_returned_than_there_are():
     assert EdgesInSight(CAMERA, [_box(0.2)], [OBSTACLE]).lowest_row(_view()) == 48
     assert EdgesInSight(CAMERA, [], []).lowest_row(replace(_view(), moving=())) == -1
 

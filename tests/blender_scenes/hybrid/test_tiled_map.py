@@ -118,7 +118,7 @@ HERE = _grid((-0.203, -0.211), (0.197, 0.189), 57)
 @pytest.mark.parametrize("max_bytes", [MUCH, 1])
 @pytest.mark.parametrize("precision", [np.float64, np.float32])
 def test_a_point_has_the_same_value_whatever_was_looked_at_before(tiling, max_bytes, precision):
-    """To the bit: another process renders the same picture first. With one byte, no tile outlives the next."""
+    """To the bit: another process renders the same image first. With one byte, no tile outlives the next."""
     here = HERE.astype(precision)
     expected = _looked_up(TiledMap(tiling, _rough, MUCH), 0, here)
     for before in _wanderings():
@@ -166,7 +166,7 @@ def test_tiles_that_are_kept_are_not_made_again_and_those_beyond_the_bytes_are()
     assert [key[1] for key in made] == [0, 1, 2, 3, 0]
 
 
-def test_the_same_view_again_makes_nothing_anew():
+def test_the_same_view_again_makes_no_new_tiles():
     made = []
     own = TiledMap(WITH_MARGIN, lambda tile: made.append(tile.key) or _rough(tile), 1)
     first = own.patch(0, HERE)
@@ -184,7 +184,7 @@ def test_the_same_view_again_makes_nothing_anew():
     level=st.integers(0, 2),
     places=st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3)), min_size=1, max_size=12),
 )
-def test_a_point_that_was_asked_for_has_a_value(tiling, level, places):
+def test_every_requested_point_has_a_value(tiling, level, places):
     points = np.array(places)[None]
     found = _looked_up(TiledMap(tiling, _rough, MUCH), level, points)
     assert np.isfinite(found).all()
@@ -192,7 +192,7 @@ def test_a_point_that_was_asked_for_has_a_value(tiling, level, places):
     assert found.max() <= 1
 
 
-def test_where_no_tile_was_asked_for_there_is_no_number_and_not_the_colour_of_the_nearest():
+def test_where_no_tile_was_requested_the_value_is_nan_and_not_the_nearest_colour():
     """Which would depend on what was looked at before, and be wrong."""
     patch = TiledMap(PLAIN, lambda tile: _rough(tile).repeat(6, axis=-1), MUCH).patch(0, np.array([[0.05, 0.05]]))
     beyond = np.array([[[0.5, 0.05], [0.05, -0.5], [0.05, 0.05]]])

@@ -1,4 +1,4 @@
-"""Light of fewer pixels brought to a picture's own, on surfaces that are known."""
+"""Light of fewer pixels brought to an image's own, on surfaces that are known."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ UP, SIDE = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 
 
 def _plane(nearness: float = 1.0, normal: tuple[float, float, float] = UP) -> tuple[np.ndarray, np.ndarray]:
-    """Nearness (H, W, 1) [1/m] and normal (H, W, 3) of a whole picture."""
+    """Nearness (H, W, 1) [1/m] and normal (H, W, 3) of a full image."""
     far = np.full((HEIGHT, WIDTH, 1), nearness, np.float32)
     return far, np.broadcast_to(np.array(normal, np.float32), (HEIGHT, WIDTH, 3)).copy()
 
@@ -48,7 +48,7 @@ def test_even_light_stays_even_whatever_it_falls_on():
 @TIMES
 @pytest.mark.parametrize("axis", [0, 1])
 def test_on_a_plane_light_that_grows_evenly_still_does(axis, times):
-    """Pixel p of the picture has its middle at (p + 0.5) / times - 0.5 of the smaller one's."""
+    """Pixel p of the image has its middle at (p + 0.5) / times - 0.5 of the smaller one's."""
     low = _low(0.0, times) + np.indices((HEIGHT // times, WIDTH // times))[axis][..., None]
     found = upsampled(low, *_plane())
     expected = (np.indices((HEIGHT, WIDTH))[axis][..., None] + 0.5) / times - 0.5

@@ -1,4 +1,4 @@
-"""Whole pictures without Blender."""
+"""Full images without Blender."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ def job_of(arena, robot, look=None):
     return build_job(arena, robot, look or LookConfig(name="plain", camera=EVEN), SMALL, FRAMES, seed=5)
 
 
-def test_the_median_of_a_picture_is_the_brightness_that_the_look_asks_for(arena, robot):
+def test_the_median_of_an_image_is_the_brightness_that_the_look_sets(arena, robot):
     """0.25 of the light is 137 of 255 in sRGB (IEC 61966-2-1)."""
     job = job_of(arena, robot)
     picture = FlatRenderer(job).image(job.frames[0])

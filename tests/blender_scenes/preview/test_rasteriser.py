@@ -101,7 +101,7 @@ def test_the_edges_of_the_line_lie_where_straight_lines_are_projected_to(arena, 
 
 
 def test_faces_that_meet_leave_no_gap_and_each_pixel_sees_the_one_below_it(robot):
-    """300 tiles, whose edges run along columns and rows of the picture and across them."""
+    """300 tiles, whose edges run along columns and rows of the image and across them."""
     parts = [
         geometry.floor(f"{i}_{j}", (0.1 * i, 0.1 * j), (0.1 * i + 0.1, 0.1 * j + 0.1), 0.0, f"{i}_{j}")
         for i in range(20)

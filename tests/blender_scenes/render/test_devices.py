@@ -38,7 +38,7 @@ def test_without_a_card_auto_is_the_processor_and_gpu_is_refused_with_a_way_out(
     assert "\n" not in str(caught.value)
 
 
-def test_for_the_processor_nobody_is_asked():
+def test_for_the_processor_blender_is_not_started():
     def asked():
         raise AssertionError
 

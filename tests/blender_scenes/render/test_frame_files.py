@@ -19,7 +19,7 @@ def _made(images, number=1) -> FrameFile:
     return FrameFile(number, frame_name(number), sha256, len(JPEG), 0.1)
 
 
-def test_a_picture_is_put_in_place_whole_and_leaves_nothing_beside_it(tmp_path):
+def test_an_image_is_put_in_place_complete_and_leaves_nothing_beside_it(tmp_path):
     _made(tmp_path / "images")
     assert [p.name for p in (tmp_path / "images").iterdir()] == ["000001.jpg"]
     assert cv2.imread(str(tmp_path / "images" / "000001.jpg")).shape == (12, 16, 3)
@@ -32,12 +32,12 @@ def test_a_disk_that_loses_bytes_is_noticed_and_the_place_stays_empty(tmp_path, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_picture_of_another_size_is_refused(tmp_path):
+def test_an_image_of_another_size_is_refused(tmp_path):
     with pytest.raises(OSError, match="not the one written"):
         put_in_place(JPEG, tmp_path / "000001.jpg", 32, 24)
 
 
-def test_recorded_pictures_are_known_again(tmp_path):
+def test_recorded_images_are_recognised(tmp_path):
     ledger = Ledger(tmp_path / "images", "job")
     frame = _made(tmp_path / "images")
     assert ledger.whole_files() == {}
@@ -55,7 +55,7 @@ def test_the_processor_that_put_a_file_in_place_last_made_it_and_one_that_was_no
 
 
 @pytest.mark.parametrize("damage", ["shorter", "one bit", "missing", "another job", "record cut"])
-def test_a_damaged_picture_does_not_count(tmp_path, damage):
+def test_a_damaged_image_does_not_count(tmp_path, damage):
     images = tmp_path / "images"
     ledger = Ledger(images, "job")
     ledger.add(_made(images))

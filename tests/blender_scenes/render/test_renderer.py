@@ -1,4 +1,4 @@
-"""The Blender process as a whole, with small pictures."""
+"""The Blender process as a whole, with small images."""
 
 import signal
 import subprocess
@@ -42,7 +42,7 @@ def rendered(job, tmp_path_factory):
     return folder, frames, heard
 
 
-def test_every_frame_is_there_heard_of_and_a_picture(rendered):
+def test_every_frame_is_written_reported_and_an_image(rendered):
     folder, frames, heard = rendered
     assert heard == [1, 2, 3]
     assert [f.number for f in frames.files] == [1, 2, 3]
@@ -75,7 +75,7 @@ def test_a_truncated_frame_is_rendered_again_and_the_others_are_left_alone(rende
     assert [f.sha256 for f in after.files] == [f.sha256 for f in before.files]
 
 
-def test_a_changed_job_is_rendered_anew(job, rendered):
+def test_a_changed_job_is_rendered_again(job, rendered):
     folder, before, _ = rendered
     brighter = replace(job, response=replace(job.response, brightness=2 * job.response.brightness))
     other = folder / "other"
@@ -135,7 +135,7 @@ def test_a_killed_child_is_an_error_not_a_wait(job, tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("stillborn_children")
-def test_a_child_killed_before_it_is_told_anything_is_an_error_too(job, tmp_path):
+def test_a_child_killed_before_it_reads_its_job_is_an_error_too(job, tmp_path):
     with pytest.raises(RenderError, match="signal SIGKILL"):
         render_job(_written(job, tmp_path), tmp_path / "images")
 

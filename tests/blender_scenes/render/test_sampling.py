@@ -21,7 +21,7 @@ def test_there_are_samples_and_a_denoiser_for_every_quality_and_a_better_one_tak
 @pytest.mark.parametrize(
     ("width_px", "height_px", "times"), [(640, 480, 1), (1280, 960, 1), (320, 240, 2), (80, 60, 2)]
 )
-def test_a_picture_of_a_quarter_of_the_pixels_takes_twice_the_samples(width_px, height_px, times):
+def test_an_image_of_a_quarter_of_the_pixels_takes_twice_the_samples(width_px, height_px, times):
     """What four times the pixels are worth: docs/rendering.md. No conclusion is drawn beyond the two sizes."""
     for name in ("draft", "standard", "high"):
         found = tracing_settings(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
@@ -40,7 +40,7 @@ def test_in_between_samples_are_rounded_up():
 
 
 @pytest.mark.parametrize("name", get_args(RenderQuality))
-def test_a_quality_reaches_the_tracer_whole(name):
+def test_every_setting_of_a_quality_reaches_the_tracer(name):
     asked = QUALITIES[name]
     found = tracing_settings(Render(quality=name, width_px=640, height_px=480), seed=7)
     assert (found.samples, found.prefilter, found.denoise_quality) == (
@@ -76,11 +76,11 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
         ({"method": "hybrid", "quality": "draft"}, True),
     ],
 )
-def test_pictures_of_standard_quality_are_put_together_from_parts_where_that_has_been_measured(told, is_hybrid):
+def test_images_of_standard_quality_are_hybrid_where_that_has_been_measured(told, is_hybrid):
     assert (tracing_settings(Render(**told), seed=1).hybrid is not None) == is_hybrid
 
 
-def test_a_card_traces_whole_pictures_unless_it_is_told_to():
+def test_a_card_renders_in_full_unless_hybrid_is_set():
     assert tracing_settings(Render(), 1, "OPTIX").hybrid is None
     assert tracing_settings(Render(method="hybrid"), 1, "OPTIX").hybrid
 
@@ -92,8 +92,8 @@ def test_a_draft_takes_fewer_samples_for_each_part():
     assert all(few < more for few, more in zip(astuple(rough), astuple(fine), strict=True))
 
 
-def test_of_parts_only_what_surfaces_reflect_takes_more_samples_in_small_pictures():
-    """Twice as many for a quarter of the pixels, as whole pictures do, and no more for fewer still."""
+def test_of_hybrid_rendering_only_the_surfaces_take_more_samples_in_small_images():
+    """Twice as many for a quarter of the pixels, as full images do, and no more for fewer still."""
     large, small, tiny = (
         hybrid_samples(Render(method="hybrid", width_px=width, height_px=width * 3 // 4)) for width in (640, 320, 96)
     )
@@ -101,7 +101,7 @@ def test_of_parts_only_what_surfaces_reflect_takes_more_samples_in_small_picture
     assert tiny == small
 
 
-def test_a_job_of_whole_pictures_is_the_same_text_as_one_that_knows_of_no_parts(arena, robot):
+def test_a_job_of_full_images_is_the_same_text_as_one_without_the_field_hybrid(arena, robot):
     pose = FramePose(number=1, t_s=0.0, x_m=0.55, y_m=0.0, yaw_rad=0.0)
     whole, parts = (
         build_job(arena, robot, LookConfig(name="plain"), Render(method=method), [pose], seed=5)

@@ -13,7 +13,7 @@ def test_variables_that_change_pixels_do_not_reach_blender_and_all_others_do():
     assert without_blender_settings({**settings, **kept}) == kept
 
 
-def test_a_file_that_does_not_fit_is_told_by_its_cause_and_leaves_nothing(tmp_path):
+def test_a_file_that_does_not_fit_is_reported_with_its_cause_and_leaves_nothing(tmp_path):
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     require_room(tmp_path, 5000)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))

@@ -59,7 +59,7 @@ def test_where_two_places_look_alike_it_is_unsure(before_a_wall):
     assert np.median(sd["twofold"]) > 2.0 * np.median(sd["clear"])
 
 
-def test_of_one_picture_it_learns_that_one_pose(before_a_wall):
+def test_from_one_image_it_learns_that_one_pose(before_a_wall):
     only = lesson(1, 0.5)
     one = TrainingRun(RunImages(np.arange(1), only.pictures.pixels), only.pose[:1])
     estimate = METHOD.estimate(asked(before_a_wall, lesson(2, 0.6).pictures), [one], NO_RNG)

@@ -131,7 +131,7 @@ def test_a_host_that_closes_no_connection_is_waited_for_as_long_as_set(own, expe
     assert int(told) == expected
 
 
-def test_a_cluster_that_is_not_there_is_told_in_a_line(tmp_path, capsys):
+def test_a_missing_cluster_is_reported_in_a_line(tmp_path, capsys):
     out = tmp_path / "out"
     arguments = ["--executor", "ray", "--address", "127.0.0.1:1"]
     assert main(["release", "smoke", "--out", str(out), *SMALL, *arguments]) == 5

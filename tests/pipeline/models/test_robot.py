@@ -142,7 +142,7 @@ def test_the_camera_of_the_sdf_has_the_lens_of_the_robot(sensors, spec):
     focal_px = 64 * camera.focal_length_mm / camera.sensor_width_mm
     assert value(lens, "lens/intrinsics/fx") == value(lens, "lens/intrinsics/fy") == pytest.approx(focal_px)
     assert focal_px == pytest.approx(32 / tan(0.5 * value(lens, "horizontal_fov")))
-    # Gazebo counts from the edge of the first pixel: the middle of the picture is at half its size.
+    # Gazebo counts from the edge of the first pixel: the middle of the image is at half its size.
     off_px = 64 * camera.principal_point_right_mm / camera.sensor_width_mm
     assert value(lens, "lens/intrinsics/cx") == pytest.approx(32 + off_px)
     assert value(lens, "lens/intrinsics/cy") == pytest.approx(24)

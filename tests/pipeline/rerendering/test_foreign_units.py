@@ -67,7 +67,7 @@ def test_places_outside_the_room_are_one_clear_line(pose, where, tmp_path, symol
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_the_first_picture_outside_is_named_and_rows_without_one_may_be_anywhere(tmp_path):
+def test_the_first_image_outside_is_named_and_rows_without_one_may_be_anywhere(tmp_path):
     pose = circle()
     pose[3 * EVERY + 1, 0] = 50.0
     prepare(written(tmp_path / "data.csv", pose), LOOK)

@@ -1,4 +1,4 @@
-"""Pictures for a stored trajectory: the same ones again, other looks, and a SyMoLo data.csv with nothing beside it."""
+"""Images for a stored trajectory: the same ones again, other looks, and a SyMoLo data.csv with nothing beside it."""
 
 import json
 import re
@@ -18,7 +18,7 @@ from symolo.dataset.folder_kind import Kind
 RUN = "CW/test_1"
 OUTPUT = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json"}
 SIDE = ("side/camera.csv", "side/intrinsics.json", "side/scene.json")
-"""Of the pictures themselves; the same files as a release has."""
+"""Of the images themselves; the same files as a release has."""
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -60,7 +60,7 @@ def made(out):
     return {path.name for path in out.iterdir() if not path.name.startswith(".")}
 
 
-def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, again, tmp_path, symolo):
+def test_the_same_look_gives_the_same_images_and_another_one_others(dataset, again, tmp_path, symolo):
     run, other = dataset / RUN, tmp_path / "other"
     assert made(again) == OUTPUT
     for name in ("data.csv", "image_positions.txt", *SIDE, *(f"images/{i:06d}.jpg" for i in range(1, 7))):
@@ -163,7 +163,7 @@ def test_a_trajectory_with_a_number_that_cannot_be_is_one_clear_line(
         ("{", "", "Invalid JSON"),
     ],
 )
-def test_a_damaged_specification_is_told_by_its_field(dataset, copy_of, tmp_path, symolo, whole, damaged, told):
+def test_a_damaged_specification_is_reported_by_its_field(dataset, copy_of, tmp_path, symolo, whole, damaged, told):
     path = copy_of(dataset) / RUN / "side/spec.json"
     path.write_text(re.sub(f"{whole}\\s*", damaged, path.read_text(), count=1))
     ended = symolo("rerender", path.parents[1], "--look", "lab", "--out", tmp_path / "out")
@@ -172,7 +172,7 @@ def test_a_damaged_specification_is_told_by_its_field(dataset, copy_of, tmp_path
 
 
 @pytest.mark.parametrize("stages", [True, False])
-def test_a_dataset_is_no_place_for_pictures(dataset, copy_of, symolo, stages):
+def test_a_dataset_is_no_place_for_re_rendered_images(dataset, copy_of, symolo, stages):
     out = copy_of(dataset, stages=stages)
     before = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
     ended = symolo("rerender", dataset / "CW/test_1", "--look", "lab", "--out", out)
@@ -181,7 +181,7 @@ def test_a_dataset_is_no_place_for_pictures(dataset, copy_of, symolo, stages):
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == before
 
 
-def test_pictures_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
+def test_re_rendered_images_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
     out = tmp_path / "pictures"
     with Workspace(out, Kind.PICTURES).locked():
         pass
@@ -190,10 +190,10 @@ def test_pictures_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
     assert "holds what symolo rerender --look made" in ended.err
 
 
-def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
+def test_an_interrupted_change_of_the_images_is_not_taken_for_finished(
     dataset, again, elsewhere, copy_of, symolo, release_of, monkeypatch
 ):
-    """frames.json, the list of the pictures, comes last; the old one goes before the first picture does."""
+    """frames.json, the list of the images, comes last; the old one goes before the first image does."""
     out = copy_of(again, stages=True)
     shutil.rmtree(out / ".stages/render")  # rendered already are those of the other look
     shutil.copytree(elsewhere / ".stages/render", out / ".stages/render")
@@ -210,7 +210,7 @@ def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
     assert release_of(out) == release_of(elsewhere)
 
 
-def test_every_piece_of_furniture_is_told_as_it_was_rendered(dataset, again):
+def test_every_piece_of_furniture_is_recorded_as_it_was_rendered(dataset, again):
     """side/scene.json against the meshes of the job; what furniture there can be by the look's own fields."""
     scene = json.loads((again / "side/scene.json").read_text())
     meshes = {mesh["name"]: mesh for mesh in json.loads((again / "job.json").read_text())["scene"]["meshes"]}
@@ -233,7 +233,7 @@ def test_every_piece_of_furniture_is_told_as_it_was_rendered(dataset, again):
 
 
 @pytest.mark.usefixtures("hands")
-def test_the_camera_of_the_pictures_is_told_as_a_release_tells_its_own(dataset, tmp_path, symolo):
+def test_the_camera_is_recorded_as_in_a_release(dataset, tmp_path, symolo):
     """Another robot, look and size than the run's; numbers from docs/looks.md and the robot's file."""
     settings = ("robot.camera.pitch_down_deg=25", "robot.camera.read_out_s=0.016", "look.camera.exposure_time_s=0.008")
     settings += ("render.width_px=32", "render.height_px=24")
@@ -273,7 +273,7 @@ def test_a_folder_of_a_version_without_side_is_filled_again_and_nothing_is_rende
     assert {path: path.stat().st_mtime_ns for path in (out / ".stages/render").rglob("*")} == rendered
 
 
-def test_finished_pictures_are_left_alone_and_damaged_ones_put_back(dataset, again, copy_of, symolo, release_of):
+def test_finished_images_are_left_alone_and_damaged_ones_put_back(dataset, again, copy_of, symolo, release_of):
     out = copy_of(again, stages=True)
     arguments = ("rerender", dataset / RUN, "--look", "classroom", "--out", out)
     times = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
@@ -298,7 +298,7 @@ def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
     assert len({samples("CW/test_1"), samples("CCW/test_1"), samples("CW/test_1", seed=7)}) == 3
 
 
-def test_the_reader_takes_the_pictures_with_the_poses_and_camera_of_the_run(dataset, again):
+def test_the_reader_takes_the_images_with_the_poses_and_camera_of_the_run(dataset, again):
     run, pictures = symolo_reader.load(dataset)[RUN], symolo_reader.load(again).runs[0]
     np.testing.assert_allclose(pictures.X_WC, run.X_WC, rtol=0, atol=1e-6)
     told, true = pictures.camera, run.camera
@@ -311,7 +311,7 @@ def test_the_reader_takes_the_pictures_with_the_poses_and_camera_of_the_run(data
         assert (one.t_s, one.pose.tolist()) == (other.t_s, other.pose.tolist())
 
 
-def test_what_the_pictures_have_not_is_named_with_where_it_is(again, tmp_path, symolo, copy_of):
+def test_what_re_rendered_images_lack_is_named_with_where_it_is(again, tmp_path, symolo, copy_of):
     pictures = symolo_reader.load(again).runs[0]
     assert pictures.side_names == ("camera",)
     assert pictures.side("camera")["img"].tolist() == [*pictures.numbers]

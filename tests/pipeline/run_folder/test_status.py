@@ -40,7 +40,7 @@ def test_what_images_cost_is_summed_over_their_journals_and_threads(out, symolo,
     assert "each; planned were" in symolo("status", out, "smoke", *tiny).out
 
 
-def test_a_folder_in_use_is_told_with_the_process(out, symolo):
+def test_a_folder_in_use_is_reported_with_the_process(out, symolo):
     descriptor = os.open(out / ".stages/.lock", os.O_RDONLY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)
@@ -80,7 +80,7 @@ def test_a_release_of_a_version_without_scene_json_is_not_up_to_date(out, symolo
     assert "would be done by the next release, 1 run: release: side/scene.json is not among its files" in told
 
 
-def test_damage_and_failures_are_told(out, symolo):
+def test_damage_and_failures_are_reported(out, symolo):
     image = out / ".stages/render/CW/test_1/images/000001.jpg"
     image.write_bytes(image.read_bytes()[:-1])
     assert "damaged" not in symolo("status", out).out

@@ -1,4 +1,4 @@
-"""Pictures of the user's own in the stages: copied once, known by content, not looked for elsewhere."""
+"""Images of the user's own in the stages: copied once, known by content, not looked for elsewhere."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""Moving obstacles from the scenario to the release: laps, tables, pictures, what verify and rerender make of them."""
+"""Moving obstacles from the scenario to the release: laps, tables, images, what verify and rerender make of them."""
 
 import itertools
 import json

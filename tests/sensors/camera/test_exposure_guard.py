@@ -17,7 +17,7 @@ def test_the_shares_are_those_of_the_pixels():
     assert Extremes.of(_jpeg(picture)) == Extremes(black=0.20, burnt=0.05)
 
 
-def test_good_pictures_are_passed_over_in_silence():
+def test_good_images_give_no_warning():
     assert exposure_warnings({"000001.jpg": WELL, "000002.jpg": Extremes(0.25, 0.1)}) == ()
 
 
@@ -30,11 +30,11 @@ def test_a_warning_says_how_many_which_how_much_and_what_to_change():
     assert "lower look.camera.compensation_ev" in burnt
 
 
-def test_only_a_run_of_nothing_but_black_pictures_is_no_use():
+def test_only_a_run_of_nothing_but_black_images_is_reported():
     assert all_black([Extremes(1.0, 0.0), Extremes(0.9, 0.0)]) == ""
     assert "all 2 images are black" in all_black([Extremes(1.0, 0.0), Extremes(0.995, 0.0)])
 
 
-def test_what_is_no_picture_is_an_error():
+def test_a_file_that_is_no_image_is_an_error():
     with pytest.raises(ValueError, match="decoded"):
         Extremes.of(b"none")

@@ -1,4 +1,4 @@
-"""The pinhole picture and the warp, without Blender."""
+"""The pinhole image and the warp, without Blender."""
 
 import cv2
 import numpy as np
@@ -61,6 +61,6 @@ def test_light_that_lies_beyond_the_margin_is_that_of_the_border():
     assert through_lens(np.ones((lit.height_px, lit.width_px, 3), np.float32), BARREL, late).min() == 1.0
 
 
-def test_a_lens_that_folds_the_picture_is_an_error():
+def test_a_lens_that_folds_the_image_is_an_error():
     with pytest.raises(ValueError, match="no ray"):
         pinhole_image(Intrinsics(80, 60, 57.0, 57.0, 39.5, 29.5, (-0.8, 0.0, 0.0, 0.0, 0.0)))

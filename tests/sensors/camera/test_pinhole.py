@@ -25,14 +25,14 @@ def test_the_field_of_view_is_that_of_simtwo(robot):
     assert np.degrees(horizontal_field_of_view_rad(robot.camera)) == pytest.approx(70.4, abs=0.05)  # paper section 8.1
 
 
-def test_the_border_of_the_picture_is_half_the_field_of_view_away(robot):
+def test_the_border_of_the_image_is_half_the_field_of_view_away(robot):
     camera = intrinsics(robot.camera, 640, 480)
     right_border = 640 - 0.5  # pixel (0, 0) is the middle of the first pixel
     angle = np.arctan((right_border - camera.cx_px) / camera.fx_px)
     assert 2 * angle == pytest.approx(horizontal_field_of_view_rad(robot.camera))
 
 
-def test_the_floor_point_on_the_axis_is_in_the_middle_of_the_picture(robot):
+def test_the_floor_point_on_the_axis_is_in_the_middle_of_the_image(robot):
     # The camera stands 0.12 m high at x = 0.05 and looks 30 degrees down: 0.12 / tan 30 further on it meets the floor.
     point = np.array([[0.05 + 0.12 / np.tan(np.radians(30)), 0.0, 0.0]])
     pixel, depth = project(intrinsics(robot.camera, 640, 480), _X_WC(robot), point)
@@ -120,8 +120,8 @@ def test_pixels_behind_a_lens_go_to_the_floor_and_back(robot):
     assert project(camera, X_WC, points)[0] == pytest.approx(pixels, abs=1e-6)
 
 
-def test_a_point_that_the_lens_would_fold_back_into_the_picture_has_no_pixel(robot):
-    # r (1 - 0.15 r^2) rises up to 1.49 and is back at 0.45 for r = 2.3, seen within the picture where nothing is.
+def test_a_point_that_the_lens_would_fold_back_into_the_image_has_no_pixel(robot):
+    # r (1 - 0.15 r^2) rises up to 1.49 and is back at 0.45 for r = 2.3, seen within the image where nothing is.
     camera = replace(intrinsics(robot.camera, 160, 120), distortion=(-0.15, 0.0, 0.0, 0.0, 0.0))
     X_WC = _X_WC(robot)
     points = X_WC[:3, 3] + np.array([[0.4, 0.0, 1.0], [2.3, 0.0, 1.0]]) @ X_WC[:3, :3].T

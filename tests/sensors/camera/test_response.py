@@ -136,12 +136,12 @@ def test_a_bright_patch_shortens_the_exposure_until_little_of_it_burns():
     assert np.mean(patched >= 250) < 0.05
 
 
-def test_a_black_picture_is_an_error_that_says_the_cure():
+def test_a_black_image_is_an_error_that_names_the_remedy():
     with pytest.raises(ValueError, match="lamp or a sky"):
         median_luminance(np.zeros((4, 4, 3), np.float32))
 
 
-def test_the_jpeg_holds_the_picture():
+def test_the_jpeg_holds_the_image():
     rng = np.random.default_rng(0)
     picture = cv2.resize(rng.integers(0, 255, (3, 4, 3), np.uint8), (64, 48), interpolation=cv2.INTER_CUBIC)
     back = cv2.imdecode(np.frombuffer(encode_jpeg(picture, 98), np.uint8), cv2.IMREAD_COLOR)

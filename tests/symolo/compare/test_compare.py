@@ -17,7 +17,7 @@ TABLE = "t,x,state\n0,4.0,0\n50,-8.0,0\n100,2.0,1\n"
 
 @pytest.fixture
 def pair(tmp_path):
-    """Two folders of the same run: a picture, a mask, a table and a document."""
+    """Two folders of the same run: an image, a mask, a table and a document."""
     a = tmp_path / "a"
     (a / "annotations/instance").mkdir(parents=True)
     cv2.imwrite(str(a / "000001.png"), np.full((6, 8, 3), 100, np.uint8))

@@ -94,7 +94,7 @@ def random_release(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Ra
 
 
 def _kinds(seed: int) -> tuple[str, ...]:
-    """Every other release has to do without pictures of categories."""
+    """Every other release has to do without images of categories."""
     return tuple(kind for kind in KINDS if seed % 2 == 0 or kind != "semantic")
 
 

@@ -18,7 +18,7 @@ SHOWN = ["colors", "normals", "diffuse", "nocs", "forward_flow", "backward_flow"
 
 
 def decoded(file, index, truth):
-    """Pictures of annotations of the file as they should be, from what was stored."""
+    """Images of annotations of the file as they should be, from what was stored."""
     stored = {kind: pictures[index] for kind, pictures in truth.passes.items() if index < len(pictures)}
     ids = truth.instances[index]
     expected = {"instance_segmaps": ids, "depth": np.where(stored["depth"] > 0, stored["depth"] / 10_000, FAR)}

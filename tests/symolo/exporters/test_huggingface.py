@@ -1,4 +1,4 @@
-"""By `datasets.load_dataset`, offline: pictures are decoded and equal, and so are readings and poses."""
+"""By `datasets.load_dataset`, offline: images are decoded and equal, and so are readings and poses."""
 
 import io
 

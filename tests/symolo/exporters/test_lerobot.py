@@ -56,7 +56,7 @@ def expected_numbers(truth, robot):
 
 
 def stats_differ(told, values):
-    """Of values (N, components); pictures as (pixels, channels), of which a quantile is a level that occurs."""
+    """Of values (N, components); images as (pixels, channels), of which a quantile is a level that occurs."""
     is_picture = values.dtype == np.uint8
     how = "inverted_cdf" if is_picture else "linear"
     numbers = values / 255 if is_picture else values.astype(np.float64)
@@ -102,7 +102,7 @@ def told_stats(row, name):
 
 
 def frames_differ(of_run, row, truth, robot):
-    """Pictures, numbers and statistics of an episode."""
+    """Images, numbers and statistics of an episode."""
     names = ("observation.state", "action", "timestamp", "pose")
     for name, expected in zip(names, expected_numbers(truth, robot), strict=True):
         np.testing.assert_array_equal(np.array(of_run[name][:], np.float32), expected.astype(np.float32))

@@ -106,7 +106,7 @@ def transforms_differ(bag, truth, model, robot):
     fixed = {(one.header.frame_id, one.child_frame_id): matrix(one.transform) for one in static.transforms}
     X_RC = fixed["base_link", "camera_link"] @ fixed["camera_link", "camera_optical_frame"]
     np.testing.assert_allclose(X_RC, model["X_RC"], rtol=0, atol=1e-8)
-    # Of REP 103: the picture's right is the body's right, which is -y, and its axis is x.
+    # Of REP 103: the image's right is the body's right, which is -y, and its axis is x.
     np.testing.assert_allclose(
         fixed["camera_link", "camera_optical_frame"][:3, :3], [[0, 0, 1], [-1, 0, 0], [0, -1, 0]], atol=1e-12
     )

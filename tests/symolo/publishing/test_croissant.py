@@ -8,7 +8,7 @@ from PIL import Image
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # of rdflib, at mlcroissant's way to call it
-    pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning"),  # of mlcroissant, which closes no picture
+    pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning"),  # of mlcroissant, which closes no image
 ]
 
 

@@ -1,4 +1,4 @@
-"""Small releases whose runs drive on known curves and whose pictures are painted, so that every number is known."""
+"""Small releases whose runs drive on known curves and whose images are painted, so that every number is known."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -29,7 +29,7 @@ class Wanted:
 
     settings: Sequence[str] = ()
     grey: Callable[[int, int], int] = lambda _, image: 120 + image
-    """Of the flat picture with that number (from 1) of that run (from 0)."""
+    """Of the flat image with that number (from 1) of that run (from 0)."""
     description: str = ""
     licence: str = "CC-BY-4.0"
     warnings: Sequence[str] = ()

@@ -45,7 +45,7 @@ def whole(painted, tmp_path_factory):
 
 
 def loads(html):
-    """Addresses that a browser would fetch or go to, in the page and in every picture within it."""
+    """Addresses that a browser would fetch or go to, in the page and in every image within it."""
     tree = ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
     for element in tree.iter():
         assert element.tag.rpartition("}")[2] not in {"script", "link", "iframe", "object", "embed", "base", "form"}

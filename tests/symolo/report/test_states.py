@@ -1,4 +1,4 @@
-"""States on pictures: each has a mark of its own, and each row belongs to one stretch."""
+"""States on images: each has a mark of its own, and each row belongs to one stretch."""
 
 from itertools import combinations, pairwise
 
