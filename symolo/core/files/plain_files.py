@@ -59,6 +59,10 @@ class UnsafeFileError(InputError, OSError):
         """What is wrong, without the place, beginning with `is`."""
         self.strerror = f"it {what}"
 
+    def __reduce__(self) -> tuple[type["UnsafeFileError"], tuple[Path, str]]:
+        """Come out of a worker process unchanged."""
+        return UnsafeFileError, (Path(self.filename), self.problem)
+
     def __str__(self) -> str:
         """Return the line of the `InputError`, not that which an `OSError` makes of number and text."""
         return Exception.__str__(self)

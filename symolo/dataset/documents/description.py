@@ -1,10 +1,14 @@
 """Parts of a dataset's README.md that follow from its metadata, as Markdown."""
 
 import html
+import re
 from collections.abc import Iterable, Sequence
 
 from symolo.core.errors import one_line
 from symolo.dataset.documents.metadata import Metadata
+
+_END_OF_LINK_TEXT = re.compile(r"\](?=[(:\[])")
+"""A bracket that would make a link of what follows, such as of `javascript:`."""
 
 
 def columns_part(metadata: Metadata) -> str:
@@ -53,4 +57,5 @@ def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def plain_text(text: str) -> str:
     """Return text of a scenario file as plain text of a Markdown page, whatever it holds."""
-    return html.escape(one_line(text), quote=False).replace("|", "\\|")
+    escaped = html.escape(one_line(text), quote=False).replace("|", "\\|")
+    return _END_OF_LINK_TEXT.sub(r"\\]", escaped)

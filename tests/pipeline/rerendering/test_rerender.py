@@ -316,7 +316,7 @@ def test_what_re_rendered_images_lack_is_named_with_where_it_is(again, tmp_path,
     assert pictures.side_names == ("camera",)
     assert pictures.side("camera")["img"].tolist() == [*pictures.numbers]
     for ask in (lambda: pictures.side("wheels"), lambda: pictures.spec):
-        with pytest.raises(symolo_reader.InputError, match="those of the run that they were made from"):
+        with pytest.raises(symolo_reader.InputError, match="those of the run that the images were made from"):
             ask()
     refused = symolo("export", again, "--format", "kitti", "--out", tmp_path / "out")
     assert (refused.code, refused.err.count("\n")) == (2, 1)

@@ -2,7 +2,7 @@ import pickle
 
 import pytest
 
-from symolo.core.errors import InputError, nearest, shown
+from symolo.core.errors import InputError, nearest, one_line, shown
 
 
 def test_the_parts_of_an_error_stand_in_one_order():
@@ -43,3 +43,9 @@ def test_nearest_looks_past_case_and_gives_up_on_strangers():
     assert nearest("WINDING_RESISTENCE_OHM", names) == "winding_resistance_ohm"
     assert nearest("elevation_deg", names) == ""
     assert nearest(None, names) == ""
+
+
+def test_characters_that_turn_the_direction_of_a_line_are_left_out():
+    marks = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+    assert one_line(f"gnp{marks}.exe") == "gnp .exe"
+    assert str(InputError("name", got=f"a{marks}b")).isprintable()

@@ -1,6 +1,7 @@
 """A file of a dataset is read if it is a plain file of a usual size, and refused at once otherwise."""
 
 import os
+import pickle
 import shutil
 import socket
 import tempfile
@@ -63,6 +64,13 @@ def test_what_is_no_plain_file_is_refused_with_what_it_is(strange):
         assert str(refusal.value).startswith(f"{path}: is {what}, and a dataset holds plain files; put the file itself")
         assert refusal.value.strerror == f"it is {what}, and a dataset holds plain files"
     assert not is_plain_file(path)
+
+
+def test_a_refusal_comes_out_of_a_worker_process_unchanged(strange):
+    with pytest.raises(UnsafeFileError) as refusal:
+        read_file(strange[0], FileKind.DOCUMENT)
+    again = pickle.loads(pickle.dumps(refusal.value))  # noqa: S301 - our own bytes
+    assert (str(again), again.problem, again.filename) == (str(refusal.value), refusal.value.problem, str(strange[0]))
 
 
 @pytest.mark.parametrize("device", ["/dev/zero", "/dev/null", "/dev/tty"])

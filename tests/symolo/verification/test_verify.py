@@ -97,6 +97,16 @@ def half_of_it(text):
 
 
 CONTENT = {
+    "byte-order mark": (
+        lambda root: (root / CSV).write_bytes(b"\xef\xbb\xbf" + (root / CSV).read_bytes()),
+        CSV,
+        "begins with a byte-order mark",
+    ),
+    "line ends of Windows": (
+        lambda root: (root / CSV).write_bytes((root / CSV).read_bytes().replace(b"\n", b"\r\n")),
+        CSV,
+        "has line ends of Windows",
+    ),
     "csv missing": (remove(CSV), CSV, "cannot be read"),
     "csv empty": (cut(CSV, 0), CSV, "is empty"),
     "csv cut in a row": (edit(CSV, half_of_it), CSV, "cut off"),
