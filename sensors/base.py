@@ -1,8 +1,8 @@
 """What every sensor has in common: when it samples, what it may read, and what it delivers.
 
-Rate, delay, noise, quantisation and dropout are separate settings. A sensor updates every `period_steps` and a value
-is delivered `delay_steps` later; between two deliveries the reader sees the one before. Only updates that are
-read are computed.
+Rate, delay, noise, quantisation and dropout are separate settings. A sensor takes a sample every
+`period_steps`. The controller receives it `delay_steps` later and uses it until the next one arrives. Samples that
+nobody reads are not computed.
 """
 
 import inspect

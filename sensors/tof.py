@@ -146,7 +146,7 @@ class TofArray(Sensor):
         c, s = cos(yaw), sin(yaw)
         rays = self._rays_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0], [x, y, 0.0]])
         origins, directions = rays[: len(rays) // 2], rays[len(rays) // 2 :]
-        # A surface beyond the longest valid range changes the reading only by the light that it does not return.
+        # Rays end somewhat beyond the largest range that the device reports; a ray without a hit returns no light.
         reach = 1.25 * self._config.max_range_m
         hits = world.cast(origins, origins + reach * directions)
         shape = (3, self._config.rays)

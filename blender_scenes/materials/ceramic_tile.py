@@ -9,7 +9,7 @@ _ROUNDED_M = 0.0012
 
 
 def ceramic_tile(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Return square tiles in straight courses, each of a slightly different shade, with rounded edges.
+    """Return square tiles in straight rows, each of a slightly different shade, with rounded edges.
 
     Joints are lower, rough and sandy, with patches of dirt.
     """

@@ -89,14 +89,14 @@ class Cells(Expression):
 
 @dataclass(frozen=True)
 class Tiles(Expression):
-    """Rectangles in courses: 1 in the joint and 0 on the tile, or a random number from 0 to 1 per tile."""
+    """Rectangles in rows: 1 in the joint and 0 on the tile, or a random number from 0 to 1 per tile."""
 
     size_m: tuple[float, float]
     joint_m: float
     stagger: float
-    """Shift of every second course, in tile lengths."""
+    """Shift of every second row, in tile lengths."""
     offset_m: tuple[float, float]
-    """Place of the surface in the endless courses."""
+    """Place of the surface in the endless rows."""
     value: Literal["joint", "random"] = "joint"
     softness: float = 0.1
     """Share of the joint's width over which the value rises from 0 to 1."""

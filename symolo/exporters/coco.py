@@ -91,7 +91,7 @@ def _image(image: Image, number: int, run: Run) -> dict[str, object]:
 
 
 def _categories(document: AnnotationDocument) -> list[dict[str, object]]:
-    """Return all categories but the sky, which has no instances, and whose id 0 means none to many readers."""
+    """Return all categories but the sky: it has no instances, and many readers take its id 0 for "no category"."""
     return [
         {"id": one.id, "name": one.name, "supercategory": "scene"}
         | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in _WITH_CORNERS else {})
