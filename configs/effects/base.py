@@ -96,7 +96,7 @@ class Effect(Section):
     excitation: ClassVar[str]
     """Excitation that a measurement must contain to reveal the effect."""
     setups: ClassVar[tuple[Setup, ...]] = tuple(Setup)
-    """Measurements in which the diagnosis looks for the effect; in any other one it reports it as untestable."""
+    """Measurements in which the diagnosis looks for the effect; in any other one it does not consider it."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:  # noqa: ANN401 - as pydantic declares it

@@ -28,8 +28,8 @@ class WallFollowing(Section):
     error_scale_per_m: float = Field(gt=0, le=1000)
     """Factor from the wall error to the range of the line error."""
     far_error_limit: float = Field(gt=0, le=3.5)
-    """Limit of the error of a robot too far from the wall; small, so that mixed ranges at a wall's end do not turn the
-    robot around that end."""
+    """Limit of the wall error of a robot that is too far away; small, because at the end of a wall the beam sees wall and
+    background together, and a large error would turn the robot around the end."""
     lost_beyond_m: float = Field(gt=0, le=2)
     """Reading of the side sensor above which the followed wall is lost."""
     found_within_m: float = Field(gt=0, le=2)
@@ -154,7 +154,7 @@ class Lost(Section):
     turn_rate_rad_s: float = Field(ge=0, le=20)
     """Yaw rate of the search [rad/s]."""
     gap_m: float = Field(ge=0, le=5)
-    """Distance after which the robot regards the wall as ended; after a turn at once it would hit the wall's end."""
+    """Distance without a wall after which the wall counts as ended; an immediate turn would hit the end of the wall."""
     gap_turn_rate_rad_s: float = Field(ge=0, le=20)
     """Yaw rate before `gap_m` is reached [rad/s]; small, so that a gap is crossed nearly straight."""
 

@@ -86,7 +86,8 @@ class Encoder(Section):
     counts_per_revolution: int = Field(ge=4, le=1_000_000)
     """Counts per turn of the wheel, all edges counted."""
     period_s: float = Field(gt=0, le=1)
-    """Time between readings of the controller [s]; the wheel loop reads the counts at `rates.wheel_loop_hz`, undelayed."""
+    """Time between readings of the controller [s]; the wheel loop reads the counts undelayed, at
+    `rates.wheel_loop_hz`."""
     delay_s: float = Field(ge=0, le=1)
     """Age of a reading when the controller receives it [s]."""
     dropout_probability: float = Field(ge=0, le=1)

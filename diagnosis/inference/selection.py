@@ -6,9 +6,10 @@ threshold is the greatest fall among all effects where nothing is hidden (`bench
 single test, since dozens of effects are tried. Afterwards each effect is compared with every other in its place, and
 with no effect, because the first effect may have been a substitute for two later ones.
 
-Guards prevent that outliers become a discovery. The fall must come from several samples. The held-out rows must not
-contradict it. Wider noise is accepted only if the mean has no structure. The samples cannot decide if more than half of
-the fall comes from the prior: then a nuisance had left its tolerance to imitate the effect, in held-out rows too.
+Guards keep outliers from being reported as an effect. The fall must come from several samples. The held-out rows must
+not contradict it. Wider noise is accepted only if the mean has no structure. The tests on samples and held-out rows are
+skipped if more than half of the fall comes from the prior: then a nuisance had left its tolerance and imitated the
+effect in those rows too.
 """
 
 from collections.abc import Sequence

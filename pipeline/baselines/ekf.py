@@ -23,14 +23,14 @@ GAIN, OFFSET = STATES, STATES + 3
 """Index of the first gain and of the first offset of the three sensors in the state."""
 ALL = STATES + 6
 LASTING_S = 1.0
-"""Time [s] after which a sensor has another offset, because it looks at another wall or from another side."""
+"""Correlation time [s] of the offset of a sensor, which changes with the wall and the side from which it is seen."""
 GATE = 6.635
 """99 % quantile of chi-square with one degree of freedom; less likely readings come from objects that are on no map."""
 MIN_STEP = np.array([0.002, 0.002, 0.01])
 """Smallest steps of the numerical derivatives by x [m], y [m], yaw [rad]. Larger steps are the standard deviations of
 the pose."""
 WIDTH = 3.0
-"""Square of the width of the differences, in standard deviations; 3 is right for a Gaussian (Norgaard, see below)."""
+"""Square of the step of the differences, in standard deviations; 3 is best for a Gaussian (Norgaard, see below)."""
 
 
 def updated(state: Array, covariance: Array, row: Array, innovation: float, variance: float) -> tuple[Array, Array]:
@@ -93,7 +93,7 @@ class _KalmanFilter:
                 self.state, self.covariance = updated(self.state, self.covariance, row, innovation, variance)
 
     def _expected(self, at: Array) -> tuple[Array, Array, Array]:
-        """Return mean ranges (3,), their slopes (3, 3) by x, y, yaw, and the deviations (3,) from a straight line.
+        """Return mean ranges (3,), their Jacobian (3, 3) by x, y, yaw, and the deviations (3,) of their nonlinear part.
 
         The differences are as wide as the pose is uncertain (the filter DD2 of Norgaard, Poulsen and Ravn, "New
         developments in state estimation for nonlinear systems", Automatica 36 (2000) 1627-1638). The deviation is large
