@@ -54,7 +54,7 @@ def milliseconds(stage: Stage, robots: Sequence[RobotConfig]) -> float:
     return 1e3 * min(times)
 
 
-def effect(stage: Stage, robots: Sequence[RobotConfig], with_effect: Sequence[RobotConfig]) -> bool:
+def changes_prediction(stage: Stage, robots: Sequence[RobotConfig], with_effect: Sequence[RobotConfig]) -> bool:
     """Whether an effect changes what the stage predicts."""
     both = (stage.predict(several[:1]) for several in (robots, with_effect))
     return any(
@@ -80,7 +80,7 @@ def report(path: Path, robots: int) -> None:
                 name: (any_of or (_material(measurement.nominal),))[0] for name, any_of in effect.options().items()
             }
             several = [robot.with_effect(effect.start(choices)) for robot in bare]
-            if effect(stage, bare, several):
+            if changes_prediction(stage, bare, several):
                 print(f"    {effect.name} {milliseconds(stage, several):.1f} ms")
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from configs.faults import ConfigFault
 from configs.schema.arena import ArenaConfig, Obstacle
-from symolo.arena.footprints import Rectangle, obstacle_footprint, outlines_overlap, stations, swept, wall_footprint
+from symolo.arena.footprints import obstacle_footprint, outlines_overlap, stations, swept, wall_footprint
 from symolo.core.yaml.tree import FieldPath
 
 MAX_SPEED_M_S = 2.0
@@ -86,11 +86,7 @@ def _collision_faults(obstacle: Obstacle, path: FieldPath, arena: ArenaConfig) -
     for index, ((_, a), (_, b)) in enumerate(pairwise(stations(obstacle))):
         outlines = swept(a, b)
         for name, body in standing:
-            if _meets(body, outlines):
+            if any(outlines_overlap(body.corners(), outline) for outline in outlines):
                 problem = f"the path leads through {name}"
                 cure = "lead the path around it, or move it"
                 yield ConfigFault(_waypoint(path, index), problem, b.center, cure=cure)
-
-
-def _meets(body: Rectangle, outlines: list[tuple[tuple[float, float], ...]]) -> bool:
-    return any(outlines_overlap(body.corners(), outline) for outline in outlines)

@@ -139,11 +139,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     if not evidence.fit.any():
         raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
     library = candidates(measurement, evidence, bare)
-    selection = select(evidence, bare, library.testable)
-    # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
-    updated = with_estimated_noises(evidence, selection.fit)
-    if np.any(updated.weight > MAX_WEIGHT_RATIO * evidence.weight):
-        evidence, selection = updated, select(updated, bare, library.testable, selection)
+    evidence, selection = _selected(evidence, bare, library.testable)
     result = adequacy(evidence, selection.fit)
     if not result.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
         selection = replace(selection, fit=better)
@@ -184,6 +180,16 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
         (fit,) = fits(evidence, [(bare, bare.null())])
         evidence = with_estimated_noises(evidence, fit)
     return evidence
+
+
+def _selected(evidence: Evidence, bare: Hypothesis, effects: Sequence[CandidateEffect]) -> tuple[Evidence, Selection]:
+    """Return the evidence with the noise that the selected effects leave, and the selection."""
+    selection = select(evidence, bare, effects)
+    # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
+    updated = with_estimated_noises(evidence, selection.fit)
+    if np.any(updated.weight > MAX_WEIGHT_RATIO * evidence.weight):
+        return updated, select(updated, bare, effects, selection)
+    return evidence, selection
 
 
 def check_kind(measurement: Measurement) -> None:

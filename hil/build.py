@@ -41,16 +41,6 @@ class FirmwareBuild:
     """First eight bytes of the SHA-256 of sources and settings, as 16 hexadecimal digits; a hello holds it."""
 
 
-@dataclass(frozen=True)
-class FirmwareSize:
-    """Memory of the board that a firmware uses."""
-
-    flash_bytes: int
-    """Flash memory [byte] of 262144, of which a boot loader may use 8192."""
-    ram_bytes: int
-    """RAM [byte] of 8192, without the stack."""
-
-
 def student_tasks() -> tuple[str, ...]:
     """Return the functions of student.c that students can write themselves, in the order of the file."""
     return tuple(name.lower() for name in _TASK.findall(_hand_written()["student.c"]))
@@ -131,14 +121,6 @@ def build_native(
             _compile(["gcc", *_NATIVE_FLAGS, "-o", str(library)], files, Path(scratch), NATIVE_PACKAGES)
             move(library, place)
     return place
-
-
-def firmware_size(build: FirmwareBuild) -> FirmwareSize:
-    """Return the memory that the sections of the program use."""
-    listing = _run(["avr-size", "-A", str(build.elf)], AVR_PACKAGES)
-    sizes = {name: int(size) for name, size in re.findall(r"^(\.\w+)\s+(\d+)", listing, re.MULTILINE)}
-    data, text, bss = (sizes.get(name, 0) for name in (".data", ".text", ".bss"))
-    return FirmwareSize(text + data, data + bss + sizes.get(".noinit", 0))
 
 
 def write_sketch(
@@ -243,8 +225,8 @@ def _compile(command: Sequence[str], files: Mapping[str, str], folder: Path, pac
     _run([*command, *sources, "-lm"], packages)
 
 
-def _run(command: Sequence[str], packages: str) -> str:
-    """Run a tool of the compiler and return its output.
+def _run(command: Sequence[str], packages: str) -> None:
+    """Run a tool of the compiler.
 
     Raises:
         EnvironmentLacking: The tool or its library is missing.
@@ -258,7 +240,7 @@ def _run(command: Sequence[str], packages: str) -> str:
         [program, *command[1:]], env=plain, capture_output=True, text=True, errors="replace", check=False
     )
     if done.returncode == 0:
-        return done.stdout
+        return
     errors = [line for line in done.stderr.splitlines() if "error:" in line] or done.stderr.splitlines()[-1:] or ["?"]
     if any(f"{name}: No such file" in line for line in errors for name in ("avr/io.h", "stdint.h", "math.h")):
         raise EnvironmentLacking(f"{command[0]} lacks its C library; run `apt-get install -y {packages}`")

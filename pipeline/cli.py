@@ -4,7 +4,7 @@ import os
 import signal
 import threading
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -12,18 +12,12 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands import checks, hil, maintenance, stages, validate
-from pipeline.commands.baselines import baselines
-from pipeline.commands.diagnose import diagnose
-from pipeline.commands.export import export
-from pipeline.commands.identify_camera import identify_camera
-from pipeline.commands.measurements import inspect
+from pipeline.commands import explanation, hil, inspection, keeping, sharing, stages, validate
+from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.model import model
-from pipeline.commands.pack import pack
 from pipeline.commands.preview import preview
-from pipeline.commands.report import report
+from pipeline.commands.rerender import rerender
 from pipeline.commands.sign import sign
-from pipeline.commands.storage import download, upload
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import EXTRA_OF, extra_is_missing
 from symolo.core.os_errors import lacking
@@ -43,9 +37,27 @@ others are finished; 4 a dataset has faults; 5 something is missing on this mach
 tolerance, or different; 130 interrupted.
 """
 
-
-INTERRUPTED = 130
+CODE_OF = {InputError: BAD_INPUT, RunFailed: RUN_FAILED, EnvironmentLacking: MACHINE_LACKS}
 INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command again to continue"
+
+
+PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
+    "Make data": (
+        *(stages.plan, preview, stages.release, stages.simulate, stages.render, stages.assemble),
+        *(rerender, model),
+    ),
+    "Hardware in the loop": (hil.hil, hil.firmware),
+    "Inspect data and machine": (
+        *(inspection.verify, inspection.compare, inspection.contact_sheet, inspection.report, inspection.baselines),
+        *(inspection.doctor, inspection.schema),
+    ),
+    "Keep, convert and share data": (
+        *(keeping.status, keeping.repair, sign),
+        *(sharing.bag, sharing.export, sharing.pack, sharing.upload, sharing.download),
+    ),
+    "Explain measured data": (explanation.inspect, explanation.diagnose, explanation.identify_camera),
+}
+"""Commands by their heading, both in the order of `symolo --help`."""
 
 
 def command_line() -> typer.Typer:
@@ -61,26 +73,9 @@ def command_line() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    for command in (
-        stages.plan,
-        preview,
-        stages.release,
-        stages.simulate,
-        stages.render,
-        stages.assemble,
-        stages.rerender,
-        model,
-    ):
-        app.command(rich_help_panel="Make data")(command)
-    for command in (hil.hil, hil.firmware):
-        app.command(rich_help_panel="Hardware in the loop")(command)
-    looks = checks.verify, checks.compare, checks.contact_sheet, report, baselines, checks.doctor, checks.schema
-    for command in looks:
-        app.command(rich_help_panel="Inspect data and machine")(command)
-    for command in (maintenance.status, maintenance.repair, sign, maintenance.bag, export, pack, upload, download):
-        app.command(rich_help_panel="Keep, convert and share data")(command)
-    for command in (inspect, diagnose, identify_camera):
-        app.command(rich_help_panel="Explain measured data")(command)
+    for panel, commands in PANELS.items():
+        for command in commands:
+            app.command(rich_help_panel=panel)(command)
     validation = typer.Typer(no_args_is_help=True)
     for command in validate.COMMANDS:
         validation.command()(command)
@@ -129,13 +124,10 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     try:
         code = command_line()(arguments, standalone_mode=False)
     except typer.TyperException as error:
-        return _fail(2, f"{error.format_message()} (see symolo --help)")
-    except InputError as error:
-        return _fail(2, str(error))
-    except RunFailed as error:
-        return _fail(3, str(error))
-    except EnvironmentLacking as error:
-        return _fail(5, str(error))
+        return _fail(BAD_INPUT, f"{error.format_message()} (see symolo --help)")
+    except (InputError, RunFailed, EnvironmentLacking) as error:
+        code = next(code for kind, code in CODE_OF.items() if isinstance(error, kind))
+        return _fail(code, str(error))
     except (KeyboardInterrupt, typer.Abort):
         return _interrupted()
     except SystemExit:
@@ -143,13 +135,14 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
             return _interrupted()
-        if problem := _machine_lacks(error):
-            return _fail(5, one_line(problem))
-        return _bug()
+        if problem := _missing_on_machine(error):
+            return _fail(MACHINE_LACKS, one_line(problem))
+        traceback.print_exc()
+        return _fail(BUG, "this is a bug in symolo; please report it with the lines above")
     return _interrupted() if code == INTERRUPTED else int(code or 0)
 
 
-def _machine_lacks(error: Exception) -> str:
+def _missing_on_machine(error: Exception) -> str:
     """Return what the machine lacks and what to do about it; empty where the error is not the machine's."""
     package = (error.name or "").partition(".")[0] if isinstance(error, ModuleNotFoundError) else ""
     return str(extra_is_missing(package)) if package in EXTRA_OF else lacking(error)
@@ -190,8 +183,3 @@ def _fail(code: int, text: str) -> int:
 
 def _interrupted() -> int:
     return _fail(INTERRUPTED, "interrupted, nothing is lost; run the same command again to continue")
-
-
-def _bug() -> int:
-    traceback.print_exc()
-    return _fail(1, "this is a bug in symolo; please report it with the lines above")

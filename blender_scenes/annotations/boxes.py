@@ -10,7 +10,7 @@ from blender_scenes.annotations.visible_scene import VisibleScene
 from symolo.core.arrays import Array
 from symolo.core.geometry.lens import NO_DISTORTION
 from symolo.core.geometry.pinhole import project
-from symolo.core.geometry.poses import Matrix4
+from symolo.core.geometry.poses import Matrix4, as_rows
 from symolo.dataset.annotations import Box3D, PixelBox, pixel_box
 
 _DECIMALS = 9
@@ -54,9 +54,7 @@ def box_3d(seen: VisibleScene, solid: Solid) -> Box3D:
 
 
 def _rows(matrix: Array) -> Matrix4:
-    rounded = np.round(matrix, _DECIMALS) + 0.0  # no -0.0
-    a, b, c, d = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in rounded)
-    return a, b, c, d
+    return as_rows(np.round(matrix, _DECIMALS) + 0.0)  # no -0.0
 
 
 def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:

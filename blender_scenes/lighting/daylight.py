@@ -37,7 +37,8 @@ def daylight(look: LookConfig, room: RoomModel) -> Lights:
     )
     skies = (Sky(named[0], math.radians(config.yaw_deg), gain, _BRIGHTEST * grey, config.saturation, named[1]),)
     sheer = look.window.covering == "sheer"
-    radiance = _seen_in_the_window(gain * (grey + config.saturation * (mean - grey)))
+    # Outside the window, half is sky, and half are houses and ground of about a third of its luminance.
+    radiance = 0.65 * (gain * (grey + config.saturation * (mean - grey)))
     if sheer:
         radiance = look.window.curtain_transmittance * (radiance + _sun_on_the_window(look, room) / math.pi)
     if not radiance.any():
@@ -56,11 +57,6 @@ def daylight(look: LookConfig, room: RoomModel) -> Lights:
     )
     meshes, surfaces = curtain(window) if sheer else ((), ())
     return Lights(panels=(panel,), skies=skies, meshes=meshes, surfaces=surfaces)
-
-
-def _seen_in_the_window(sky: np.ndarray) -> np.ndarray:
-    """Return the mean luminance outside: half sky, and half houses and ground of about a third of its luminance."""
-    return 0.65 * sky
 
 
 def _sun_on_the_window(look: LookConfig, room: RoomModel) -> np.ndarray:

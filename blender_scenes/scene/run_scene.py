@@ -34,7 +34,8 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
     room = room_around(arena, look, seed)
     parts = [_floor(look, room, seed), *_line(arena, look, seed)]
     parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
-    moving = [_box(_in_its_frame(box), look, seed) for box in arena.moving]
+    in_own_frames = [replace(box, center=(0.0, 0.0, box.center[2]), yaw_rad=0.0) for box in arena.moving]
+    moving = [_box(box, look, seed) for box in in_own_frames]
     lights = [light(look, room) for light in LIGHTS.values()]
     surfaces = [s for _, of_mesh in parts + moving for s in of_mesh] + list(room.surfaces) + list(robot_surfaces())
     surfaces += [surface for light in lights for surface in light.surfaces]
@@ -131,7 +132,3 @@ def _box(box: Box, look: LookConfig, seed: int) -> MeshAndSurfaces:
     around = (ends.name, sides.name, ends.name, sides.name)
     bevel_m = _GLASS_BEVEL_M if box.surface == "glass" else BEVEL_M
     return bevelled_box(name, geometry.box_corners(box), around, lid.name, bevel_m), (ends, sides, lid)
-
-
-def _in_its_frame(box: Box) -> Box:
-    return replace(box, center=(0.0, 0.0, box.center[2]), yaw_rad=0.0)

@@ -35,7 +35,8 @@ def read_panorama(data: bytes) -> FloatImage:
     if data.startswith(_RADIANCE):
         light = _radiance(data)
     elif is_exr(data):
-        light = _open_exr(data)
+        channels = read_exr(data, _check_size, "RGB")
+        light = np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=-1)
     else:
         raise ValueError("is neither a Radiance (.hdr) nor an OpenEXR file")
     wrong = int(np.count_nonzero(~(np.abs(light) <= MAX_COMPONENT)))
@@ -72,11 +73,6 @@ def _radiance(data: bytes) -> FloatImage:
     plain = _RADIANCE[0] + _FORMAT + b"\n" + data[match.start() :]
     light = decoded(plain, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR, (width, height))
     return np.asarray(light[..., ::-1], np.float32)
-
-
-def _open_exr(data: bytes) -> FloatImage:
-    channels = read_exr(data, _check_size, "RGB")
-    return np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=-1)
 
 
 def _check_size(width: int, height: int) -> None:

@@ -84,10 +84,6 @@ def _of_side(holds: Callable[[ControlView, Side], bool]) -> Condition:
     return Condition(SIDES, lambda view, side: holds(view, "left" if side == "left" else "right"))
 
 
-def _of_state(holds: Callable[[ControlView, State], bool]) -> Condition:
-    return Condition(STATES, lambda view, state: holds(view, State[state]))
-
-
 CONDITIONS: Mapping[str, Condition] = MappingProxyType(
     {
         "on_line": _plain(ControlView.on_line),
@@ -100,7 +96,7 @@ CONDITIONS: Mapping[str, Condition] = MappingProxyType(
         "corner_ahead": _plain(ControlView.corner_ahead),
         "corner_turned": _of_side(ControlView.corner_turned),
         "line_met_on_the_way_back": _plain(ControlView.line_met_on_the_way_back),
-        "avoided": _of_state(ControlView.avoided),
+        "avoided": Condition(STATES, lambda view, state: view.avoided(State[state])),
     }
 )
 """Conditions by name. The firmware has a function of the same name for each."""

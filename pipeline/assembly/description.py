@@ -12,7 +12,7 @@ from symolo.dataset.documents.scene_record import SCENE
 
 
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:
-    """The description; dimensions of robot and arena are those of the run `example`."""
+    """Return the description of a dataset; dimensions of robot and arena are those of the run `example`."""
     parts = [_head(metadata), _layout(metadata), columns_part(metadata), _side_tables(metadata, example)]
     parts += [_annotations(metadata), frames_part(metadata), _robot(example), _arena(metadata, example)]
     parts += [runs_part(metadata), _warnings(metadata), _failed(metadata), _checks()]

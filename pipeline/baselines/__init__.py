@@ -4,4 +4,4 @@ from pipeline.baselines import ekf, odometry, particles, regressor
 from pipeline.baselines.base import Method
 
 METHODS: tuple[Method, ...] = (odometry.METHOD, ekf.METHOD, particles.METHOD, regressor.METHOD)
-"""In the order of tables and figures."""
+"""Methods in the order of tables and figures."""

@@ -1,4 +1,4 @@
-"""What a localisation method is: from the knowledge of a robot it estimates poses with covariances."""
+"""The interface of localisation methods: from the knowledge of a robot they estimate poses with covariances."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Estimate:
 class TrainingRun:
     """Images of another run with their true poses, to learn from."""
 
-    pictures: RunImages
+    images: RunImages
     pose: Array
     """(M, 3), x [m], y [m], yaw [rad] in W at each image."""
 
@@ -40,8 +40,9 @@ class Method:
     name: str
     """Name for `--methods`."""
     title: str
+    """Name in figures."""
     what: str
-    """One line that says what the method uses and how."""
+    """Line about the readings that the method uses, and how."""
     estimate: Callable[[RobotKnowledge, Sequence[TrainingRun], np.random.Generator], Estimate]
     """Estimates the poses of a run; training runs are the other runs of the release, in random order."""
     learns: bool = False

@@ -1,12 +1,11 @@
-"""All methods on all runs: their estimates and errors."""
+"""Comparison of methods: the estimates and errors of each one in each run."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeline.baselines import METHODS
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import Estimate, Method
 from pipeline.baselines.errors import Errors, errors_of
-from pipeline.baselines.robot_knowledge import RobotKnowledge
 from pipeline.baselines.runs import LoggedRun
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
@@ -52,8 +51,8 @@ def why_not(method: Method, runs: Sequence[LoggedRun]) -> str:
     """Return why a method cannot be used on a release with these runs; empty where it can."""
     if not method.learns:
         return ""
-    if any(run.pictures is None for run in runs):
-        return "there are no pictures: release the scenario in place of simulating it"
+    if any(run.images is None for run in runs):
+        return "there are no images: release the scenario in place of simulating it"
     return "there is one run only: it learns from the others" if len(runs) == 1 else ""
 
 
@@ -76,13 +75,9 @@ def compare(
             knowledge = run.knowledge(start_sd, stream(seed, run.name, "start"))
             others = [lesson for name, lesson in lessons.items() if name != run.name]
             for method in usable:
-                results[run.name, method.name] = _result(method, run, knowledge, others, seed)
+                rng = stream(seed, run.name, method.name)
+                estimate = method.estimate(knowledge, others if method.learns else (), rng)
+                errors = errors_of(estimate, knowledge.t_s, run.truth)
+                results[run.name, method.name] = MethodResult(estimate, errors)
                 stage.update("all", len(results))
     return BaselineComparison(usable, tuple(runs), results, left_out, start_sd, seed)
-
-
-def _result(
-    method: Method, run: LoggedRun, knowledge: RobotKnowledge, others: Sequence[TrainingRun], seed: int
-) -> MethodResult:
-    estimate = method.estimate(knowledge, others if method.learns else (), stream(seed, run.name, method.name))
-    return MethodResult(estimate, errors_of(estimate, knowledge.t_s, run.truth))

@@ -16,28 +16,34 @@ from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Ints, wrapped
 
 OVER_S = 1.0
+"""Time [s] between the poses of a pair."""
 OVER_M = 1.0
+"""Distance [m] along the path between the poses of a pair."""
 TOLERANCE = 0.1
 """Relative tolerance of the distance between the poses of a pair, as in evo."""
 SHARE = 0.95
+"""Probability of the region of the estimates that is compared with the share of poses in it."""
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Root mean squares but where another name says so."""
+    """Errors of an estimate in one run; root mean squares unless the name says otherwise."""
 
     ate_m: float
+    """Absolute trajectory error [m]."""
     ate_rad: float
+    """Absolute error of the heading [rad]."""
     median_m: float
-    """Half of the poses are nearer to the truth."""
+    """Median distance [m] from the true place."""
     worst_m: float
+    """Largest distance [m] from the true place."""
     end_m: float
-    """Error at the last pose."""
+    """Distance [m] from the true place at the last pose."""
     rpe_per_s_m: float | None
-    """Over one second; None where no two poses are so far apart."""
+    """Relative pose error [m] over one second; None where no two poses are so far apart."""
     rpe_per_s_rad: float | None
     rpe_per_m_m: float | None
-    """Over one metre of the true path."""
+    """Relative pose error [m] over one metre of the true path; None where no two poses are so far apart."""
     rpe_per_m_rad: float | None
     nees: float
     """Mean over the run divided by 3, its degrees of freedom: about 1 where the stated covariance is honest,
@@ -67,20 +73,23 @@ def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
 
 
 def off(estimate: Estimate, truth: Array) -> tuple[Array, Array]:
-    """Distance from the true place [m] and angle from the true heading [rad], (M,) each."""
+    """Return the distances from the true place [m] and the angles from the true heading [rad], (M,) each."""
     difference = estimate.pose - truth[estimate.rows]
     return np.hypot(*difference[:, :2].T), np.abs(wrapped(difference[:, 2]))
 
 
 def nees(estimate: Estimate, truth: Array) -> Array:
-    """Normalised estimation error squared of each pose, (M,): chi-square with 3 degrees of freedom if honest."""
+    """Return the normalised estimation error squared of each pose, (M,).
+
+    It follows chi-square with 3 degrees of freedom where the covariance is honest.
+    """
     error = estimate.pose - truth[estimate.rows]
     error[:, 2] = wrapped(error[:, 2])
     return np.einsum("ij,ij->i", error, np.linalg.solve(estimate.covariance, error[..., None])[..., 0])
 
 
 def pairs_by_time(t_s: Array, apart_s: float) -> Ints:
-    """(K, 2), every pair of indices whose times (M,) are so far apart, to half a millisecond."""
+    """Return the pairs (K, 2) of indices whose times (M,) differ by `apart_s`, to half a millisecond."""
     later = np.searchsorted(t_s, t_s + apart_s - 5e-4)
     first = np.flatnonzero(later < len(t_s))
     later = later[first]
@@ -89,20 +98,22 @@ def pairs_by_time(t_s: Array, apart_s: float) -> Ints:
 
 
 def pairs_by_distance(pose: Array, apart_m: float) -> Ints:
-    """(K, 2), from each pose (M, 3) to the one after it that is next to so far along the path, to a tenth of that."""
-    way_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pose[:, :2], axis=0).T))])
-    after = np.searchsorted(way_m, way_m + apart_m)
-    choices = np.clip(np.stack([after - 1, after]), 0, len(way_m) - 1)
-    wrong = np.abs(way_m[choices] - way_m - apart_m)
+    """Return pairs (K, 2) of indices: each pose (M, 3), and the later one whose distance along the path is nearest to
+    `apart_m`, where that is within a tenth of it.
+    """
+    path_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pose[:, :2], axis=0).T))])
+    after = np.searchsorted(path_m, path_m + apart_m)
+    choices = np.clip(np.stack([after - 1, after]), 0, len(path_m) - 1)
+    wrong = np.abs(path_m[choices] - path_m - apart_m)
     best = wrong.argmin(axis=0)
-    first = np.arange(len(way_m))
+    first = np.arange(len(path_m))
     later = choices[best, first]
     near = (wrong[best, first] <= TOLERANCE * apart_m) & (later > first)
     return np.column_stack((first[near], later[near]))
 
 
 def _relative(true: Array, estimated: Array, pairs: Ints) -> tuple[float | None, float | None]:
-    """RPE of place [m] and heading [rad] over the pairs."""
+    """Return the RPE of place [m] and heading [rad] over the pairs."""
     if not len(pairs):
         return None, None
     first, later = pairs.T
@@ -112,7 +123,7 @@ def _relative(true: Array, estimated: Array, pairs: Ints) -> tuple[float | None,
 
 
 def _seen_from(here: Array, there: Array) -> Array:
-    """(K, 3), the poses `there` in the frames of the poses `here`."""
+    """Return the poses `there` (K, 3) in the frames of the poses `here`."""
     x, y, yaw = (there - here).T
     c, s = np.cos(here[:, 2]), np.sin(here[:, 2])
     return np.stack([c * x + s * y, c * y - s * x, yaw], axis=1)

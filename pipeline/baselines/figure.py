@@ -13,13 +13,13 @@ from symolo.arena.geometry import Arena
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
 
 MAX_RUNS = 8
-"""More would be a poster."""
+"""Number of runs in the figure; more would not fit on a page."""
 _STYLES = ((VERMILION, "--"), (BLUE, "-"), (GREEN, "-."), (ORANGE, ""))
-"""Colour and line by method, in the order of the table; none is points alone."""
+"""Colour and line style of each method, in the order of the table; an empty style stands for points."""
 
 
 def figure(compared: BaselineComparison) -> bytes:
-    """As PNG: of the first runs."""
+    """Return the figure of the first runs as PNG."""
     shown = compared.runs[:MAX_RUNS]
     drawn = Figure(figsize=(13.5, 4.0 * len(shown) + 0.3), layout="constrained")
     panels = drawn.subplots(len(shown), 3, width_ratios=(1.0, 1.15, 1.15), squeeze=False)

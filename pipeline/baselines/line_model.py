@@ -8,7 +8,7 @@ from sensors.line_sensor import tape_share
 from symolo.core.arrays import Array
 
 WRONG = 0.02
-"""Share of readings that no place explains: a joint of the tape, a stain, a threshold near its limit."""
+"""Share of readings that no position explains: a joint of the tape, a stain, a reading near the threshold."""
 
 
 class LineModel:
@@ -18,7 +18,7 @@ class LineModel:
         self._blur_m = float(np.hypot(self._row.spot_sd_m, MAP_SD_M))
 
     def log_likelihood(self, poses: Array, on_line: NDArray[np.bool_]) -> Array:
-        """(P,), of readings (8,) at the poses (P, 3)."""
+        """Return the logarithm (P,) of the likelihood of the readings (8,) at the poses (P, 3)."""
         c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
         x = poses[:, :1] + c * self._row.x_m - s * self._row.y_m
         y = poses[:, 1:2] + s * self._row.x_m + c * self._row.y_m

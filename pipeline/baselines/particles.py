@@ -1,12 +1,12 @@
 """Particle filter: odometry, weighed by ToF and line readings (Thrun, Burgard and Fox, Probabilistic Robotics, 2005,
 sections 4.3, 6.3 and 8.3).
 
-A particle is a pose and, as in the EKF, what its robot's wheels are. Resampling moves each particle a little towards
+A particle is a pose and, as in the EKF, the parameters of the wheels. Resampling moves each particle a little towards
 the mean and then scatters it, which keeps mean and covariance (Liu and West, "Combined parameter and state estimation
-in simulation-based filtering", 2001): without it what does not change by itself, the wheels, would soon be one value.
+in simulation-based filtering", 2001). Without the scattering, the constant parameters would soon have a single value.
 
-What is wrong in one reading is wrong in the next, so all readings of a second count as one (ibid. 6.3.4): the
-logarithm of each likelihood is weighed by the share of the second that it stands for.
+An error in one reading is in the next one too, so all readings of a second count as one (Probabilistic Robotics,
+section 6.3.4): the logarithm of each likelihood is multiplied by the share of the second between two readings.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from scipy.special import logsumexp
 
 from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.line_model import LineModel
-from pipeline.baselines.motion import WheelMotion, begun, slip_sd_m, ways
+from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m, slip_sd_m
 from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
@@ -25,11 +25,11 @@ from symolo.dataset.tables.rows import Ints, wrapped
 PARTICLES = 300
 RAYS = 6
 AS_ONE_S = 1.0
-"""Readings within this time count as one."""
+"""Time [s] within which all readings count as one."""
 SCATTER = 0.22
-"""Bandwidth of the scattering, of the particles' own spread: a discount of 0.95 in the words of Liu and West."""
+"""Bandwidth of the scattering as a share of the spread of the particles; Liu and West call it a discount of 0.95."""
 SEEN, SHORT, MISSED = 0.8, 0.15, 0.05
-"""Shares of readings where the map has a target: of the target, of an unmapped object before it, without target."""
+"""Shares of the readings where the map has a target: of the target, of an object before it, and without target."""
 STRAY = 0.2
 """Share of readings with a target where the map has none."""
 MIN_SD = np.array([1e-4, 1e-4, 1e-4])
@@ -40,8 +40,8 @@ def resampled(weight: Array, offset: float) -> Ints:
     """Return the particles that survive: each on average N times its weight (N,) (low variance sampling).
 
     Args:
-        weight: Of the particles, 1 in sum.
-        offset: Of the comb, from 0 to 1.
+        weight: Weights of the particles, (N,), with sum 1.
+        offset: Offset of the comb, from 0 to 1.
     """
     comb = (np.arange(len(weight)) + offset) / len(weight)
     return np.minimum(np.searchsorted(np.cumsum(weight), comb, side="right"), len(weight) - 1)
@@ -63,15 +63,15 @@ class _ParticleFilter:
         self._ranges = RangeModel(knowledge, RAYS)
         self._line = LineModel(knowledge)
         self._longest_m = knowledge.drawing.longest_range_m
-        state, covariance = begun(knowledge.start)
+        state, covariance = initial_state(knowledge.start)
         self.particles = state + rng.standard_normal((PARTICLES, len(state))) * np.sqrt(np.diag(covariance))
         self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
         self._duration_s = 0.0
         self._seen_from = self.particles[:, :3]
 
-    def predict(self, ways_m: Array, duration_s: float) -> None:
-        noise = slip_sd_m(ways_m) * self._rng.standard_normal((PARTICLES, 2))
-        before, self.particles = self.particles, self._motion.moved(self.particles, ways_m + noise)
+    def predict(self, rolled_m: Array, duration_s: float) -> None:
+        noise = slip_sd_m(rolled_m) * self._rng.standard_normal((PARTICLES, 2))
+        before, self.particles = self.particles, self._motion.moved(self.particles, rolled_m + noise)
         self._duration_s = duration_s
         earlier = self._ranges.age_s / duration_s if duration_s > 0.0 else 0.0
         self._seen_from = (self.particles - earlier * (self.particles - before))[:, :3]
@@ -88,7 +88,7 @@ class _ParticleFilter:
             self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
 
     def _range_log_likelihood(self, ranges_m: Array) -> Array:
-        """(P, 3), of readings (3,)."""
+        """Return the logarithm (P, 3) of the likelihood of the readings (3,) [m]."""
         expected_m = self._ranges.expected(self._seen_from)
         target = ~np.isnan(expected_m)
         filled = np.where(target, expected_m, self._longest_m)
@@ -102,7 +102,7 @@ class _ParticleFilter:
         return np.log(np.where(target, of_target, of_none))
 
     def estimate(self) -> tuple[Array, Array]:
-        """Mean pose (3,) and covariance (3, 3)."""
+        """Return mean pose (3,) and covariance (3, 3)."""
         weight = np.exp(self.log_weight - logsumexp(self.log_weight))
         x, y, yaw = self.particles[:, :3].T
         heading = float(np.arctan2(weight @ np.sin(yaw), weight @ np.cos(yaw)))
@@ -116,10 +116,11 @@ def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: n
     particles = _ParticleFilter(knowledge, rng)
     estimates = []
     durations_s = np.diff(knowledge.t_s, prepend=0.0)
-    rows = zip(ways(knowledge), durations_s, knowledge.ranges_m, knowledge.fresh, knowledge.on_line, strict=True)
-    for ways_m, duration_s, *readings in rows:
-        particles.predict(ways_m, duration_s)
-        particles.weigh(*readings)
+    readings = knowledge.ranges_m, knowledge.fresh, knowledge.on_line
+    rows = zip(rolled_distances_m(knowledge), durations_s, *readings, strict=True)
+    for rolled_m, duration_s, *row_readings in rows:
+        particles.predict(rolled_m, duration_s)
+        particles.weigh(*row_readings)
         estimates.append(particles.estimate())
     poses, covariances = zip(*estimates, strict=True)
     return Estimate(np.arange(len(knowledge)), np.array(poses), np.array(covariances))

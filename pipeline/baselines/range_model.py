@@ -15,10 +15,10 @@ BEAM_SD_SHARE = 0.28
 MIN_SIGNAL = 0.15
 """Share of the light that a wall head-on returns; with less the device reports no target."""
 REACH = 1.25
-"""Rays end at so much of the longest range."""
+"""Length of a ray as a share of the longest range."""
 
 SURFACE_SD_M = 0.0041
-"""Root mean square of the offsets of the nine materials at 100 mm (paper Tables 3 and 4); a map tells no material."""
+"""Root mean square [m] of the offsets of the nine materials at 100 mm (Tables 3 and 4 of the paper)."""
 LASTING_SD_M = float(np.hypot(SURFACE_SD_M, MAP_SD_M))
 """Standard deviation [m] of an offset that stays while the robot looks at one wall."""
 GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
@@ -43,7 +43,7 @@ class RangeModel:
         self.age_sd_s = drawing.range_period_s / np.sqrt(12.0)
 
     def expected(self, poses: Array) -> Array:
-        """Readings (P, 3) at the poses (P, 3) by the map; nan where no target is expected."""
+        """Return the readings (P, 3) [m] that the map predicts at the poses (P, 3); nan where it predicts no target."""
         reach_m = REACH * self._longest_m
         turned = _turned(self._directions_R, poses)
         origins = _turned(self._origins_R, poses)
@@ -73,7 +73,7 @@ def lasting_sd_m(range_m: Array) -> Array:
 
 
 def _turned(vectors_R: Array, poses: Array) -> Array:
-    """(P, K, 3), vectors of R (K, 3) along the axes of W, for poses (P, 3)."""
+    """Return vectors of R (K, 3) along the axes of W, (P, K, 3), for poses (P, 3)."""
     c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
     x, y, z = vectors_R.T
     return np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (len(poses), len(z)))], axis=2)

@@ -1,11 +1,11 @@
 """The pose of an image from similar images of other runs: retrieval, then kernel regression.
 
-A picture becomes the directions of its edges, cell by cell, without their signs and strengths (Dalal and Triggs,
-"Histograms of oriented gradients for human detection", CVPR 2005), for light, floor and walls are others in every
-run. By the principal components of those, whitened half-way, images are compared. The estimated pose is the mean over
-the training pictures, weighted by likeness (Nadaraya and Watson, 1964). Its covariance is theirs, and some of that of
-all poses, for a share of the pictures is taken for one of quite another place that looks alike. How narrow the
-weights are, and how large that share is, is determined by leaving out one training run after the other.
+An image is described by the directions of its edges, cell by cell, without their signs and strengths (Dalal and Triggs,
+"Histograms of oriented gradients for human detection", CVPR 2005), because light, floor and walls differ between runs.
+Images are compared by the principal components of these descriptions, whitened half-way. The estimated pose is the mean
+over the training images, weighted by similarity (Nadaraya and Watson, 1964). Its covariance is that of the weighted
+poses, plus a share of the covariance of all poses, because some images are confused with those of another place that
+looks alike. The width of the weights and that share are determined by leaving out one training run after the other.
 """
 
 from collections.abc import Sequence
@@ -25,11 +25,11 @@ from symolo.dataset.tables.rows import Ints, wrapped
 CELL_PX = 4
 DIRECTIONS = 6
 FAINT = 0.01
-"""Edges below this contrast count little."""
+"""Contrast of an edge below which it counts little."""
 COMPONENTS = 60
 WHITENING = 0.5
 WIDTHS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)
-"""Widths that are tried, of the weights: in shares of the distance to the likest picture."""
+"""Widths of the weights that are tried, as shares of the distance to the most similar image."""
 PARTS = 4
 """Number of parts of a single training run, each left out in turn."""
 MIN_SD = np.array([0.01, 0.01, 0.02])
@@ -37,7 +37,7 @@ MIN_SD = np.array([0.01, 0.01, 0.02])
 
 
 def edge_directions(grey: Array) -> Array:
-    """Features (M, F) of pictures (M, h, w): root of the share of each direction in each cell."""
+    """Return features (M, F) of images (M, h, w): the root of the share of each direction in each cell."""
     down, right = np.gradient(grey, axis=(1, 2))
     strength = np.hypot(right, down)
     direction = np.arctan2(down, right) % np.pi * (DIRECTIONS / np.pi)
@@ -54,7 +54,7 @@ def edge_directions(grey: Array) -> Array:
 
 class _Regressor:
     def __init__(self, lessons: Sequence[TrainingRun]) -> None:
-        features = np.concatenate([edge_directions(lesson.pictures.thumbnails) for lesson in lessons])
+        features = np.concatenate([edge_directions(lesson.images.thumbnails) for lesson in lessons])
         self._mean = features.mean(axis=0)
         _, size, axes = np.linalg.svd(features - self._mean, full_matrices=False)
         size, axes = size[:COMPONENTS], axes[:COMPONENTS]
@@ -62,15 +62,15 @@ class _Regressor:
         self._training = (features - self._mean) @ self._to_components
         self._pose = np.concatenate([lesson.pose for lesson in lessons])
         self._all = _weighted(np.zeros((1, len(self._pose))), self._pose, 1.0)[1][0]
-        self._width, self._share = self._judged(_folds([len(lesson.pose) for lesson in lessons]))
+        self._width, self._share = self._tuned(_folds([len(lesson.pose) for lesson in lessons]))
 
-    def tell(self, grey: Array) -> tuple[Array, Array]:
-        """Poses (M, 3) and covariances (M, 3, 3) of pictures (M, h, w)."""
+    def estimate(self, grey: Array) -> tuple[Array, Array]:
+        """Return poses (M, 3) and covariances (M, 3, 3) of images (M, h, w)."""
         query = (edge_directions(grey) - self._mean) @ self._to_components
         pose, covariance = _weighted(_distances(query, self._training), self._pose, self._width)
         return pose, covariance + self._share * self._all
 
-    def _judged(self, folds: Sequence[Ints]) -> tuple[float, float]:
+    def _tuned(self, folds: Sequence[Ints]) -> tuple[float, float]:
         """Return the width with the smallest median error in left-out images, and the share of outliers among them."""
         if not folds:
             return WIDTHS[0], 1.0
@@ -81,25 +81,25 @@ class _Regressor:
                 others = np.setdiff1d(np.arange(len(self._pose)), out)
                 distances = _distances(self._training[out], self._training[others])
                 estimates.append(Estimate(out, *_weighted(distances, self._pose[others], width)))
-            median_m = np.median(np.concatenate([off(one, self._pose)[0] for one in estimates]))
+            median_m = np.median(np.concatenate([off(estimate, self._pose)[0] for estimate in estimates]))
             candidates.append((float(median_m), width, estimates))
-        _, width, estimates = min(candidates, key=lambda one: one[:2])
-        return width, self._elsewhere(estimates)
+        _, width, estimates = min(candidates, key=lambda candidate: candidate[:2])
+        return width, self._outlier_share(estimates)
 
-    def _elsewhere(self, estimates: Sequence[Estimate]) -> float:
+    def _outlier_share(self, estimates: Sequence[Estimate]) -> float:
         """Return the share of outliers with which the mean NEES is that of honest estimates."""
 
-        def too_sure(share: float) -> float:
-            wider = (replace(one, covariance=one.covariance + share * self._all) for one in estimates)
-            return float(np.concatenate([nees(one, self._pose) for one in wider]).mean()) - 3.0
+        def excess_nees(share: float) -> float:
+            wider = (replace(each, covariance=each.covariance + share * self._all) for each in estimates)
+            return float(np.concatenate([nees(estimate, self._pose) for estimate in wider]).mean()) - 3.0
 
-        if too_sure(1.0) >= 0.0:
+        if excess_nees(1.0) >= 0.0:
             return 1.0
-        return float(root_scalar(too_sure, bracket=(0.0, 1.0), xtol=1e-3).root) if too_sure(0.0) > 0.0 else 0.0
+        return float(root_scalar(excess_nees, bracket=(0.0, 1.0), xtol=1e-3).root) if excess_nees(0.0) > 0.0 else 0.0
 
 
 def _weighted(distances: Array, training: Array, width: float) -> tuple[Array, Array]:
-    """Mean poses (M, 3) and covariances (M, 3, 3) of training poses (T, 3), by squared distances (M, T)."""
+    """Return mean poses (M, 3) and covariances (M, 3, 3) of training poses (T, 3), by squared distances (M, T)."""
     nearest = distances.min(axis=1, keepdims=True)
     weight = np.exp(-0.5 * (distances / np.maximum(nearest, 1e-12) - 1.0) / width**2)
     weight /= weight.sum(axis=1, keepdims=True)
@@ -112,7 +112,7 @@ def _weighted(distances: Array, training: Array, width: float) -> tuple[Array, A
 
 
 def _distances(query: Array, training: Array) -> Array:
-    """(M, T), squared."""
+    """Return the squared distances (M, T)."""
     squares = (query**2).sum(axis=1)[:, None] - 2.0 * query @ training.T + (training**2).sum(axis=1)
     return np.maximum(squares, 0.0)
 
@@ -127,10 +127,10 @@ def _folds(counts: Sequence[int]) -> list[Ints]:
 
 
 def _estimate(knowledge: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    if knowledge.pictures is None:
-        raise InputError("the run has no pictures", cure="release its scenario in place of simulating it")
-    pose, covariance = _Regressor(lessons).tell(knowledge.pictures.thumbnails)
-    return Estimate(knowledge.pictures.rows.copy(), pose, covariance)
+    if knowledge.images is None:
+        raise InputError("the run has no images", cure="release its scenario in place of simulating it")
+    pose, covariance = _Regressor(lessons).estimate(knowledge.images.thumbnails)
+    return Estimate(knowledge.images.rows.copy(), pose, covariance)
 
 
 METHOD = Method("pictures", "picture regressor", "one picture, beside those of the other runs", _estimate, learns=True)

@@ -1,7 +1,7 @@
 """The knowledge of a robot in a run, and no more: its readings, its drawing, the map, and where it starts.
 
-This is the only place where a method could learn too much. The truth and what is hidden in the robot (its effects, the
-errors of its sensors) stay on the other side of `RobotKnowledge.of`.
+Only `RobotKnowledge.of` sees more: the true poses, and the hidden effects and sensor errors of the robot. It passes
+none of these on to a method.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ from symolo.dataset.tables.side_tables import TOF, WHEELS
 Pixels = NDArray[np.uint8]
 
 THUMBNAIL = (24, 32)
-"""Height and width [px] of the small picture that the regressor looks at."""
+"""Height and width [px] of the small image that the regressor reads."""
 MAP_SD_M = 0.003
 """Standard deviation of the position of tape, walls and obstacles against the map."""
 
@@ -38,6 +38,7 @@ class LineRow:
     y_m: Array
     """(8,), from the robot's right to its left."""
     spot_sd_m: float
+    """Standard deviation [m] of the field of view of a channel along each axis."""
 
     @classmethod
     def of(cls, sensor: LineSensor) -> "LineRow":
@@ -78,12 +79,7 @@ class Start:
     pose: Array
     """(3,), x [m], y [m], yaw [rad] in W."""
     sd: Array
-    """(3,), by how much each may be wrong."""
-
-    @classmethod
-    def drawn(cls, truth: Array, sd: Array, rng: np.random.Generator) -> "Start":
-        """Return the true start (3,) with a normal error of these standard deviations (3,)."""
-        return cls(truth + sd * rng.standard_normal(3), sd)
+    """(3,), standard deviation of the error of each: x [m], y [m], yaw [rad]."""
 
 
 @dataclass(frozen=True)
@@ -91,18 +87,18 @@ class RunImages:
     """The images of a run without their poses."""
 
     rows: Ints
-    """(M,), at which row each was taken."""
+    """(M,), row of data.csv of each image."""
     pixels: Callable[[int], Pixels]
-    """(H, W, 3), uint8 RGB, of the i-th."""
+    """Returns the i-th image, (H, W, 3), uint8 RGB."""
 
     @cached_property
     def thumbnails(self) -> Array:
-        """(M, 24, 32), grey from 0 to 1: each a mean over the pixels that it stands for."""
-        import cv2  # noqa: PLC0415 - half a second, and only what learns looks at pictures
+        """Small grey images (M, 24, 32), from 0 to 1; each pixel is the mean over its area."""
+        import cv2  # noqa: PLC0415 - takes half a second, and only methods that learn read images
 
         size = THUMBNAIL[::-1]
-        images = [cv2.resize(self.pixels(i), size, interpolation=cv2.INTER_AREA).mean(axis=2) for i in range(len(self))]
-        return np.array(images) / 255.0
+        small = [cv2.resize(self.pixels(i), size, interpolation=cv2.INTER_AREA).mean(axis=2) for i in range(len(self))]
+        return np.array(small) / 255.0
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -113,26 +109,29 @@ class RobotKnowledge:
     """The log of one run as its robot has it, with N rows."""
 
     t_s: Array
-    """(N,)."""
+    """(N,), time of each row [s]."""
     counts: Ints
-    """(N, 2), of the encoders since the start, right and left."""
+    """(N, 2), counts of the right and left encoder since the start."""
     ranges_m: Array
-    """(N, 3), front, left, right; nan where there was no target."""
+    """(N, 3), ranges [m] front, left, right; nan where there was no target."""
     fresh: NDArray[np.bool_]
-    """(N, 3), whether a range is a new reading or the one before, held."""
+    """(N, 3), whether a range is a new reading; False where the reading before is held."""
     on_line: NDArray[np.bool_]
     """(N, 8), whether a channel of the line sensor is over the tape, right to left."""
     start: Start
     drawing: Drawing
     map: Arena
-    """Line, walls and obstacles that stand still, all of one material. What moves is on no map."""
-    pictures: RunImages | None
+    """Shapes of line, walls and standing obstacles, all of equal material and brightness, without what moves."""
+    images: RunImages | None
 
     @classmethod
     def of(
-        cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, pictures: RunImages | None
+        cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, images: RunImages | None
     ) -> "RobotKnowledge":
         """Return the knowledge in data.csv, side/wheels.csv and side/tof.csv without their columns of true values."""
+        arena = Arena.from_config(spec.arena)
+        standing = tuple(replace(box, surface="white_board") for box in arena.boxes if box.motion is None)
+        line = replace(arena.line, reflectance=0.0)
         status = tof[:, TOF.header.index("status_f") :][:, :3]
         counts = wheels[:, WHEELS.header.index("counts_r") :][:, :2]
         return cls(
@@ -143,21 +142,10 @@ class RobotKnowledge:
             on_line=rows.line < spec.robot.line_sensor.threshold,
             start=start,
             drawing=Drawing.of(spec.robot),
-            map=_map(Arena.from_config(spec.arena)),
-            pictures=pictures,
+            map=replace(arena, boxes=standing, floor_reflectance=1.0, line=line),
+            images=images,
         )
 
-    @property
-    def steps(self) -> Ints:
-        """(N, 2), counts since the row before; none at the first."""
-        return np.diff(self.counts, axis=0, prepend=self.counts[:1])
-
     def __len__(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return len(self.t_s)
-
-
-def _map(arena: Arena) -> Arena:
-    """Shapes alone: a map tells neither materials nor how bright floor and tape are."""
-    standing = tuple(replace(box, surface="white_board") for box in arena.boxes if box.motion is None)
-    return replace(arena, boxes=standing, floor_reflectance=1.0, line=replace(arena.line, reflectance=0.0))

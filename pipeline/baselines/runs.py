@@ -4,24 +4,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
-from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
-from pipeline.assembly.run_spec import read_run_spec
 from pipeline.baselines.base import TrainingRun
 from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages, Start
-from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
+from pipeline.run_folder.stored_runs import read_simulated, read_spec, run_name, simulated_folders, tables_of
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.time_series import Recording
 from symolo.dataset.documents.metadata import METADATA
-from symolo.dataset.layout import SPEC, STAGES
-from symolo.dataset.tables.rows import HEADER, Rows, parse_table
-from symolo.dataset.tables.side_tables import TOF, WHEELS, tof_csv, wheels_csv
+from symolo.dataset.layout import SIDE, SPEC
+from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.side_tables import TOF, WHEELS
 from symolo.exporters.export import open_release
 from symolo.reader.run import Run
 
@@ -35,16 +31,12 @@ class LoggedRun:
     """Table of side/wheels.csv."""
     tof: Array
     """Table of side/tof.csv."""
-    pictures: RunImages | None
+    images: RunImages | None
     """Images; None before rendering."""
 
     @classmethod
     def of_recording(cls, name: str, spec: RunSpec, recording: Recording) -> "LoggedRun":
-        """Return the run, rounded through text so that it is the same before and after its release."""
-        rows = parse_table(Rows.from_recording(recording).to_csv(), HEADER)[0]
-        wheels = parse_table(wheels_csv(recording), WHEELS.header)[0]
-        tof = parse_table(tof_csv(recording), TOF.header)[0]
-        return cls(name, spec, Rows.from_table(rows), wheels, tof, None)
+        return cls(name, spec, *tables_of(recording), images=None)
 
     @property
     def truth(self) -> Array:
@@ -53,14 +45,14 @@ class LoggedRun:
 
     def knowledge(self, start_sd: Array, rng: np.random.Generator) -> RobotKnowledge:
         """Return the knowledge of its robot, whose start has an error of these standard deviations (3,)."""
-        start = Start.drawn(self.truth[0], start_sd, rng)
+        start = Start(self.truth[0] + start_sd * rng.standard_normal(3), start_sd)
         return RobotKnowledge.of(
-            self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, pictures=self.pictures
+            self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, images=self.images
         )
 
     def lesson(self) -> TrainingRun | None:
-        """Return its images with their true poses for other runs to learn from."""
-        return TrainingRun(self.pictures, self.truth[self.pictures.rows]) if self.pictures else None
+        """Return its images with their true poses, from which a method learns; None before rendering."""
+        return TrainingRun(self.images, self.truth[self.images.rows]) if self.images else None
 
 
 def open_runs(root: Path) -> tuple[LoggedRun, ...]:
@@ -69,9 +61,12 @@ def open_runs(root: Path) -> tuple[LoggedRun, ...]:
     Raises:
         InputError: It is neither, or it is damaged.
     """
-    folders = sorted(path.parent for path in root.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}"))
+    folders = simulated_folders(root)
     if folders and not (root / METADATA).exists():
-        return tuple(_simulated(folder) for folder in folders)
+        return tuple(
+            LoggedRun.of_recording(run_name(folder), read_spec(folder / SPEC), read_simulated(folder))
+            for folder in folders
+        )
     return tuple(_released(run) for run in open_release(root, None).runs)
 
 
@@ -88,23 +83,9 @@ def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, .
     return matches
 
 
-def _name(folder: Path) -> str:
-    return f"{folder.parent.name}/{folder.name}"
-
-
-def _simulated(folder: Path) -> LoggedRun:
-    try:
-        spec = RunSpec.model_validate_json(read_file(folder / SPEC, FileKind.DOCUMENT))
-        recording = read_recording(folder)
-    except (OSError, ValueError, KeyError, ValidationError, BadZipFile) as error:
-        what = f"cannot be read: {str(error).splitlines()[0]}"
-        raise InputError(what, where=str(folder), cure="run `symolo simulate` again") from None
-    return LoggedRun.of_recording(_name(folder), spec, recording)
-
-
 def _released(run: Run) -> LoggedRun:
     wheels, tof = (run.side(table.file.partition(".")[0]).to_numpy(float) for table in (WHEELS, TOF))
-    images = run.images
-    rows = np.array([image.row for image in images], dtype=np.int64)
-    pictures = RunImages(rows, lambda index: images[index].pixels()) if images else None
-    return LoggedRun(run.name, read_run_spec(run.folder), run.table, wheels, tof, pictures)
+    recorded = run.images
+    rows = np.array([image.row for image in recorded], dtype=np.int64)
+    images = RunImages(rows, lambda index: recorded[index].pixels()) if recorded else None
+    return LoggedRun(run.name, read_spec(run.folder / SIDE / SPEC), run.table, wheels, tof, images)

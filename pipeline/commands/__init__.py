@@ -1,1 +1,5 @@
-"""The commands of `symolo`, by what they are for; each loads what it needs when it is called."""
+"""The commands of `symolo`: one file for each command, or for a group of commands that belong together.
+
+`options.py` declares the options that several commands share. A command imports what it needs when it is called, so
+that `symolo --help` is quick.
+"""

@@ -72,7 +72,7 @@ def hil(
 
     With a real board: symolo firmware --out lap, flash the sketch, then symolo hil smoke --port /dev/ttyACM0 --out data
 
-    The same command continues after an interruption: runs that were driven are kept.
+    The same command continues after an interruption: finished runs are not driven again.
     """
     from pipeline.executors.local import Local
     from pipeline.run_folder.status import again

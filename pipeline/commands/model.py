@@ -1,35 +1,30 @@
 """The command `symolo model`: robot and arena of a run as URDF and SDF."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import Scenario, Settings, checked_new_folder, names
+from pipeline.commands.options import NewFolder, Scenario, Settings, names
 
 
 def model(
     scenario: Scenario,
     *,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", callback=checked_new_folder, help="Output folder: new or empty.")
-    ],
+    out: NewFolder,
     route: Annotated[
-        str | None, typer.Option("--route", metavar="NAME", help="Route of the run; by default the first one.")
+        str | None, typer.Option(metavar="NAME", help="Route of the run; by default the first one.")
     ] = None,
-    run: Annotated[
-        int, typer.Option("--run", min=1, max=100_000, metavar="N", help="Number of the run on that route.")
-    ] = 1,
+    run: Annotated[int, typer.Option(min=1, max=100_000, metavar="N", help="Number of the run on that route.")] = 1,
     formats: Annotated[
         str, typer.Option("--format", metavar="NAMES", help="urdf, sdf, or both with a comma between them.")
-    ] = ("urdf,sdf"),
+    ] = "urdf,sdf",
     settings: Settings = None,
 ) -> None:
     """Write robot and arena of a run as URDF and SDF files for ROS, Gazebo, PyBullet and others.
 
     robot.urdf and robot.sdf hold the simulated bodies, the rendered shapes and the frames of the sensors. arena.sdf
-    holds floor, line, walls and obstacles; world.sdf adds the robot at its start. Randomised values are those of this
-    run. Nothing is simulated.
+    holds floor, line, walls and obstacles; world.sdf adds the robot at its start. Values that the scenario draws at
+    random are those of this run. Nothing is simulated.
 
     Example: symolo model symolo --route CCW --out model
     """
@@ -40,15 +35,15 @@ def model(
     from symolo.core.files.atomic_files import write_file
     from symolo.core.files.new_folder import check_new, new_folder
 
-    wanted = formats_of(names(formats, "--format"), "--format")
+    format_names = formats_of(names(formats, "--format"), "--format")
     loaded = load_scenario(scenario, settings or ())
-    chosen = route or loaded.routes[0].name
+    route_name = route or loaded.routes[0].name
     runs = {item.name: item.runs for item in loaded.routes}
-    if run > runs.get(chosen, run):
-        raise InputError("--run", got=run, allowed=f"1 to {runs[chosen]} on route {chosen}")
+    if run > runs.get(route_name, run):
+        raise InputError("--run", got=run, allowed=f"1 to {runs[route_name]} on route {route_name}")
     check_new(out)
-    spec = draw_run(loaded, chosen, run)
-    files = model_files(spec, wanted)
+    spec = draw_run(loaded, route_name, run)
+    files = model_files(spec, format_names)
     with new_folder(out) as folder:
         for name, data in files.items():
             write_file(folder / name, data)

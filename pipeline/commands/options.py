@@ -1,6 +1,6 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options that several commands share, and the checks of their values."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -17,16 +17,11 @@ def checked_input(path: Path) -> Path:
     return path
 
 
-def checked_new_image(path: Path) -> Path:
-    """Check the path of an image file to write."""
-    from symolo.dataset.folder_kind import check_outside
-
-    check_new_path(path, "--out")
-    if path.suffix not in {".jpg", ".png"} or path.is_dir() or not path.absolute().parent.is_dir():
-        allowed = "a file name ending in .jpg or .png in a folder that exists"
-        raise InputError("--out", got=str(path), allowed=allowed)
-    check_outside(path)
-    return path
+def checked_inputs(
+    paths: Collection,
+) -> list[Path]:  # bare, because Typer on Python 3.10 takes `list[Path]` for a class
+    """Check the paths of files or folders to read."""
+    return [checked_input(path) for path in paths]
 
 
 def checked_new_folder(path: Path) -> Path:
@@ -38,12 +33,34 @@ def checked_new_folder(path: Path) -> Path:
     return path
 
 
+def new_file_check(*suffixes: str) -> Callable[[Path], Path]:
+    """Return a check of the path of a file to write, whose name must end in one of these suffixes."""
+
+    def checked(path: Path) -> Path:
+        from symolo.dataset.folder_kind import check_outside
+
+        check_new_path(path, "--out")
+        if path.suffix not in suffixes or path.is_dir() or not path.absolute().parent.is_dir():
+            allowed = f"a file name ending in {' or '.join(suffixes)} in a folder that exists"
+            raise InputError("--out", got=str(path), allowed=allowed)
+        check_outside(path)
+        return path
+
+    return checked
+
+
+checked_new_image = new_file_check(".jpg", ".png")
+
+
 def if_given(check: Callable[[Path], Path]) -> Callable[[Path | None], Path | None]:
     """Return the same check for an option that may be left out."""
     return lambda path: None if path is None else check(path)
 
 
 Scenario = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name of a shipped scenario, or a YAML file.")]
+Dataset = Annotated[
+    Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json.")
+]
 Out = Annotated[
     Path,
     typer.Option(
@@ -53,9 +70,8 @@ Out = Annotated[
         help="Output folder: new, empty, or one that symolo made before.",
     ),
 ]
-OutImage = Annotated[
-    Path,
-    typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
+NewFolder = Annotated[
+    Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")
 ]
 Robot = Annotated[str, typer.Option("--robot", metavar="NAME", help="Name of a shipped robot, or a YAML file.")]
 Settings = Annotated[
@@ -67,11 +83,23 @@ Settings = Annotated[
         "distribution, such as '{uniform: [4, 8]}'.",
     ),
 ]
+Seed = Annotated[
+    int, typer.Option("--seed", min=0, max=2**63 - 1, metavar="N", help="Seed of all values that are drawn at random.")
+]
+Runs = Annotated[
+    str | None, typer.Option("--runs", metavar="GLOB", help="Include only runs whose name matches, such as 'CW/*'.")
+]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Print what would be written or sent, and do nothing else.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
+ImporterName = Annotated[
+    str | None,
+    typer.Option("--importer", metavar="NAME", help="Kind of data; by default symolo recognises it from the files."),
+]
+
 Workers = Annotated[
     int | None,
     typer.Option("--workers", min=1, max=256, metavar="N", help="Number of worker processes; by default one per core."),
 ]
-
 WorkerMemory = Annotated[
     float | None,
     typer.Option(
@@ -80,11 +108,9 @@ WorkerMemory = Annotated[
         max=10000,
         metavar="GB",
         help="Largest memory of a worker and its Blender; by default nine tenths of the machine's. A worker that uses "
-        "more is ended, and its image or run is tried again, three times in all.",
+        "more is ended, and its image or run is tried again, up to three times in all.",
     ),
 ]
-
-
 Part = Annotated[
     str | None,
     typer.Option(
@@ -115,8 +141,6 @@ Address = Annotated[
         metavar="HOST:PORT", help="Address of the Ray cluster; auto is the one that was started on this machine."
     ),
 ]
-
-
 GpuShare = Annotated[
     float | None,
     typer.Option(
@@ -128,12 +152,11 @@ GpuShare = Annotated[
         "two tasks on a card.",
     ),
 ]
-
-
 Endpoint = Annotated[
     str | None,
     typer.Option(
-        metavar="URL", help="Server with the S3 protocol, such as MinIO; by default AWS_ENDPOINT_URL, or Amazon."
+        metavar="URL",
+        help="Address of a server with the S3 protocol, such as MinIO; by default AWS_ENDPOINT_URL, or Amazon.",
     ),
 ]
 AllowHttp = Annotated[

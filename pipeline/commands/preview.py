@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.commands.exit_codes import RUN_FAILED
 from pipeline.commands.options import (
     OnDevice,
     Scenario,
@@ -17,8 +18,7 @@ from pipeline.commands.options import (
 )
 from pipeline.preview import Engine
 
-RUN_FAILED = 3
-_MAX_WIDE_PX = 2048
+_MAX_WIDTH_PX = 2048
 
 
 def preview(
@@ -46,7 +46,7 @@ def preview(
         ),
     ] = None,
     settings: Settings = None,
-    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDE_PX, help="Width of each image in pixels.")] = 320,
+    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDTH_PX, help="Width of each image in pixels.")] = 320,
     columns: Annotated[int, typer.Option(min=1, max=100, help="Number of images in a row.")] = 6,
     workers: Workers = None,
     device: OnDevice = None,
@@ -57,14 +57,14 @@ def preview(
     scenario has fewer runs, further ones are drawn. With several looks, each run is shown under all of them.
 
     The robot stands on the line, or beside the walls that join its ends, and faces along it. The places are evenly
-    spaced around the arena, and not closer to an obstacle than the controller would drive. Each image is exposed by its
-    own light.
+    spaced around the arena, and not closer to an obstacle than the controller would drive. The exposure of each image
+    fits its light.
 
     Example: symolo preview symolo -n 24
 
     In seconds, without textures and gloss: symolo preview symolo --engine flat --look classroom,lab --out preview.jpg
     """
-    from pipeline.preview.engines import check_size, pictures, sheet
+    from pipeline.preview.engines import check_size, render_views, sheet
     from pipeline.preview.views import views
     from pipeline.work.supervisor import cores
     from symolo.core.errors import RunFailed
@@ -77,7 +77,7 @@ def preview(
     check_size(first, count, columns)
     sheet_file = out or checked_new_image(Path(f"{Path(scenario).stem}-preview.jpg"))
     chosen = [first, *drawn]
-    images, failures = pictures(engine, chosen, workers or cores(), report_here())
+    images, failures = render_views(engine, chosen, workers or cores(), report_here())
     for failure in failures:
         typer.echo(f"failed: image {failure.run}: {failure.problem}", err=True)
     if not images:

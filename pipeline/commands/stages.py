@@ -1,4 +1,4 @@
-"""Commands that generate data: plan, simulate, render, assemble, release, rerender."""
+"""Commands that do the stages of a dataset: plan, simulate, render, assemble, release."""
 
 import shlex
 from collections.abc import Sequence
@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.commands.exit_codes import RUN_FAILED
 from pipeline.commands.options import (
     Address,
     AllowHttp,
-    Device,
     Endpoint,
     ExecutorName,
     GpuShare,
@@ -23,21 +23,17 @@ from pipeline.commands.options import (
     WorkedBy,
     WorkerMemory,
     Workers,
-    checked_input,
-    checked_new_folder,
-    if_given,
-    names,
     with_device,
 )
 from symolo.core.errors import InputError
 
 if TYPE_CHECKING:
+    from pipeline.executors import Executor
     from pipeline.stages.upload import Along, Destination
     from pipeline.work.batch import Batch
     from symolo.core.progress import Report
     from symolo.dataset.documents.metadata import FailedRun
 
-RUN_FAILED = 3
 STAGES = ("simulate", "render", "assemble")
 
 
@@ -47,7 +43,12 @@ def plan(
     settings: Settings = None,
     images: Annotated[
         int | None,
-        typer.Option(min=1, max=10**12, metavar="N", help="Estimate the cost of N images: a few are made and timed."),
+        typer.Option(
+            min=1,
+            max=10**12,
+            metavar="N",
+            help="Estimate the cost of N images by timing a few.",
+        ),
     ] = None,
     device: OnDevice = None,
 ) -> None:
@@ -87,7 +88,9 @@ def simulate(
 
     Example: symolo simulate smoke --out data
     """
-    return _make("simulate", scenario, out, settings, workers, memory=memory, part=part)
+    from pipeline.executors import chosen
+
+    return _make(["simulate"], scenario, settings or (), out, chosen(workers, memory, part), part=part)
 
 
 def render(
@@ -106,7 +109,9 @@ def render(
 
     One of ten jobs, each on another machine: symolo render smoke --out data --part 3/10
     """
-    return _make("render", scenario, out, settings, workers, device, memory, part)
+    from pipeline.executors import chosen
+
+    return _make(["render"], scenario, with_device(settings, device), out, chosen(workers, memory, part), part=part)
 
 
 def assemble(
@@ -116,7 +121,9 @@ def assemble(
 
     Example: symolo assemble smoke --out data
     """
-    return _make("assemble", scenario, out, settings, workers, device)
+    from pipeline.executors import chosen
+
+    return _make(["assemble"], scenario, with_device(settings, device), out, chosen(workers))
 
 
 def release(
@@ -145,8 +152,8 @@ def release(
 
     Example: symolo release smoke --out data
 
-    The same command continues after an interruption. Only what has changed is made again: with another look, only the
-    images.
+    The same command continues after an interruption. It repeats only the work whose inputs have changed: after a change
+    of the look it renders again, but does not simulate again.
 
     On a cluster: symolo release symolo --out /shared/data --executor ray --address head:6379
 
@@ -158,11 +165,12 @@ def release(
         raise InputError(
             "--gpu-share", got=gpu_share, cure="leave it out: without Ray, workers take the graphics cards in turn"
         )
-    where = address if executor is ExecutorName.RAY else None
+    from pipeline.executors import chosen
+
+    cluster = address if executor is ExecutorName.RAY else None
+    workplace = chosen(workers, memory, address=cluster, card_share=gpu_share)
     to = _destination(out, upload, endpoint, allow_http=allow_http)
-    return _make(
-        "release", scenario, out, settings, workers, device, memory, address=where, card_share=gpu_share, to=to
-    )
+    return _make(STAGES, scenario, with_device(settings, device), out, workplace, to=to)
 
 
 def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
@@ -178,47 +186,44 @@ def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http
     return Destination(store_of(url, endpoint, allow_http=allow_http), command)
 
 
-def _make(  # noqa: PLR0917 - the options of the commands
-    command: str,
+def _make(
+    stages: Sequence[str],
     scenario: str,
+    overrides: Sequence[str],
     out: Path,
-    settings: Sequence[str] | None,
-    workers: int | None,
-    device: Device | None = None,
-    memory: float | None = None,
+    executor: "Executor",
+    *,
     part: str | None = None,
-    address: str | None = None,
-    card_share: float | None = None,
     to: "Destination | None" = None,
 ) -> int:
-    """Do one stage, or all of them for `release`."""
-    from pipeline.executors import chosen
+    """Do one stage, or all of them for `release`, and return the exit code."""
+    from pipeline.stages.simulate_runs import prepare_boards
     from pipeline.work.batch import Batch
     from symolo.core.progress import report_here
 
-    executor = chosen(workers, memory, part, address, card_share)
-    stages = STAGES if command == "release" else (command,)
+    command = stages[0] if len(stages) == 1 else "release"
     report = report_here()
-    overrides, renders = with_device(settings, device), command != "simulate"
-    batch = Batch.open(scenario, overrides, out, executor, report, renders=renders)
+    batch = Batch.open(scenario, overrides, out, executor, report, renders=command != "simulate")
     failures = batch.simulated() if "simulate" not in stages else []
-    if "assemble" in stages and "render" not in stages:
+    if command == "assemble":
         failures += batch.rendered(failures)
     if "simulate" in stages:
-        batch.prepare_boards()
+        prepare_boards(batch.workspace, batch.specs)
     with ExitStack() as held:
         along = held.enter_context(to.opened(batch.workspace, batch.loaded.tree, batch.specs, report)) if to else None
         held.enter_context(batch.workspace.locked(alone=executor.does_all))
-        failures = _done(batch, stages, failures, report, along)
+        failures = _do_stages(batch, stages, failures, report, along)
         if part is not None:
-            return _concluded_part(failures, command, part, out)
+            print_failures(failures)
+            typer.echo(f"{command}: part {part} is done, in {out}; when all parts are done, `symolo release` finishes")
+            return RUN_FAILED if failures else 0
         code = conclude(failures, len(batch.specs), command, out)
         if along is not None:
             typer.echo(along.finish(complete=not failures))
     return code
 
 
-def _done(
+def _do_stages(
     batch: "Batch",
     stages: Sequence[str],
     failures: "Sequence[FailedRun]",
@@ -236,7 +241,7 @@ def _done(
     if "simulate" in stages:
         failed += batch.simulate(report)
     if "render" in stages:
-        failed += batch.render(failed, report, along.whole) if along else batch.render(failed, report)
+        failed += batch.render(failed, report, along.run_done) if along else batch.render(failed, report)
     if along:
         along.assembled()
     if "assemble" in stages:
@@ -244,112 +249,16 @@ def _done(
     return failed
 
 
-def _concluded_part(failures: "Sequence[FailedRun]", command: str, part: str, out: Path) -> int:
+def print_failures(failures: "Sequence[FailedRun]") -> None:
     for failure in failures:
         typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
-    typer.echo(f"{command}: part {part} is done, in {out}; when all parts are done, `symolo release` finishes")
-    return RUN_FAILED if failures else 0
-
-
-def rerender(
-    source: Annotated[
-        Path,
-        typer.Argument(
-            metavar="RUN", callback=checked_input, help="Run folder of a dataset or of .stages, or a data.csv."
-        ),
-    ],
-    *,
-    look: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; its images are in DIR."),
-    ] = None,
-    looks: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME,...", help="Several looks; the images of draw k of a look are in DIR/LOOK_k, k from 1."
-        ),
-    ] = None,
-    draws: Annotated[
-        int | None,
-        typer.Option("-n", "--draws", min=1, max=1000, metavar="N", help="Draws of each of --looks; by default 1."),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            callback=if_given(checked_new_folder),
-            help="Output folder: new, empty, or one that symolo made before; by default a folder named after run and "
-            "looks, such as CW-test_1-classroom-night.",
-        ),
-    ] = None,
-    arena: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Arena; by default that of the run, or symolo.")
-    ] = None,
-    robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Robot; by default that of the run, or nominal.")
-    ] = None,
-    camera_hz: Annotated[
-        float | None,
-        typer.Option(
-            "--camera-hz", min=0.001, max=1000, metavar="HZ", help="Image rate; by default the column img decides."
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None,
-        typer.Option(min=0, max=2**63 - 1, metavar="N", help="Seed of the look; by default that of the run."),
-    ] = None,
-    settings: Settings = None,
-    workers: Workers = None,
-    device: OnDevice = None,
-    memory: WorkerMemory = None,
-) -> int:
-    """Render a stored trajectory again under other looks, without simulating.
-
-    Example: symolo rerender data/CW/test_1 --look lab --out lab
-
-    Ten draws of each of two looks: symolo rerender data/CW/test_1 --looks classroom,night --draws 10
-
-    A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out images
-
-    The first draw of a look equals that of --look; the others have seeds of their own, which are in look.json.
-    """
-    from pipeline.executors.local import Local
-    from pipeline.rerendering.rerender import (
-        RerenderRequest,
-        check_same,
-        folder_name,
-        open_folders,
-        prepare,
-        render_source,
-    )
-    from symolo.core.progress import report_here
-
-    chosen = _chosen_looks(look, looks, draws)
-    option = "--look" if looks is None else "--looks"
-    request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
-    trajectory, drawn = prepare(source, request)
-    apart = looks is not None
-    where = out or checked_new_folder(Path(folder_name(trajectory, drawn)))
-    if out is None:
-        check_same(trajectory, drawn, where, apart=apart)
-    with open_folders(trajectory, drawn, where, apart=apart) as folders:
-        executor = Local.of(workers, memory).on(drawn[0].appearance.device)
-        failures = render_source(trajectory, drawn, folders, executor, report_here())
-    return conclude(failures, len(drawn), "rerender", where, "draw")
-
-
-def _chosen_looks(look: str | None, looks: str | None, draws: int | None) -> tuple[str, ...]:
-    if (look is None) == (looks is None):
-        raise InputError("--look" if looks is None else "--looks", allowed="one look by --look, or several by --looks")
-    if looks is None and draws is not None:
-        raise InputError("--draws", got=draws, cure="name the looks by --looks")
-    return names(looks, "--looks") if looks is not None else (str(look),)
 
 
 def conclude(failures: "Sequence[FailedRun]", runs: int, command: str, out: Path, unit: str = "run") -> int:
     """Print what failed and how many runs are good, and return the exit code."""
-    for failure in failures:
-        typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
+    from symolo.core.progress import plural
+
+    print_failures(failures)
     good = runs - len({failure.run for failure in failures})
-    typer.echo(f"{command}: {good} of {runs} {unit if runs == 1 else f'{unit}s'}, in {out}")
+    typer.echo(f"{command}: {good} of {plural(runs, unit)}, in {out}")
     return RUN_FAILED if failures else 0

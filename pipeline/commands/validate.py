@@ -1,28 +1,24 @@
-"""Commands that hold a part of the simulated robot against what is known of the real one."""
+"""Commands that compare a part of the simulated robot with the real one."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Out, Robot, checked_input
+from pipeline.commands.options import Out, Robot, Seed, checked_input, if_given
 
 if TYPE_CHECKING:
     from diagnosis.validation.experiment import ValidatedPart
 
-HELP = "Hold a part of the simulated robot against closed forms, tables and recordings, as JSON and as a figure."
-
-Seed = Annotated[int, typer.Option("--seed", min=0, max=2**63 - 1, metavar="N", help="Seed of all that is drawn.")]
-
-
-def _checked(path: Path | None) -> Path | None:
-    return None if path is None else checked_input(path)
+HELP = "Compare a part of the simulated robot with closed forms, tables and recordings; write JSON files and figures."
 
 
 def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
-    """Check motor and gearbox: Table 1 and its fits, steps, stiction, energy.
+    """Check motor and gearbox: Table 1 of the paper and its fits, step responses, stiction, energy.
 
-    Writes motor.json and motor.png. Example: symolo validate motor --out validation
+    Writes motor.json and motor.png.
+
+    Example: symolo validate motor --out validation
     """
     from diagnosis.validation.motor.experiments import MOTOR
 
@@ -30,9 +26,11 @@ def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
 
 
 def line_sensor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
-    """Check the line sensor: across the tape at two heights, spread of the channels, converter, threshold.
+    """Check the line sensor: readings across the tape at two heights, spread of the channels, converter, threshold.
 
-    Writes line-sensor.json and line-sensor.png. Example: symolo validate line-sensor --out validation
+    Writes line-sensor.json and line-sensor.png.
+
+    Example: symolo validate line-sensor --out validation
     """
     from diagnosis.validation.line_sensor.experiments import LINE_SENSOR
 
@@ -46,11 +44,17 @@ def range_sensor(
     *,
     scan: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", callback=_checked, help="Folder of real scans over an edge, columns x, y, lidar."),
+        typer.Option(
+            metavar="DIR",
+            callback=if_given(checked_input),
+            help="Folder of real scans over an edge, columns x, y, lidar.",
+        ),
     ] = None,
     static: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", callback=_checked, help="Folder of long real recordings of a sensor at rest."),
+        typer.Option(
+            metavar="DIR", callback=if_given(checked_input), help="Folder of long real recordings of a sensor at rest."
+        ),
     ] = None,
     readings: Annotated[
         int,
@@ -58,13 +62,13 @@ def range_sensor(
             min=10,
             max=1_000_000,
             metavar="N",
-            help="Readings of each surface at 100 mm. Tables 3 and 4 stay open with fewer than 5000.",
+            help="Number of readings of each surface at 100 mm. Tables 3 and 4 need at least 5000.",
         ),
     ] = 5001,
 ) -> None:
-    """Check the range sensor: the paper's experiments 1 to 5, and real scans and recordings beside the model.
+    """Check the range sensor: experiments 1 to 5 of the paper, and real scans and recordings compared with the model.
 
-    Writes range-sensor.json and range-sensor.png, and for real files range-sensor-recordings.json and
+    Writes range-sensor.json and range-sensor.png; with --scan or --static also range-sensor-recordings.json and
     range-sensor-recordings.png. Takes about two minutes.
 
     Example: symolo validate range-sensor --out validation
@@ -78,7 +82,7 @@ def range_sensor(
 
 
 COMMANDS = (motor, line_sensor, range_sensor)
-"""In the order of `symolo validate --help`."""
+"""Commands in the order of `symolo validate --help`."""
 
 
 def _validate(parts: "tuple[ValidatedPart, ...]", out: Path, robot: str, seed: int) -> None:

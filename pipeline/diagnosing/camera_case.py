@@ -5,23 +5,23 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.schema.scenario import RunSpec
 from diagnosis.camera.case import HELD_OUT_EACH, CameraCase, CameraFrame, ImagePixels, PoseErrors
 from physics.robot.path import RobotPath
 from pipeline.rerendering.rerender import StoredTrajectory, read_source
-from pipeline.stages.assemble import DATA
+from pipeline.run_folder.stored_runs import run_name
 from pipeline.stages.render import IMAGES, Appearance, frame_poses
-from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.dataset.layout import frame_name
+from symolo.dataset.layout import DATA, frame_name
 from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import Rows
 
 MAX_FRAMES = 60
 """Largest number of images of a run, evenly spread; more add little information."""
-FEWEST_FRAMES = 6
+MIN_FRAMES = 6
+SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
+"""Largest differences of position [m] and heading [rad] between two images of the same place."""
 
 
 @dataclass(frozen=True)
@@ -53,33 +53,42 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
         )
     rows = real.source.rows
     poses = frame_poses(rows)
-    if len(poses) < FEWEST_FRAMES:
+    if len(poses) < MIN_FRAMES:
         raise InputError(
             "data.csv",
             where=str(real.folder),
             got=f"{len(poses)} rows with an image",
-            allowed=f"at least {FEWEST_FRAMES}",
+            allowed=f"at least {MIN_FRAMES}",
             cure="give a longer run",
         )
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MAX_FRAMES)).round().astype(int)).tolist()
     same_place = {} if simulated is None else _same_places(rows, nominal)
     frames = []
     for k, i in enumerate(chosen):
-        image = _picture(real.folder / IMAGES / frame_name(poses[i].number))
+        file = real.folder / IMAGES / frame_name(poses[i].number)
+        image = _read_image(file)
         if k and image.shape != frames[0].image.shape:
-            raise _other_size(real.folder / IMAGES / frame_name(poses[i].number), image, frames[0].image)
-        its = None
+            raise _other_size(file, image, frames[0].image)
+        simulated_image = None
         if (number := same_place.get(poses[i].number)) is not None:
             path = nominal.folder / IMAGES / frame_name(number)
-            its = _picture(path)
-            if its.shape != image.shape:
-                raise _other_size(path, its, image)
+            simulated_image = _read_image(path)
+            if simulated_image.shape != image.shape:
+                raise _other_size(path, simulated_image, image)
         heldout = k % HELD_OUT_EACH == HELD_OUT_EACH - 1
-        frames.append(CameraFrame(poses[i].number, poses[i].t_s, image, its, heldout))
+        frames.append(CameraFrame(poses[i].number, poses[i].t_s, image, simulated_image, heldout))
     path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
     arena = Arena.from_config(spec.arena)
+    response = Appearance.of(spec).job(arena, poses, path).response
     return CameraCase(
-        _name(run), tuple(frames), path, arena, spec.robot, spec.look, _response(spec, rows, arena, path), pose_errors
+        run_name(real.folder),
+        tuple(frames),
+        path,
+        arena,
+        spec.robot,
+        spec.look,
+        response,
+        pose_errors,
     )
 
 
@@ -91,11 +100,6 @@ def _run(path: Path) -> _RunImages:
     if not (folder / IMAGES).is_dir():
         raise InputError(f"has no folder {IMAGES}", where=str(folder), cure="name a run whose images are rendered")
     return _RunImages(folder, source)
-
-
-def _name(path: Path) -> str:
-    whole = (path.parent if path.name == DATA else path).absolute()
-    return f"{whole.parent.name}/{whole.name}"
 
 
 def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
@@ -125,11 +129,7 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
     return matches
 
 
-SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
-"""Largest differences of two images of the same place."""
-
-
-def _picture(path: Path) -> ImagePixels:
+def _read_image(path: Path) -> ImagePixels:
     try:
         data = read_file(path, FileKind.IMAGE)
     except OSError as error:
@@ -143,9 +143,5 @@ def _picture(path: Path) -> ImagePixels:
 
 
 def _other_size(path: Path, image: ImagePixels, other: ImagePixels) -> InputError:
-    sizes = [f"{of.shape[1]} x {of.shape[0]} px" for of in (image, other)]
+    sizes = [f"{pixels.shape[1]} x {pixels.shape[0]} px" for pixels in (image, other)]
     return InputError("size", where=str(path), got=sizes[0], allowed=f"{sizes[1]}, as the others have")
-
-
-def _response(spec: RunSpec, rows: Rows, arena: Arena, path: RobotPath) -> CameraResponse:
-    return Appearance.of(spec).job(arena, frame_poses(rows), path).response

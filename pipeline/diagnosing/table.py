@@ -9,7 +9,7 @@ from diagnosis.report.quantities import percent
 from pipeline.diagnosing.diagnose import NamedCase, folder_of
 from symolo.core.files.plain_files import FileKind, read_file
 
-LONGEST_NAME = 40
+MAX_NAME_CHARS = 40
 
 
 def diagnosis_table(cases: Sequence[NamedCase], out: Path, failed: Collection[str]) -> Iterator[str]:
@@ -20,16 +20,16 @@ def diagnosis_table(cases: Sequence[NamedCase], out: Path, failed: Collection[st
         out: Folder that holds the folders of the other cases.
         failed: Names of the cases that failed.
     """
-    width = min(LONGEST_NAME, max(len(case.name) for case in cases)) + 2
+    width = min(MAX_NAME_CHARS, max(len(case.name) for case in cases)) + 2
     yield f"{'case':{width}}{'gain':8}{'95 % interval':22}effects"
     for case in cases:
         if case.name in failed:
             yield f"{case.name:{width}}{'-':8}{'-':22}FAILED, see above"
             continue
         answer = json.loads(read_file(folder_of(case, out, alone=False) / "answer.json", FileKind.DOCUMENT))
-        yield f"{case.name:{width}}{_gain(answer)}{_found(answer)}"
+        yield f"{case.name:{width}}{_gain(answer)}{_effects(answer)}"
     done = len(cases) - len(failed)
-    yield f"{done} of {len(cases)} cases diagnosed; {out / '<case>' / 'report.html'} tells each"
+    yield f"{done} of {len(cases)} cases diagnosed; {out / '<case>' / 'report.html'} explains each one"
 
 
 def _gain(answer: dict[str, Any]) -> str:
@@ -39,14 +39,12 @@ def _gain(answer: dict[str, Any]) -> str:
     return f"{percent(answer['heldout_gain']):8}{f'{percent(low)} to {percent(high)}':22}"
 
 
-def _found(answer: dict[str, Any]) -> str:
-    names = [_with_rivals(effect) for effect in answer["effects"]]
+def _effects(answer: dict[str, Any]) -> str:
+    names = []
+    for effect in answer["effects"]:
+        rivals = effect.get("ambiguous_with")
+        names.append(effect["name"] + (f" (or {', '.join(rivals)})" if rivals else ""))
     if answer["unexplained"]:
         where = answer.get("unexplained_where")
         names.append(f"UNEXPLAINED {where['channel']} along {where['covariate']}" if where else "UNEXPLAINED")
     return ", ".join(names) or "nothing"
-
-
-def _with_rivals(effect: dict[str, Any]) -> str:
-    rivals = effect.get("ambiguous_with") or []
-    return effect["name"] + (f" (or {', '.join(rivals)})" if rivals else "")

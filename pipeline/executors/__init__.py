@@ -8,12 +8,12 @@ from pipeline.executors.ray import CARD_SHARE, OnRay
 
 def chosen(
     workers: int | None,
-    memory_gb: float | None,
-    part: str | None,
-    address: str | None,
+    memory_gb: float | None = None,
+    part: str | None = None,
+    address: str | None = None,
     card_share: float | None = None,
 ) -> Executor:
-    """Return the executor that the options of a command ask for.
+    """Return the executor for the options of a command.
 
     Args:
         workers: Number of child processes at a time; None for one per core.

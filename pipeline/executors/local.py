@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind, one_card_each
-from pipeline.executors.base import OnEvent
+from pipeline.executors.base import Executor, OnEvent
 from pipeline.work.supervisor import DEFAULT_LIMITS, UnitFailure, cores, run_units
 from pipeline.work.units import AnyUnit
 from pipeline.work.worker_process import Limits, limits_of
 
 
 @dataclass(frozen=True)
-class Local:
+class Local(Executor):
     workers: int
     """Number of workers at a time."""
     limits: Limits = DEFAULT_LIMITS
@@ -27,13 +27,6 @@ class Local:
         """Return the executor for these options; by default it uses all cores and nine tenths of the memory."""
         return cls(workers or cores(), limits_of(memory_gb))
 
-    @property
-    def does_all(self) -> bool:
-        return True
-
-    def check(self) -> None:
-        """This machine can always be reached."""
-
     def on(self, device: DeviceKind) -> Self:
         return replace(self, cards=one_card_each(device, os.environ))
 
@@ -44,10 +37,6 @@ class Local:
 
     def threads(self, units: int) -> int:
         return max(1, cores() // min(self.workers, units))
-
-    def mine(self, unit: AnyUnit) -> bool:
-        del unit
-        return True
 
     def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
         return run_units(units, self.workers, on_event, limits=self.limits, slot_environments=self.cards)

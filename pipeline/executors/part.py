@@ -1,7 +1,7 @@
 """The k-th of n parts of the work, for independent jobs, such as those of a Slurm array.
 
-Which part a unit belongs to depends on the unit and n alone, not on what is done already, so nobody has to deal them
-out. Parts that overlap, as when a job is given twice, do some work twice and harm nothing.
+The part of a unit depends on the unit and on n only, not on what is done already, so nobody has to distribute units.
+If two jobs do the same part, some work is done twice and nothing is harmed.
 """
 
 import re
@@ -12,20 +12,22 @@ from dataclasses import dataclass, replace
 from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
-from pipeline.executors.base import OnEvent
+from pipeline.executors.base import Executor, OnEvent
 from pipeline.executors.local import Local
 from pipeline.work.supervisor import UnitFailure
 from pipeline.work.units import AnyUnit, RenderUnit
 from symolo.core.errors import InputError
 
 BLOCK_FRAMES = 50
-"""Number of frames in a block: so many that the start of Blender costs little, so few that many machines share a
-run."""
+"""Number of frames in a block: enough that the start of Blender costs little, and few enough that many machines share
+a run."""
 MAX_PARTS = 100_000
 
 
 @dataclass(frozen=True)
-class PartOfWork:
+class PartOfWork(Executor):
+    does_all = False
+
     number: int
     """Number of the part, from 1."""
     parts: int
@@ -44,13 +46,6 @@ class PartOfWork:
         if not 1 <= number <= parts <= MAX_PARTS:
             raise InputError("--part", got=text, allowed=f"k/n with 1 <= k <= n <= {MAX_PARTS}, such as 3/10")
         return cls(number, parts, local)
-
-    @property
-    def does_all(self) -> bool:
-        return False
-
-    def check(self) -> None:
-        """This machine can always be reached."""
 
     def on(self, device: DeviceKind) -> Self:
         return replace(self, local=self.local.on(device))

@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict
 from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
-from pipeline.executors.base import OnEvent
+from pipeline.executors.base import Executor, OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
 from pipeline.work.supervisor import AnyEvent, FrameGivenUp, Retried, UnitFailure, WorkerError, run_units
 from pipeline.work.units import UNITS, AnyUnit, RenderUnit
@@ -32,9 +32,9 @@ CURE = how_to_install("cluster")
 CLIENT = "ray://"
 REACHED_WITHIN_S = 10.0
 OWN_SETTINGS = {
-    "RAY_USAGE_STATS_ENABLED": "0",  # it would tell its makers that it was started
-    # How long a host whose cable is pulled is waited for, when it is asked for a place: as long as it takes the cluster
-    # to declare it dead, in place of two minutes (https://github.com/ray-project/ray/pull/44692).
+    "RAY_USAGE_STATS_ENABLED": "0",  # it would report each start to its makers
+    # Time to wait for a host that has lost its network, when a task is to be placed on it: as long as the cluster takes
+    # to declare the host dead, in place of two minutes (https://github.com/ray-project/ray/pull/44692).
     "RAY_grpc_client_keepalive_timeout_ms": "60000",
 }
 """Environment variables of Ray in this process, unless the user has set them; Ray reads them when it is loaded."""
@@ -60,7 +60,7 @@ class UnitRecord(BaseModel):
 
 
 @dataclass(frozen=True)
-class OnRay:
+class OnRay(Executor):
     address: str
     """Address of the cluster for `ray.init`: `auto`, `HOST:PORT` or `ray://HOST:PORT`."""
     limits: Limits
@@ -71,16 +71,12 @@ class OnRay:
     """Share of a graphics card that a block uses on its node."""
     device: DeviceKind = "CPU"
 
-    @property
-    def does_all(self) -> bool:
-        return True
-
     def check(self) -> None:
         _ray()
         host, colon, port = self.address.removeprefix(CLIENT).rpartition(":")
         if not colon:
             return  # `auto`, which Ray looks up on this machine
-        # Ray itself would go on asking for minutes.
+        # Ray itself would try for minutes.
         try:
             socket.create_connection((host, int(port)), timeout=REACHED_WITHIN_S).close()
         except (OSError, ValueError) as error:
@@ -97,10 +93,6 @@ class OnRay:
         del units
         return self.cores
 
-    def mine(self, unit: AnyUnit) -> bool:
-        del unit
-        return True
-
     def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
         ray = _ray()
         with _connected(ray, self.address):
@@ -108,7 +100,7 @@ class OnRay:
 
 
 class _Tasks:
-    """Units under way in the cluster: as many as keep all nodes busy."""
+    """Units under way in the cluster; their number keeps all nodes busy."""
 
     def __init__(self, ray: ModuleType, executor: OnRay, units: list[AnyUnit], on_event: OnEvent) -> None:
         self._ray = ray

@@ -29,7 +29,7 @@ def formats_of(names: Sequence[str], where: str) -> tuple[str, ...]:
     """Return these formats, each once, in the order of `names`.
 
     Raises:
-        InputError: There is none of a name.
+        InputError: There is no format of a name.
     """
     for name in names:
         if name not in FORMATS:
@@ -38,6 +38,6 @@ def formats_of(names: Sequence[str], where: str) -> tuple[str, ...]:
 
 
 def model_files(spec: RunSpec, formats: tuple[str, ...]) -> dict[str, bytes]:
-    """Content by file name of the robot and the arena of a run; the same bytes for the same specification."""
+    """Return the content of each file of a run's robot and arena by its name; equal specifications give equal bytes."""
     parts = RobotParts.of(spec)
     return {name: data for form in formats for name, data in FORMATS[form](spec, parts).items()}

@@ -1,7 +1,7 @@
-"""Poses, shapes and colours as model files tell them, from what physics and pictures are made of."""
+"""Poses, shapes and colours of model files, from those of the simulation and of the rendered scene."""
 
 from dataclasses import dataclass
-from math import atan2, hypot
+from math import atan2, hypot, pi
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class CylinderShape:
-    """About the y axis of its frame, as wheels are."""
+    """A cylinder about the y axis of its frame, as wheels are."""
 
     radius_m: float
     width_m: float
@@ -41,18 +41,24 @@ Shape = BoxShape | SphereShape | CylinderShape
 
 @dataclass(frozen=True)
 class Visual:
-    """Something that is seen."""
+    """A visible shape."""
 
     name: str
     shape: Shape
     center: Vector
-    """[m], in the frame of its link."""
+    """x, y, z [m] of its centre in the frame of its link."""
     srgb: RGB
-    """0-1 each, as it is to be shown."""
+    """Red, green and blue, 0-1 each, as it is to be shown."""
+
+    @property
+    def placement(self) -> Placement:
+        """Pose in the frame of its link; cylinders of model files stand along z, and wheels lie along y."""
+        lies = isinstance(self.shape, CylinderShape)
+        return Placement(self.center, (0.5 * pi, 0.0, 0.0) if lies else (0.0, 0.0, 0.0))
 
 
 def roll_pitch_yaw(rotation: Array) -> Vector:
-    """Angles [rad] of a (3, 3) rotation, which is Rz(yaw) Ry(pitch) Rx(roll); no roll where the pitch is upright."""
+    """Return the angles [rad] of a (3, 3) rotation, Rz(yaw) Ry(pitch) Rx(roll); an upright pitch has roll 0."""
     r = rotation
     level = hypot(r[0, 0], r[1, 0])
     pitch = atan2(-r[2, 0], level)
@@ -70,7 +76,7 @@ def srgb(linear: RGB) -> RGB:
 
 
 def bounding_box(mesh: Mesh) -> tuple[Vector, Vector]:
-    """Centre and size [m] along the axes of the mesh's frame."""
+    """Return centre and size [m] of a mesh along the axes of its frame."""
     vertices = np.array(mesh.vertices)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     x, y, z = (np.round(0.5 * (low + high), 9) + 0.0).tolist()

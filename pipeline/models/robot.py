@@ -11,7 +11,7 @@ from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec
 from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, RobotLink, robot_links
 from physics.robot.model import through
-from pipeline.models.colours import colours, scene_of
+from pipeline.models.colours import colours
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
 from symolo.core.geometry.pinhole import Intrinsics, horizontal_field_of_view_rad, intrinsics, pose_X_RC
 from symolo.dataset.documents.camera_model import X_CB
@@ -96,7 +96,7 @@ def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
 
 
 def _visuals(spec: RunSpec, links: tuple[RobotLink, ...]) -> dict[str, tuple[Visual, ...]]:
-    colour = colours(scene_of(spec))
+    colour = colours(spec)
     visuals: dict[str, list[Visual]] = {link.name: [] for link in links}
     for mesh in robot_body(spec.robot):
         link = _ROUND.get(mesh.name, BASE)

@@ -1,6 +1,5 @@
 """The robot as URDF: the simulated bodies, with visual shapes and frames of the sensors."""
 
-from math import pi
 from xml.etree import ElementTree as ET
 
 from physics.robot.links import BASE
@@ -11,15 +10,17 @@ from pipeline.models.robot import NamedFrame, RobotParts
 FRAME_MASS_KG = 1e-9
 """Mass of the frame of a sensor: PyBullet gives a link without mass 1 kg."""
 _FRAME_INERTIA = (1e-15, 1e-15, 1e-15)
-_LYING = (0.5 * pi, 0.0, 0.0)
-"""URDF's cylinders stand along z, wheels lie along y."""
 
 
 def robot_model_urdf(parts: RobotParts) -> bytes:
-    """URDF 1.0 of base, wheels, caster, and a fixed link for each sensor's frame."""
+    """Return URDF 1.0 of base, wheels, caster, and a fixed link for the frame of each sensor."""
     root = robot_element(parts.config)
-    for place, comment in enumerate(_unsaid(parts)):
-        root.insert(place, ET.Comment(comment))
+    # What the engine simulates and URDF cannot describe.
+    right, left = (link.motor for link in parts.links if link.motor is not None)
+    inertias = f"rotors and gears, {right.inertia_kg_m2!r} kg m2 right and {left.inertia_kg_m2!r} left"
+    frictions = f"dry friction, {right.coulomb_N_m!r} N m right and {left.coulomb_N_m!r} left"
+    root.insert(0, ET.Comment(f" not in the inertias: {inertias} "))
+    root.insert(1, ET.Comment(f" not in the joints: {frictions} "))
     by_name = {element.get("name"): element for element in root.iter("link")}
     for link, visuals in parts.visuals.items():
         for visual in visuals:
@@ -29,19 +30,9 @@ def robot_model_urdf(parts: RobotParts) -> bytes:
     return urdf_text(root).encode()
 
 
-def _unsaid(parts: RobotParts) -> tuple[str, str]:
-    """Return comments on what the engine simulates and URDF cannot describe."""
-    right, left = (link.motor for link in parts.links if link.motor is not None)
-    return (
-        f" not in the inertias: rotors and gears, {right.inertia_kg_m2!r} kg m2 right and {left.inertia_kg_m2!r} left ",
-        f" not in the joints: dry friction, {right.coulomb_N_m!r} N m right and {left.coulomb_N_m!r} left ",
-    )
-
-
 def _visual(link: ET.Element, visual: Visual) -> None:
     element = ET.SubElement(link, "visual", name=visual.name)
-    round_one = isinstance(visual.shape, CylinderShape)
-    _origin(element, Placement(visual.center, _LYING if round_one else (0.0, 0.0, 0.0)))
+    _origin(element, visual.placement)
     if isinstance(visual.shape, CylinderShape):
         size = {"radius": repr(visual.shape.radius_m), "length": repr(visual.shape.width_m)}
         ET.SubElement(ET.SubElement(element, "geometry"), "cylinder", size)

@@ -10,7 +10,7 @@ import numpy as np
 from configs.schema.scenario import RunSpec
 from physics.robot.body_inertia import GRAVITY_M_S2
 from physics.robot.links import BoxShape
-from pipeline.models.colours import colours, scene_of
+from pipeline.models.colours import colours
 from pipeline.models.geometry import Placement
 from pipeline.models.robot import RobotParts
 from pipeline.models.sdf import (
@@ -24,6 +24,7 @@ from pipeline.models.sdf import (
     document,
     robot_model,
 )
+from sensors.camera.colour import RGB
 from symolo.arena.geometry import Arc, Arena, Box, Straight
 
 LINE_HEIGHT_M = 0.0005
@@ -33,11 +34,19 @@ _FRICTION = 1.0
 """Friction of floor, walls and obstacles: contacts have the friction of the robot, whether an engine multiplies both
 or takes the smaller one."""
 _SYSTEMS = (
-    ("gz-sim-physics-system", "gz::sim::systems::Physics"),
-    ("gz-sim-user-commands-system", "gz::sim::systems::UserCommands"),
-    ("gz-sim-scene-broadcaster-system", "gz::sim::systems::SceneBroadcaster"),
-    ("gz-sim-sensors-system", "gz::sim::systems::Sensors"),
+    ("gz-sim-physics-system", "gz::sim::systems::Physics", {}),
+    ("gz-sim-user-commands-system", "gz::sim::systems::UserCommands", {}),
+    ("gz-sim-scene-broadcaster-system", "gz::sim::systems::SceneBroadcaster", {}),
+    ("gz-sim-sensors-system", "gz::sim::systems::Sensors", {"render_engine": "ogre2"}),
 )
+_SUN = {
+    "pose": (0, 0, 10, 0, 0, 0),
+    "diffuse": (0.9, 0.9, 0.9, 1),
+    "specular": (0.1, 0.1, 0.1, 1),
+    "direction": (-0.4, 0.3, -0.9),
+    "cast_shadows": "true",
+}
+"""A light so that something is visible; the light of the look belongs to the images."""
 
 
 def arena_sdf(spec: RunSpec) -> bytes:
@@ -54,33 +63,20 @@ def world_sdf(spec: RunSpec, parts: RobotParts) -> bytes:
 
 
 def _world(spec: RunSpec) -> ET.Element:
-    arena, colour = Arena.from_config(spec.arena), colours(scene_of(spec))
+    arena, colour = Arena.from_config(spec.arena), colours(spec)
     world = ET.Element("world", name=arena.name)
-    physics = child(world, "physics", name="as_simulated", type="ignored")
-    child(physics, "max_step_size", 1 / spec.rates.physics_hz)
-    child(physics, "real_time_factor", 1)
+    steps = {"max_step_size": 1 / spec.rates.physics_hz, "real_time_factor": 1}
+    child(world, "physics", steps, name="as_simulated", type="ignored")
     child(world, "gravity", (0, 0, -GRAVITY_M_S2))
-    for filename, name in _SYSTEMS:
-        plugin = child(world, "plugin", filename=filename, name=name)
-        if filename == "gz-sim-sensors-system":
-            child(plugin, "render_engine", "ogre2")
-    _light(world)
+    for filename, name, settings in _SYSTEMS:
+        child(world, "plugin", settings, filename=filename, name=name)
+    child(world, "light", _SUN, name="sun", type="directional")
     _floor(world, arena, colour["floor"])
     if arena.line.pieces:
         _line(world, arena, [colour[f"{spec.look.line}_{number}"] for number in range(len(arena.line.pieces))])
     for box in arena.boxes:
         _box(world, box, colour[f"{box.kind}_{box.name}"])
     return world
-
-
-def _light(world: ET.Element) -> None:
-    """Add a sun so that something is visible; the light of the look belongs to the images."""
-    sun = child(world, "light", name="sun", type="directional")
-    child(sun, "pose", (0, 0, 10, 0, 0, 0))
-    child(sun, "diffuse", (0.9, 0.9, 0.9, 1))
-    child(sun, "specular", (0.1, 0.1, 0.1, 1))
-    child(sun, "direction", (-0.4, 0.3, -0.9))
-    child(sun, "cast_shadows", "true")
 
 
 def _fixed(world: ET.Element, name: str, placement: Placement) -> ET.Element:
@@ -90,21 +86,19 @@ def _fixed(world: ET.Element, name: str, placement: Placement) -> ET.Element:
     return child(model, "link", name="link")
 
 
-def _floor(world: ET.Element, arena: Arena, srgb: tuple[float, float, float]) -> None:
+def _floor(world: ET.Element, arena: Arena, srgb: RGB) -> None:
     link = _fixed(world, "floor", Placement())
     size = (2 * arena.floor_half_extent_m,) * 2
     for tag in ("collision", "visual"):
         element = child(link, tag, name=tag)
-        plane = child(child(element, "geometry"), "plane")
-        child(plane, "normal", (0, 0, 1))
-        child(plane, "size", size)
+        child(element, "geometry", {"plane": {"normal": (0, 0, 1), "size": size}})
         if tag == "collision":
             add_surface(element, FLOOR_BIT, _FRICTION)
         else:
             add_material(element, srgb)
 
 
-def _line(world: ET.Element, arena: Arena, srgb: list[tuple[float, float, float]]) -> None:
+def _line(world: ET.Element, arena: Arena, srgb: list[RGB]) -> None:
     """Add flat boxes on the floor without collision; an arc consists of chords, because PyBullet reads no polyline."""
     link = _fixed(world, "line", Placement())
     for number, piece in enumerate(arena.line.pieces):
@@ -125,7 +119,7 @@ def _chords(piece: Straight | Arc, width_m: float) -> Iterator[tuple[Placement, 
         yield Placement((x, y, 0.5 * LINE_HEIGHT_M), (0.0, 0.0, atan2(dy, dx))), longer * hypot(dx, dy)
 
 
-def _box(world: ET.Element, box: Box, srgb: tuple[float, float, float]) -> None:
+def _box(world: ET.Element, box: Box, srgb: RGB) -> None:
     link = _fixed(world, f"{box.kind}_{box.name}", Placement(box.center, (0.0, 0.0, box.yaw_rad)))
     for tag in ("collision", "visual"):
         element = child(link, tag, name=tag)

@@ -14,27 +14,27 @@ LAP_S = 40.0
 REAL_TIME_FACTOR = 10.0
 """Simulated seconds per second and core; the project promises at least this."""
 RENDER_START_S = 4.0
-"""Start of Blender and making of the scene, per run."""
+"""Time [s] to start Blender and build the scene, for each run."""
 RENDER_FRAME_S = 0.05
-"""Per image whatever its size, on one core."""
+"""Time [s] on one core for an image, beside that for its pixels."""
 RENDER_SAMPLE_S = 8.5e-6
-"""Per pixel and sample on one core."""
+"""Time [s] on one core for a sample of a pixel."""
 DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
-"""Per pixel on one core, by the prefilter of the denoiser's guides."""
+"""Time [s] on one core to denoise a pixel, by the prefilter of the denoiser's guides."""
 BYTES_PER_PIXEL = 0.2
 """Size [byte] of a pixel of a JPEG image of quality 92."""
 HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
 """Time [s] on one core for an image from hybrid rendering, and for each of its pixels; with its share of the maps."""
 ANNOTATION_PIXEL_S = 1.5e-6
-"""Per pixel on one core, all annotations together."""
+"""Time [s] on one core for all annotations of a pixel."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
-"""Likewise; the flow alone takes nine tenths of it."""
+"""Size [byte] of all annotations of a pixel; the flow alone takes nine tenths of it."""
 BYTES_PER_IMAGE = 4096
-"""Besides its pixels: tables, and the rest of a disk block."""
+"""Size [byte] of an image beside its pixels: tables, and the unused rest of a disk block."""
 BYTES_PER_JOB = 2_500_000
 """Size [byte] of the job of a run: the scene as text, 1.6 MB with a furnished room, and the poses."""
 BYTES_PER_ROW = 600
-"""data.csv, side files and the stored trajectory."""
+"""Size [byte] of a row in data.csv, side files and the stored trajectory."""
 COPIES = 2
 """Number of copies: the stages keep the files of the release, so that the next command continues."""
 
@@ -58,11 +58,11 @@ class PlannedRun:
     @property
     def bytes_needed(self) -> int:
         pixels = self.images * self.width_px * self.height_px
-        return pictures_bytes(self.images, pixels, annotated=self.annotated) + COPIES * self.rows * BYTES_PER_ROW
+        return image_bytes(self.images, pixels, annotated=self.annotated) + COPIES * self.rows * BYTES_PER_ROW
 
 
-def pictures_bytes(images: int, pixels: int, *, annotated: bool) -> int:
-    """Disk space of a run's pictures, of so many pixels in all, with the jobs that they are made by [byte]."""
+def image_bytes(images: int, pixels: int, *, annotated: bool) -> int:
+    """Return the disk space [byte] of a run's images, of `pixels` pixels in all, with the jobs that render them."""
     per_pixel = BYTES_PER_PIXEL + (ANNOTATION_BYTES_PER_PIXEL if annotated else 0.0)
     return round(COPIES * (pixels * per_pixel + images * BYTES_PER_IMAGE) + (1 + annotated) * BYTES_PER_JOB)
 
@@ -95,6 +95,8 @@ class ScenarioPlan:
 
     def text(self) -> str:
         """Return the plan as text: a line for each run, then sums and assumptions."""
+        # Several qualities where the scenario draws them at random; a dict keeps their order.
+        qualities = dict.fromkeys(f"{run.quality}, {_samples(run.sampling)}" for run in self.runs)
         lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
         lines += [
             f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  {run.width_px} x {run.height_px}"
@@ -104,7 +106,7 @@ class ScenarioPlan:
             "",
             f"runs       {len(self.runs)}",
             f"images     {self.images}",
-            f"quality    {self._quality()}",
+            f"quality    {' or '.join(qualities)}",
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
             f"render     about {seconds(self.render_s)}",
@@ -116,27 +118,19 @@ class ScenarioPlan:
         ]
         return "\n".join(lines)
 
-    def _quality(self) -> str:
-        """Return the quality of the images; several where it is drawn at random."""
-        kinds = {f"{run.quality}, {_samples(run.sampling)}": None for run in self.runs}
-        return " or ".join(kinds)
-
     def _tracing(self) -> str:
         """Return the assumptions about rays and denoiser."""
-        ways = []
+        costs = []
         if any(run.sampling.hybrid for run in self.runs):
-            ways.append(
+            costs.append(
                 f"{HYBRID_FRAME_S:g} s and {1e6 * HYBRID_PIXEL_S:g} us a pixel for an image from hybrid rendering, "
             )
         if any(not run.sampling.hybrid for run in self.runs):
-            ways.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {self._denoising()}")
-        return "".join(ways)
-
-    def _denoising(self) -> str:
-        """Return the assumptions about the denoiser, if there is one."""
-        whole = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
-        costs = sorted({DENOISE_S[sampled.prefilter] for sampled in whole})
-        return f"{' or '.join(f'{1e6 * cost:g}' for cost in costs)} us a pixel to denoise, and " if costs else "and "
+            denoised = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
+            times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted({DENOISE_S[each.prefilter] for each in denoised})]
+            denoising = f"{' or '.join(times_us)} us a pixel to denoise, and " if times_us else "and "
+            costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {denoising}")
+        return "".join(costs)
 
     def _further(self) -> str:
         """Return the assumptions about lenses and annotations, if there are any."""
@@ -144,8 +138,8 @@ class ScenarioPlan:
         lens = f"; {widest:.2f} times the pixels traced, for the margin behind the lens" if widest > 1 else ""
         if not any(run.annotated for run in self.runs):
             return lens
-        own = f"{1e6 * ANNOTATION_PIXEL_S:g} us a pixel and {RENDER_FRAME_S:g} s an image on one core"
-        return f"{lens}; all annotations {own}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes a pixel"
+        times = f"{1e6 * ANNOTATION_PIXEL_S:g} us a pixel and {RENDER_FRAME_S:g} s an image on one core"
+        return f"{lens}; all annotations {times}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes a pixel"
 
 
 def pixel_s(sampled: TracingSettings) -> float:
@@ -157,8 +151,10 @@ def pixel_s(sampled: TracingSettings) -> float:
 
 def _samples(sampled: TracingSettings) -> str:
     if sampled.hybrid:
-        own = sampled.hybrid
-        return f"from hybrid rendering, {own.near} and {own.far} samples of light and {own.surfaces} of surfaces"
+        counts = sampled.hybrid
+        return (
+            f"from hybrid rendering, {counts.near} and {counts.far} samples of light and {counts.surfaces} of surfaces"
+        )
     return f"{sampled.samples} samples a pixel"
 
 

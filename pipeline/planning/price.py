@@ -1,4 +1,4 @@
-"""The cost of many images of a scenario, measured with a few of them that are thrown away."""
+"""The cost of many images of a scenario, measured with a few images that are not kept."""
 
 import tempfile
 import time
@@ -63,7 +63,7 @@ class Price:
     """Time [s] of a later image of a block, on one core or on the card."""
     annotate_s: float
     """Time [s] on one core for all annotations of an image."""
-    picture_bytes: float
+    image_bytes: float
     annotation_bytes: float
 
     def text(self, frames: int, about: str) -> str:
@@ -77,7 +77,7 @@ class Price:
                 self.annotate_s + block_s,
             )
         )
-        bare = frames * (self.picture_bytes + self.rows_per_image * BYTES_PER_ROW)
+        bare = frames * (self.image_bytes + self.rows_per_image * BYTES_PER_ROW)
         whole = bare + frames * self.annotation_bytes
         unit = "core" if self.device == "CPU" else f"{self.device}"
         alone = (simulate + render) * HOUR_S / cores() if self.device == "CPU" else render * HOUR_S
@@ -135,22 +135,22 @@ def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:
         stop = spec.stop.model_copy(update={"time_limit_s": drive_s})
         begin = time.perf_counter()
         workspace = Workspace(scratch / f"drive_{drive_s:g}")
-        _good(simulate_runs(workspace, [spec.model_copy(update={"stop": stop})], OneCore(1), report))
+        _require_success(simulate_runs(workspace, [spec.model_copy(update={"stop": stop})], OneCore(1), report))
         taken.append(time.perf_counter() - begin)
     return (taken[1] - taken[0]) / DRIVE_S
 
 
 def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
     batch.keep_user_files()
-    _good(batch.simulate(report))
+    _require_success(batch.simulate(report))
     simulated = time.perf_counter()
-    _good(batch.render([], report))
+    _require_success(batch.render([], report))
     rendered = time.perf_counter()
     by_run = [_files(batch.workspace.render(spec.key), "images") for spec in batch.specs]
-    pictures = [file for files in by_run for file in files]
-    known = [file for spec in batch.specs for file in _files(batch.workspace.annotate(spec.key), "annotations")]
-    images = len(pictures)
-    render_s, annotate_s = (sum(file.seconds for file in files) for files in (pictures, known))
+    image_files = [file for files in by_run for file in files]
+    annotations = [file for spec in batch.specs for file in _files(batch.workspace.annotate(spec.key), "annotations")]
+    images = len(image_files)
+    render_s, annotate_s = (sum(file.seconds for file in files) for files in (image_files, annotations))
     first_s = sum(max(0.0, files[0].seconds - mean(file.seconds for file in files[1:])) for files in by_run)
     return Price(
         device=batch.device,
@@ -161,8 +161,8 @@ def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
         first_s=first_s / len(by_run),
         render_s=(render_s - first_s) / images,
         annotate_s=annotate_s / images,
-        picture_bytes=sum(file.size_bytes for file in pictures) / images,
-        annotation_bytes=sum(file.size_bytes for file in known) / images,
+        image_bytes=sum(file.size_bytes for file in image_files) / images,
+        annotation_bytes=sum(file.size_bytes for file in annotations) / images,
     )
 
 
@@ -170,7 +170,7 @@ def _files(folder: StageFolder, name: str) -> list[FrameFile]:
     return list(journal(folder, name).whole_files().values())
 
 
-def _good(failures: Sequence[FailedRun]) -> None:
+def _require_success(failures: Sequence[FailedRun]) -> None:
     if failures:
         raise RunFailed(f"{failures[0].run}: {failures[0].stage}: {failures[0].problem}")
 

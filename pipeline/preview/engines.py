@@ -10,7 +10,7 @@ import numpy as np
 
 from blender_scenes.preview.renderer import FlatRenderer
 from pipeline.executors.local import Local
-from pipeline.planning.plan import pictures_bytes
+from pipeline.planning.plan import image_bytes
 from pipeline.preview import Engine
 from pipeline.preview.views import PreviewImage, on_device
 from pipeline.run_folder.user_files import keep_user_files
@@ -23,56 +23,58 @@ from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import frame_name
 from symolo.pages.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
 
-Made = tuple[dict[int, Pixels], list[FailedRun]]
-"""Images (H, W, 3) BGR by number, and the failures of the others."""
+RenderedViews = tuple[dict[int, Pixels], list[FailedRun]]
+"""Images by number, (H, W, 3) BGR, and the failures of the other views."""
 
 
 def check_size(view: PreviewImage, count: int, columns: int) -> None:
     """Refuse a sheet that is too large for an image file, before any work starts."""
-    picture, rows = view.look.render, math.ceil(count / columns)
-    check_side("wide", min(columns, count) * picture.width_px, "--columns or --width-px")
-    check_side("high", rows * (picture.height_px + len(view.lines) * LINE_PX), "-n or --width-px, or more --columns")
+    render, rows = view.appearance.render, math.ceil(count / columns)
+    check_side("wide", min(columns, count) * render.width_px, "--columns or --width-px")
+    check_side("high", rows * (render.height_px + len(view.lines) * LINE_PX), "-n or --width-px, or more --columns")
 
 
-def pictures(engine: Engine, views: Sequence[PreviewImage], workers: int, report: Report) -> Made:
+def render_views(engine: Engine, views: Sequence[PreviewImage], workers: int, report: Report) -> RenderedViews:
     """Return the images of all views that can be rendered."""
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
         user_files = Path(folder) / "assets"
         for view in views:
-            keep_user_files((view.look.look,), view.assets, user_files)
+            keep_user_files((view.appearance.look,), view.assets, user_files)
         if engine is Engine.FLAT:
             return _flat(views, user_files, report)
         return _cycles(views, Path(folder), user_files, workers, report)
 
 
-def sheet(views: Sequence[PreviewImage], made: dict[int, Pixels], columns: int) -> Pixels:
+def sheet(views: Sequence[PreviewImage], images: dict[int, Pixels], columns: int) -> Pixels:
     """Return the images in rows of that many columns, (H, W, 3) BGR."""
-    cells = [Cell(made[view.number], view.lines) for view in views if view.number in made]
+    cells = [Cell(images[view.number], view.lines) for view in views if view.number in images]
     width_px = cells[0].image.shape[1]
     return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
 
 
-def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Made:
+def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> RenderedViews:
     """Render without Blender, some tenths of a second each."""
-    made, failures = {}, []
+    images, failures = {}, []
     with report.stage("preview", len(views), "images") as stage:
         for view in views:
             try:
                 job = view.job()
-                picture = FlatRenderer(job, user_files).image(job.frames[0])
+                image = FlatRenderer(job, user_files).image(job.frames[0])
             except ValueError as error:
                 failures.append(FailedRun.of(view.name, "preview", str(error)))
             else:
-                made[view.number] = np.ascontiguousarray(picture[..., ::-1])
+                images[view.number] = np.ascontiguousarray(image[..., ::-1])
                 stage.update(view.name, 1.0)
-    return made, failures
+    return images, failures
 
 
-def _cycles(views: Sequence[PreviewImage], folder: Path, user_files: Path, workers: int, report: Report) -> Made:
+def _cycles(
+    views: Sequence[PreviewImage], folder: Path, user_files: Path, workers: int, report: Report
+) -> RenderedViews:
     """Render as in a release."""
-    render = views[0].look.render
-    each = pictures_bytes(1, render.width_px * render.height_px, annotated=False)
-    check_scratch(len(views) * each, "ask for fewer pictures by -n")
+    render = views[0].appearance.render
+    each = image_bytes(1, render.width_px * render.height_px, annotated=False)
+    check_scratch(len(views) * each, "reduce the number of images by -n")
     views = on_device(views)
     folders = {view.number: StageFolder(folder / str(view.number)) for view in views}
     orders = (
@@ -81,10 +83,8 @@ def _cycles(views: Sequence[PreviewImage], folder: Path, user_files: Path, worke
     failures = render_runs(orders, Local(workers), report)
     failed = {failure.run for failure in failures}
     good = [view.number for view in views if view.name not in failed]
-    return {n: _read(folders[n].path / IMAGES / frame_name(n)) for n in good}, failures
-
-
-def _read(path: Path) -> Pixels:
-    return np.asarray(
-        cv2.imdecode(np.frombuffer(read_file(path, FileKind.IMAGE), np.uint8), cv2.IMREAD_COLOR), np.uint8
-    )
+    images = {}
+    for number in good:
+        data = read_file(folders[number].path / IMAGES / frame_name(number), FileKind.IMAGE)
+        images[number] = np.asarray(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR), np.uint8)
+    return images, failures

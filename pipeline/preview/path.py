@@ -35,8 +35,8 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Way:
-    """The legs of a run, all in the direction in which its start turns about their centre."""
+class PreviewPath:
+    """The path of a run: its legs, all in the direction in which its start turns about their centre."""
 
     legs: tuple[Leg, ...]
     start: PlanarPose
@@ -44,7 +44,7 @@ class Way:
     robot: RobotConfig
 
     @classmethod
-    def of(cls, spec: RunSpec, arena: Arena) -> "Way":
+    def of(cls, spec: RunSpec, arena: Arena) -> "PreviewPath":
         start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
         pieces: list[Straight | Arc] = list(arena.line.pieces)
         if not _is_closed(arena.line):
@@ -91,9 +91,9 @@ class Way:
 def _is_closed(line: Line) -> bool:
     """Return whether every piece is joined to another one at both ends; walls join the ends of an open line."""
     ends = [piece.at(np.array([0.0, piece.length_m])) for piece in line.pieces]
-    for number, own in enumerate(ends):
+    for number, piece_ends in enumerate(ends):
         others = [end for other, pair in enumerate(ends) if other != number for end in pair]
-        if any(all(math.dist(end, other) > _JOINED_M for other in others) for end in own):
+        if any(all(math.dist(end, other) > _JOINED_M for other in others) for end in piece_ends):
             return False
     return True
 

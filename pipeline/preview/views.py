@@ -15,14 +15,14 @@ from configs.references import locate
 from configs.schema.look import LookConfig
 from configs.schema.scenario import RunSpec
 from physics.robot.path import RobotPath
-from pipeline.preview.path import Way
+from pipeline.preview.path import PreviewPath
 from pipeline.stages.render import Appearance
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 
 _DRAFT = ("render.quality=draft", "render.method=full")
-"""Under what `--set` says. The maps of pictures from parts would be made for a single one each."""
+"""Settings of a preview, which `--set` overrides. The maps of hybrid rendering would serve a single image each."""
 _GOLDEN = 0.618033988749895
 """Steps of this share of the path are evenly spread, whatever their number (Weyl's sequence)."""
 
@@ -37,24 +37,27 @@ class PreviewImage:
     lines: tuple[str, ...]
     """Lines of its caption."""
     frame: FramePose
-    look: Appearance
+    appearance: Appearance
     assets: Mapping[str, Path]
     """Paths of the user's files of the look, by SHA-256."""
 
     def job(self) -> RenderJob:
         """Return the job, which is built when it is needed because it has some megabytes."""
-        arena = Arena.from_config(self.look.arena)
-        return self.look.job(arena, [self.frame], _standing(self.frame))
+        frame = self.frame
+        # The robot stands still during the exposure; obstacles move on.
+        pose = np.array([[frame.x_m, frame.y_m, frame.yaw_rad]])
+        path = RobotPath(np.array([frame.t_s]), pose, np.zeros((1, 2)))
+        return self.appearance.job(Arena.from_config(self.appearance.arena), [frame], path)
 
 
 def on_device(views: Sequence[PreviewImage]) -> list[PreviewImage]:
-    """Return the same images with the device that the first one asks for.
+    """Return the same images with the device that the settings of the first one name.
 
     Raises:
-        EnvironmentLacking: It asks for a graphics card, and there is none.
+        EnvironmentLacking: They name a graphics card, and there is none.
     """
-    device = device_for(views[0].look.render.device)
-    return [replace(view, look=replace(view.look, device=device)) for view in views]
+    device = device_for(views[0].appearance.render.device)
+    return [replace(view, appearance=replace(view.appearance, device=device)) for view in views]
 
 
 def views(
@@ -73,9 +76,8 @@ def views(
             raise InputError("--set", got=text, cure="name it by --look")
     for look in looks:
         locate("look", look, folder=Path(), what="--look")
-    chosen = [f"look={look}" for look in looks]
-    loaded = [load_scenario(scenario, (*_DRAFT, own, *overrides)) for own in chosen]
-    loaded = loaded or [load_scenario(scenario, (*_DRAFT, *overrides))]
+    choices = [(f"look={look}",) for look in looks] or [()]
+    loaded = [load_scenario(scenario, (*_DRAFT, *choice, *overrides)) for choice in choices]
     for index in range(count):
         run, look = divmod(index, len(loaded))
         yield _view(loaded[look], index + 1, run, width_px)
@@ -93,16 +95,10 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> Pre
     return PreviewImage(number, name, lines, frame, shown, loaded.assets)
 
 
-def _standing(frame: FramePose) -> RobotPath:
-    """Return the path of a robot that stands still during the exposure; obstacles move on."""
-    pose = np.array([[frame.x_m, frame.y_m, frame.yaw_rad]])
-    return RobotPath(np.array([frame.t_s]), pose, np.zeros((1, 2)))
-
-
 def _frame(spec: RunSpec, number: int, index: int) -> FramePose:
     share = (stream(spec.seed, "preview", "way").random() + index * _GOLDEN) % 1.0
     t_s = stream(spec.seed, spec.route, spec.run, "preview", "t_s").uniform(0.0, spec.stop.time_limit_s)
-    x_m, y_m, yaw_rad = Way.of(spec, Arena.from_config(spec.arena)).place(share, t_s)
+    x_m, y_m, yaw_rad = PreviewPath.of(spec, Arena.from_config(spec.arena)).place(share, t_s)
     return FramePose(number, t_s, x_m, y_m, yaw_rad)
 
 

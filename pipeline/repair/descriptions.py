@@ -8,16 +8,15 @@ from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_resolved
 from configs.schema.scenario import RunSpec
 from pipeline.assembly.description import markdown
-from pipeline.repair.repair_state import RepairState, with_one_bit_less_wrong
+from pipeline.repair.repair_state import RepairState, with_one_bit_flipped
 from pipeline.stages.annotate import processors
-from pipeline.stages.assemble import SIDE
 from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 from pipeline.work.processors import cpu_class
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata
-from symolo.dataset.layout import DESCRIPTION
+from symolo.dataset.layout import DESCRIPTION, SIDE
 
 
 def flip_back(state: RepairState, names: Iterable[str]) -> None:
@@ -27,8 +26,8 @@ def flip_back(state: RepairState, names: Iterable[str]) -> None:
             data = read_file(state.out / name, FileKind.ANY)
         except OSError:
             continue
-        if (right := with_one_bit_less_wrong(data, state.wanted[name])) is not None:
-            state.put(name, right, "one bit was wrong")
+        if (repaired := with_one_bit_flipped(data, state.wanted[name])) is not None:
+            state.put(name, repaired, "one bit was wrong")
 
 
 def read_metadata(state: RepairState) -> Metadata | None:

@@ -1,17 +1,16 @@
 """Copies of damaged files elsewhere: under another name in the release, or in the hidden stages."""
 
 import contextlib
-from collections.abc import Iterator
 from pathlib import Path
 
 from pipeline.repair.repair_state import RUN_PARTS, RepairState
-from pipeline.stages.assemble import KEPT_METADATA, SIDE
+from pipeline.stages.assemble import METADATA_COPY
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.metadata import METADATA
-from symolo.dataset.layout import ANNOTATIONS
+from symolo.dataset.layout import ANNOTATIONS, SIDE
 
 
 def put_back(state: RepairState, scratch: Path) -> set[str]:
@@ -39,22 +38,20 @@ def put_back(state: RepairState, scratch: Path) -> set[str]:
 def take_from_stages(state: RepairState) -> None:
     """Restore files of which the stages have a copy."""
     for name in list(state.wanted):
-        for path in _kept(state, name):
+        if path := _copy_in_stages(state, name):
             with contextlib.suppress(OSError):
-                if state.put(name, read_file(path, FileKind.ANY), "from the stages"):
-                    break
+                state.put(name, read_file(path, FileKind.ANY), "from the stages")
 
 
-def _kept(state: RepairState, name: str) -> Iterator[Path]:
+def _copy_in_stages(state: RepairState, name: str) -> Path | None:
     if name == METADATA:
-        yield state.out / KEPT_METADATA
+        return state.out / METADATA_COPY
     parts = name.split("/", RUN_PARTS)
     if len(parts) <= RUN_PARTS:
-        return
+        return None
     run, inner = "/".join(parts[:RUN_PARTS]), parts[RUN_PARTS]
     if inner.startswith(f"{IMAGES}/"):
-        yield state.workspace.render(run).path / inner
-    elif inner.startswith(f"{ANNOTATIONS}/"):
-        yield state.workspace.annotate(run).path / inner
-    elif inner == f"{SIDE}/{SPEC}":
-        yield state.workspace.simulate(run).path / SPEC
+        return state.workspace.render(run).path / inner
+    if inner.startswith(f"{ANNOTATIONS}/"):
+        return state.workspace.annotate(run).path / inner
+    return state.workspace.simulate(run).path / SPEC if inner == f"{SIDE}/{SPEC}" else None

@@ -13,16 +13,15 @@ from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.annotate import AnnotationTask
-from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
-from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.file_hashes import holds
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
-from symolo.dataset.layout import ANNOTATIONS
+from symolo.dataset.layout import ANNOTATIONS, DATA
 from symolo.dataset.tables.rows import read_rows
 
 
@@ -48,44 +47,44 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
     work = []
     for run, spec in specs.items():
         wanted = state.runs().get(run, set())
-        pictures, annotations = (_within(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
-        if pictures or annotations:
+        images, annotations = (_names_in(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
+        if images or annotations:
             try:
-                work += _ordered(state, spec, tools, pictures, annotations)
+                work += _ordered(state, spec, tools, images, annotations)
             except InputError as error:
                 state.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
-    render_tasks([one.task for one in work], tools.workers, tools.report)
-    for one in work:
-        for file in sorted(one.wanted):
-            name = f"{one.run}/{one.inner}/{file}"
-            data = _document(one.task) if file == DOCUMENT else _read(one.task.files / file)
-            if data is None:
+    render_tasks([each.task for each in work], tools.workers, tools.report)
+    for each in work:
+        for file in sorted(each.wanted):
+            name = f"{each.run}/{each.inner}/{file}"
+            try:
+                data = _document(each.task) if file == DOCUMENT else read_file(each.task.files / file, FileKind.ANY)
+            except OSError:
                 state.tried[name] = "it cannot be rendered again"
             else:
-                state.put(
-                    name, data, "rendered again" if file != DOCUMENT else "annotated again", tools.excuse(one.run)
-                )
+                how = "annotated again" if file == DOCUMENT else "rendered again"
+                state.put(name, data, how, tools.excuse(each.run))
 
 
-def _within(files: Iterable[str], folder: str) -> frozenset[str]:
+def _names_in(files: Iterable[str], folder: str) -> frozenset[str]:
     start = f"{folder}/"
     return frozenset(file.removeprefix(start) for file in files if file.startswith(start))
 
 
 def _ordered(
-    state: RepairState, spec: RunSpec, tools: RepairTools, pictures: frozenset[str], annotations: frozenset[str]
+    state: RepairState, spec: RunSpec, tools: RepairTools, images: frozenset[str], annotations: frozenset[str]
 ) -> list[_Work]:
     run = spec.key
     if state.read(f"{run}/{DATA}") is None:
         raise InputError("it needs the poses in data.csv, which is not restored")
     user_files = state.workspace.user_files
-    if pictures:
+    if images:
         check_user_files(spec, user_files)
     rows = read_rows(state.out / run / DATA)
     appearance = Appearance.of(spec, tools.devices.get(run, "CPU"))
     order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), user_files)
     write_job(order)
-    work = [_Work(run, IMAGES, only_frames(order.task, pictures), pictures)] if pictures else []
+    work = [_Work(run, IMAGES, only_frames(order.task, images), images)] if images else []
     if annotations:
         order = AnnotationTask.of(order.task, appearance, StageFolder(tools.scratch / "annotate" / run))
         write_job(order)
@@ -98,14 +97,10 @@ def check_user_files(spec: RunSpec, folder: Path) -> None:
     """Check that the user's own images that a run shows are still in `.stages`.
 
     Raises:
-        InputError: One is not, or was changed.
+        InputError: One of them is missing or has changed.
     """
-    if any(not _is_stored(folder, file.sha256) for file in spec.look.files):
+    if not holds(folder, {file.sha256: file.sha256 for file in spec.look.files}):
         raise InputError("it shows your own images, and .stages/assets no longer holds them")
-
-
-def _is_stored(folder: Path, digest: str) -> bool:
-    return (folder / digest).is_file() and sha256_of(folder / digest) == digest
 
 
 def write_job(order: Order) -> None:
@@ -135,18 +130,8 @@ def render_tasks(tasks: list[FrameTask], workers: int, report: Report) -> None:
             report.say(f"render: {failure.unit.name}: {failure.text}")
 
 
-def _document(task: FrameTask) -> bytes | None:
+def _document(task: FrameTask) -> bytes:
     job = AnnotationJob.from_json(read_file(task.folder.path / JOB, FileKind.JOB).decode())
     names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
-    try:
-        records = [FrameRecord.from_json(read_file(task.files / name, FileKind.JOB)) for name in names]
-    except OSError:
-        return None
+    records = [FrameRecord.from_json(read_file(task.files / name, FileKind.JOB)) for name in names]
     return document(job, IMAGES, records).to_json()
-
-
-def _read(path: Path) -> bytes | None:
-    try:
-        return read_file(path, FileKind.ANY)
-    except OSError:
-        return None

@@ -1,4 +1,4 @@
-"""`symolo repair` makes the damaged files of a release again, and puts them in place if they have the same bytes."""
+"""Repair of a release: damaged files are made again, and put in place if they have the bytes of the manifest."""
 
 import hashlib
 from collections.abc import Callable, Iterator
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.render.devices import DeviceKind
-from pipeline.assembly.run_spec import spec_problem
 from pipeline.repair import descriptions, existing_copies, frames, tables
-from pipeline.repair.repair_state import RepairState, RepairTools, recorded_device, with_one_bit_less_wrong
+from pipeline.repair.repair_state import RepairState, RepairTools, recorded_device, with_one_bit_flipped
+from pipeline.run_folder.stored_runs import spec_problem
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import remove_file, remove_folder, write_file
@@ -40,7 +40,7 @@ class Repaired:
 
 
 def repair(
-    root: Path, workers: int, report: Report, tell: Callable[[str], None], *, remove_extra: bool = False
+    root: Path, workers: int, report: Report, on_repaired: Callable[[str], None], *, remove_extra: bool = False
 ) -> Repaired:
     """Repair a release.
 
@@ -48,7 +48,7 @@ def repair(
         root: The release.
         workers: Number of child processes at a time.
         report: Progress report.
-        tell: Called with a line for each file that is restored.
+        on_repaired: Called with a line for each file that is restored.
         remove_extra: Whether files that belong to no release are removed.
 
     Raises:
@@ -65,7 +65,7 @@ def repair(
         scratch = workspace.out / STAGES / SCRATCH
         remove_folder(scratch)
         try:
-            return _repair(workspace, scratch, workers, report, tell, remove_extra=remove_extra)
+            return _repair(workspace, scratch, workers, report, on_repaired, remove_extra=remove_extra)
         finally:
             remove_folder(scratch)
             if bare:
@@ -77,12 +77,12 @@ def _repair(
     scratch: Path,
     workers: int,
     report: Report,
-    tell: Callable[[str], None],
+    on_repaired: Callable[[str], None],
     *,
     remove_extra: bool,
 ) -> Repaired:
     inventory = Inventory.of(workspace.out)
-    if not inventory.trusted and _flip_manifest_back(workspace.out, tell):
+    if not inventory.trusted and _flip_manifest_back(workspace.out, on_repaired):
         inventory = Inventory.of(workspace.out)
     faults = list(inventory.findings())
     if not faults:
@@ -91,7 +91,7 @@ def _repair(
         why = "no list of checksums can be trusted; `symolo release` with its scenario makes damaged files again"
         first, *others = faults
         return Repaired(0, (Finding(first.file, f"{first.what}; {why}"), *others))
-    state = RepairState.of(workspace, inventory, tell)
+    state = RepairState.of(workspace, inventory, on_repaired)
     moved = existing_copies.put_back(state, scratch / "aside")
     existing_copies.take_from_stages(state)
     descriptions.flip_back(state, (METADATA,))
@@ -100,13 +100,16 @@ def _repair(
     descriptions.write_description(state, metadata, f"written again, the text differs; {difference}")
     runs = metadata.runs if metadata else []
     devices: dict[str, DeviceKind] = {record.run: recorded_device(record.render_device) for record in runs}
-    _remake(state, metadata, RepairTools(scratch, workers, report, devices, difference))
+    tools = RepairTools(scratch, workers, report, devices, difference)
+    specs = descriptions.make_specs(state, metadata, state.runs())
+    tables.make_tables(state, specs, tools)
+    frames.render_frames(state, specs, tools)
     descriptions.flip_back(state, list(state.wanted))
     descriptions.write_bag_info(state, metadata)
     _write_lists(state)
     for name in sorted(inventory.extra & (moved if not remove_extra else inventory.extra)):
         _remove(workspace.out / name, workspace.out)
-        tell(f"removed: {name}: it does not belong to the release")
+        on_repaired(f"removed: {name}: it does not belong to the release")
     return _result(state, len(faults), metadata)
 
 
@@ -117,14 +120,7 @@ def _remove(path: Path, out: Path) -> None:
         _remove(path.parent, out)
 
 
-def _remake(state: RepairState, metadata: Metadata | None, tools: RepairTools) -> None:
-    """Make files again that need PyBullet or Blender."""
-    specs = descriptions.make_specs(state, metadata, state.runs())
-    tables.make_tables(state, specs, tools)
-    frames.render_frames(state, specs, tools)
-
-
-def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
+def _flip_manifest_back(out: Path, on_repaired: Callable[[str], None]) -> bool:
     """Restore a manifest in which a single bit is wrong, which is possible even if other files are damaged."""
     try:
         data, noted = (
@@ -133,11 +129,11 @@ def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
         )
     except (OSError, ValueError, KeyError):
         return False
-    right = with_one_bit_less_wrong(data, noted)
+    right = with_one_bit_flipped(data, noted)
     if right is None:
         return False
     write_file(out / MANIFEST, right)
-    tell(f"repaired: {MANIFEST}: one bit was wrong")
+    on_repaired(f"repaired: {MANIFEST}: one bit was wrong")
     return True
 
 
@@ -158,22 +154,19 @@ def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repai
     for fault in by_checksum:
         why = state.tried.get(fault.file, "")
         if not why and fault.file in state.wanted:
-            why = _unmade(fault.file, metadata)
-        if not why and fault.file in state.inventory.extra:
+            if fault.file == METADATA:
+                why = "nothing else holds it; `symolo release` with its scenario writes it again"
+            elif metadata is None:
+                why = f"{METADATA} is needed to make it again"
+            else:
+                why = "the files that it is made from are damaged too"
+        elif not why and fault.file in state.inventory.extra:
             why = "--remove-extra removes it"
         left.append(Finding(fault.file, f"{fault.what}; {why}" if why else fault.what))
     return Repaired(max(0, faults - len(left)), tuple(left))
 
 
 def _faults_of_content(out: Path) -> Iterator[Finding]:
-    """Yield what `verify` finds in files that fit their checksums, of which no other content is known."""
+    """Yield the faults that `verify` finds in files that fit their checksums, of which no other content is known."""
     for fault in verify(out, spec_problem):
         yield Finding(fault.file, f"{fault.what}; {FITS}")
-
-
-def _unmade(name: str, metadata: Metadata | None) -> str:
-    if name == METADATA:
-        return "nothing else holds it; `symolo release` with its scenario writes it again"
-    if metadata is None:
-        return f"{METADATA} is needed to make it again"
-    return "the files that it is made from are damaged too"

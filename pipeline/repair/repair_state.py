@@ -13,8 +13,8 @@ from symolo.core.progress import Report
 from symolo.verification.inventory import LISTS, Inventory
 
 MAX_BYTES = 1 << 16
-"""Largest size [byte] of a file in which a single wrong bit is searched; the time grows with the square, to 10 s for
-this size."""
+"""Largest size [byte] of a file in which a single wrong bit is searched for. The time grows with the square of the
+size; it is 10 s for this size."""
 
 RUN_PARTS = 2
 """Number of parts of the folder of a run: route and test."""
@@ -47,7 +47,7 @@ class RepairState:
 
     workspace: Workspace
     inventory: Inventory
-    tell: Callable[[str], None]
+    on_repaired: Callable[[str], None]
     """Called with a line for each file that is restored."""
     wanted: dict[str, str] = field(default_factory=dict)
     """SHA-256 by path of each file that is still to be restored."""
@@ -55,9 +55,9 @@ class RepairState:
     """Reason by path why the last attempt failed."""
 
     @classmethod
-    def of(cls, workspace: Workspace, inventory: Inventory, tell: Callable[[str], None]) -> "RepairState":
+    def of(cls, workspace: Workspace, inventory: Inventory, on_repaired: Callable[[str], None]) -> "RepairState":
         expected = inventory.expected
-        state = cls(workspace, inventory, tell)
+        state = cls(workspace, inventory, on_repaired)
         for name in sorted(inventory.damaged - {*LISTS}):
             parts = PurePosixPath(name).parts
             if name.startswith("/") or ".." in parts or parts[0].startswith("."):
@@ -105,15 +105,15 @@ class RepairState:
     def write(self, name: str, data: bytes, how: str) -> bool:
         """Write a file of the release, and note the reason where that is not possible."""
         try:
-            self._clear_the_way(name)
+            self._make_parents(name)
             write_file(self.out / name, data)
         except OSError as error:
             self.tried[name] = f"cannot be written: {error.strerror}"
             return False
-        self.tell(f"repaired: {name}: {how}")
+        self.on_repaired(f"repaired: {name}: {how}")
         return True
 
-    def _clear_the_way(self, name: str) -> None:
+    def _make_parents(self, name: str) -> None:
         """Make the folders of a file, and remove links in their place, which would lead out of the release.
 
         An empty folder in the place of the file itself is removed as well.
@@ -130,25 +130,23 @@ class RepairState:
 
 def recorded_device(name: str) -> DeviceKind:
     """Return the device that metadata.json names; the processor for any name that is not known."""
-    for kind in GPU_KINDS:
-        if kind == name:
-            return kind
-    return "CPU"
+    return next((kind for kind in GPU_KINDS if kind == name), "CPU")
 
 
-def with_one_bit_less_wrong(data: bytes, digest: str) -> bytes | None:
+def with_one_bit_flipped(data: bytes, digest: str) -> bytes | None:
     """Return the content with this SHA-256 that differs in a single bit; None if there is none or the file is too
     large.
     """
     if len(data) > MAX_BYTES:
         return None
+    # The hash of the bytes before the flipped one is kept, so that only the rest is hashed for each attempt.
     before = hashlib.sha256()
     for i, byte in enumerate(data):
-        rest = data[i + 1 :]
         for bit in range(8):
+            tail = bytes((byte ^ (1 << bit),)) + data[i + 1 :]
             attempt = before.copy()
-            attempt.update(bytes((byte ^ (1 << bit),)) + rest)
+            attempt.update(tail)
             if attempt.hexdigest() == digest:
-                return data[:i] + bytes((byte ^ (1 << bit),)) + rest
+                return data[:i] + tail
         before.update(data[i : i + 1])
     return None

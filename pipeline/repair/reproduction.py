@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.render.devices import DeviceKind
-from pipeline.assembly.run_spec import read_run_spec
 from pipeline.repair.descriptions import machine_differences
 from pipeline.repair.frames import check_user_files, only_frames, render_tasks, write_job
 from pipeline.repair.repair_state import recorded_device
+from pipeline.run_folder.stored_runs import read_spec
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import Appearance, FrameTask, RenderTask
 from symolo.compare.images import likeness
@@ -20,7 +20,7 @@ from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.dataset.bag import read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata, RunRecord, made_with
-from symolo.dataset.layout import DATA, IMAGES, frame_name
+from symolo.dataset.layout import DATA, IMAGES, SIDE, SPEC, frame_name
 from symolo.dataset.tables.rows import read_rows
 
 
@@ -105,7 +105,7 @@ def _difference(root: Path, metadata: Metadata, chosen: Sequence[tuple[RunRecord
 
 
 def _prepared(root: Path, run: str, numbers: Sequence[int], device: DeviceKind, scratch: Path) -> FrameTask:
-    spec, user_files = read_run_spec(root / run), Workspace(root.absolute()).user_files
+    spec, user_files = read_spec(root / run / SIDE / SPEC), Workspace(root.absolute()).user_files
     check_user_files(spec, user_files)
     rows = read_rows(root / run / DATA)
     order = RenderTask.of(run, Appearance.of(spec, device), rows, StageFolder(scratch / run), user_files)

@@ -9,7 +9,6 @@ from zipfile import BadZipFile
 from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
-from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.assemble import tables
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import read_recording, simulation_key
@@ -24,21 +23,21 @@ BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
 def make_tables(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairTools) -> None:
     """Restore data.csv, positions and side tables of the runs whose specifications are known."""
     for run, spec in specs.items():
-        if _wants_tables(state, run):
+        if _damaged_tables(state, run):
             with contextlib.suppress(OSError, ValueError, KeyError, BadZipFile):
                 _put(state, spec, read_recording(state.workspace.simulate(run).path), "from the trajectory", "")
-    again = [spec for run, spec in specs.items() if _wants_tables(state, run)]
-    for spec, folder in zip(again, _drive(again, tools), strict=True):
+    lost = [spec for run, spec in specs.items() if _damaged_tables(state, run)]
+    for spec, folder in zip(lost, _simulate(lost, tools), strict=True):
         try:
             recording = read_recording(folder)
         except OSError:
-            for inner in _wants_tables(state, spec.key):
+            for inner in _damaged_tables(state, spec.key):
                 state.tried[f"{spec.key}/{inner}"] = "the run cannot be simulated again"
         else:
             _put(state, spec, recording, "simulated again", tools.excuse(spec.key))
 
 
-def _wants_tables(state: RepairState, run: str) -> set[str]:
+def _damaged_tables(state: RepairState, run: str) -> set[str]:
     """Return the damaged files of the run that follow from its trajectory."""
     return {inner for inner in state.runs().get(run, set()) if not inner.startswith(BY_FRAME)}
 
@@ -48,7 +47,7 @@ def _put(state: RepairState, spec: RunSpec, recording: Recording, how: str, excu
         state.put(f"{spec.key}/{inner}", data, how, excuse)
 
 
-def _drive(specs: Sequence[RunSpec], tools: RepairTools) -> list[Path]:
+def _simulate(specs: Sequence[RunSpec], tools: RepairTools) -> list[Path]:
     """Simulate these runs again and return their folders, which are empty where a run failed."""
     folders = [tools.scratch / "simulate" / spec.key for spec in specs]
     units = [
@@ -59,4 +58,4 @@ def _drive(specs: Sequence[RunSpec], tools: RepairTools) -> list[Path]:
         return []
     with tools.report.stage("simulate", len(units), "runs") as stage:
         Local(tools.workers).do(units, partial(report_event, stage))
-    return [StageFolder(folder).path for folder in folders]
+    return folders

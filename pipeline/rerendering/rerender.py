@@ -5,10 +5,8 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
-from pydantic import ValidationError
 
 from blender_scenes.render.devices import device_for
 from configs.draw import draw_arena, draw_look, draw_render, draw_robot
@@ -19,13 +17,14 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from pipeline.assembly.scene_file import scene_file
 from pipeline.executors.base import Executor
-from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
+from pipeline.planning.plan import BYTES_PER_JOB, image_bytes
 from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians
 from pipeline.run_folder.output import check_out
+from pipeline.run_folder.stored_runs import read_simulated, read_spec
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import AnnotationTask, copy_released
-from pipeline.stages.assemble import DATA, POSITIONS, SIDE
+from pipeline.stages.assemble import copy_images
 from pipeline.stages.render import (
     FRAMES,
     IMAGES,
@@ -33,24 +32,23 @@ from pipeline.stages.render import (
     FrameTask,
     Order,
     RenderTask,
-    picture_seed,
+    image_seed,
     render_runs,
 )
-from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.disk_space import check_disk
-from symolo.core.files.file_hashes import canonical_json, hashes_of, holds, read_known
+from symolo.core.files.file_hashes import canonical_json, hashes_of, holds
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.lens import lens_problem
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
-from symolo.core.yaml.tree import dotted
 from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.folder_kind import Kind
-from symolo.dataset.layout import ANNOTATIONS, JOB, LOOK
+from symolo.dataset.layout import ANNOTATIONS, DATA, JOB, LOOK, POSITIONS, SIDE
 from symolo.dataset.tables.rows import Ints, Rows, read_rows
 from symolo.dataset.tables.side_tables import image_positions
 
@@ -62,7 +60,7 @@ SECTIONS = ("look", "render", "arena", "robot")
 
 @dataclass(frozen=True)
 class RerenderRequest:
-    """The options of the user beside the trajectory."""
+    """The options of `symolo rerender` that say what is rendered."""
 
     looks: tuple[str, ...]
     draws: int = 1
@@ -80,7 +78,7 @@ class RerenderRequest:
         named = {"look": self.option, "arena": self.arena and "--arena", "robot": self.robot and "--robot"}
         return named.get(section) or ""
 
-    def of(self, section: str) -> tuple[str, ...]:
+    def overrides_of(self, section: str) -> tuple[str, ...]:
         """Return the overrides of one section."""
         return tuple(text for text in self.overrides if text.strip().startswith((f"{section}.", f"{section}=")))
 
@@ -93,7 +91,7 @@ class StoredTrajectory:
     data: bytes
     """Content of data.csv."""
     spec: RunSpec | None
-    """Specification of the run; Specification of the run; Specification of the run; None for a foreign data.csv."""
+    """Specification of the run; None for a data.csv from elsewhere."""
     file: Path
     """File from which it was read."""
 
@@ -107,7 +105,7 @@ class LookDraw:
     """One set of images: a look with drawn values."""
 
     name: str
-    """Name Name Name `<look>_<k>`, k from 1."""
+    """Name of its folder, `<look>_<k>`, k from 1."""
     appearance: Appearance
     record: bytes
     """Content of look.json."""
@@ -124,14 +122,14 @@ def folder_name(source: StoredTrajectory, draws: Sequence[LookDraw]) -> str:
     return "-".join((run or "run", *dict.fromkeys(draw.appearance.look.name for draw in draws)))
 
 
-def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool) -> None:
+def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, in_subfolders: bool) -> None:
     """Refuse a default folder that holds images of something else.
 
     Raises:
         InputError: It holds images of another trajectory or draw.
     """
     for draw in draws:
-        folder = out / draw.name if apart else out
+        folder = out / draw.name if in_subfolders else out
         for name, wanted in ((DATA, source.data), (LOOK, draw.record)):
             if (folder / name).is_file() and read_file(folder / name, FileKind.ANY) != wanted:
                 what = "holds images of another trajectory or another draw of the look"
@@ -140,7 +138,7 @@ def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *
 
 @contextlib.contextmanager
 def open_folders(
-    source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool
+    source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, in_subfolders: bool
 ) -> Iterator[list[Workspace]]:
     """Yield a checked and locked folder for each draw: `out/<name>` for draws of `--looks`, else `out` for the only
     one.
@@ -149,15 +147,15 @@ def open_folders(
         InputError: One of them cannot be used, or another command works in it.
         EnvironmentLacking: The disk is too full.
     """
-    kind = Kind.LOOKS if apart else Kind.PICTURES
+    kind = Kind.LOOKS if in_subfolders else Kind.PICTURES
     check_out(out, kind)
     whole = Workspace(out.absolute(), kind)
-    folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if apart else [whole]
+    folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if in_subfolders else [whole]
     for folder in folders:
-        check_out(folder.out, Kind.PICTURES, within_looks=apart)
+        check_out(folder.out, Kind.PICTURES, within_looks=in_subfolders)
     check_disk(out, sum(_bytes_needed(source, draw) for draw in draws))
     with whole.locked():
-        for folder in folders if apart else ():
+        for folder in folders if in_subfolders else ():
             with folder.locked():  # released at once: a process has about a thousand file descriptors
                 pass
         yield folders
@@ -174,29 +172,29 @@ def render_source(
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
     for draw, folder in places.values():
         keep_user_files((draw.appearance.look,), draw.assets, folder.user_files)
-    pictures: dict[str, FrameTask] = {}
+    images: dict[str, FrameTask] = {}
     annotations: dict[str, FrameTask] = {}
 
-    def picture_orders() -> Iterator[Order]:
+    def image_orders() -> Iterator[Order]:
         for name, (draw, folder) in places.items():
             order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.user_files)
-            pictures[name] = order.task
+            images[name] = order.task
             yield order
 
     def annotation_orders() -> Iterator[Order]:
         for name, (draw, folder) in places.items():
             if draw.appearance.render.annotations and name not in failed:
-                order = AnnotationTask.of(pictures[name], draw.appearance, folder.annotate("rerender"))
+                order = AnnotationTask.of(images[name], draw.appearance, folder.annotate("rerender"))
                 annotations[name] = order.task
                 yield order
 
-    failures = render_runs(picture_orders(), executor, report)
+    failures = render_runs(image_orders(), executor, report)
     failed = {failure.run for failure in failures}
     failures += render_runs(annotation_orders(), executor, report, "annotate")
     failed = {failure.run for failure in failures}
     for name, (draw, folder) in places.items():
         if name not in failed:
-            _publish(pictures[name], annotations.get(name), _texts(source, draw), folder)
+            _publish(images[name], annotations.get(name), _descriptions(source, draw), folder)
     return failures
 
 
@@ -204,7 +202,7 @@ def _bytes_needed(source: StoredTrajectory, draw: LookDraw) -> int:
     render, images = draw.appearance.render, int(np.count_nonzero(source.rows.image))
     pixels = images * render.width_px * render.height_px
     # The job is in the folder once more, beside the trajectory.
-    return pictures_bytes(images, pixels, annotated=bool(render.annotations)) + BYTES_PER_JOB + len(source.data)
+    return image_bytes(images, pixels, annotated=bool(render.annotations)) + BYTES_PER_JOB + len(source.data)
 
 
 def draw_seed(seed: int, draw: int) -> int:
@@ -240,37 +238,18 @@ def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, t
 
 def read_source(path: Path) -> StoredTrajectory:
     """Read a run folder of a dataset or of `.stages`, or a single data.csv."""
+    cure = "make the run again, or rerender its data.csv with --arena and --robot"
     folder = path.parent if path.name == DATA else path
     if path.is_dir() and (folder / TRAJECTORY).is_file():
-        try:
-            rows = Rows.from_recording(read_recording(folder))
-        except (OSError, ValueError, KeyError, BadZipFile) as error:
-            raise InputError(
-                f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate again"
-            ) from None
-        return StoredTrajectory(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
+        rows = Rows.from_recording(read_simulated(folder))
+        return StoredTrajectory(rows, rows.to_csv(), read_spec(folder / SPEC, cure), folder / TRAJECTORY)
     data = path.resolve() if path.is_file() else folder / DATA  # only what the user names may be a link
     if not data.is_file():
         cure = "name a folder such as OUT/CW/test_1, or a data.csv"
         raise InputError("is no run folder and no data.csv", where=str(path), cure=cure)
     side = folder / SIDE / SPEC
-    spec = _read_spec(side) if data.name == DATA and side.is_file() else None
+    spec = read_spec(side, cure) if data.name == DATA and side.is_file() else None
     return StoredTrajectory(read_rows(data), read_file(data, FileKind.TABLE), spec, data)
-
-
-def _read_spec(path: Path) -> RunSpec:
-    try:
-        return RunSpec.model_validate_json(read_file(path, FileKind.DOCUMENT))
-    except OSError as error:
-        reason = error.strerror
-    except ValidationError as error:
-        first = error.errors()[0]
-        reason = ": ".join(filter(None, (dotted(first["loc"]), first["msg"])))
-    raise InputError(
-        f"cannot be read: {reason}",
-        where=str(path),
-        cure="make the run again, or rerender its data.csv with --arena and --robot",
-    )
 
 
 def _timed(source: StoredTrajectory, camera_hz: float | None) -> StoredTrajectory:
@@ -309,12 +288,12 @@ def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw
         )
     draws, device = [], device_for(render.device)
     for name in request.looks:
-        section = load_section("look", name, request.of("look"), request.option)
+        section = load_section("look", name, request.overrides_of("look"), request.option)
         for k in range(1, request.draws + 1):
-            own = draw_seed(seed, k)
-            look, drawn = draw_look(section, own, route, run)
-            record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
-            appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run), device)
+            look_seed = draw_seed(seed, k)
+            look, drawn = draw_look(section, look_seed, route, run)
+            record = {"draw": k, "seed": look_seed, "drawn": drawn, "look": look.model_dump(mode="json")}
+            appearance = Appearance(arena, robot, look, render, image_seed(look_seed, route, run), device)
             draws.append(LookDraw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
     names = [draw.name for draw in draws]
     if twice := sorted({name for name in names if names.count(name) > 1}):
@@ -326,7 +305,7 @@ def _arena(source: StoredTrajectory, request: RerenderRequest, seed: int, route:
     if source.spec and not request.arena:
         _refuse_overrides(request, "arena")
         return source.spec.arena
-    section = load_section("arena", request.arena or "symolo", request.of("arena"))
+    section = load_section("arena", request.arena or "symolo", request.overrides_of("arena"))
     x_m, y_m, yaw_rad = source.rows.pose[0].tolist()
     return draw_arena(section, seed, route, run, start=(x_m, y_m, yaw_rad))[0]
 
@@ -335,27 +314,29 @@ def _robot(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str
     if spec and not request.robot:
         _refuse_overrides(request, "robot")
         return spec.robot
-    return draw_robot(load_section("robot", request.robot or "nominal", request.of("robot")), seed, route, run)[0]
+    return draw_robot(
+        load_section("robot", request.robot or "nominal", request.overrides_of("robot")), seed, route, run
+    )[0]
 
 
 def _refuse_overrides(request: RerenderRequest, section: str) -> None:
-    if request.of(section):
+    if request.overrides_of(section):
         raise InputError(
-            "--set", got=request.of(section)[0], allowed="look or render", cure=f"name --{section} as well"
+            "--set", got=request.overrides_of(section)[0], allowed="look or render", cure=f"name --{section} as well"
         )
 
 
 def _render(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> Render:
-    own = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
-    settings = [f"render.{name}={str(value).lower()}" for name, value in own.items()]
-    return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
+    stored = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
+    settings = [f"render.{name}={str(value).lower()}" for name, value in stored.items()]
+    return draw_render(load_scenario(CARRIER, [*settings, *request.overrides_of("render")]), seed, route, run)
 
 
-def _texts(source: StoredTrajectory, draw: LookDraw) -> dict[str, bytes]:
+def _descriptions(source: StoredTrajectory, draw: LookDraw) -> dict[str, bytes]:
     """Return the files that describe the images, by path."""
-    about = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
-    own = draw.appearance
-    return about | dict((*camera_files(own, source.rows), scene_file(own.arena, own.look, own.seed)))
+    tables = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
+    shown = draw.appearance
+    return tables | dict((*camera_files(shown, source.rows), scene_file(shown.arena, shown.look, shown.seed)))
 
 
 def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], workspace: Workspace) -> None:
@@ -387,9 +368,7 @@ def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str,
 def _fill(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], folder: Path) -> None:
     for name in (IMAGES, SIDE):
         make_folder(folder / name)
-    for name, digest in sorted(task.folder.files().items()):
-        if name.startswith(f"{IMAGES}/"):
-            write_file(folder / name, read_known(task.folder.path / name, digest))
+    copy_images(task.folder.path, task.folder.files(), folder)
     if annotations:
         copy_released(annotations.folder, folder)
     for name, data in texts.items():

@@ -13,11 +13,12 @@ from symolo.core.errors import InputError
 from symolo.dataset.tables.rows import Rows
 
 Where = Callable[[int], str]
-"""Names the place of a row."""
+"""Returns the place of a row for messages, such as `data.csv:7`."""
 
 CHORD_M = 0.02
 """Length [m] of the chords whose direction is compared: some millimetres of noise turn it by some degrees only."""
-FEWEST_CHORDS = 5
+MAX_UNJUDGED_CHORDS = 5
+"""Number of chords up to which the headings are not judged."""
 EXPLAINED_RAD, UNEXPLAINED_RAD = math.radians(5), math.radians(10)
 """Median angles [rad] between chords and headings, up to which they fit the path and from which on they do not."""
 
@@ -26,16 +27,15 @@ def check_radians(rows: Rows, at: Where) -> None:
     """Refuse headings beyond a full turn that follow the path as degrees and do not follow it as radians.
 
     The robot rolls along its heading, forwards or backwards. A heading by another convention follows the path in
-    neither
-    unit, and one that counts the turns does in radians.
+    neither unit. A heading that counts full turns, and so exceeds one turn, follows it in radians.
 
     Raises:
-        InputError: They do.
+        InputError: The headings are in degrees.
     """
     yaw = rows.pose[:, 2]
     beyond = np.flatnonzero(np.abs(yaw) > 2 * math.pi)
     ends = _chords(rows.pose[:, :2]) if len(beyond) else np.zeros(0, dtype=np.int64)
-    if len(ends) <= FEWEST_CHORDS:
+    if len(ends) <= MAX_UNJUDGED_CHORDS:
         return
     off_rad = _angle_to_path(rows.pose[ends, :2], yaw[ends])
     if off_rad > UNEXPLAINED_RAD and _angle_to_path(rows.pose[ends, :2], np.radians(yaw[ends])) < EXPLAINED_RAD:
@@ -51,7 +51,7 @@ def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) ->
     """Refuse images from outside the room, where nothing is visible.
 
     Raises:
-        InputError: The first of them.
+        InputError: There is such an image; the first one is named.
     """
     low, high = floor_bounds(arena, look)
     place = rows.pose[:, :2]
@@ -59,16 +59,16 @@ def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) ->
     if not len(outside):
         return
     x, y = place[outside[0]].tolist()
-    goes = ", ".join(f"{axis} = {a:.2f} to {b:.2f} m" for axis, a, b in zip("xy", low, high, strict=True))
+    extent = ", ".join(f"{axis} = {a:.2f} to {b:.2f} m" for axis, a, b in zip("xy", low, high, strict=True))
     raise InputError(
-        f"x = {x:g}, y = {y:g} m is outside the room, whose floor goes from {goes}",
+        f"x = {x:g}, y = {y:g} m is outside the room, whose floor goes from {extent}",
         where=at(int(outside[0])),
         cure="give x and y in metres, or name another --arena",
     )
 
 
 def _chords(place: Array) -> np.ndarray:
-    """Return rows (M,), each the first one that is a chord away from the one before."""
+    """Return the rows (M,) at the ends of chords; each is the first row that is CHORD_M away from the one before."""
     rows, (last_x, last_y) = [0], place[0].tolist()
     for row, (x, y) in enumerate(place.tolist()):
         if math.hypot(x - last_x, y - last_y) >= CHORD_M:
@@ -80,5 +80,6 @@ def _chords(place: Array) -> np.ndarray:
 def _angle_to_path(place: Array, yaw_rad: Array) -> float:
     """Return the median angle between chord and mean heading at its ends, the same forwards and backwards."""
     chords = np.diff(place, axis=0)
+    # Doubled angles make a heading and its opposite equal; their mean direction is that of the summed unit vectors.
     twice = 2 * (np.arctan2(chords[:, 1], chords[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1))
     return float(np.median(np.abs(np.angle(np.exp(1j * twice).sum(axis=1)))) / 2)

@@ -1,1 +1,1 @@
-"""The output folder: its content, what is done, what has changed."""
+"""The output folder: its content, the stages that are done, and the inputs that have changed."""

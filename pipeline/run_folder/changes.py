@@ -7,7 +7,7 @@ from configs.schema.scenario import RunSpec
 from pipeline.stages.simulate_runs import simulation_inputs
 from symolo.core.errors import shown
 
-MOST = 3
+MAX_CHANGES = 3
 """Largest number of fields that a message names; one cause often changes many."""
 
 ABOUT = ("drawn", "scenario")
@@ -29,8 +29,8 @@ def changes(made: RunSpec, requested: RunSpec, *, simulation: bool = False) -> l
 
 def first_changes(changed: Sequence[str]) -> str:
     """Return the first of these changes as a line."""
-    more = f" and {len(changed) - MOST} more" if len(changed) > MOST else ""
-    return ", ".join(islice(changed, MOST)) + more
+    more = f" and {len(changed) - MAX_CHANGES} more" if len(changed) > MAX_CHANGES else ""
+    return ", ".join(islice(changed, MAX_CHANGES)) + more
 
 
 def _differences(before: object, now: object, path: str) -> Iterator[str]:

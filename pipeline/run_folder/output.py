@@ -9,8 +9,6 @@ from symolo.dataset.folder_kind import Kind, kind_of
 from symolo.dataset.layout import STAGES
 
 NEW_OR_EMPTY = "name a folder that is new or empty"
-
-
 MADE_BY = {
     Kind.DATASET: "release",
     Kind.PICTURES: "rerender --look",
@@ -19,6 +17,7 @@ MADE_BY = {
     Kind.DIAGNOSIS: "diagnose",
     Kind.CAMERA_IDENTIFICATION: "identify-camera",
 }
+"""Command of symolo that makes each kind of folder."""
 
 
 def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
@@ -35,7 +34,7 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
     if out.is_dir():
         _check_kind(out, kind, where)
     if kind_of(out.absolute().parent) is Kind.LOOKS and not within_looks:
-        raise InputError(f"is a folder of what symolo {MADE_BY[Kind.LOOKS]} made", where=where, cure=NEW_OR_EMPTY)
+        raise InputError(f"belongs to the output of `symolo {MADE_BY[Kind.LOOKS]}`", where=where, cure=NEW_OR_EMPTY)
     nearest = nearest_existing(out)
     if not nearest.is_dir():
         raise InputError(f"lies below the file {nearest}", where=where, cure=NEW_OR_EMPTY)
@@ -48,10 +47,10 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:
     if (out / STAGES).is_symlink():
-        what = f"{STAGES} in it is a link, and what lies behind it is not this folder's"
+        what = f"{STAGES} in it is a link to another folder"
         raise InputError(what, where=where, cure="put the folder itself there, or name another --out")
     there = kind_of(out)
     if there is None and not (out / STAGES).is_dir() and any(out.iterdir()):
         raise InputError("holds files that symolo did not make", where=where, cure=NEW_OR_EMPTY)
     if there is not None and there != kind:
-        raise InputError(f"holds what symolo {MADE_BY[there]} made", where=where, cure=NEW_OR_EMPTY)
+        raise InputError(f"holds the output of `symolo {MADE_BY[there]}`", where=where, cure=NEW_OR_EMPTY)

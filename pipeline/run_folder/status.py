@@ -22,6 +22,7 @@ from symolo.core.files.atomic_files import place_of
 from symolo.core.files.file_hashes import holds
 from symolo.core.files.file_locks import LOCK
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
+from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.folder_kind import Kind, kind_of
@@ -29,7 +30,7 @@ from symolo.dataset.layout import ANNOTATIONS, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 from symolo.verification.inventory import Inventory
 
-OF_RUNS = ("simulate", "render", "annotate", "assemble")
+RUN_STAGES = ("simulate", "render", "annotate", "assemble")
 """Stages in their order."""
 
 
@@ -79,7 +80,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
             yield f"{run.run}: " + "; ".join(f"{stage.stage} {stage.text}" for stage in run.stages)
     reasons = Counter(f"{stage.stage}: {stage.again}" for run in runs for stage in run.stages if stage.again)
     for reason, count in reasons.items():
-        yield f"would be done by the next release, {count} {'run' if count == 1 else 'runs'}: {reason}"
+        yield f"would be done by the next release, {plural(count, 'run')}: {reason}"
     yield from _mixed(workspace, [run.run for run in runs])
     yield _release(workspace, check=check)
     if cost := _cost(workspace, [run.run for run in runs], specs):
@@ -94,13 +95,13 @@ def again(workspace: Workspace, specs: Sequence[RunSpec]) -> Iterator[str]:
         if workspace.simulate(spec.key).done() is None:
             continue
         simulated = _simulated(workspace, spec.key, spec, check=False)
-        changed = for_pictures(workspace, spec.key, spec)
+        changed = image_changes(workspace, spec.key, spec)
         if simulated.again:
             reasons[f"simulate and render again: {simulated.again}"] += 1
         elif changed and workspace.render(spec.key).done() is not None:
             reasons[f"the images there differ: {first_changes(changed)}"] += 1
     for reason, count in reasons.items():
-        yield f"{count} {'run' if count == 1 else 'runs'}: {reason}"
+        yield f"{plural(count, 'run')}: {reason}"
 
 
 def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: bool = False) -> RunStatus:
@@ -109,7 +110,7 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     outcome = _outcome(workspace, run)
     stages = [simulate]
     if outcome is None or not outcome.problems:
-        changed = [] if spec is None else for_pictures(workspace, run, spec)
+        changed = [] if spec is None else image_changes(workspace, run, spec)
         render = _framed(workspace.render(run), "render", outcome, check=check)
         if not render.again and (changed or simulate.again):
             render = StageStatus("render", render.text, first_changes(changed) if changed else "after the simulation")
@@ -120,7 +121,7 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     return RunStatus(run, tuple(stages))
 
 
-def for_pictures(workspace: Workspace, run: str, spec: RunSpec) -> list[str]:
+def image_changes(workspace: Workspace, run: str, spec: RunSpec) -> list[str]:
     """Return the fields that differ between a run now and when its images were made; empty where that is unknown."""
     released = workspace.out / run / "side" / SPEC
     made = _read_spec(released) or _read_spec(workspace.simulate(run).path / SPEC)
@@ -155,7 +156,7 @@ def _framed(folder: StageFolder, stage: str, outcome: RunOutcome | None, *, chec
             return StageStatus(stage, "damaged", "files of it are damaged or missing")
         return StageStatus(stage, f"done, {total} images")
     if (folder.path / FAILED).exists():
-        return StageStatus(stage, f"failed: {one_line(folder.problem()) or 'nothing tells why'}")
+        return StageStatus(stage, f"failed: {one_line(folder.problem()) or 'for an unknown reason'}")
     if not files.is_dir():
         return StageStatus(stage, "not begun", "it was never begun")
     there = _frames(files)
@@ -188,7 +189,7 @@ def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec |
     if specs:
         return {spec.key: spec for spec in specs}
     runs: set[str] = set()
-    for stage in OF_RUNS:
+    for stage in RUN_STAGES:
         root = workspace.out / STAGES / stage
         begun = [place for path in root.glob("*/.test_*.tmp") if (place := place_of(path))]
         places = [path for path in root.glob("*/test_*") if path.is_dir()]
@@ -223,7 +224,7 @@ def _working(workspace: Workspace) -> str:
 
 
 def _holder(place: os.stat_result) -> int:
-    """Process that holds the lock as Linux tells it (proc(5), /proc/locks); 0 where it does not."""
+    """Return the process that holds the lock, by /proc/locks of Linux (proc(5)); 0 where that is unknown."""
     where = f"{os.major(place.st_dev):02x}:{os.minor(place.st_dev):02x}:{place.st_ino}"
     try:
         lines = Path("/proc/locks").read_text(encoding="ascii").splitlines()
@@ -240,22 +241,24 @@ def _release(workspace: Workspace, *, check: bool) -> str:
     if not check:
         return "release: its lists are there; --check looks at every file"
     faults = sum(1 for _ in Inventory.of(workspace.out).findings())
-    return (
-        f"release: {faults} faults, which symolo verify names" if faults else "release: every file as it was released"
-    )
+    if faults:
+        return f"release: {plural(faults, 'fault')}; `symolo verify` lists them"
+    return "release: every file as it was released"
 
 
 def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -> str:
     """Return the time that the images took, from their journals; without the starts of Blender."""
     images, core_s = 0, 0.0
     for run in runs:
-        for name, of_run in _journals(workspace, run):
-            made = of_run.files()
-            core_s += sum(file.seconds * file.threads for file in made)
-            images += len({file.file for file in made}) if name == IMAGES else 0
+        for name, ledger in _journals(workspace, run):
+            files = ledger.files()
+            core_s += sum(file.seconds * file.threads for file in files)
+            images += len({file.file for file in files}) if name == IMAGES else 0
     if not images:
         return ""
-    text = f"cost: {images} images took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
+    text = (
+        f"cost: {plural(images, 'image')} took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
+    )
     if not specs:
         return text
     planned = ScenarioPlan.of(specs, 1)
@@ -263,9 +266,9 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
 
 
 def _mixed(workspace: Workspace, runs: Sequence[str]) -> Iterator[str]:
-    """Runs whose frames were made on several classes of processor."""
+    """Yield a warning about each run whose frames were made on several classes of processor."""
     for run in runs:
-        cpus = {cpu for _, of_run in _journals(workspace, run) for cpu in of_run.processors()}
+        cpus = {cpu for _, ledger in _journals(workspace, run) for cpu in ledger.processors()}
         if len(cpus) > 1:
             yield f"{run}: {of_several_classes(sorted(cpus))}"
 
@@ -280,15 +283,15 @@ def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
 def _disk(workspace: Workspace) -> str:
     sizes: Counter[str] = Counter()
     for folder, _, files in os.walk(workspace.out):
-        parts = Path(folder).relative_to(workspace.out).parts
-        part = "release" if parts[:1] != (STAGES,) else "/".join(parts[:2])
+        inner = Path(folder).relative_to(workspace.out).parts
+        part = "release" if inner[:1] != (STAGES,) else "/".join(inner[:2])
         for name in files:
             try:
                 sizes[part] += os.lstat(os.path.join(folder, name)).st_size  # noqa: PTH118 - of many files
             except OSError:  # gone meanwhile
                 continue
-    told_sizes = ", ".join(f"{part} {size / 1e6:.1f} MB" for part, size in sorted(sizes.items(), reverse=True))
-    return f"disk: {sum(sizes.values()) / 1e6:.1f} MB: {told_sizes}"
+    parts = ", ".join(f"{part} {size / 1e6:.1f} MB" for part, size in sorted(sizes.items(), reverse=True))
+    return f"disk: {sum(sizes.values()) / 1e6:.1f} MB: {parts}"
 
 
 def _outcome(workspace: Workspace, run: str) -> RunOutcome | None:

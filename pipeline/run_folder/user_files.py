@@ -13,15 +13,15 @@ from symolo.core.yaml.reader import displayed
 
 
 def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:
-    """Put what the looks show into `folder`, each file under its SHA-256; what is there and whole stays.
+    """Copy the files that the looks show into `folder`, each named by its SHA-256; unchanged copies stay.
 
     Args:
-        looks: With numbers only.
-        places: Where each file lies, by SHA-256.
-        folder: Made where there is something to put.
+        looks: Looks with numbers only.
+        places: Path of each file by SHA-256.
+        folder: Folder of the copies; it is made if there is a file to copy.
 
     Raises:
-        InputError: A file is gone, or is no longer what it was when the look was read.
+        InputError: A file is missing, or has changed since the look was read.
     """
     for digest, name in sorted({file.sha256: file.name for look in looks for file in look.files}.items()):
         copy = folder / digest

@@ -30,7 +30,7 @@ FAILED = "failed.json"
 
 
 def input_key(stage: str, **inputs: object) -> str:
-    """SHA-256 over everything that a stage's result depends on; an equal key means nothing to redo."""
+    """Return the SHA-256 of everything that the result of a stage depends on. An equal key means nothing to redo."""
     return hashlib.sha256(canonical_json({"stage": stage, **inputs})).hexdigest()
 
 
@@ -45,7 +45,7 @@ class _Failed(BaseModel):
 
 @dataclass(frozen=True)
 class StageFolder:
-    """One stage of one run; `done.json` is its last file and names its input key and the hash of each file."""
+    """The folder of one stage of one run. Its last file, `done.json`, holds its input key and the hash of each file."""
 
     path: Path
 
@@ -63,9 +63,10 @@ class StageFolder:
         return any(place_of(path) == self.path for path in self.path.parent.glob(".*.tmp"))
 
     def publish(self, partial: Path, key: str, *, over: bool = False) -> None:
-        """Put the filled folder in place; what others have made of the same inputs stays, but where `over`.
+        """Put the filled folder in place, unless there is one that others made from the same inputs.
 
-        Others may be reading it, and the same inputs give the same bytes, but for a board that is real.
+        Others may be reading that one, and the same inputs give the same bytes. A real board does not give the same
+        bytes; with `over` the folder is replaced in any case.
         """
         mark_done(partial, key)
         with held(self.path.parent):
@@ -75,7 +76,7 @@ class StageFolder:
                 replace_folder(partial, self.path)
 
     def fail(self, key: str, problem: str) -> None:
-        """Note that these inputs come to nothing that can be released, so that later stages know."""
+        """Record that no release can be made from these inputs, for the stages after this one."""
         write_file(self.path / FAILED, canonical_json(_Failed(key=key, problem=problem).model_dump()))
 
     def problem(self, key: str | None = None) -> str:
@@ -87,10 +88,10 @@ class StageFolder:
         return failed.problem if key in {None, failed.key} else ""
 
     def files(self) -> dict[str, str]:
-        """SHA-256 of the finished stage's files by their path inside.
+        """Return the SHA-256 of the finished stage's files by their path in the folder.
 
         Raises:
-            EnvironmentLacking: It is not finished, though it was a moment ago.
+            EnvironmentLacking: The stage is not finished, though it was a moment ago.
         """
         done = self.done()
         if done is None:
@@ -106,14 +107,14 @@ class StageFolder:
 
 
 def mark_done(folder: Path, key: str, files: dict[str, str] | None = None) -> None:
-    """Write `done.json` for the files named, or for all that the folder holds."""
+    """Write `done.json` for these files, or for all files of the folder."""
     files = hashes_of(folder, skip=(DONE,)) if files is None else files
     write_file(folder / DONE, canonical_json(Done(key=key, files=files).model_dump()))
 
 
 @dataclass(frozen=True)
 class Workspace:
-    """`out` with its released runs, and the hidden `.stages` that a rerun continues from."""
+    """An output folder with its released runs, and its hidden `.stages`, from which a later command continues."""
 
     out: Path
     kind: Kind = Kind.DATASET
@@ -137,9 +138,9 @@ class Workspace:
 
     @contextlib.contextmanager
     def locked(self, *, alone: bool = True) -> Iterator[None]:
-        """Hold the folder for this process; the operating system lets go of it however the process ends.
+        """Lock the folder for this process; the operating system unlocks it however the process ends.
 
-        Processes that are not to be `alone`, for each does a part of the work, hold it together.
+        Several processes that each do a part of the work lock it together; they pass `alone` as False.
         """
         make_folder(self.out / STAGES)
         descriptor = opened_lock(self.out / STAGES)
@@ -154,7 +155,7 @@ class Workspace:
             os.close(descriptor)
 
     def _sweep(self) -> None:
-        """Free the folder of what a killed command left unfinished."""
+        """Remove the unfinished files of killed commands."""
         routes = [path for path in self.out.iterdir() if path.is_dir() and not path.name.startswith(".")]
         for folder in (self.out, *routes):
             remove_leftovers(folder)

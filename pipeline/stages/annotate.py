@@ -1,4 +1,4 @@
-"""Annotations of the images of every good run, beside the second stage, in a folder of their own."""
+"""Annotations of the images of every good run: a part of the second stage, with a folder of its own for each run."""
 
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
@@ -23,12 +23,12 @@ class AnnotationTask(FrameTask):
     STAGE, FILES, WORK = "annotate", ANNOTATIONS, "annotations"
 
     @classmethod
-    def of(cls, pictures: FrameTask, appearance: Appearance, folder: StageFolder) -> Order:
+    def of(cls, images: FrameTask, appearance: Appearance, folder: StageFolder) -> Order:
         """Return the order for the images that a task rendered; only its job is read."""
         arena = Arena.from_config(appearance.arena)
-        rendered = RenderJob.from_json(read_file(pictures.folder.path / JOB, FileKind.JOB).decode())
+        rendered = RenderJob.from_json(read_file(images.folder.path / JOB, FileKind.JOB).decode())
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
-        return cls.order(pictures.run, folder, job, pictures.frames)
+        return cls.order(images.run, folder, job, images.frames)
 
     def names(self) -> list[str]:
         job = self._job()
@@ -36,12 +36,12 @@ class AnnotationTask(FrameTask):
 
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         job = self._job()
-        records = [record_file(frame.number) for frame in self.frames]
-        seen = [FrameRecord.from_json(read_file(self.files / name, FileKind.JOB)) for name in records if name in hashes]
-        write_file(self.files / DOCUMENT, document(job, IMAGES, seen).to_json())
+        names = [name for name in (record_file(frame.number) for frame in self.frames) if name in hashes]
+        records = [FrameRecord.from_json(read_file(self.files / name, FileKind.JOB)) for name in names]
+        write_file(self.files / DOCUMENT, document(job, IMAGES, records).to_json())
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, f"{ANNOTATIONS}/{DOCUMENT}")}
-        made = {f"{ANNOTATIONS}/{name}": digest for name, digest in hashes.items()}
-        mark_done(self.folder.path, self.key, {**texts, **made})
+        files = {f"{ANNOTATIONS}/{name}": digest for name, digest in hashes.items()}
+        mark_done(self.folder.path, self.key, {**texts, **files})
         return ImageFindings()
 
     def _job(self) -> AnnotationJob:

@@ -10,7 +10,7 @@ from pipeline.assembly.description import markdown
 from pipeline.assembly.scene_file import scene_file
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
-from pipeline.stages.render import Rendered, picture_seed
+from pipeline.stages.render import Rendered, image_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from sensors.fit_out import sensor_tables
 from symolo.arena.geometry import Arena
@@ -18,7 +18,7 @@ from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known
 from symolo.core.files.plain_files import FileKind, is_plain_file, read_file
-from symolo.core.progress import Report, StageReport
+from symolo.core.progress import Report
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
@@ -31,8 +31,8 @@ from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.sensor_tables import sensor_csv
 from symolo.dataset.tables.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 
-KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
-"""Copy of the metadata within the output folder: everything else can be made again from it."""
+METADATA_COPY = Path(STAGES) / "assemble" / METADATA
+"""Copy of the metadata in the hidden stages; from the metadata, everything else can be made again."""
 FORM = 2
 """Version of the list of files of a run; releases with another number are assembled again. 1 had no side/scene.json."""
 CHECKSUMS = (TAG_MANIFEST, MANIFEST)
@@ -60,34 +60,28 @@ def assemble(
     hashes: dict[str, str] = {}
     records, cpus = [], set()
     with report.stage("assemble", len(good), "runs") as stage:
-        _take_back(workspace, {spec.key for spec in good})
+        _remove_stale_runs(workspace, {spec.key for spec in good})
         for spec in good:
             hashes |= {f"{spec.key}/{name}": digest for name, digest in release_run(workspace, spec).items()}
             simulated = workspace.simulate(spec.key).path
             rows = Rows.from_recording(read_recording(simulated))
-            pictures = Rendered.read(workspace.render(spec.key).path)
+            rendered = Rendered.read(workspace.render(spec.key).path)
             outcome = read_outcome(simulated)
-            warnings = (*outcome.warnings, *pictures.warnings)
-            made_on = _processors(workspace, spec, stage)
-            device, board = pictures.device, outcome.board
-            record = RunRecord.of(spec, rows, outcome.lap_time_s, warnings, device, cpus=made_on, board=board)
+            warnings = (*outcome.warnings, *rendered.warnings)
+            annotate = workspace.annotate(spec.key) if spec.render.annotations else None
+            image_cpus = processors(workspace.render(spec.key), annotate)
+            if len(image_cpus) > 1:
+                stage.say(f"{spec.key}: {of_several_classes(image_cpus)}")
+            device, board = rendered.device, outcome.board
+            record = RunRecord.of(spec, rows, outcome.lap_time_s, warnings, device, cpus=image_cpus, board=board)
             records.append(record)
-            cpus |= {outcome.cpu, *made_on}
+            cpus |= {outcome.cpu, *image_cpus}
             stage.update(spec.key, 1)
     if not good:
         _remove_files(workspace.out, (*SEALS, *CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     metadata = describe(tree, specs, records, failures, sensor_tables(specs[0].robot.sensors))
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
-
-
-def _processors(workspace: Workspace, spec: RunSpec, stage: StageReport) -> tuple[str, ...]:
-    """Return the classes of the processors that made its images and annotations, and report if they are several."""
-    annotate = workspace.annotate(spec.key) if spec.render.annotations else None
-    classes = processors(workspace.render(spec.key), annotate)
-    if len(classes) > 1:
-        stage.say(f"{spec.key}: {of_several_classes(classes)}")
-    return classes
 
 
 def of_several_classes(cpus: Sequence[str]) -> str:
@@ -98,7 +92,7 @@ def of_several_classes(cpus: Sequence[str]) -> str:
 def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dict[str, str], cpus: set[str]) -> None:
     """Write the files at the top of a release; the checksum of the checksums comes last."""
     out, text = workspace.out, metadata.to_json()
-    _write_if_new(workspace.out / KEPT_METADATA, text)
+    _write_if_new(out / METADATA_COPY, text)
     for name, data in ((METADATA, text), (DESCRIPTION, page)):
         _write_if_new(out / name, data)
         hashes[name] = hashlib.sha256(data).hexdigest()
@@ -147,14 +141,24 @@ def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], fold
     for name, data in tables(spec, read_recording(workspace.simulate(spec.key).path)):
         write_file(folder / name, data)
         written[name] = hashlib.sha256(data).hexdigest()
-    pictures = workspace.render(spec.key).path
-    for name, digest in sorted(rendered.items()):
-        if name.startswith(f"{IMAGES}/"):
-            write_file(folder / name, read_known(pictures / name, digest))
-            written[name] = digest
+    written |= copy_images(workspace.render(spec.key).path, rendered, folder)
     if spec.render.annotations:
         written |= copy_released(workspace.annotate(spec.key), folder)
     return written
+
+
+def copy_images(stage: Path, files: Mapping[str, str], run: Path) -> dict[str, str]:
+    """Copy the images of a stage's folder into that of a run, and return their SHA-256 by path.
+
+    Args:
+        stage: Folder of the stage.
+        files: SHA-256 of all its files by path.
+        run: Folder of the run.
+    """
+    images = {name: digest for name, digest in sorted(files.items()) if name.startswith(f"{IMAGES}/")}
+    for name, digest in images.items():
+        write_file(run / name, read_known(stage / name, digest))
+    return images
 
 
 def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
@@ -165,7 +169,7 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
     yield f"{SIDE}/{TOF.file}", tof_csv(recording)
     yield from camera_files(spec, rows)
-    yield scene_file(spec.arena, spec.look, picture_seed(spec.seed, spec.route, spec.run))
+    yield scene_file(spec.arena, spec.look, image_seed(spec.seed, spec.route, spec.run))
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
     for table in sensor_tables(spec.robot.sensors):
@@ -176,7 +180,7 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 
-def _take_back(workspace: Workspace, good: set[str]) -> None:
+def _remove_stale_runs(workspace: Workspace, good: set[str]) -> None:
     """Remove released runs that are no longer in the scenario, or that have failed."""
     for run in sorted(_released(workspace) - good):
         _remove_files(workspace.out, CHECKSUMS)
@@ -194,12 +198,15 @@ def _released(workspace: Workspace) -> set[str]:
     metadata = read_metadata(workspace.out)
     if metadata is None:
         return marked
-    # Only folders in their place: a name in the file may lead anywhere.
+    # Only runs that have a folder here count, because a name in the file may lead anywhere.
     return marked | _runs_in(workspace.out) & {record.run for record in metadata.runs}
 
 
 def _runs_in(folder: Path) -> set[str]:
-    """`<route>/test_<n>`. Not by `glob`, which passes over what it has no right to read."""
+    """Return the names of the runs in a folder, `<route>/test_<n>`.
+
+    `glob` would pass over folders that it has no right to read; `iterdir` raises an error.
+    """
     routes = [path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")]
     runs = [run for route in routes for run in route.iterdir() if run.is_dir() and run.name.startswith("test_")]
     return {f"{run.parent.name}/{run.name}" for run in runs}

@@ -8,7 +8,7 @@ from hil.links.serial_link import SerialLink
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.simulate_runs import prepare_boards, problems_of, read_outcome, simulate_into, simulation_key
 from symolo.core.errors import RunFailed
-from symolo.core.progress import Report
+from symolo.core.progress import Report, plural
 from symolo.dataset.documents.metadata import FailedRun
 
 
@@ -37,9 +37,15 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
         port: Serial port of the real board; empty for the simulated one.
         report: Progress report.
     """
-    due = [spec for spec in specs if not _is_driven(workspace, spec, retry=bool(port))]
+    # A real board may succeed at the next try; the simulated one does the same every time.
+    due = []
+    for spec in specs:
+        folder = workspace.simulate(spec.key)
+        done = folder.is_done(simulation_key(spec))
+        if not done or (port and read_outcome(folder.path).problems):
+            due.append(spec)
     if len(due) < len(specs):
-        report.say(f"hil: {len(specs) - len(due)} of {len(specs)} runs are there already")
+        report.say(f"hil: {len(specs) - len(due)} of {plural(len(specs), 'run')} done before")
     failures: list[FailedRun] = []
     for spec in due:
         try:
@@ -48,14 +54,6 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
             failures.append(FailedRun.of(spec.key, "simulate", str(error)))
     lost = {failure.run for failure in failures}
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in lost])
-
-
-def _is_driven(workspace: Workspace, spec: RunSpec, *, retry: bool) -> bool:
-    """Return whether a run is done; a real board may succeed at the next try, the simulated one does the same every
-    time.
-    """
-    folder = workspace.simulate(spec.key)
-    return folder.is_done(simulation_key(spec)) and not (retry and read_outcome(folder.path).problems)
 
 
 def _drive(workspace: Workspace, spec: RunSpec, port: str, report: Report) -> None:

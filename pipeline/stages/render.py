@@ -33,7 +33,7 @@ from symolo.core.files.atomic_files import make_folder, remove_file, remove_fold
 from symolo.core.files.file_hashes import canonical_json, sha256_of
 from symolo.core.files.file_locks import held
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.core.progress import Report
+from symolo.core.progress import Report, plural
 from symolo.core.random_streams import stream
 from symolo.core.versions import versions
 from symolo.dataset.documents.metadata import FailedRun
@@ -42,7 +42,7 @@ from symolo.dataset.tables.rows import Rows
 
 FRAMES, INPUTS = "frames.json", "inputs.json"
 
-OnWhole = Callable[[str], None]
+OnComplete = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Appearance:
 
     @classmethod
     def of(cls, spec: RunSpec, device: DeviceKind = "CPU") -> "Appearance":
-        seed = picture_seed(spec.seed, spec.route, spec.run)
+        seed = image_seed(spec.seed, spec.route, spec.run)
         return cls(spec.arena, spec.robot, spec.look, spec.render, seed, device)
 
     def job(self, arena: Arena, frames: Sequence[FramePose], path: RobotPath) -> RenderJob:
@@ -68,7 +68,7 @@ class Appearance:
         return build_job(arena, self.robot, self.look, self.render, frames, self.seed, path, self.device)
 
 
-def picture_seed(seed: int, route: str, run: int) -> int:
+def image_seed(seed: int, route: str, run: int) -> int:
     """Return the seed of 31 bits for the renderer, which depends on the run only."""
     return int(stream(seed, route, run, "render").integers(2**31))
 
@@ -89,7 +89,7 @@ class FrameTask(ABC):
     STAGE: ClassVar[str]
     """Name of the stage in its input key."""
     FILES: ClassVar[str]
-    """Folder within the task's that is filled frame by frame."""
+    """Name of the folder, within that of the task, that is filled frame by frame."""
     WORK: ClassVar[Work]
     """Work of the Blender process."""
 
@@ -136,7 +136,7 @@ class FrameTask(ABC):
 
     @abstractmethod
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
-        """Write what lists the files, and mark the folder done unless a problem is found.
+        """Write the list of the files, and mark the folder done unless there is a problem.
 
         Args:
             hashes: SHA-256 of each of `names`, from the journal; no other file counts.
@@ -145,7 +145,7 @@ class FrameTask(ABC):
 
 @dataclass(frozen=True)
 class Order:
-    """A task with the text of its job, which is long: for many tasks, the jobs are made one after the other."""
+    """A task with the text of its job. The text is long, so the orders of many runs are built one after the other."""
 
     task: FrameTask
     job_text: str
@@ -170,32 +170,31 @@ class RenderTask(FrameTask):
         return [frame_name(frame.number) for frame in self.frames]
 
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
-        names = {frame.number: frame_name(frame.number) for frame in self.frames}
-        seen = {name: Extremes.of(read_file(self.files / name, FileKind.IMAGE)) for name in names.values()}
-        if problem := all_black(list(seen.values())):
+        extremes = {name: Extremes.of(read_file(self.files / name, FileKind.IMAGE)) for name in self.names()}
+        if problem := all_black(list(extremes.values())):
             return ImageFindings(problem=problem)
         records = [
             {
                 "number": frame.number,
-                "file": f"{IMAGES}/{names[frame.number]}",
-                "sha256": hashes[names[frame.number]],
+                "file": f"{IMAGES}/{name}",
+                "sha256": hashes[name],
                 "t_s": frame.t_s,
                 "x_m": frame.x_m,
                 "y_m": frame.y_m,
                 "yaw_rad": frame.yaw_rad,
-                "black_share": round(seen[names[frame.number]].black, 4),
-                "burnt_share": round(seen[names[frame.number]].burnt, 4),
+                "black_share": round(extremes[name].black, 4),
+                "burnt_share": round(extremes[name].burnt, 4),
             }
-            for frame in self.frames
+            for frame, name in zip(self.frames, self.names(), strict=True)
         ]
-        warnings = exposure_warnings(seen)
+        warnings = exposure_warnings(extremes)
         cpus = Ledger(self.files, self.job_sha256).processors() or (cpu_class(),)
         cpu = cpus[0] if len(cpus) == 1 else list(cpus)
         document = {"cpu": cpu, "device": self.device, "frames": records, "warnings": list(warnings)}
         write_file(self.folder.path / FRAMES, canonical_json(document))
-        pictures = {record["file"]: record["sha256"] for record in records}
+        images = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
-        mark_done(self.folder.path, self.key, {**texts, **pictures})
+        mark_done(self.folder.path, self.key, {**texts, **images})
         return ImageFindings(warnings)
 
 
@@ -213,34 +212,34 @@ def render_runs(
     executor: Executor,
     report: Report,
     name: str = "render",
-    on_whole: OnWhole = lambda _run: None,
+    on_complete: OnComplete = lambda _run: None,
 ) -> list[FailedRun]:
-    """Make what is missing; frames made before an interruption are kept if their job is the same.
+    """Render the files that are missing; frames from before an interruption are kept if their job is the same.
 
-    All jobs are written before the first one begins. An executor that does not do all units leaves the
-    folders for one that does to finish.
+    All jobs are written before the first one begins. An executor that does only a part of the units leaves the folders
+    unfinished; an executor that does all units finishes them.
 
     Args:
         orders: Orders of the runs.
         executor: Executor that does them.
         report: Progress report.
         name: Name of the stage.
-        on_whole: Called with each run that finishes without a problem, while others go on.
+        on_complete: Called with each run that finishes without a problem, while others go on.
     """
-    pending, there = [], 0
+    pending, done_before = [], 0
     for order in orders:
         if order.task.folder.is_done(order.task.key):
-            there += 1
-            on_whole(order.task.run)
+            done_before += 1
+            on_complete(order.task.run)
         else:
             _prepare(order)
             pending.append(order.task)
-    if there:
-        report.say(f"{name}: {there} of {there + len(pending)} runs are there already")
+    if done_before:
+        report.say(f"{name}: {done_before} of {plural(done_before + len(pending), 'run')} done before")
     if not pending:
         return []
     units = [unit for unit in blocks(pending, executor) if executor.mine(unit)]
-    finishing = _Finishing(pending if executor.does_all else (), units, name, report, on_whole)
+    finishing = _Finishing(pending if executor.does_all else (), units, name, report, on_complete)
     with report.stage(name, sum(len(unit.numbers) for unit in units), "images") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -255,11 +254,16 @@ class _Finishing:
     """Finishes each run as soon as the last of its blocks is done."""
 
     def __init__(
-        self, tasks: Sequence[FrameTask], units: Sequence[RenderUnit], name: str, report: Report, on_whole: OnWhole
+        self,
+        tasks: Sequence[FrameTask],
+        units: Sequence[RenderUnit],
+        name: str,
+        report: Report,
+        on_complete: OnComplete,
     ) -> None:
         self._tasks = {task.run: task for task in tasks}
         self._left = Counter(unit.name for unit in units)
-        self._name, self._report, self._on_whole = name, report, on_whole
+        self._name, self._report, self._on_complete = name, report, on_complete
         self._failed: list[FailedRun] = []
 
     def take(self, unit: AnyUnit, event: AnyEvent) -> None:
@@ -278,42 +282,41 @@ class _Finishing:
         return self._failed
 
     def _finish(self, task: FrameTask) -> None:
-        if problem := _finish(task, self._name, self._report):
+        hashes = task.whole_files()
+        if lost := [file for file in task.names() if file not in hashes]:
+            # The folder is not marked as failed, so the next command makes the file again.
+            problem = f"{lost[0]} is not on the disk as it was written; run the same command again"
+        else:
+            findings = task.finish(hashes)
+            for warning in findings.warnings:
+                self._report.say(f"{self._name}: {task.run}: {warning}")
+            if problem := findings.problem:
+                task.folder.fail(task.key, problem)
+        if problem:
             self._failed.append(FailedRun(run=task.run, stage=self._name, problem=problem))
         else:
-            self._on_whole(task.run)
-
-
-def _finish(task: FrameTask, name: str, report: Report) -> str:
-    hashes = task.whole_files()
-    if lost := [file for file in task.names() if file not in hashes]:
-        # The next command makes it again.
-        return f"{lost[0]} is not on the disk as it was written; run the same command again"
-    findings = task.finish(hashes)
-    for warning in findings.warnings:
-        report.say(f"{name}: {task.run}: {warning}")
-    if findings.problem:
-        task.folder.fail(task.key, findings.problem)
-    return findings.problem
+            self._on_complete(task.run)
 
 
 def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
-    """Return the frames of each run in blocks of the size that the executor asks for."""
-    numbers = [tuple(frame.number for frame in task.frames) for task in tasks]
-    sizes = [executor.block_frames(len(own), len(tasks)) for own in numbers]
-    threads = executor.threads(sum(-(-len(own) // size) for own, size in zip(numbers, sizes, strict=True)))
+    """Return the frames of each run in blocks of the size that the executor wants."""
+    parts: list[tuple[FrameTask, tuple[int, ...]]] = []
+    for task in tasks:
+        numbers = tuple(frame.number for frame in task.frames)
+        size = executor.block_frames(len(numbers), len(tasks))
+        parts += [(task, numbers[start : start + size]) for start in range(0, len(numbers), size)]
+    threads = executor.threads(len(parts))
     return [
         RenderUnit(
             work=task.WORK,
             name=task.run,
             job=task.folder.path / JOB,
             folder=task.files,
-            numbers=own[start : start + size],
+            numbers=numbers,
             threads=threads,
             user_files=task.user_files,
         )
-        for task, own, size in zip(tasks, numbers, sizes, strict=True)
-        for start in range(0, len(own), size)
+        for task, numbers in parts
     ]
 
 
@@ -326,8 +329,8 @@ def _prepare(order: Order) -> None:
         if not (path / INPUTS).is_file() or read_file(path / INPUTS, FileKind.JOB) != inputs:
             remove_folder(path)
         make_folder(task.files)
-        for left in (DONE, FAILED):
-            remove_file(path / left)
+        for name in (DONE, FAILED):
+            remove_file(path / name)
         write_file(path / JOB, order.job_text.encode())
         write_file(path / INPUTS, inputs)
 

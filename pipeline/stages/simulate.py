@@ -1,8 +1,9 @@
 """The closed loop: at the control rate PyBullet moves the robot, the sensors read and the controller commands."""
 
 import math
+from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -57,23 +58,8 @@ def simulate(
         return _ClosedLoop(spec, arena, start, world, pilot or BuiltInPilot(spec.robot), watch).drive(progress)
 
 
-@dataclass
-class _Rows:
-    """Recorded values of each control tick by series name; they are stacked at the end."""
-
-    units: dict[str, str] = field(default_factory=dict)
-    values: dict[str, list[object]] = field(default_factory=dict)
-
-    def add(self, name: str, unit: str, value: object) -> None:
-        self.units[name] = unit
-        self.values.setdefault(name, []).append(value)
-
-    def stacked(self) -> dict[str, np.ndarray]:
-        return {name: np.array(values) for name, values in self.values.items()}
-
-
 class _ClosedLoop:
-    def __init__(  # noqa: PLR0917 - what a run is made of
+    def __init__(  # noqa: PLR0917 - everything that a run needs
         self,
         spec: RunSpec,
         arena: Arena,
@@ -98,7 +84,9 @@ class _ClosedLoop:
         self._believed = (0.0, 0.0, 0.0)
         self._counts = np.zeros(2, dtype=np.int64)
         self._lap = Lap(start)
-        self._rows = _Rows()
+        self._units: dict[str, str] = {}
+        self._values: dict[str, list[object]] = defaultdict(list)
+        """Recorded values by name of the series, one for each control tick; they are stacked at the end."""
 
     def drive(self, progress: Progress | None) -> Outcome:
         spec = self._spec
@@ -125,7 +113,7 @@ class _ClosedLoop:
             x, y, _ = self._world.pose()
             problems.append(
                 f"lap not finished within {spec.stop.time_limit_s:g} s, last at x = {x:.2f}, y = {y:.2f} m"
-                f" in state {self._rows.values['state'][-1]}"
+                f" in state {self._values['state'][-1]}"
             )
         return Outcome(self._recording(), not problems, tuple(problems), lap_time_s)
 
@@ -135,48 +123,48 @@ class _ClosedLoop:
         turned = counts - self._counts
         self._believed = self._odometry.step(self._believed, turned)
         self._counts = counts
-        seen = self._controller_input(readings)
-        decision = self._pilot.decide(seen, (int(turned[0]), int(turned[1])))
+        front_m, left_m, right_m = (float(range_m) for range_m in readings["tof"][:, 0])
+        line = tuple(float(reflectance) for reflectance in readings["line"])
+        control_input = ControlInput(line, front_m, left_m, right_m, self._believed)
+        decision = self._pilot.decide(control_input, (int(turned[0]), int(turned[1])))
         if self._watch is not None:
-            self._watch(tick / self._spec.rates.control_hz, seen, decision)
+            self._watch(tick / self._spec.rates.control_hz, control_input, decision)
         self._world.set_wheel_speeds(*decision.wheels_rad_s)
         self._lap.update(self._world.pose(), on_track=decision.command.state is State.LINE)
         self._record(tick, readings, decision)
 
-    def _controller_input(self, readings: dict[str, Reading]) -> ControlInput:
-        front_m, left_m, right_m = (float(range_m) for range_m in readings["tof"][:, 0])
-        line = tuple(float(reflectance) for reflectance in readings["line"])
-        return ControlInput(line, front_m, left_m, right_m, self._believed)
-
     def _record(self, tick: int, readings: dict[str, Reading], decision: Decision) -> None:
-        rows, world, command = self._rows, self._world, decision.command
-        rows.add("pose", "m, m, rad", world.pose())
-        rows.add("twist", "m/s, rad/s", world.twist())
-        rows.add("state", "1", int(command.state))
-        for series, values in self._suite.recorded(readings):
-            rows.add(series.name, series.unit, values)
-        rows.add("odometry", "m, m, rad", self._believed)
-        rows.add("wheel_speed_rad_s", "rad/s", world.wheel_speeds())
-        rows.add("voltage_V", "V", world.voltages())
-        rows.add("mean_voltage_V", "V", world.take_mean_voltages())
-        rows.add("current_A", "A", world.currents())
-        rows.add("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s))
-        rows.add("line_lost", "1", decision.line_lost)
-        if decision.board:
-            rows.add(BOARD_SERIES, "1", decision.board)
+        world, command = self._world, decision.command
         image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
-        rows.add("image", "1", image)
+        row: list[tuple[str, str, object]] = [
+            ("pose", "m, m, rad", world.pose()),
+            ("twist", "m/s, rad/s", world.twist()),
+            ("state", "1", int(command.state)),
+            *((series.name, series.unit, values) for series, values in self._suite.recorded(readings)),
+            ("odometry", "m, m, rad", self._believed),
+            ("wheel_speed_rad_s", "rad/s", world.wheel_speeds()),
+            ("voltage_V", "V", world.voltages()),
+            ("mean_voltage_V", "V", world.take_mean_voltages()),
+            ("current_A", "A", world.currents()),
+            ("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s)),
+            ("line_lost", "1", decision.line_lost),
+            *([(BOARD_SERIES, "1", decision.board)] if decision.board else []),
+            ("image", "1", image),
+        ]
+        for name, unit, value in row:
+            self._units[name] = unit
+            self._values[name].append(value)
 
     def _recording(self) -> Recording:
-        rows, effects = self._rows, self._spec.robot.effects
-        stacked = rows.stacked()
+        effects = self._spec.robot.effects
+        stacked = {name: np.array(values) for name, values in self._values.items()}
         t_s = np.arange(len(stacked["state"])) / self._spec.rates.control_hz
         trajectory = Trajectory(t_s, stacked["pose"], stacked["twist"], stacked["state"])
         stacked["wheel_speed_rad_s"] = read_speed_rad_s(effects, t_s, stacked["wheel_speed_rad_s"])
         stacked["current_A"] = read_current_A(effects, stacked["current_A"])
         in_trajectory = {"pose", "twist", "state"}
         series = [
-            TimeSeries(name, rows.units[name], t_s, values)
+            TimeSeries(name, self._units[name], t_s, values)
             for name, values in stacked.items()
             if name not in in_trajectory
         ]

@@ -24,7 +24,7 @@ from symolo.core.errors import InputError, RunFailed
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.core.progress import Report
+from symolo.core.progress import Report, plural
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
@@ -66,7 +66,7 @@ class RunOutcome(BaseModel):
         board = self.board
         if board is None or not (board.rows_unanswered or board.events):
             return ()
-        faults = [f"{board.rows_unanswered} rows unanswered"] if board.rows_unanswered else []
+        faults = [f"{plural(board.rows_unanswered, 'row')} unanswered"] if board.rows_unanswered else []
         faults += [f"{count} {name.replace('_', ' ')}" for name, count in board.events.items()]
         return (f"the line to the board was disturbed: {', '.join(faults)}",)
 
@@ -74,8 +74,8 @@ class RunOutcome(BaseModel):
 def simulation_inputs(spec: RunSpec) -> dict:
     """Return everything that the trajectory depends on: the run without look, images and camera."""
     inputs = spec.model_dump(mode="json", exclude={"look": True, "render": True, "robot": {"camera"}})
-    for_pictures = ("look.", "render.", "robot.camera.")
-    inputs["drawn"] = {path: value for path, value in spec.drawn.items() if not path.startswith(for_pictures)}
+    of_images = ("look.", "render.", "robot.camera.")
+    inputs["drawn"] = {path: value for path, value in spec.drawn.items() if not path.startswith(of_images)}
     return inputs
 
 
@@ -101,13 +101,14 @@ def simulate_runs(
         else:
             units.append(SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder.path, key=key))
     if len(units) < len(specs):
-        report.say(f"simulate: {len(specs) - len(units)} of {len(specs)} runs are there already")
-    units, others = [unit for unit in units if executor.mine(unit)], [u.name for u in units if not executor.mine(u)]
+        report.say(f"simulate: {len(specs) - len(units)} of {plural(len(specs), 'run')} done before")
+    others = {unit.name for unit in units if not executor.mine(unit)}
+    units = [unit for unit in units if unit.name not in others]
     failures: list[FailedRun] = []
     if units:
         with report.stage("simulate", len(units), "runs") as stage:
             failures = failed_runs("simulate", executor.do(units, partial(report_event, stage)), report)
-    stopped = {failure.run for failure in failures}.union(others)
+    stopped = {failure.run for failure in failures} | others
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in stopped])
 
 
@@ -139,7 +140,7 @@ def failed_runs(stage: str, failures: Sequence[UnitFailure], report: Report) -> 
     """Return the failures for the dataset, and report the rest of their texts, such as a log."""
     failed = [FailedRun.of(failure.unit.name, stage, failure.text) for failure in failures]
     for run, failure in zip(failed, failures, strict=True):
-        if failure.text != run.problem:  # else the last lines of the command name it
+        if failure.text != run.problem:  # the command itself prints `run.problem` at its end
             report.say(f"{stage}: {run.run}: {failure.text}")
     return failed
 
@@ -231,7 +232,7 @@ def read_outcome(path: Path) -> RunOutcome:
 
 
 def read_recording(path: Path) -> Recording:
-    # Read first: the unpacker would report a fault of the disk as a damaged archive.
+    # All bytes are read first, because the unpacker would report a fault of the disk as a damaged archive.
     return Recording.load(io.BytesIO(read_file(path / TRAJECTORY, FileKind.TRAJECTORY)))
 
 

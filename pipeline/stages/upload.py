@@ -38,7 +38,7 @@ AT_THE_TOP = frozenset({*LISTS, *SEALS, BAG_INFO, METADATA, DESCRIPTION})
 
 @dataclass(frozen=True)
 class Destination:
-    """Where a release is uploaded while it is made, and the command that sends what is missing there."""
+    """The store to which a release is uploaded while it is made, and the command that sends the missing files."""
 
     store: Store
     command: str
@@ -70,7 +70,7 @@ def _listed(store: Store, tree: dict[str, Any], specs: Sequence[RunSpec]) -> dic
     runs = {spec.key for spec in specs}
     for name in sorted(sizes.keys() - AT_THE_TOP):
         if "/".join(PurePosixPath(name).parts[:2]) not in runs:
-            raise another_release(store, f"{name} is of no run of this scenario")
+            raise another_release(store, f"{name} belongs to no run of this scenario")
     wanted = {f"{spec.key}/{SIDE}/{SPEC}": hashlib.sha256(spec_text(spec)).hexdigest() for spec in specs}
     there = [name for name in wanted if name in sizes]
     for name, digest in side_by_side(lambda name: digest_of(store, name), there):
@@ -85,7 +85,7 @@ def _check_metadata(store: Store, tree: dict[str, Any]) -> None:
     try:
         metadata = Metadata.model_validate_json(store.get(METADATA) or b"")
     except ValidationError:
-        raise another_release(store, f"{METADATA} is none of this version") from None
+        raise another_release(store, f"{METADATA} is not of this version") from None
     if canonical_json(metadata.scenario) != canonical_json(tree):
         raise another_release(store, f"{METADATA} names another scenario")
     if metadata.made_with != made_with():
@@ -93,7 +93,7 @@ def _check_metadata(store: Store, tree: dict[str, Any]) -> None:
 
 
 class Along:
-    """The upload of a release. `whole` and `finish` are called by one thread."""
+    """The upload of a release. One thread calls `run_done` and `finish`."""
 
     def __init__(self, workspace: Workspace, to: Destination, sizes: Mapping[str, int], report: Report) -> None:
         self._workspace, self._to, self._sizes, self._report = workspace, to, sizes, report
@@ -103,8 +103,8 @@ class Along:
         self._known: dict[str, str] = {}
         self._sent = 0
 
-    def whole(self, spec: RunSpec) -> None:
-        """Assemble and send a run that has all its files, while others are made."""
+    def run_done(self, spec: RunSpec) -> None:
+        """Assemble and send a run that has all its files, while other runs are made."""
         # A finished release there is compared at the end; nothing of it is replaced before.
         if not self._sizes.keys() & {*LISTS}:
             self._assembling.submit(self._assemble, spec)
@@ -174,8 +174,8 @@ class Along:
 
     @contextlib.contextmanager
     def _with_cure(self) -> Iterator[None]:
-        """Add to errors what is complete in spite of them, and how to continue."""
-        cure = f"the release is whole in {self._workspace.out}, and `{self._to.command}` sends what is missing there"
+        """Add to errors that the release itself is complete, and how to continue the upload."""
+        cure = f"the release is complete in {self._workspace.out}, and `{self._to.command}` sends what is missing there"
         try:
             yield
         except InputError as error:

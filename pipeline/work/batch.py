@@ -16,13 +16,7 @@ from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
-from pipeline.stages.simulate_runs import (
-    prepare_boards,
-    problems_of,
-    read_recording,
-    simulate_runs,
-    simulation_key,
-)
+from pipeline.stages.simulate_runs import problems_of, read_recording, simulate_runs, simulation_key
 from pipeline.work.supervisor import cores
 from symolo.core.errors import InputError
 from symolo.core.files.disk_space import check_disk
@@ -34,7 +28,7 @@ from symolo.dataset.tables.rows import Rows
 
 @dataclass(frozen=True)
 class Batch:
-    """The scenario, runs and output folder of a command; nothing is written before a stage begins."""
+    """The scenario, runs and output folder of a command. Nothing is written before a stage begins."""
 
     loaded: LoadedScenario
     specs: tuple[RunSpec, ...]
@@ -68,21 +62,12 @@ class Batch:
         return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
 
     def keep_user_files(self) -> None:
-        """Copy the user's files for the renderers. This comes before the simulation, in which time they could change.
+        """Copy the user's files for the renderers. Call it before the simulation, during which they could change.
 
         Raises:
-            InputError: One of them is gone or has changed.
+            InputError: One of them is missing or has changed.
         """
         keep_user_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.user_files)
-
-    def prepare_boards(self) -> None:
-        """Check that the boards can be used, before anything is written.
-
-        Raises:
-            InputError: A real board is required, which only `symolo hil` can use.
-            EnvironmentLacking: A tool that builds the simulated board is missing.
-        """
-        prepare_boards(self.workspace, self.specs)
 
     def simulate(self, report: Report) -> list[FailedRun]:
         return simulate_runs(self.workspace, self.specs, self.executor, report)
@@ -95,28 +80,28 @@ class Batch:
         """
         for spec in self.specs:
             if not self.workspace.simulate(spec.key).is_done(simulation_key(spec)):
-                raise self._not_done(spec, "simulate")
+                raise self._not_done(spec.key, "simulate")
         return problems_of(self.workspace, self.specs)
 
     def render(
         self,
         failures: Sequence[FailedRun],
         report: Report,
-        on_whole: Callable[[RunSpec], None] = lambda _spec: None,
+        on_complete: Callable[[RunSpec], None] = lambda _spec: None,
     ) -> list[FailedRun]:
-        """Render all images and then their annotations; call `on_whole` with each run that is complete."""
+        """Render all images and then their annotations; call `on_complete` with each run that is complete."""
         specs = {spec.key: spec for spec in self.specs}
 
-        def on_pictures(run: str) -> None:
+        def on_images(run: str) -> None:
             if not specs[run].render.annotations:
-                on_whole(specs[run])
+                on_complete(specs[run])
 
         tasks: list[FrameTask] = []
         orders = _noted(self._render_orders(failures), tasks)
-        failed = render_runs(orders, self.executor, report, on_whole=on_pictures)
-        orders = self._annotation_orders(tasks, failed)
-        if self._annotated:
-            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_whole(specs[run]))
+        failed = render_runs(orders, self.executor, report, on_complete=on_images)
+        if any(spec.render.annotations for spec in self.specs):
+            orders = self._annotation_orders(tasks, failed)
+            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_complete(specs[run]))
         return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
@@ -132,10 +117,6 @@ class Batch:
     def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
         assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
 
-    @property
-    def _annotated(self) -> bool:
-        return any(spec.render.annotations for spec in self.specs)
-
     def _render_orders(self, failures: Sequence[FailedRun]) -> Iterator[Order]:
         failed = {failure.run for failure in failures}
         for spec in self.specs:
@@ -144,13 +125,13 @@ class Batch:
                 folder, user_files = self.workspace.render(spec.key), self.workspace.user_files
                 yield RenderTask.of(spec.key, Appearance.of(spec, self.device), rows, folder, user_files)
 
-    def _annotation_orders(self, pictures: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
+    def _annotation_orders(self, images: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
         """Yield the annotation orders; none where the scenario asks for no annotations."""
         failed = {failure.run for failure in failures}
-        wanted = {spec.key: Appearance.of(spec, self.device) for spec in self.specs if spec.render.annotations}
-        for task in pictures:
-            if task.run in wanted and task.run not in failed:
-                yield AnnotationTask.of(task, wanted[task.run], self.workspace.annotate(task.run))
+        appearances = {spec.key: Appearance.of(spec, self.device) for spec in self.specs if spec.render.annotations}
+        for task in images:
+            if task.run in appearances and task.run not in failed:
+                yield AnnotationTask.of(task, appearances[task.run], self.workspace.annotate(task.run))
 
     def _problems(self, orders: Iterable[Order]) -> list[FailedRun]:
         failed = []
@@ -158,12 +139,12 @@ class Batch:
             if problem := task.folder.problem(task.key):
                 failed.append(FailedRun(run=task.run, stage=task.STAGE, problem=problem))
             elif not task.folder.is_done(task.key):
-                raise self._not_done(next(spec for spec in self.specs if spec.key == task.run), "render")
+                raise self._not_done(task.run, "render")
         return failed
 
-    def _not_done(self, spec: RunSpec, stage: str) -> InputError:
+    def _not_done(self, run: str, stage: str) -> InputError:
         return InputError(
-            f"run {spec.key} of this scenario is not there from stage '{stage}'",
+            f"run {run} of this scenario is not there from stage '{stage}'",
             where=f"--out {self.workspace.out}",
             cure=f"run `symolo {stage}` with the same scenario first, or `symolo release` for all stages",
         )

@@ -30,7 +30,7 @@ class Retried:
     """A unit failed and is tried again."""
 
     text: str
-    """What failed, why, and the number of the next try."""
+    """Message with the unit, the cause of the failure and the number of the next try."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def run_units(
         units: Units in the order in which they are started; the result must not depend on it.
         workers: Number of children at a time.
         on_event: Called in this thread for each message of a worker, with the unit as passed in `units`.
-        environment: Environment variables of the children beside those of this process.
+        environment: Environment variables of the children in addition to those of this process.
         limits: Limits for each child and number of tries.
         command: What a child runs; it must speak the protocol of `pipeline.work.worker_main`.
         slot_environments: Further variables, such as that of a graphics card. They are dealt out in turn to the slots;
@@ -129,7 +129,7 @@ def _supervise(
 
 @dataclass
 class _Attempt:
-    """A unit under way: what is left of it, and how often each of its frames has failed."""
+    """A unit under way: the rest of it that is to be done, and how often each of its frames has failed."""
 
     unit: AnyUnit
     left: AnyUnit
@@ -158,7 +158,11 @@ class _Slots:
         """Do waiting units one after the other, until there are none."""
         worker: WorkerProcess | None = None
         try:
-            while (attempt := self._next()) is not None:
+            while True:
+                with self.lock:
+                    attempt = self.waiting.popleft() if self.waiting else None
+                if attempt is None:
+                    break
                 try:
                     worker = self._do(attempt, worker, slot)
                 except Exception as error:  # noqa: BLE001 - a thread must not end in silence: `run_units` waits
@@ -181,10 +185,6 @@ class _Slots:
         """Wait for the workers that a thread with a bug has left behind."""
         for worker in list(self.running):
             self._release(worker)
-
-    def _next(self) -> _Attempt | None:
-        with self.lock:
-            return self.waiting.popleft() if self.waiting else None
 
     def _do(self, attempt: _Attempt, worker: WorkerProcess | None, slot: int) -> WorkerProcess | None:
         """Try a unit until it is done or given up, and return the worker for the next unit."""

@@ -12,7 +12,7 @@ from symolo.core.files.atomic_files import remove_leftovers
 
 
 class UnitOfWork(Message):
-    """What every kind of unit has. `pipeline.work.worker_main` holds the function that does each kind."""
+    """Base of all kinds of unit. `pipeline.work.worker_main` holds the function that does each kind."""
 
     patience_s: ClassVar[float] = float("inf")
     """Time [s] without progress after which the worker is killed."""
@@ -56,7 +56,7 @@ class RenderUnit(UnitOfWork):
 
     kind: Literal["render"] = "render"
     work: Work
-    """What Blender makes: the images, or the files of the annotations."""
+    """Product of Blender: the images, or the files of the annotations."""
     job: Path
     """File of the render job or annotation job."""
     numbers: tuple[int, ...]
@@ -82,7 +82,7 @@ class RenderUnit(UnitOfWork):
 
 
 class DiagnosisSettings(Message):
-    """What the options of `symolo diagnose` ask for, the same for all cases."""
+    """Options of `symolo diagnose`, the same for all cases."""
 
     importer: str | None = None
     """Name of the importer; None for the one that recognises a case."""
@@ -91,7 +91,7 @@ class DiagnosisSettings(Message):
     held_out: tuple[str, ...] = ()
     """Patterns of the trials to hold out; empty for those that the source or its importer holds out."""
     nominal: str = ""
-    """Nominal robot as JSON text; empty for that of the case's own parameters."""
+    """Nominal robot as JSON text; empty for the robot that the case itself describes."""
     pybullet: bool = False
     """Whether the errors before and after are measured by PyBullet as well."""
     against: Path | None = None

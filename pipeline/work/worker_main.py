@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from pipeline.user_files import load_from_environment
 from pipeline.work.processors import cpu_class
 from pipeline.work.units import UNITS, AnyUnit, DiagnoseUnit, Progress, RenderUnit, SimulateUnit
-from symolo.core.child_process import Failed, Finished, Owner
+from symolo.core.child_process import ErrorKind, Failed, Finished, Owner
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.os_errors import lacking
@@ -96,6 +96,11 @@ WORK: Mapping[type[AnyUnit], Callable[[Any, OnProgress], None]] = MappingProxyTy
 )
 
 
+KIND_OF: Mapping[type[Exception], ErrorKind] = MappingProxyType(
+    {InputError: "input", EnvironmentLacking: "environment", RunFailed: "run", EngineFailed: "engine"}
+)
+
+
 def main() -> None:
     owner = Owner()
     while True:
@@ -108,15 +113,10 @@ def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:
     try:
         load_from_environment()
         WORK[type(unit)](unit, on_progress)
-    except InputError as error:
-        return Failed(error="input", text=str(error))
-    except EnvironmentLacking as error:
-        return Failed(error="environment", text=str(error))
-    except RunFailed as error:
-        return Failed(error="run", text=str(error))
-    except EngineFailed as error:
-        return Failed(error="engine", text=str(error))
     except Exception as error:  # noqa: BLE001 - reported with its traceback by the supervisor, which decides
+        for error_class, kind in KIND_OF.items():
+            if isinstance(error, error_class):
+                return Failed(error=kind, text=str(error))
         if cause := lacking(error):
             return Failed(error="environment", text=cause)
         return Failed(error="bug", text=traceback.format_exc())

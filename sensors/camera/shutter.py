@@ -11,7 +11,7 @@ from sensors.camera.views import FrameView, Moment
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array, triple
 from symolo.core.geometry.pinhole import Intrinsics, Shutter
-from symolo.core.geometry.poses import Matrix4, PlanarPose, pose_X_WR
+from symolo.core.geometry.poses import PlanarPose, as_rows, pose_X_WR
 
 MOMENTS = 5
 """Number of moments of an exposure. Linear motion between them errs by 0.1 % of the length on an arc of 0.2 rad."""
@@ -45,7 +45,7 @@ def window(shutter: Shutter, camera: Intrinsics) -> Window:
 def moment(arena: Arena, X_RC: Array, pose: PlanarPose, t_s: float) -> Moment:
     """Return the poses of camera and obstacles with the robot at a pose."""
     moving = tuple(triple(box.poses_at(np.array([max(t_s, 0.0)]))[0]) for box in arena.moving)
-    return Moment(pose, _rows(pose_X_WR(*pose) @ X_RC), moving)
+    return Moment(pose, as_rows(pose_X_WR(*pose) @ X_RC), moving)
 
 
 def exposed(
@@ -59,8 +59,3 @@ def exposed(
         moments = tuple(moment(arena, X_RC, triple(pose), t_s) for pose, t_s in poses)
         result.append(replace(view, exposure=moments))
     return tuple(result)
-
-
-def _rows(matrix: Array) -> Matrix4:
-    a, b, c, d = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in matrix)
-    return a, b, c, d

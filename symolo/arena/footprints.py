@@ -84,12 +84,12 @@ def _between(one: Rectangle, other: Rectangle, share: float) -> Rectangle:
 
 
 def convex_outline(points: Iterable[Point]) -> tuple[Point, ...]:
-    """Corners of the convex hull, counter-clockwise (Andrew's monotone chain)."""
+    """Return the corners of the convex hull, counter-clockwise (Andrew's monotone chain)."""
     ordered = sorted(set(points))
     halves: list[list[Point]] = []
-    for way in (ordered, ordered[::-1]):
+    for direction in (ordered, ordered[::-1]):
         half: list[Point] = []
-        for point in way:
+        for point in direction:
             while len(half) > 1 and _left_turn(half[-2], half[-1], point) <= 0:
                 half.pop()
             half.append(point)

@@ -101,8 +101,10 @@ def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:
         if name in FOLLOWS:
             return FileResult(name, Verdict.FOLLOWS)
         kind = KINDS.get(PurePosixPath(name).suffix.lower())
-        contents = (read_file(path, FileKind.ANY) for path in (a, b))
-        likeness = kind(*contents, name) if kind else Likeness.none("other bytes")
+        if kind is None:
+            likeness = Likeness.none("other bytes")
+        else:
+            likeness = kind(read_file(a, FileKind.ANY), read_file(b, FileKind.ANY), name)
     except OSError as error:
         likeness = Likeness.none(f"cannot be read: {error.strerror}")
     return FileResult(name, Verdict.CLOSE if likeness.level_db >= tolerance_db else Verdict.DIFFERENT, likeness)

@@ -51,6 +51,9 @@ class Finished(Message):
     kind: Literal["finished"] = "finished"
 
 
+ErrorKind = Literal["input", "environment", "run", "bug", "killed", "engine"]
+
+
 class Failed(Message):
     """The request failed.
 
@@ -58,7 +61,7 @@ class Failed(Message):
     """
 
     kind: Literal["failed"] = "failed"
-    error: Literal["input", "environment", "run", "bug", "killed", "engine"]
+    error: ErrorKind
     text: str
 
 
@@ -101,7 +104,11 @@ class ChildProcess(Generic[M]):
             env=dict(environment),
             start_new_session=own_group,
         )
-        threading.Thread(target=self._read_lines, name="read a child's messages", daemon=True).start()
+        try:
+            threading.Thread(target=self._read_lines, name="read a child's messages", daemon=True).start()
+        except BaseException:  # no thread could start: the caller gets no object that it could close
+            self.close()
+            raise
 
     @property
     def alive(self) -> bool:

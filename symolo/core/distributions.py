@@ -120,10 +120,10 @@ def parse(node: Node, path: FieldPath) -> Distribution:
         InputError: Unknown kind, wrong number of arguments, ends in the wrong order.
     """
     what = dotted(path)
-    given = dict(node.children())
-    kind, arguments = next(iter(given.items()), ("", node))
-    if len(given) != 1 or kind not in DISTRIBUTION_KINDS:
-        unknown = [key for key in given if key not in DISTRIBUTION_KINDS]
+    entries = dict(node.children())
+    kind, arguments = next(iter(entries.items()), ("", node))
+    if len(entries) != 1 or kind not in DISTRIBUTION_KINDS:
+        unknown = [key for key in entries if key not in DISTRIBUTION_KINDS]
         raise InputError(
             what,
             where=node.where,
@@ -160,13 +160,13 @@ def _parse_choice(arguments: Node, faulty: Callable[..., InputError]) -> Choice:
 
 def _parse_normal(arguments: Node, faulty: Callable[..., InputError]) -> Normal:
     if isinstance(arguments.value, dict):
-        given = arguments.value
-        unknown = [key for key in given if key not in _NORMAL_KEYS]
+        entries = arguments.value
+        unknown = [key for key in entries if key not in _NORMAL_KEYS]
         if unknown:
             raise faulty(allowed="the keys mean, sd, low, high", nearest=nearest(unknown[0], _NORMAL_KEYS))
-        if "mean" not in given or "sd" not in given:
+        if "mean" not in entries or "sd" not in entries:
             raise faulty(allowed="mean and sd, and low and high where wanted")
-        numbers = dict(zip(given, _numbers(tuple(given.values()), len(given), faulty), strict=True))
+        numbers = dict(zip(entries, _numbers(tuple(entries.values()), len(entries), faulty), strict=True))
         normal = Normal(numbers["mean"], numbers["sd"], numbers.get("low"), numbers.get("high"))
     else:
         mean, sd = _numbers(arguments.value, 2, faulty)

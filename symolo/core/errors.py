@@ -20,7 +20,7 @@ class InputError(Exception):
     Args:
         what: Field path, or a short sentence that says what is wrong.
         where: `file:line` of the node that holds it, or `--set field.path`.
-        got: The value that was found; left out by default.
+        got: The value that is there; left out by default.
         allowed: What may stand there, in words.
         nearest: The permitted name that is closest to the one given.
         cure: What to do about it.
@@ -54,8 +54,8 @@ def one_line(text: str) -> str:
 def nearest(name: object, candidates: Iterable[str]) -> str:
     """The candidate most like `name`, or an empty string where none is close."""
     by_lower = {candidate.lower(): candidate for candidate in candidates}
-    found = difflib.get_close_matches(str(name)[:200].lower(), by_lower, n=1, cutoff=0.6)
-    return by_lower[found[0]] if found else ""
+    matches = difflib.get_close_matches(str(name)[:200].lower(), by_lower, n=1, cutoff=0.6)
+    return by_lower[matches[0]] if matches else ""
 
 
 def shown(value: object) -> str:

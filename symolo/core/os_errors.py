@@ -3,7 +3,7 @@
 import errno
 
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
-"""EFBIG too: a limit on the size of files stops a picture as a full disk does."""
+"""EFBIG too: a limit on the size of files stops the writing of an image as a full disk does."""
 
 NOT_THERE = (FileNotFoundError, NotADirectoryError, IsADirectoryError)
 """What is raised for a file that is not there. Any other error says nothing about whether it is."""
@@ -33,5 +33,5 @@ def cure_of(error: BaseException) -> str:
 def lacking(error: BaseException) -> str:
     """The error and its cure in one line; empty where the error is not the machine's."""
     cure = cure_of(error)
-    told = str(error) or "there is not enough memory"
-    return f"{told}; {cure}" if cure else ""
+    text = str(error) or "there is not enough memory"
+    return f"{text}; {cure}" if cure else ""

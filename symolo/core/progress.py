@@ -121,3 +121,8 @@ def seconds(duration_s: float) -> str:
     minutes, rest = divmod(round(duration_s), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
+
+
+def plural(number: int, noun: str) -> str:
+    """Return a number with its noun: `1 run`, `2 runs`, `0 runs`."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

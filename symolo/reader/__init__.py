@@ -1,1 +1,1 @@
-"""Released datasets as tables, poses and pictures in memory."""
+"""Released datasets as tables, poses and images in memory."""

@@ -35,13 +35,13 @@ class Dataset:
         Raises:
             InputError: There is none of this name.
         """
-        found = next((run for run in self.runs if run.name == name), None)
-        if found is None:
+        named = next((run for run in self.runs if run.name == name), None)
+        if named is None:
             names = [run.name for run in self.runs]
             allowed = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
             hint = nearest(name, names)
             raise InputError(f"has no run {name}", where=str(self.root), allowed=allowed, nearest=hint)
-        return found
+        return named
 
     def __iter__(self) -> Iterator[Run]:
         return iter(self.runs)
@@ -54,23 +54,23 @@ class Dataset:
     def rows(self) -> pd.DataFrame:
         """The rows of all runs under each other, with the name of the run in the column `run`."""
         tables = [run.rows for run in self.runs]
-        found = pd.concat(tables, ignore_index=True)
-        found.insert(
+        stacked = pd.concat(tables, ignore_index=True)
+        stacked.insert(
             0, RUN, [run.name for run, table in zip(self.runs, tables, strict=True) for _ in range(len(table))]
         )
-        found.attrs = tables[0].attrs | {"units": {RUN: "-"} | tables[0].attrs["units"]}
-        return found
+        stacked.attrs = tables[0].attrs | {"units": {RUN: "-"} | tables[0].attrs["units"]}
+        return stacked
 
     @property
     def images(self) -> tuple[Image, ...]:
-        """Those of all runs; no picture is opened."""
+        """Images of all runs; no file is opened."""
         return tuple(image for run in self.runs for image in run.images)
 
 
 def load(path: str | Path) -> Dataset:
-    """A release, a bag that holds one, or the folder of one run. Files are read when they are asked for.
+    """Load a release, a bag that holds one, or the folder of one run. Files are read when they are needed.
 
-    Checksums are the matter of `symolo verify`; what is read is read strictly.
+    Files are read strictly; `symolo verify` checks the checksums.
 
     Raises:
         InputError: It is none of these, metadata.json is damaged, or a run that it names is not there.

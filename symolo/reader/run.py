@@ -1,4 +1,4 @@
-"""One released run: rows, side tables, camera, images and annotations, each read when it is asked for."""
+"""One released run: rows, side tables, camera, images and annotations, each read when it is needed."""
 
 import json
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ from symolo.dataset.tables.side_reading import first_fault, read_side
 from symolo.dataset.tables.side_tables import CAMERA, SideTable
 from symolo.reader.tables import frame, rows_frame
 
-OF_THE_RUN = "take those of the run that they were made from"
+OF_THE_RUN = "take those of the run that the images were made from"
 
 Pixels = NDArray[np.uint8]
 
@@ -64,11 +64,11 @@ class Image:
         """(H, W, 3), uint8, red, green, blue.
 
         Raises:
-            InputError: The file is missing or no picture.
+            InputError: The file is missing or no image.
         """
         pixels = _read(self.path)
         if pixels.ndim != 3 or pixels.dtype != np.uint8:
-            raise InputError("is no picture in colour with 8 bits", where=str(self.path), cure="make the run again")
+            raise InputError("is no colour image with 8 bits", where=str(self.path), cure="make the run again")
         return pixels
 
     def annotation(self, kind: str) -> np.ndarray:
@@ -116,7 +116,7 @@ class Image:
 
 @dataclass(frozen=True)
 class Run:
-    """A folder that holds a data.csv; what lies beside it is looked for only when it is asked for."""
+    """A folder that holds a data.csv; files beside it are opened when they are needed."""
 
     folder: Path
     name: str
@@ -329,10 +329,10 @@ def _lacking(what: str, known: tuple[str, ...], name: str, where: str) -> InputE
 
 def _read(path: Path) -> np.ndarray:
     try:
-        found = decoded(path)
+        pixels = decoded(path)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
-    if found is None:
-        what = "is no picture" if path.exists() else "is missing"
+    if pixels is None:
+        what = "is no image" if path.exists() else "is missing"
         raise InputError(what, where=str(path), cure="`symolo verify` and `symolo repair` take the whole release")
-    return found if found.ndim == 2 else np.ascontiguousarray(found[..., ::-1])
+    return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., ::-1])

@@ -1,4 +1,4 @@
-"""Images and poses for PyTorch, which need not be there unless this is asked for."""
+"""Images and poses for PyTorch, which is needed only here."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -25,7 +25,7 @@ class Frame(NamedTuple):
 
 
 def torch_dataset(data: Dataset, transform: Callable[[Pixels], Any] | None = None) -> Any:  # noqa: ANN401 - of torch
-    """A map-style `torch.utils.data.Dataset` of `Frame`, one for each image of all runs, decoded when it is asked for.
+    """A map-style `torch.utils.data.Dataset` of `Frame`, one for each image of all runs, decoded when it is requested.
 
     Args:
         data: What `load` gives.

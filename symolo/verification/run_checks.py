@@ -188,11 +188,11 @@ def _specification(path: Path, name: str, check_spec: SpecCheck) -> tuple[object
 
 def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
     by_row = (WHEELS, TOF, BOARD) if record.board else (WHEELS, TOF)
-    for side, times in (*((side, rows.t_ms) for side in by_row), (CAMERA, rows.t_ms[rows.image > 0])):
-        table, faults = _table(folder / side.file, side.header)
-        yield from _limited(f"{name}/{side.file}", faults)
-        if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
-            yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
+    for table, times in (*((table, rows.t_ms) for table in by_row), (CAMERA, rows.t_ms[rows.image > 0])):
+        numbers, faults = _table(folder / table.file, table.header)
+        yield from _limited(f"{name}/{table.file}", faults)
+        if len(numbers) and not np.array_equal(numbers[:, table.header.index("t")], times):
+            yield Finding(f"{name}/{table.file}", "column t is not that of data.csv")
     yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
     yield from _scene(folder / SCENE, f"{name}/{SCENE}")
     if spec is not None:
@@ -266,18 +266,18 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
         yield Finding(f"{name}/spec.json", f"arena.{first_fault(error)}")
         return
     arena = Arena.from_config(config.model_copy(update={"walls": ()}))  # walls of a damaged file may be impossible
-    side = obstacle_table(arena)
-    if side is None:
+    table = obstacle_table(arena)
+    if table is None:
         return
-    file = f"{name}/{side.file}"
-    table, faults = _table(folder / side.file, side.header)
+    file = f"{name}/{table.file}"
+    numbers, faults = _table(folder / table.file, table.header)
     yield from _limited(file, faults)
-    if not len(table):
+    if not len(numbers):
         return
-    if not np.array_equal(table[:, 0], rows.t_ms):
+    if not np.array_equal(numbers[:, 0], rows.t_ms):
         yield Finding(file, "column t is not that of data.csv")
         return
-    for obstacle, wrong in off_the_path(arena, table, rows, record.rates.control_hz):
+    for obstacle, wrong in off_the_path(arena, numbers, rows, record.rates.control_hz):
         yield from _limited(file, [f"line {i + 2}: {obstacle} is not where its path in spec.json leads" for i in wrong])
 
 

@@ -42,10 +42,10 @@ def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None =
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
     if (root / DECLARATION).is_file():
         payload = [] if (root / PAYLOAD).is_symlink() else _dataset_findings(root / PAYLOAD, check_spec, key)
-        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in payload]
-        yield from within
-        told = {found.file for found in within}
-        yield from (found for found in bag_findings(root) if found.file not in told)
+        findings = [Finding(f"{PAYLOAD}/{finding.file}", finding.what) for finding in payload]
+        yield from findings
+        reported = {finding.file for finding in findings}
+        yield from (finding for finding in bag_findings(root) if finding.file not in reported)
     else:
         yield from _dataset_findings(root, check_spec, key)
 

@@ -244,9 +244,9 @@ def test_the_table_of_panoramas_holds_what_the_files_hold():
 import cv2, json, numpy as np
 means = {{}}
 for name in {list(MEAN_COLOR)}:
-    picture = cv2.imread(f"{folder}/{{name}}.exr", cv2.IMREAD_UNCHANGED)[..., 2::-1].astype(float)
-    above = np.minimum(picture, {CEILING})[: len(picture) // 2]
-    elevation = np.pi * (0.5 - (np.arange(len(above)) + 0.5) / len(picture))
+    image = cv2.imread(f"{folder}/{{name}}.exr", cv2.IMREAD_UNCHANGED)[..., 2::-1].astype(float)
+    above = np.minimum(image, {CEILING})[: len(image) // 2]
+    elevation = np.pi * (0.5 - (np.arange(len(above)) + 0.5) / len(image))
     means[name] = np.average(above.mean(axis=1), axis=0, weights=np.cos(elevation)).tolist()
 print(json.dumps(means))
 """

@@ -308,9 +308,9 @@ def test_bad_input_is_refused_in_one_line_with_place_and_field(case: Bad, here: 
         load_scenario("bad.yaml")
 
     message = str(caught.value)
-    told = f"bad.yaml:{line}: {case.field}"
-    assert message.startswith(told)
-    assert message[len(told)] in ":; "
+    expected = f"bad.yaml:{line}: {case.field}"
+    assert message.startswith(expected)
+    assert message[len(expected)] in ":; "
     assert case.telling in message
     assert len(message.splitlines()) == 1
     assert len(message) < 500

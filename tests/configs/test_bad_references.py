@@ -41,12 +41,12 @@ OVERRIDES = {
 }
 
 
-@pytest.mark.parametrize(("override", "told"), OVERRIDES.values(), ids=OVERRIDES.keys())
+@pytest.mark.parametrize(("override", "expected"), OVERRIDES.values(), ids=OVERRIDES.keys())
 @pytest.mark.usefixtures("here")
-def test_a_bad_override_is_refused_in_one_line_that_quotes_it(override: str, told: str):
+def test_a_bad_override_is_refused_in_one_line_that_quotes_it(override: str, expected: str):
     with pytest.raises(InputError) as caught:
         load_scenario("trial.yaml", [override])
-    assert str(caught.value).startswith(told)
+    assert str(caught.value).startswith(expected)
     assert len(str(caught.value).splitlines()) == 1
 
 
@@ -63,12 +63,12 @@ FILES = {
 }
 
 
-@pytest.mark.parametrize(("content", "told"), FILES.values(), ids=FILES.keys())
-def test_a_file_that_is_no_yaml_mapping_is_refused(content: bytes, told: str, here: Path):
+@pytest.mark.parametrize(("content", "expected"), FILES.values(), ids=FILES.keys())
+def test_a_file_that_is_no_yaml_mapping_is_refused(content: bytes, expected: str, here: Path):
     (here / "bad.yaml").write_bytes(content)
     with pytest.raises(InputError) as caught:
         load_scenario("bad.yaml")
-    assert str(caught.value).startswith(told)
+    assert str(caught.value).startswith(expected)
     assert len(str(caught.value).splitlines()) == 1
 
 
@@ -86,12 +86,12 @@ NAMES = {
 }
 
 
-@pytest.mark.parametrize(("name", "told", "telling"), NAMES.values(), ids=NAMES.keys())
+@pytest.mark.parametrize(("name", "expected", "telling"), NAMES.values(), ids=NAMES.keys())
 @pytest.mark.usefixtures("here")
-def test_a_scenario_that_is_not_there_is_refused(name: str, told: str, telling: str):
+def test_a_scenario_that_is_not_there_is_refused(name: str, expected: str, telling: str):
     with pytest.raises(InputError) as caught:
         load_scenario(name)
-    assert str(caught.value).startswith(told)
+    assert str(caught.value).startswith(expected)
     assert telling in str(caught.value)
     assert len(str(caught.value).splitlines()) == 1
 

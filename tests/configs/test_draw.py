@@ -127,10 +127,10 @@ def test_a_draw_that_makes_an_impossible_world_is_refused_with_its_run():
     found = loaded(
         DRAWN.replace("[{uniform: [-0.5, -0.4]}, 0.0]", "[0.55, {uniform: [-0.6, 0.2]}]"), "routes.CW.runs=50"
     )
-    told = (
+    expected = (
         r"^trial\.yaml:4: routes\.0\.start: the robot of route CW would start inside obstacle B.*drawn for CW run \d+"
     )
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=expected):
         draw_all(found)
 
 

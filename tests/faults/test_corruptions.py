@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.assembly.run_spec import spec_problem
 from pipeline.cli import main
+from pipeline.run_folder.stored_runs import spec_problem
 from symolo.verification.verify import verify
 
 _spec = importlib.util.spec_from_file_location("corruptions", Path(__file__).with_name("corruptions.py"))

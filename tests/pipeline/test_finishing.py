@@ -58,17 +58,17 @@ def orders(tmp_path):
 def test_a_run_is_whole_as_its_last_block_ends_while_others_are_made(orders):
     whole, seen = [], []
     executor = Blocks((0, 2, 1, 3), after=lambda: seen.append([*whole]))
-    assert render_runs(orders, executor, LineReport(), on_whole=whole.append) == []
+    assert render_runs(orders, executor, LineReport(), on_complete=whole.append) == []
     assert seen == [[], [], ["CW/1"], ["CW/1", "CW/2"]]
     again = []
-    assert render_runs(orders, executor, LineReport(), on_whole=again.append) == []
+    assert render_runs(orders, executor, LineReport(), on_complete=again.append) == []
     assert again == ["CW/1", "CW/2"]  # they were there
     assert len(seen) == 4
 
 
 def test_a_run_of_which_a_frame_was_given_up_is_not_whole_though_its_files_are_there(orders):
     whole = []
-    failed = render_runs(orders, Blocks(range(4), given_up=0), LineReport(), on_whole=whole.append)
+    failed = render_runs(orders, Blocks(range(4), given_up=0), LineReport(), on_complete=whole.append)
     assert [(one.run, one.problem) for one in failed] == [("CW/1", "given up")]
     assert whole == ["CW/2"]
     assert not orders[0].task.folder.is_done(orders[0].task.key)

@@ -9,17 +9,17 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from pipeline.preview.path import Way
+from pipeline.preview.path import PreviewPath
 from pipeline.preview.views import views
 from symolo.arena.geometry import Arena
 
 SHARES = np.linspace(0.0, 1.0, 60)
 
 
-def way_of(scenario: str, route: str) -> tuple[Way, Arena]:
+def way_of(scenario: str, route: str) -> tuple[PreviewPath, Arena]:
     spec = draw_run(load_scenario(scenario), route, 1)
     arena = Arena.from_config(spec.arena)
-    return Way.of(spec, arena), arena
+    return PreviewPath.of(spec, arena), arena
 
 
 def distance_m(point, start, end) -> float:
@@ -77,7 +77,7 @@ def test_single_images_are_rendered_in_full_whatever_the_scenario_says(tmp_path)
     loaded = load_scenario(str(file))
     assert draw_run(loaded, loaded.routes[0].name, 1).render.method == "hybrid"
     (one,) = views(str(file), (), (), 1, 160)
-    assert one.look.render.method == "full"
+    assert one.appearance.render.method == "full"
 
 
 def test_an_arena_with_nothing_to_follow_is_seen_from_the_start():
@@ -85,7 +85,7 @@ def test_an_arena_with_nothing_to_follow_is_seen_from_the_start():
     bare = spec.arena.model_copy(update={"walls": (), "line": spec.arena.line.model_copy(update={"pieces": ()})})
     spec = spec.model_copy(update={"arena": bare})
     start = (spec.start.x_m, spec.start.y_m, np.radians(spec.start.yaw_deg))
-    assert Way.of(spec, Arena.from_config(bare)).place(0.5, 0.0) == pytest.approx(start)
+    assert PreviewPath.of(spec, Arena.from_config(bare)).place(0.5, 0.0) == pytest.approx(start)
 
 
 def test_images_are_of_runs_as_a_release_draws_them_whatever_their_number():

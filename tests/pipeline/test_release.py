@@ -138,7 +138,7 @@ def test_another_look_is_rendered_again_but_not_simulated(dataset, copy_of, symo
     sunny = [*tiny, ONE_ROUTE, "--set", "look.sun.elevation_deg=70", "--set", "look.sun.illuminance_klx=60"]
     ended = symolo("release", "smoke", "--out", out, *sunny)
     assert ended.code == 0
-    assert "simulate: 1 of 1 runs are there already" in ended.err
+    assert "simulate: 1 of 1 run done before" in ended.err
     assert "the images there differ: look.sun.elevation_deg" in ended.err
     assert "-> 70.0" in ended.err
     assert trajectory.stat().st_mtime_ns == before
@@ -175,7 +175,7 @@ def test_a_run_that_touches_something_is_reported_and_not_released(tmp_path, sym
     assert symolo("verify", out).code == 0
     again = symolo(*arguments)
     assert again.code == 3
-    assert "2 of 2 runs are there already" in again.err
+    assert "2 of 2 runs done before" in again.err
 
 
 def test_killed_and_interrupted_at_any_stage_it_ends_with_the_same_bytes(dataset, tmp_path, symolo, tiny, release_of):

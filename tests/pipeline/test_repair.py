@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.repair.repair_state import with_one_bit_less_wrong
+from pipeline.repair.repair_state import with_one_bit_flipped
 from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
@@ -16,10 +16,10 @@ RUN = "CW/test_1"
 def test_one_wrong_bit_is_found_by_its_hash_alone():
     """SHA-256 of `abc` as FIPS 180-2 prints it, appendix B.1; `cbc` differs in one bit, `dbc` in two."""
     digest = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-    assert with_one_bit_less_wrong(b"cbc", digest) == b"abc"
-    assert with_one_bit_less_wrong(b"abb", digest) == b"abc"
-    assert with_one_bit_less_wrong(b"dbc", digest) is None
-    assert with_one_bit_less_wrong(b"", digest) is None
+    assert with_one_bit_flipped(b"cbc", digest) == b"abc"
+    assert with_one_bit_flipped(b"abb", digest) == b"abc"
+    assert with_one_bit_flipped(b"dbc", digest) is None
+    assert with_one_bit_flipped(b"", digest) is None
 
 
 def test_an_interrupted_repair_leaves_whole_files_and_goes_on(dataset, copy_of, symolo, release_of, monkeypatch):

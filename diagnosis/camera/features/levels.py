@@ -40,7 +40,7 @@ class LevelModel(CameraModel):
             "exposure_scale",
             "1",
             0.03,
-            "the images take this many times the light",
+            "the images receive this many times the light",
             "exposure time, gain, iris, or light",
         ),
         CameraParameter(
@@ -72,7 +72,7 @@ class LevelModel(CameraModel):
     def light(self) -> Array:
         """Return the light of the scene, exposed as in the simulated images and smoothed, (N, 3)."""
         patches = self.patches
-        raw = ToneResponse.of(self.nominal).raw(patches.simulated)
+        raw = ToneResponse.nominal(self.nominal).raw(patches.simulated)
         light = raw / self._vignetted(patches.nominal_at, self.nominal.vignetting)[:, None]
         smooth = np.empty_like(raw)
         for frame in np.unique(patches.frame):
@@ -126,7 +126,7 @@ class LevelModel(CameraModel):
         """Return the measured values without the texture of the simulated patches, (N, 3)."""
         patches = self.patches
         raw = self.light * self._vignetted(patches.nominal_at, self.nominal.vignetting)[:, None]
-        return patches.measured - (patches.simulated - ToneResponse.of(self.nominal).coded(raw))
+        return patches.measured - (patches.simulated - ToneResponse.nominal(self.nominal).coded(raw))
 
     def _vignetted(self, at: Array, vignetting: float) -> Array:
         """Return the share of the light that reaches pixels (N, 2), (N,)."""

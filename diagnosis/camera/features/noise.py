@@ -71,7 +71,7 @@ class NoiseModel(CameraModel):
     @cached_property
     def _light(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """Return level and variance (N,) in the sensor's green, of the measured and of the simulated patches."""
-        response, patches = ToneResponse.of(self.nominal), self.patches
+        response, patches = ToneResponse.nominal(self.nominal), self.patches
         pairs: list[tuple[Array, Array]] = []
         for values, roughness in zip((patches.measured, patches.simulated), patches.roughness.T, strict=True):
             up, down = values.copy(), values.copy()

@@ -19,8 +19,8 @@ class ToneResponse:
     white_balance: tuple[float, float, float]
 
     @classmethod
-    def of(cls, nominal: CameraResponse) -> "ToneResponse":
-        return cls(nominal.contrast, nominal.saturation, nominal.white_balance)
+    def nominal(cls, response: CameraResponse) -> "ToneResponse":
+        return cls(response.contrast, response.saturation, response.white_balance)
 
     def raw(self, coded: Array) -> Array:
         """Return the light of the sensor (..., 3) for values (..., 3) from 0 to 1, without regard to sharpening."""

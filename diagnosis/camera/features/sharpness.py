@@ -40,10 +40,10 @@ class SharpnessModel(CameraModel):
     min_sd = 0.03
     parameters = (
         CameraParameter(
-            "lens_blur", "px", 0.08, "the lens spreads a point by this standard deviation in all", "a lens out of focus"
+            "lens_blur", "px", 0.08, "the lens blurs a point to this standard deviation", "a lens out of focus"
         ),
         CameraParameter(
-            "exposure_time", "s", 2.5e-5, "the shutter is open for this time in all", "less light, another setting"
+            "exposure_time", "s", 2.5e-5, "the shutter is open for this time", "less light, another setting"
         ),
         CameraParameter("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
     )

@@ -13,11 +13,11 @@ from symolo.core.time_series import TimeSeries
 from symolo.dataset.tables.rows import COLUMNS, HEADER, Ints, Rows, read_rows
 
 RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}
-OFTEN = 3
+MIN_COUNT = 3
 """Smallest number of readings of exactly the largest range for which it may be the code for "no target"."""
-NEAREST_CODE_M = 1.0
+MIN_CODE_M = 1.0
 """Smallest code [m] for "no target" of any sensor."""
-DETACHED_M = 0.05
+MIN_GAP_M = 0.05
 """Smallest distance [m] of the code from the next lower reading; ranges to a wall have no such gap."""
 
 
@@ -30,29 +30,25 @@ def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...
         stale: (N, 3), whether they repeated the reading before.
     """
     t_s = 1e-3 * rows.t_ms
-    theta = np.unwrap(rows.pose[:, 2])
     units = {column.name: column.unit for column in COLUMNS}
 
     def series(name: str, unit: str, values: Array | Ints) -> TimeSeries:
         return TimeSeries(name, unit, t_s, values.astype(np.float64))
 
-    channels = [
+    ranges = [
         Channel.logged(series(name, "m", rows.tof_m[:, i]), Role.READING, no_target=no_target[:, i], stale=stale[:, i])
         for name, i in RANGES.items()
     ]
-    for name, unit, values in (
-        ("x_m", "m", rows.pose[:, 0]),
-        ("y_m", "m", rows.pose[:, 1]),
-        ("theta_rad", "rad", theta),
-    ):
-        channels.append(Channel.logged(series(name, unit, values), Role.READING))
-    channels += [
-        Channel.logged(series("v_m_s", units["v"], rows.twist[:, 0]), Role.READING),
-        Channel.logged(series("w_rad_s", units["w"], rows.twist[:, 1]), Role.READING),
-        Channel.logged(series("state", "", rows.state), Role.INPUT),
+    others = [
+        ("x_m", "m", rows.pose[:, 0], Role.READING),
+        ("y_m", "m", rows.pose[:, 1], Role.READING),
+        ("theta_rad", "rad", np.unwrap(rows.pose[:, 2]), Role.READING),
+        ("v_m_s", units["v"], rows.twist[:, 0], Role.READING),
+        ("w_rad_s", units["w"], rows.twist[:, 1], Role.READING),
+        ("state", "", rows.state, Role.INPUT),
+        *((f"line_{i}", "", rows.line[:, i], Role.READING) for i in range(8)),
     ]
-    channels += [Channel.logged(series(f"line_{i}", "", rows.line[:, i]), Role.READING) for i in range(8)]
-    return tuple(channels)
+    return (*ranges, *(Channel.logged(series(name, unit, values), role) for name, unit, values, role in others))
 
 
 def trial_of(name: str, rows: Rows, channels: Sequence[Channel]) -> Trial:
@@ -63,8 +59,8 @@ def no_target_code_m(tof_m: Array) -> float | None:
     """Return the largest of all ranges if it is frequent, large, and no other range is close to it."""
     largest = float(tof_m.max())
     others = tof_m[tof_m < largest]
-    is_detached = not len(others) or largest - others.max() >= DETACHED_M
-    is_code = is_detached and largest >= NEAREST_CODE_M and np.count_nonzero(tof_m == largest) >= OFTEN
+    is_detached = not len(others) or largest - others.max() >= MIN_GAP_M
+    is_code = is_detached and largest >= MIN_CODE_M and np.count_nonzero(tof_m == largest) >= MIN_COUNT
     return largest if is_code else None
 
 

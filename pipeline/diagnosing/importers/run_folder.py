@@ -3,29 +3,25 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
-from pydantic import ValidationError
 
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import RunSpec
 from diagnosis.importers.base import Importer, is_file
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from pipeline.diagnosing.importers.data_csv import row_channels, trial_of
-from pipeline.stages.assemble import DATA, SIDE
-from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from pipeline.run_folder.stored_runs import read_simulated, read_spec, run_name, simulated_folders, tables_of
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.time_series import TimeSeries
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.metadata import METADATA
-from symolo.dataset.layout import STAGES
-from symolo.dataset.tables.rows import HEADER, Rows, parse_table, read_rows
+from symolo.dataset.layout import DATA, SIDE
+from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.dataset.tables.side_reading import read_side
-from symolo.dataset.tables.side_tables import TOF, WHEELS, tof_csv, wheels_csv
+from symolo.dataset.tables.side_tables import TOF, WHEELS
 
 _DRIVE = {
     "v_cmd_m_s": ("command_v", "m/s", Role.INPUT),
@@ -39,13 +35,13 @@ _DRIVE = {
 }
 """Channel -> column of side/wheels.csv, unit, role."""
 _VOLTAGES = {"u_left_V": "mean_voltage_l", "u_right_V": "mean_voltage_r"}
-"""Channel -> column. A row of the column is about the time since the row before, one of the channel about the time to
-the next row."""
+"""Channel -> column. A row of the column is the mean since the row before; a row of the channel is the mean until the
+next row."""
 _NOTE = (
     "a voltage is the mean from its row to the next, between which the wheel loop changes it; it drives a motor to the "
     "same place as the loop does but for its ripple"
 )
-HELD = 4
+HELD_OUT_EACH = 4
 """Every 4th run is held out; of fewer than 4 runs, the last quarter of each."""
 
 
@@ -55,11 +51,6 @@ class _DatasetRun:
 
     folder: Path
     simulated: bool
-
-    @property
-    def name(self) -> str:
-        folder = self.folder.absolute()
-        return f"{folder.parent.name}/{folder.name}"
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -72,19 +63,11 @@ class _DatasetRun:
         Raises:
             InputError: One of them is missing, of another form, or at other times.
         """
-        if not self.simulated:
-            rows = read_rows(self.folder / DATA)
-            wheels, tof = (read_side(self.folder / SIDE / table.file, table, rows) for table in (WHEELS, TOF))
-            return rows, wheels, tof
-        try:
-            recording = read_recording(self.folder)
-        except (OSError, ValueError, KeyError, BadZipFile) as error:
-            raise InputError(f"cannot be read: {error}", where=self.files[0], cure="simulate again") from None
-        # As text and back, so that a run says the same before and after its release.
-        texts = (Rows.from_recording(recording).to_csv(), wheels_csv(recording), tof_csv(recording))
-        headers = (HEADER, WHEELS.header, TOF.header)
-        data, wheels, tof = (parse_table(text, header)[0] for text, header in zip(texts, headers, strict=True))
-        return Rows.from_table(data), wheels, tof
+        if self.simulated:
+            return tables_of(read_simulated(self.folder))
+        rows = read_rows(self.folder / DATA)
+        wheels, tof = (read_side(self.folder / SIDE / table.file, table, rows) for table in (WHEELS, TOF))
+        return rows, wheels, tof
 
 
 def robots_of(path: Path) -> list[RobotConfig]:
@@ -95,11 +78,7 @@ def robots_of(path: Path) -> list[RobotConfig]:
     """
     robots: dict[str, RobotConfig] = {}
     for run in _runs_or_error(path):
-        spec = run.folder / SPEC if run.simulated else run.folder / SIDE / SPEC
-        try:
-            robot = RunSpec.model_validate_json(read_file(spec, FileKind.DOCUMENT)).robot
-        except (OSError, ValidationError):
-            raise InputError("does not say which robot drove", where=str(spec), cure="make the run again") from None
+        robot = read_spec(run.folder / SPEC if run.simulated else run.folder / SIDE / SPEC).robot
         robots.setdefault(robot.model_dump_json(), robot)
     return list(robots.values())
 
@@ -117,8 +96,8 @@ def _runs(path: Path) -> Iterator[_DatasetRun]:
     elif is_file(path / TRAJECTORY):
         yield _DatasetRun(path, simulated=True)
     else:
-        for file in sorted(path.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}")):
-            yield _DatasetRun(file.parent, simulated=True)
+        for folder in simulated_folders(path):
+            yield _DatasetRun(folder, simulated=True)
 
 
 def _recognises(path: Path) -> bool:
@@ -138,15 +117,17 @@ def _runs_or_error(path: Path) -> list[_DatasetRun]:
 
 def _read(path: Path) -> Measurement:
     runs = _runs_or_error(path)
-    several = len(runs) >= HELD
+    several = len(runs) >= HELD_OUT_EACH
     trials = []
     for number, run in enumerate(runs, start=1):
         trial = _trial(run)
         rows = len(trial.t_s)
-        held = np.full(rows, number % HELD == 0) if several else np.arange(rows) >= rows - rows // HELD
-        trials.append(replace(trial, holdout=held))
+        holdout = (
+            np.full(rows, number % HELD_OUT_EACH == 0) if several else np.arange(rows) >= rows - rows // HELD_OUT_EACH
+        )
+        trials.append(replace(trial, holdout=holdout))
     files = tuple(file for run in runs for file in run.files)
-    share = f"every {HELD}th run" if several else f"the last {1.0 / HELD:.0%} of each run"
+    share = f"every {HELD_OUT_EACH}th run" if several else f"the last {1.0 / HELD_OUT_EACH:.0%} of each run"
     notes = (_NOTE, f"{share} is held out")
     name = path.absolute().parent.name if path.name == DATA else path.absolute().name
     return Measurement(
@@ -166,7 +147,7 @@ def _trial(run: _DatasetRun) -> Trial:
         drive.append(Channel.logged(TimeSeries(name, "V", t_s, mean_V), Role.INPUT))
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
-    return trial_of(run.name, rows, (*drive, *seen))
+    return trial_of(run_name(run.folder), rows, (*drive, *seen))
 
 
 IMPORTER = Importer("run", _recognises, _read)

@@ -41,7 +41,7 @@ def write_file(path: Path, data: bytes, mode: int = 0o666) -> None:
     """
     with _whole(path) as beside:
         _write_beside(beside, (data,), mode)
-        _check_kept(beside, data, path)
+        _check_stored(beside, data, path)
 
 
 def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
@@ -59,10 +59,10 @@ def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
 
     with _whole(path) as beside:
         _write_beside(beside, noted())
-        kept = sha256_of(beside)
-        if kept != written.hexdigest():
+        digest = sha256_of(beside)
+        if digest != written.hexdigest():
             raise OSError(errno.EIO, "what is on the disk is not what was written", str(path))
-    return kept
+    return digest
 
 
 @contextlib.contextmanager
@@ -102,8 +102,8 @@ def new_writer() -> str:
 
 def place_of(unfinished: Path) -> Path | None:
     """The place that an unfinished file or folder was meant for; None of what bears no such name."""
-    found = UNFINISHED.fullmatch(unfinished.name)
-    return unfinished.with_name(found.group(1)) if found else None
+    match = UNFINISHED.fullmatch(unfinished.name)
+    return unfinished.with_name(match.group(1)) if match else None
 
 
 def _write_beside(beside: Path, chunks: Iterable[bytes], mode: int = 0o666) -> None:
@@ -116,15 +116,15 @@ def _write_beside(beside: Path, chunks: Iterable[bytes], mode: int = 0o666) -> N
         os.close(descriptor)
 
 
-def _check_kept(beside: Path, data: bytes, path: Path) -> None:
-    kept = beside.read_bytes()
-    if kept != data:
-        told = f"is not what was written ({len(kept)} of {len(data)} bytes)"
-        raise OSError(errno.EIO, f"what is on the disk {told}", str(path))
+def _check_stored(beside: Path, data: bytes, path: Path) -> None:
+    stored = beside.read_bytes()
+    if stored != data:
+        problem = f"what is on the disk is not what was written ({len(stored)} of {len(data)} bytes)"
+        raise OSError(errno.EIO, problem, str(path))
 
 
 def _write_all(descriptor: int, data: bytes) -> None:
-    """A write may take less than it is given, and say why only when it is asked again."""
+    """Write all bytes: a write may accept fewer bytes, and only the next write says why."""
     left = memoryview(data)
     while left:
         left = left[os.write(descriptor, left) :]
@@ -241,6 +241,6 @@ def remove_leftovers(folder: Path, *, below: bool = False, of: str = "") -> None
             path.unlink()
 
 
-def _is_left(path: Path, of: str) -> bool:
-    found = UNFINISHED.fullmatch(path.name)
-    return found is not None and found.group(2).startswith(of)
+def _is_left(path: Path, writer: str) -> bool:
+    match = UNFINISHED.fullmatch(path.name)
+    return match is not None and match.group(2).startswith(writer)

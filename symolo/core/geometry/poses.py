@@ -11,6 +11,12 @@ PlanarPose = tuple[float, float, float]
 """x [m], y [m], yaw [rad] in W, of a frame on the floor."""
 
 
+def as_rows(matrix: Array) -> Matrix4:
+    """Return a (4, 4) matrix as a tuple of rows."""
+    a, b, c, d = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in matrix)
+    return a, b, c, d
+
+
 def pose_X_WR(x_m: float, y_m: float, yaw_rad: float) -> Array:
     """Return the (4, 4) pose in W of a frame R that stands on the floor."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)

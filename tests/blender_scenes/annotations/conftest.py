@@ -46,7 +46,7 @@ class Annotated:
     folder: Path
     document: AnnotationDocument
 
-    def picture(self, kind: str, number: int) -> np.ndarray:
+    def image(self, kind: str, number: int) -> np.ndarray:
         """As a stranger reads it, channels in the order of the file."""
         pixels = cv2.imread(str(self.folder / kind / f"{number:06d}.png"), cv2.IMREAD_UNCHANGED)
         return pixels if pixels.ndim == 2 else pixels[..., ::-1]
@@ -86,7 +86,7 @@ def small() -> Arena:
 
 
 @pytest.fixture(scope="session")
-def pictures_job(small, robot) -> RenderJob:
+def images_job(small, robot) -> RenderJob:
     frames = [FramePose(i + 1, 0.2 * i, *pose) for i, pose in enumerate(POSES)]
     # Looking less far down than the shipped robot, so that the tops of things are in the image.
     camera = robot.camera.model_copy(update={"pitch_down_deg": 12.0})
@@ -95,8 +95,8 @@ def pictures_job(small, robot) -> RenderJob:
 
 
 @pytest.fixture(scope="session")
-def annotated(small, pictures_job, tmp_path_factory) -> Annotated:
-    job = build_annotation_job(pictures_job, small, get_args(AnnotationName))
+def annotated(small, images_job, tmp_path_factory) -> Annotated:
+    job = build_annotation_job(images_job, small, get_args(AnnotationName))
     folder = tmp_path_factory.mktemp("annotated")
     (folder / "job.json").write_text(job.to_json())
     heard = []

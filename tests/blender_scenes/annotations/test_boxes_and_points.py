@@ -30,13 +30,13 @@ def rows(matrix):
 
 
 @pytest.fixture
-def job(small, pictures_job):
+def job(small, images_job):
     """The small arena with its cube 1 m ahead, square to the camera, 0.2 m wide and high, and its cart behind it."""
     *others, _, cart = small.boxes
     cube = replace(small.boxes[2], center=(1.1, 0.0, 0.1), size=(0.2, 0.2, 0.2), yaw_rad=0.0)
     arena = replace(small, boxes=(*others, cube, cart))
     views = tuple(FrameView(i + 1, 0.2 * i, (0.0, 0.0, 0.0), rows(AHEAD), ((-0.5, 0.0, 0.0),)) for i in range(2))
-    return build_annotation_job(replace(pictures_job, camera=CAMERA, frames=views), arena, ("boxes_2d", "boxes_3d"))
+    return build_annotation_job(replace(images_job, camera=CAMERA, frames=views), arena, ("boxes_2d", "boxes_3d"))
 
 
 def seen(job, mesh=None, **passes):
@@ -124,20 +124,20 @@ def test_depth_is_taken_where_the_plane_cuts_the_ray_through_the_pixels_middle(j
     far = np.where(down > 0, 0.06 / np.where(down > 0, down, 1.0), 0.0)
     point_W = np.stack([far, -far * (u + 0.4 - 39.5) / FOCAL, np.zeros_like(far)], axis=-1)
     normal_W = np.broadcast_to([0.0, 0.0, 1.0], point_W.shape)
-    picture = depth(seen(job, (down > 0).astype(int), point_W=point_W, normal_W=normal_W))
+    image = depth(seen(job, (down > 0).astype(int), point_W=point_W, normal_W=normal_W))
     rows_below = np.arange(30, HEIGHT)
-    assert picture.dtype == np.uint16
+    assert image.dtype == np.uint16
     expected = np.rint(1e4 * FOCAL * 0.06 / (rows_below - 29.5))
-    assert np.array_equal(picture[30:], np.broadcast_to(expected[:, None], (HEIGHT - 30, WIDTH)))
-    assert not picture[:30].any()
+    assert np.array_equal(image[30:], np.broadcast_to(expected[:, None], (HEIGHT - 30, WIDTH)))
+    assert not image[:30].any()
 
 
 def test_what_is_beyond_the_range_has_no_depth(job):
     for far, expected in ((6.4, 64_000), (6.6, 0)):
         point_W = np.broadcast_to([far, 0.0, 0.06], (HEIGHT, WIDTH, 3))
         normal_W = np.broadcast_to([-1.0, 0.0, 0.0], (HEIGHT, WIDTH, 3))
-        picture = depth(seen(job, np.ones((HEIGHT, WIDTH), dtype=int), point_W=point_W, normal_W=normal_W))
-        assert np.all(picture == expected)
+        image = depth(seen(job, np.ones((HEIGHT, WIDTH), dtype=int), point_W=point_W, normal_W=normal_W))
+        assert np.all(image == expected)
 
 
 def test_the_sky_turns_with_the_camera_by_the_homography_of_infinity(job):
@@ -171,9 +171,9 @@ def test_normals_are_written_in_the_cameras_frame(job):
     mesh = np.zeros((HEIGHT, WIDTH), dtype=int)
     mesh[0, 0] = 1
     normal_W = np.broadcast_to([-1.0, 0.0, 0.0], (HEIGHT, WIDTH, 3))
-    picture = normals(seen(job, mesh, normal_W=normal_W))
-    assert picture[0, 0].tolist() == [32768, 32768, 1]
-    assert picture[1, 1].tolist() == [0, 0, 0]
+    image = normals(seen(job, mesh, normal_W=normal_W))
+    assert image[0, 0].tolist() == [32768, 32768, 1]
+    assert image[1, 1].tolist() == [0, 0, 0]
 
 
 def test_a_cube_hides_what_lies_behind_it_and_its_own_back_but_not_its_front():
@@ -193,13 +193,13 @@ def test_a_wall_that_begins_behind_the_camera_hides_what_is_beyond_it():
     assert hidden(np.array([(-2.0, 0, 3), (-0.9, 0, 3), (2, 0, 3)]), screens).tolist() == [True, False, False]
 
 
-def test_a_scene_of_another_arena_is_refused(small, pictures_job):
+def test_a_scene_of_another_arena_is_refused(small, images_job):
     with pytest.raises(ValueError, match="is not of arena"):
-        instances(pictures_job.scene, replace(small, boxes=small.boxes[:3]))
+        instances(images_job.scene, replace(small, boxes=small.boxes[:3]))
 
 
-def test_every_part_of_the_robot_is_one_instance(small, pictures_job):
-    scene = pictures_job.scene
+def test_every_part_of_the_robot_is_one_instance(small, images_job):
+    scene = images_job.scene
     known = instances(scene, small)
     robot = known.named("robot", "robot").id
     assert known.of_mesh[len(scene.meshes) + 1 : len(scene.meshes) + len(scene.robot) + 1] == (robot,) * len(
@@ -208,16 +208,16 @@ def test_every_part_of_the_robot_is_one_instance(small, pictures_job):
     assert sorted(set(known.of_mesh)) == list(range(len(known.known) + 1))
 
 
-def test_materials_and_light_play_no_part(small, pictures_job):
+def test_materials_and_light_play_no_part(small, images_job):
     """So that another look in the same room has the same annotations, and what is there is kept."""
     dark = replace(
-        pictures_job,
-        response=replace(pictures_job.response, brightness=0.1),
-        sampling=replace(pictures_job.sampling, samples=9),
+        images_job,
+        response=replace(images_job.response, brightness=0.1),
+        sampling=replace(images_job.sampling, samples=9),
     )
     kinds = ("depth", "flow")
     assert (
-        build_annotation_job(dark, small, kinds).to_json() == build_annotation_job(pictures_job, small, kinds).to_json()
+        build_annotation_job(dark, small, kinds).to_json() == build_annotation_job(images_job, small, kinds).to_json()
     )
 
 

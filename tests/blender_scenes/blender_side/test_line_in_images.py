@@ -36,9 +36,9 @@ CASES = [("tape", 0), ("tape", 1), ("tape", 2), ("tape", 3), ("tape", 4), ("pain
 _REACH_PX = 6
 
 
-def _linear(picture: np.ndarray) -> np.ndarray:
+def _linear(image: np.ndarray) -> np.ndarray:
     """Grey value, the sRGB transfer undone (IEC 61966-2-1)."""
-    s = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float64) / 255
+    s = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float64) / 255
     return np.where(s <= 0.04045, s / 12.92, ((s + 0.055) / 1.055) ** 2.4)
 
 
@@ -90,7 +90,7 @@ def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
 def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
     """Signed distances [px] of the image's edges from the projected ones, outwards positive."""
     (view,) = (view for view in job.frames if view.number == index + 1)
-    picture = _linear(cv2.imread(str(images / f"{view.number:06d}.jpg")))
+    image = _linear(cv2.imread(str(images / f"{view.number:06d}.jpg")))
     X_WC = np.array(view.X_WC)
     errors = []
     for side in (1, -1):
@@ -105,7 +105,7 @@ def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
                 continue
             at = pixel[i] + outward[i] / length[i] * np.arange(-_REACH_PX, _REACH_PX + 0.01, 0.5)[:, None]
             u, v = at.astype(np.float32).T
-            profile = cv2.remap(picture, u[:, None], v[:, None], cv2.INTER_LINEAR)[:, 0]
+            profile = cv2.remap(image, u[:, None], v[:, None], cv2.INTER_LINEAR)[:, 0]
             errors.append(0.5 * _offset(profile))
     return np.array(errors)
 

@@ -93,18 +93,18 @@ def test_box_and_shadow_stand_where_the_view_says(light_of):
     down = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, HEIGHT_M), (0.0, 0.0, 0.0, 1.0))
     places = [(-0.15, -0.1, 0.0), (0.2, 0.15, np.pi / 2)]
     views = [FrameView(i + 1, 0.0, (9.0, 9.0, 0.0), down, (place,)) for i, place in enumerate(places)]
-    pictures = light_of(scene, views, 101, 250.0)
+    images = light_of(scene, views, 101, 250.0)
     lit = 0.5 / np.pi * SUN * np.sqrt(0.5)
 
-    def seen(picture, x, y, z=0.0):
+    def seen(image, x, y, z=0.0):
         scale = 250.0 / (HEIGHT_M - z)
-        return picture[round(50 - scale * y), round(50 + scale * x)]
+        return image[round(50 - scale * y), round(50 + scale * x)]
 
-    for picture, other, (x, y, _) in zip(pictures, pictures[::-1], places, strict=True):
-        np.testing.assert_allclose(seen(picture, x, y, SIZE_M), (lit, 0, 0), rtol=0.05, atol=0.02)
+    for image, other, (x, y, _) in zip(images, images[::-1], places, strict=True):
+        np.testing.assert_allclose(seen(image, x, y, SIZE_M), (lit, 0, 0), rtol=0.05, atol=0.02)
         # From its foot on: 15 mm beside the cube, in the middle, and just before its end; beyond it there is light.
         for beside in (0.015, 0.05, 0.085):
-            assert seen(picture, x - SIZE_M / 2 - beside, y).max() < 0.3 * lit
+            assert seen(image, x - SIZE_M / 2 - beside, y).max() < 0.3 * lit
             np.testing.assert_allclose(seen(other, x - SIZE_M / 2 - beside, y), lit, rtol=0.1)
-        np.testing.assert_allclose(seen(picture, x - SIZE_M / 2 - 0.125, y), lit, rtol=0.1)
+        np.testing.assert_allclose(seen(image, x - SIZE_M / 2 - 0.125, y), lit, rtol=0.1)
         np.testing.assert_allclose(seen(other, x, y), lit, rtol=0.1)

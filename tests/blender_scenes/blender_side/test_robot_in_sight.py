@@ -46,7 +46,7 @@ def annotated(job_of, tmp_path_factory):
     return job, folder / "files"
 
 
-def _picture(annotated, kind):
+def _image(annotated, kind):
     return cv2.imread(str(annotated[1] / kind / "000001.png"), cv2.IMREAD_UNCHANGED)
 
 
@@ -107,7 +107,7 @@ def test_in_sight_is_all_but_the_camera_itself(job_of):
 
 def test_the_mask_of_the_robot_is_where_rays_meet_its_boxes(annotated):
     body, clear = _clear(annotated[0])
-    mask = _picture(annotated, "semantic") == CATEGORIES.index("robot")
+    mask = _image(annotated, "semantic") == CATEGORIES.index("robot")
     assert 100 < mask.sum() < 0.5 * mask.size
     assert clear.mean() > 0.9
     assert np.array_equal(mask[clear], np.isfinite(body)[clear])
@@ -116,8 +116,8 @@ def test_the_mask_of_the_robot_is_where_rays_meet_its_boxes(annotated):
 def test_its_depth_is_that_of_the_boxes_and_it_stands_still_in_the_image(annotated):
     body, clear = _clear(annotated[0])
     inside = clear & np.isfinite(body)
-    assert _picture(annotated, "depth")[inside] / 10_000 == pytest.approx(body[inside], abs=1e-4)
-    flow = _picture(annotated, "flow")[..., ::-1][inside].astype(float)
+    assert _image(annotated, "depth")[inside] / 10_000 == pytest.approx(body[inside], abs=1e-4)
+    flow = _image(annotated, "flow")[..., ::-1][inside].astype(float)
     assert np.all(flow[:, 2] == 1)
     assert np.abs(flow[:, :2] - 32768).max() == 0
 

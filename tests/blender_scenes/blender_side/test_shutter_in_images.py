@@ -60,8 +60,8 @@ def _traced(arena, light_of, focal_px: float, lens: Coefficients, views_of: slic
         at = moment(moving, X_RC, (0.0, 0.0, 0.0), t_s)
         views.append(FrameView(number, t_s, at.robot_pose, at.X_WC, at.moving))
     turning, passing = exposed(views, moving, X_RC, PATH, window(SHUTTER, camera))
-    pictures = light_of(scene, [turning, passing, views[0]][views_of], PIXELS, focal_px, SHUTTER, lens)[..., 1]
-    return pictures / pictures[:, :, 20:25].mean(axis=2, keepdims=True)
+    images = light_of(scene, [turning, passing, views[0]][views_of], PIXELS, focal_px, SHUTTER, lens)[..., 1]
+    return images / images[:, :, 20:25].mean(axis=2, keepdims=True)
 
 
 @pytest.fixture(scope="module")

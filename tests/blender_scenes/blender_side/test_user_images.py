@@ -135,7 +135,7 @@ def job(robot) -> RenderJob:
     return build_job(arena, robot, look, Render(width_px=160, height_px=120, samples=1), frames, seed=1)
 
 
-def test_a_wall_with_a_picture_is_to_the_range_sensors_what_it_was(job):
+def test_a_wall_with_an_image_is_to_the_range_sensors_what_it_was(job):
     wall = WallConfig(name="W", start=(0.9, -0.7), end=(0.9, 0.7), surface="wood")
     (box,) = Arena.from_config(ArenaConfig(name="one", line=LineConfig(), walls=(wall,))).boxes
     assert box.surface == "wood"

@@ -25,9 +25,9 @@ def job_of(arena, robot, look=None):
 def test_the_median_of_an_image_is_the_brightness_that_the_look_sets(arena, robot):
     """0.25 of the light is 137 of 255 in sRGB (IEC 61966-2-1)."""
     job = job_of(arena, robot)
-    picture = FlatRenderer(job).image(job.frames[0])
-    assert picture.shape == (48, 64, 3)
-    grey = picture.reshape(-1, 3) @ np.array([0.2126, 0.7152, 0.0722])
+    image = FlatRenderer(job).image(job.frames[0])
+    assert image.shape == (48, 64, 3)
+    grey = image.reshape(-1, 3) @ np.array([0.2126, 0.7152, 0.0722])
     assert np.median(grey) == pytest.approx(137, abs=3)
 
 

@@ -19,7 +19,7 @@ from symolo.core.geometry.poses import pose_X_WR
 
 POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
 """x [m], y [m], yaw [deg]."""
-PICTURE = Intrinsics(96, 72, 68.0, 68.0, 47.5, 35.5)
+IMAGE = Intrinsics(96, 72, 68.0, 68.0, 47.5, 35.5)
 
 
 def eye_at(robot, pose, pitch_down_deg=30.0):
@@ -46,13 +46,13 @@ def test_a_box_covers_the_outline_of_its_projected_corners(robot, pose, yaw_deg)
     ahead = X_WC[:2, 3] + 0.4 * X_WC[:2, 2] / np.linalg.norm(X_WC[:2, 2])
     block = geometry.block("block", (0.0, 0.0, 0.06), (0.08, 0.1, 0.12), "card")
     box = of(block).placed(pose_X_WR(*ahead, np.radians(yaw_deg)))
-    corners, depth = project(PICTURE, X_WC, box.corners.reshape(-1, 3))
+    corners, depth = project(IMAGE, X_WC, box.corners.reshape(-1, 3))
     assert (depth > 0).all()
     outline = np.array(convex_outline([(float(u), float(v)) for u, v in corners]))
     side = np.roll(outline, -1, axis=0) - outline
-    to_pixel = pixels_of(PICTURE)[:, None] - outline
+    to_pixel = pixels_of(IMAGE)[:, None] - outline
     left = (side[:, 0] * to_pixel[..., 1] - side[:, 1] * to_pixel[..., 0]) / np.linalg.norm(side, axis=1)
-    covered = rasterise(PICTURE, X_WC, box).triangle.ravel() >= 0
+    covered = rasterise(IMAGE, X_WC, box).triangle.ravel() >= 0
     assert covered.sum() > 100
     assert covered[left.min(axis=1) > 1e-6].all()
     assert not covered[left.min(axis=1) < -1e-6].any()
@@ -63,14 +63,14 @@ def test_the_floor_is_seen_where_its_rays_come_down(robot, pitch_down_deg):
     """It reaches below and behind the camera; surface coordinates and depth are those of the point met."""
     X_WC = eye_at(robot, (0.3, -0.2, 40), pitch_down_deg)
     floor = geometry.floor("floor", (-3.0, -2.0), (2.0, 3.0), 0.0, "floor")
-    seen = rasterise(PICTURE, X_WC, of(floor))
-    met = floor_points(PICTURE, X_WC, pixels_of(PICTURE))
+    seen = rasterise(IMAGE, X_WC, of(floor))
+    met = floor_points(IMAGE, X_WC, pixels_of(IMAGE))
     with np.errstate(invalid="ignore"):
         on_it = ((met[:, :2] > (-3.0, -2.0)) & (met[:, :2] < (2.0, 3.0))).all(axis=1)
     np.testing.assert_array_equal(seen.triangle.ravel() >= 0, on_it)
     assert on_it.sum() > 2000
     np.testing.assert_allclose(seen.uv_m.reshape(-1, 2)[on_it], met[on_it, :2], atol=1e-9)
-    _, depth = project(PICTURE, X_WC, met[on_it])
+    _, depth = project(IMAGE, X_WC, met[on_it])
     np.testing.assert_allclose(seen.depth_m.ravel()[on_it], depth, rtol=1e-9)
     assert np.isinf(seen.depth_m.ravel()[~on_it]).all()
 
@@ -110,8 +110,8 @@ def test_faces_that_meet_leave_no_gap_and_each_pixel_sees_the_one_below_it(robot
     triangles = of(*parts)
     for pose in ((0.4, 0.75, 0), (0.4, 0.75, 30)):
         X_WC = eye_at(robot, pose, 60)
-        seen = rasterise(PICTURE, X_WC, triangles)
-        met = floor_points(PICTURE, X_WC, pixels_of(PICTURE))[:, :2]
+        seen = rasterise(IMAGE, X_WC, triangles)
+        met = floor_points(IMAGE, X_WC, pixels_of(IMAGE))[:, :2]
         np.testing.assert_array_less(-1, seen.triangle)
         tile = np.floor(met / 0.1).astype(int)
         inside = (np.abs(met / 0.1 - np.rint(met / 0.1)) > 1e-6).all(axis=1)
@@ -129,13 +129,13 @@ def facing(z_m: float, surface: str, *, back: bool = False) -> Mesh:
 @pytest.mark.parametrize("order", [1, -1])
 def test_the_nearest_surface_is_seen_from_either_side_in_whichever_order(back, order):
     meshes = [facing(1.0, "near", back=back), facing(1.000002, "far")][::order]
-    seen = rasterise(PICTURE, np.eye(4), of(*meshes))
+    seen = rasterise(IMAGE, np.eye(4), of(*meshes))
     shown = {meshes[number].name for number in np.unique(of(*meshes).surface[seen.triangle[30:40, 40:50]])}
     assert shown == {"near"}
 
 
 def test_nothing_is_seen_closer_than_a_millimetre_or_behind():
-    seen = rasterise(PICTURE, np.eye(4), of(facing(0.0009, "too near"), facing(-1.0, "behind"), facing(2.0, "far")))
+    seen = rasterise(IMAGE, np.eye(4), of(facing(0.0009, "too near"), facing(-1.0, "behind"), facing(2.0, "far")))
     assert set(np.unique(seen.triangle)) <= {-1, 4, 5}
     assert seen.depth_m[36, 48] == pytest.approx(2.0)
 

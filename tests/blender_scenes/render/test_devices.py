@@ -24,11 +24,11 @@ def test_every_kind_of_card_that_cycles_knows_is_looked_for():
     assert set(GPU_KINDS) == {"OPTIX", "CUDA", "HIP", "METAL", "ONEAPI"} == set(get_args(DeviceKind)) - {"CPU"}
 
 
-@pytest.mark.parametrize("asked", ["auto", "gpu"])
-def test_a_card_is_taken_by_its_fastest_way(asked):
+@pytest.mark.parametrize("device", ["auto", "gpu"])
+def test_a_card_is_taken_by_its_fastest_way(device):
     """An NVIDIA card with ray-tracing cores is listed under both; OptiX is what Blender's manual recommends for it."""
-    assert device_for(asked, _has("CUDA", "OPTIX")) == "OPTIX"
-    assert device_for(asked, _has("ONEAPI")) == "ONEAPI"
+    assert device_for(device, _has("CUDA", "OPTIX")) == "OPTIX"
+    assert device_for(device, _has("ONEAPI")) == "ONEAPI"
 
 
 def test_without_a_card_auto_is_the_processor_and_gpu_is_refused_with_a_way_out():

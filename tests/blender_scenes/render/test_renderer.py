@@ -47,12 +47,12 @@ def test_every_frame_is_written_reported_and_an_image(rendered):
     assert heard == [1, 2, 3]
     assert [f.number for f in frames.files] == [1, 2, 3]
     assert frames.made == 3
-    pictures = [cv2.imread(str(folder / "images" / f.file)) for f in frames.files]
-    for picture in pictures:
-        assert picture.shape == (60, 80, 3)
-        assert 60 < picture.mean() < 190
-        assert picture.std() > 8
-    assert not np.array_equal(pictures[0], pictures[1])
+    images = [cv2.imread(str(folder / "images" / f.file)) for f in frames.files]
+    for image in images:
+        assert image.shape == (60, 80, 3)
+        assert 60 < image.mean() < 190
+        assert image.std() > 8
+    assert not np.array_equal(images[0], images[1])
 
 
 def test_the_same_pixels_on_two_threads_in_another_order_and_in_blocks(rendered, job, tmp_path):

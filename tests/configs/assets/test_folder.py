@@ -136,8 +136,8 @@ REFUSED = {
     "pipe": ("look.floor.image.file=pipe", "is no file"),
     "empty": ("look.floor.image.file=empty.png", "is neither a PNG nor a JPEG image", "save it again"),
     "cut short": ("look.floor.image.file=cut.png", "is cut short: the PNG has no end"),
-    "sky as picture": ("look.floor.image.file=sub/hall.hdr", "is neither a PNG nor a JPEG image"),
-    "picture as sky": ("look.sky.panorama=grey.png", "is neither a Radiance (.hdr) nor an OpenEXR file"),
+    "sky as image": ("look.floor.image.file=sub/hall.hdr", "is neither a PNG nor a JPEG image"),
+    "image as sky": ("look.sky.panorama=grey.png", "is neither a Radiance (.hdr) nor an OpenEXR file"),
     "one of a choice": ("look.sky.panorama={choice: [city, sub/hall.hdr, lost.hdr]}", "no such file", "got 'lost.hdr'"),
     "number": ("look.floor.image.file=7", "look.floor.image.file: got 7, allowed: the name of a file"),
     "list": ("look.floor.image.file=[grey.png]", "look.floor.image.file"),
@@ -232,7 +232,7 @@ def test_a_strip_keeps_its_shape(photos: Path, monkeypatch):
     assert own.mean_rgb == pytest.approx((0.502886,) * 3)  # sRGB's 188 (IEC 61966-2-1)
 
 
-def test_a_picture_called_like_a_shipped_sky_is_no_sky(photos: Path):
+def test_an_image_called_like_a_shipped_sky_is_no_sky(photos: Path):
     (photos / "city").write_bytes(GREY)
     settings = ["look.floor.image.file=city", "look.sky.panorama=city"]
     look, _ = draw_look(load_section("look", "looks/mine.yaml", settings), 1, "CW", 1)

@@ -94,15 +94,15 @@ def _chunk(kind: bytes, body: bytes) -> bytes:
     return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
 
-@pytest.mark.parametrize(("size", "told"), [((100_000, 100_000), "at most 64 million"), ((0, 5), "no pixel")])
-def test_a_size_that_cannot_be_is_refused_before_it_is_made(size, told):
+@pytest.mark.parametrize(("size", "expected"), [((100_000, 100_000), "at most 64 million"), ((0, 5), "no pixel")])
+def test_a_size_that_cannot_be_is_refused_before_it_is_made(size, expected):
     head = _chunk(b"IHDR", struct.pack(">IIBBBBB", *size, 8, 2, 0, 0, 0))
     body = _chunk(b"IDAT", zlib.compress(b"\0" * 1000))
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=expected):
         read_image(b"\x89PNG\r\n\x1a\n" + head + body + _chunk(b"IEND", b""))
 
 
-def test_a_large_picture_is_averaged_down():
+def test_a_large_image_is_averaged_down():
     pixels = np.zeros((2, 2 * MAX_SIDE_PX, 3), np.uint8)
     pixels[:, ::2] = 200
     found = read_image(_png(pixels))
@@ -154,7 +154,7 @@ def test_a_png_has_one_header_at_its_beginning():
             read_image(whole[:8] + chunks)
 
 
-def test_a_picture_that_decodes_to_another_size_than_it_tells_is_refused(monkeypatch):
+def test_an_image_that_decodes_to_another_size_than_it_tells_is_refused(monkeypatch):
     monkeypatch.setattr("cv2.imdecode", lambda *_: np.zeros((17, 32, 3), np.uint8))
     with pytest.raises(ValueError, match="cannot be decoded"):
         read_image(_png(QUARTERS))
@@ -176,7 +176,7 @@ def test_what_libpng_says_of_a_broken_stream_stays_unsaid(capfd):
     assert capfd.readouterr().err == ""
 
 
-def test_a_process_without_a_standard_error_stream_reads_pictures(tmp_path):
+def test_a_process_without_a_standard_error_stream_reads_images(tmp_path):
     (tmp_path / "a.png").write_bytes(_png(QUARTERS))
     program = "import os, sys; os.close(2); from pathlib import Path; from configs.assets.images import read_image;"
     program += "print(read_image(Path(sys.argv[1]).read_bytes()).shape)"

@@ -56,7 +56,7 @@ def before_a_wall() -> Callable[..., RobotKnowledge]:
             start=start,
             drawing=Drawing(Odometry(PER_COUNT_M, 0.14), tuple(mounts), np.radians(25.0), 1.2, 1e-9, row),
             map=arena,
-            pictures=None,
+            images=None,
         )
 
     return given

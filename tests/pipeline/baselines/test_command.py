@@ -8,8 +8,8 @@ import pytest
 import symolo as reader
 from pipeline.baselines import odometry, regressor
 from pipeline.baselines.compare import compare, why_not
+from pipeline.baselines.output import table
 from pipeline.baselines.runs import open_runs
-from pipeline.baselines.written import table
 from pipeline.cli import main
 from symolo.core.progress import LineReport
 
@@ -62,7 +62,7 @@ def test_without_rendered_images_that_method_is_left_out_with_the_reason(symolo,
     assert "| median | ekf |" in ended.out
     refused = symolo("baselines", tmp_path / "driven", "--out", tmp_path / "other", "--methods", "pictures")
     assert refused.code == 2
-    assert "no pictures" in refused.err
+    assert "no images" in refused.err
     assert not (tmp_path / "other").exists()
 
 

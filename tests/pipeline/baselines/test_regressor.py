@@ -31,13 +31,13 @@ def lesson(seed, brightness, looks_like=lambda x: x):
 
 def asked(before_a_wall, pictures):
     start = Start(np.zeros(3), np.ones(3))
-    return replace(before_a_wall(np.zeros((COUNT, 2)), np.full(COUNT, np.nan), start), pictures=pictures)
+    return replace(before_a_wall(np.zeros((COUNT, 2)), np.full(COUNT, np.nan), start), images=pictures)
 
 
 def test_under_another_light_a_place_is_found_again(before_a_wall):
     lessons = [lesson(1, 0.5), lesson(2, 0.9), lesson(3, 0.7)]
     test = lesson(4, 0.6)
-    estimate = METHOD.estimate(asked(before_a_wall, test.pictures), lessons, NO_RNG)
+    estimate = METHOD.estimate(asked(before_a_wall, test.images), lessons, NO_RNG)
     off_m = np.abs(estimate.pose[:, 0] - test.pose[:, 0])
     assert np.median(off_m) < 0.08
     assert estimate.rows.tolist() == list(range(COUNT))
@@ -53,7 +53,7 @@ def test_where_two_places_look_alike_it_is_unsure(before_a_wall):
     sd = {}
     for name, lessons, looks in (("twofold", twofold, folded), ("clear", clear, lambda x: x)):
         test = lesson(4, 0.6, looks)
-        estimate = METHOD.estimate(asked(before_a_wall, test.pictures), lessons, NO_RNG)
+        estimate = METHOD.estimate(asked(before_a_wall, test.images), lessons, NO_RNG)
         sd[name] = np.sqrt(estimate.covariance[:, 0, 0])
     assert np.median(sd["twofold"]) > 0.5
     assert np.median(sd["twofold"]) > 2.0 * np.median(sd["clear"])
@@ -61,7 +61,7 @@ def test_where_two_places_look_alike_it_is_unsure(before_a_wall):
 
 def test_from_one_image_it_learns_that_one_pose(before_a_wall):
     only = lesson(1, 0.5)
-    one = TrainingRun(RunImages(np.arange(1), only.pictures.pixels), only.pose[:1])
-    estimate = METHOD.estimate(asked(before_a_wall, lesson(2, 0.6).pictures), [one], NO_RNG)
+    one = TrainingRun(RunImages(np.arange(1), only.images.pixels), only.pose[:1])
+    estimate = METHOD.estimate(asked(before_a_wall, lesson(2, 0.6).images), [one], NO_RNG)
     assert np.allclose(estimate.pose, only.pose[0], atol=1e-12)
     assert np.all(np.linalg.eigvalsh(estimate.covariance) > 0.0)

@@ -16,7 +16,7 @@ PRICE = Price(
     first_s=0.0,
     render_s=3.24,
     annotate_s=0.36,
-    picture_bytes=97_600.0,
+    image_bytes=97_600.0,
     annotation_bytes=100_000.0,
 )
 

@@ -177,7 +177,7 @@ def test_a_dataset_is_no_place_for_re_rendered_images(dataset, copy_of, symolo, 
     before = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
     ended = symolo("rerender", dataset / "CW/test_1", "--look", "lab", "--out", out)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert "holds what symolo release made" in ended.err
+    assert "holds the output of `symolo release`" in ended.err
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == before
 
 
@@ -187,7 +187,7 @@ def test_re_rendered_images_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
         pass
     ended = symolo("release", "smoke", "--out", out, *tiny)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert "holds what symolo rerender --look made" in ended.err
+    assert "holds the output of `symolo rerender --look`" in ended.err
 
 
 def test_an_interrupted_change_of_the_images_is_not_taken_for_finished(
@@ -316,7 +316,7 @@ def test_what_re_rendered_images_lack_is_named_with_where_it_is(again, tmp_path,
     assert pictures.side_names == ("camera",)
     assert pictures.side("camera")["img"].tolist() == [*pictures.numbers]
     for ask in (lambda: pictures.side("wheels"), lambda: pictures.spec):
-        with pytest.raises(symolo_reader.InputError, match="those of the run that they were made from"):
+        with pytest.raises(symolo_reader.InputError, match="those of the run that the images were made from"):
             ask()
     refused = symolo("export", again, "--format", "kitti", "--out", tmp_path / "out")
     assert (refused.code, refused.err.count("\n")) == (2, 1)

@@ -49,7 +49,7 @@ def _continues_and_is_looked_at(out, arguments, symolo, sheet):
     assert cv2.imread(str(sheet)).shape == (2 * (24 + 18), 3 * 32, 3)
     refused = symolo("rerender", *arguments[1:2], "--look", "classroom", "--out", out)
     assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "holds what symolo rerender --looks made" in refused.err
+    assert "holds the output of `symolo rerender --looks`" in refused.err
 
 
 def test_no_other_command_works_in_the_folder_of_a_draw(run, tmp_path, symolo):
@@ -58,7 +58,7 @@ def test_no_other_command_works_in_the_folder_of_a_draw(run, tmp_path, symolo):
     kind.write_text("looks\n")
     refused = symolo("rerender", run, "--look", "classroom", "--out", tmp_path / "looks/classroom_1")
     assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "is a folder of what symolo rerender --looks made" in refused.err
+    assert "belongs to the output of `symolo rerender --looks`" in refused.err
     assert not (tmp_path / "looks/classroom_1").exists()
 
 

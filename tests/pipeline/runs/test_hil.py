@@ -79,7 +79,7 @@ def test_a_release_with_a_board_says_so_and_is_verified(symolo, tmp_path):
     table = np.loadtxt(tmp_path / "data/CW/test_1/side/board.csv", delimiter=",", skiprows=1)
     assert table[:, 0].tolist() == [50.0 * row for row in range(5)]
     assert table[:, 1].tolist() == [1.0] * 5
-    assert "1 of 1 runs are there already" in symolo(*asked).err
+    assert "1 of 1 run done before" in symolo(*asked).err
 
 
 class Deserter:

@@ -12,9 +12,9 @@ def _jpeg(grey: np.ndarray) -> bytes:
 
 
 def test_the_shares_are_those_of_the_pixels():
-    picture = np.full((10, 10), 128)
-    picture[:2], picture[2, :5] = 3, 253
-    assert Extremes.of(_jpeg(picture)) == Extremes(black=0.20, burnt=0.05)
+    image = np.full((10, 10), 128)
+    image[:2], image[2, :5] = 3, 253
+    assert Extremes.of(_jpeg(image)) == Extremes(black=0.20, burnt=0.05)
 
 
 def test_good_images_give_no_warning():
@@ -22,8 +22,8 @@ def test_good_images_give_no_warning():
 
 
 def test_a_warning_says_how_many_which_how_much_and_what_to_change():
-    pictures = {"000001.jpg": WELL, "000002.jpg": Extremes(0.4, 0.0), "000003.jpg": Extremes(0.55, 0.2)}
-    black, burnt = exposure_warnings(pictures)
+    images = {"000001.jpg": WELL, "000002.jpg": Extremes(0.4, 0.0), "000003.jpg": Extremes(0.55, 0.2)}
+    black, burnt = exposure_warnings(images)
     assert black.startswith("2 of 3 images are black in more than 25% of their pixels, the worst, 000003.jpg, in 55%")
     assert "raise look.camera.compensation_ev" in black
     assert burnt.startswith("1 of 3 images are burnt in more than 10% of their pixels, the worst, 000003.jpg, in 20%")

@@ -143,9 +143,9 @@ def test_a_black_image_is_an_error_that_names_the_remedy():
 
 def test_the_jpeg_holds_the_image():
     rng = np.random.default_rng(0)
-    picture = cv2.resize(rng.integers(0, 255, (3, 4, 3), np.uint8), (64, 48), interpolation=cv2.INTER_CUBIC)
-    back = cv2.imdecode(np.frombuffer(encode_jpeg(picture, 98), np.uint8), cv2.IMREAD_COLOR)
-    assert np.abs(cv2.cvtColor(back, cv2.COLOR_BGR2RGB).astype(int) - picture).mean() < 2
+    image = cv2.resize(rng.integers(0, 255, (3, 4, 3), np.uint8), (64, 48), interpolation=cv2.INTER_CUBIC)
+    back = cv2.imdecode(np.frombuffer(encode_jpeg(image, 98), np.uint8), cv2.IMREAD_COLOR)
+    assert np.abs(cv2.cvtColor(back, cv2.COLOR_BGR2RGB).astype(int) - image).mean() < 2
 
 
 def test_the_seed_decides_the_noise():

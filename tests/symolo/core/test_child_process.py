@@ -108,3 +108,24 @@ def test_a_child_whose_owner_is_killed_removes_its_scratch_folder_and_ends(tmp_p
     owner = subprocess.run([sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, check=False)
     _wait_until_gone(int(owner.stdout.split()[0]))
     assert not scratch.exists()
+
+
+def test_a_child_is_ended_where_no_thread_can_read_its_messages(monkeypatch):
+    started = []
+
+    class NotedPopen(subprocess.Popen):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            started.append(self)
+
+    def refuse(_thread):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(subprocess, "Popen", NotedPopen)
+    monkeypatch.setattr("threading.Thread.start", refuse)
+    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    with pytest.raises(RuntimeError, match="new thread"):
+        ChildProcess("the child", (sys.executable, "-c", "input()"), Messages, os.environ)
+    (child,) = started
+    assert child.returncode is not None, "the child still runs, or nobody has waited for it"
+    assert len(list(Path("/proc/self/fd").iterdir())) == open_before

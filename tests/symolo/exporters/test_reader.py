@@ -114,7 +114,7 @@ DAMAGE = {
         r"data.csv:\d+: \d+ columns; allowed: 19",
     ),
     "no picture": (lambda root: (root / "CW/test_1/images/000001.jpg").unlink(), "000001.jpg: is missing"),
-    "half a picture": (damaged("CW/test_1/images/000001.jpg", "x"), "000001.jpg: is no picture"),
+    "half a picture": (damaged("CW/test_1/images/000001.jpg", "x"), "000001.jpg: is no image"),
     "other times": (
         damaged("CW/test_1/side/wheels.csv", ",".join(WHEELS.header) + "\n" + ",".join("0" * 16) + "\n"),
         r"wheels.csv: column t is not that of data.csv",

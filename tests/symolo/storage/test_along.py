@@ -101,7 +101,7 @@ def test_a_network_that_is_gone_leaves_the_release_whole_and_names_the_command_t
     assert "the network is gone; the release goes on" in ended.err
     assert symolo("verify", tmp_path / "out").code == 0
     last = ended.err.splitlines()[-1]
-    assert f"the release is whole in {tmp_path}/out" in last
+    assert f"the release is complete in {tmp_path}/out" in last
     shelf.fails = lambda _number: False
     command = shlex.split(last.split("`")[1])
     assert command == ["symolo", "upload", str(tmp_path / "out"), shelf.url]
@@ -137,7 +137,7 @@ def test_a_place_with_something_else_is_refused_before_anything_is_written(relea
     assert release("--set=seed=7").code == 2
     (shelf.root / "CW/test_9").mkdir()
     (shelf.root / "CW/test_9/data.csv").write_bytes(b"")
-    assert "CW/test_9/data.csv is of no run of this scenario" in release().err
+    assert "CW/test_9/data.csv belongs to no run of this scenario" in release().err
     for url, code in ((f"file://{tmp_path}/out/x", 2), (f"file://{tmp_path}", 2), ("s3://bucket/data", 5)):
         assert release("--upload", url).code == code
     assert symolo("release", "smoke", "--out", tmp_path / "out", "--allow-http").code == 2

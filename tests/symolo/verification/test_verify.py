@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.assembly.run_spec import spec_problem
 from pipeline.cli import main
+from pipeline.run_folder.stored_runs import spec_problem
 from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
@@ -424,4 +424,4 @@ def test_what_libjpeg_says_of_damaged_pixels_is_not_on_the_terminal(dataset, cop
     assert main(["verify", str(root)]) == 4
     told = capfd.readouterr()
     assert f"{RUN}/images/000001.jpg" in told.out
-    assert told.err == f"{root}: 1 faults\n"
+    assert told.err == f"{root}: 1 fault\n"

@@ -1,28 +1,33 @@
-"""Commands that inspect data or the machine: verify, compare, contact-sheet, schema, doctor."""
+"""Commands that inspect data or the machine: verify, compare, contact-sheet, report, baselines, schema, doctor."""
 
+from math import radians
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import OutImage, Workers, checked_input
+from pipeline.commands.exit_codes import FAULTS, MACHINE_LACKS
+from pipeline.commands.options import (
+    Dataset,
+    NewFolder,
+    Runs,
+    Seed,
+    Workers,
+    checked_input,
+    checked_new_image,
+    names,
+    new_file_check,
+)
 from symolo.core.errors import one_line
 from symolo.core.text_enum import TextEnum
 
-FAULTS = 4
-LACKING = 5
-
 
 def verify(
-    folder: Annotated[
-        Path,
-        typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json."),
-    ],
+    folder: Dataset,
     *,
     key: Annotated[
         str | None,
         typer.Option(
-            "--key",
             metavar="KEY",
             help="Public key of minisign, a file or its 56 characters: whoever owns it must have signed the dataset.",
         ),
@@ -53,7 +58,8 @@ def verify(
     Example: symolo verify data --key symolo.pub --reproduce 10
     """
     from configs.assets.quiet import silenced
-    from pipeline.assembly.run_spec import spec_problem
+    from pipeline.run_folder.stored_runs import spec_problem
+    from symolo.core.progress import plural
     from symolo.signing.key_files import read_public_key
     from symolo.verification.signature import trusted_comment
     from symolo.verification.verify import verify as findings_of
@@ -64,7 +70,7 @@ def verify(
             typer.echo(str(finding))
             count += 1
     if count:
-        typer.echo(f"{folder}: {count} faults", err=True)
+        typer.echo(f"{folder}: {plural(count, 'fault')}", err=True)
         return FAULTS
     signed = f", signed by the key {public.name} ({trusted_comment(folder)})" if public is not None else ""
     typer.echo(f"{folder}: no fault{one_line(signed)}")
@@ -91,7 +97,7 @@ def _reproduce(folder: Path, count: int, seed: int | None, workers: int | None) 
         return 0
     if result.difference:
         typer.echo(f"{folder}: other bytes prove no fault here: {result.difference}", err=True)
-    return LACKING if result.difference or all(image.is_missing for image in result.unequal) else FAULTS
+    return MACHINE_LACKS if result.difference or all(image.is_missing for image in result.unequal) else FAULTS
 
 
 def compare(
@@ -99,7 +105,8 @@ def compare(
         Path, typer.Argument(metavar="A", callback=checked_input, help="Dataset, run, folder of images, or a file.")
     ],
     b: Annotated[
-        Path, typer.Argument(metavar="B", callback=checked_input, help="The same, made another time or elsewhere.")
+        Path,
+        typer.Argument(metavar="B", callback=checked_input, help="The same from another time or machine."),
     ],
     tolerance_db: Annotated[
         float,
@@ -108,8 +115,8 @@ def compare(
             min=0,
             max=1000,
             metavar="DB",
-            help="From this peak signal-to-noise ratio on, files count as equal; the peak of a column is its largest "
-            "value.",
+            help="Smallest peak signal-to-noise ratio of files that count as equal; the peak of a column of numbers is "
+            "its largest value.",
         ),
     ] = 50.0,
     every: Annotated[bool, typer.Option("--all", help="Also list identical files.")] = False,  # noqa: FBT002 - typer's
@@ -141,7 +148,10 @@ def contact_sheet(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
     ],
-    out: OutImage,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
+    ],
     per_run: Annotated[int, typer.Option(min=1, max=100, help="Number of images of each run, evenly spaced.")] = 6,
     width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image in pixels.")] = 240,
 ) -> None:
@@ -157,6 +167,96 @@ def contact_sheet(
         raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
     save(sheet_of(folder, per_run, width_px), out)
     typer.echo(str(out))
+
+
+def report(
+    folder: Dataset,
+    *,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", callback=new_file_check(".html"), help="Page to write, .html."),
+    ],
+    runs: Runs = None,
+    detail: Annotated[
+        int,
+        typer.Option(min=0, max=200, metavar="N", help="Largest number of runs that have their own section."),
+    ] = 12,
+) -> None:
+    """Make one HTML page about a release: content, paths, runs, images, random draws, warnings, provenance.
+
+    The page is one file that loads nothing from elsewhere. The release is checked first; a damaged one is refused. The
+    same release gives the same bytes.
+
+    Example: symolo report data --out report.html
+    """
+    from symolo.core.files.atomic_files import write_file
+    from symolo.core.progress import report_here
+    from symolo.exporters.export import open_release
+    from symolo.report.build import release_report
+
+    data = open_release(folder, runs)
+    page = release_report(data, detail, report_here())
+    write_file(out, page)
+    typer.echo(f"{out}: {len(data)} runs, {len(page) / 1e6:.1f} MB")
+
+
+def baselines(
+    folder: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DIR", callback=checked_input, help="A release, or an output folder of `symolo simulate`."
+        ),
+    ],
+    *,
+    out: NewFolder,
+    methods: Annotated[
+        str | None,
+        typer.Option(
+            "--methods",
+            metavar="NAMES",
+            help="odometry, ekf, particles, pictures, with commas between them; by default all that the data allow.",
+        ),
+    ] = None,
+    runs: Runs = None,
+    start_sd_cm: Annotated[
+        float,
+        typer.Option(min=0.01, max=100, metavar="CM", help="Standard deviation of the error of the start position."),
+    ] = 0.1,
+    start_sd_deg: Annotated[
+        float,
+        typer.Option(min=0.01, max=90, metavar="DEG", help="Standard deviation of the error of the start direction."),
+    ] = 0.1,
+    seed: Seed = 1,
+) -> None:
+    """Localise the robot with odometry, a Kalman filter, a particle filter and images, and measure the errors.
+
+    The methods get the sensor readings, the map and the start, never the true pose. The output is a table, its numbers
+    as JSON, a plot, and every estimate. The same release gives the same bytes.
+
+    Example: symolo baselines data --out baselines --start-sd-cm 5 --start-sd-deg 5
+    """
+    import numpy as np
+
+    from pipeline.baselines import METHODS
+    from pipeline.baselines.compare import compare, methods_of, why_not
+    from pipeline.baselines.output import table, write
+    from pipeline.baselines.runs import chosen, open_runs
+    from symolo.core.errors import InputError
+    from symolo.core.files.new_folder import check_new
+    from symolo.core.progress import report_here
+
+    chosen_methods = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")
+    check_new(out, folder)
+    everything = open_runs(folder)
+    for method in chosen_methods if methods is not None else ():
+        if why := why_not(method, everything):
+            raise InputError(f"--methods {method.name}: {why}", where=str(folder))
+    start_sd = np.array([start_sd_cm / 100, start_sd_cm / 100, radians(start_sd_deg)])
+    compared = compare(
+        chosen_methods, chosen(everything, runs), everything, start_sd=start_sd, seed=seed, report=report_here()
+    )
+    write(compared, out)
+    typer.echo(table(compared) + f"\n{out}")
 
 
 class SchemaOf(TextEnum):
@@ -197,4 +297,4 @@ def doctor() -> int:
     for check in examine(Path.cwd()):
         typer.echo(str(check))
         lacking |= not check.ok
-    return LACKING if lacking else 0
+    return MACHINE_LACKS if lacking else 0

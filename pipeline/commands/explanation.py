@@ -1,30 +1,71 @@
-"""The command `symolo diagnose`: how the simulation differs from measured data, why, and what a better model gains."""
+"""Commands that explain measured data: inspect, diagnose, identify-camera."""
 
-from collections.abc import Collection
+import json
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Out, Workers, checked_input
+from pipeline.commands.exit_codes import RUN_FAILED
+from pipeline.commands.options import ImporterName, Json, Out, Workers, checked_input, checked_inputs, if_given
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from pipeline.diagnosing.diagnose import NamedCase
     from pipeline.work.units import DiagnosisSettings
 
-CASE_FAILED = 3
+OPTIONAL = {"robot.yaml", "look.yaml"}
+"""Files that an earlier diagnosis may have left and this one may not write."""
 
 
-def _checked(paths: Collection) -> list[Path]:  # bare, because Typer on Python 3.10 takes `list[Path]` for a class
-    return [checked_input(path) for path in paths]
+def inspect(
+    case: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CASE",
+            callback=checked_input,
+            help="Case folder, log, run of a dataset, or table-1, table-3, table-4 of the paper.",
+        ),
+    ],
+    *,
+    importer: ImporterName = None,
+) -> None:
+    """Show what the log of a real robot or test bench contains: channels, rates, gaps, noise.
 
+    CASE is one of these; symolo recognises the kind from the files:
 
-def _checked_one(path: Path | None) -> Path | None:
-    return None if path is None else checked_input(path)
+    - a case folder: nominal.yaml and data.csv, kinds motor_steady,
+      motor_step, tof_bench and drive_log (docs/measured.md)
+
+    - a run folder or release of symolo, or a SyMoLo data.csv
+
+    - a file or folder of OptiOdom, Algernon, Robotino or VL53L0X data
+
+    - table-1, table-3 or table-4 of the paper
+
+    The command prints the trials with their rates and gaps. Then it prints
+    for each channel: the number of rows; how many are missing, have no
+    target, are stale (an old value repeated) or are outliers (6 sigma off
+    their neighbours, or off the known distance); the smallest and largest
+    good value; the quantisation step; the noise estimated from the data,
+    with its correlation from row to row or the number of repeats behind
+    it; the noise that the source states.
+
+    Nothing is written or changed. A bad file is refused with its name,
+    row and column, and exit code 2.
+
+    Example: symolo inspect my_robot/drive_1
+
+    Example: symolo inspect table-1
+    """
+    from diagnosis.importers.choose import read_measurement
+    from diagnosis.measured.overview import overview
+    from pipeline.diagnosing.importers import IMPORTERS
+
+    for line in overview(read_measurement(case, IMPORTERS, importer)):
+        typer.echo(line)
 
 
 def diagnose(
@@ -32,29 +73,24 @@ def diagnose(
         list[Path],
         typer.Argument(
             metavar="CASE...",
-            callback=_checked,
+            callback=checked_inputs,
             help="Measured data: case folders, logs, runs of a dataset, or table-1, table-3, table-4 of the paper.",
         ),
     ],
     *,
     out: Out,
-    as_: Annotated[
-        str | None,
-        typer.Option(
-            "--importer", metavar="NAME", help="Kind of data; by default symolo recognises it from the files."
-        ),
-    ] = None,
+    importer: ImporterName = None,
     part: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Look at one part of the robot alone, such as 'left wheel'."),
+        typer.Option(metavar="NAME", help="Diagnose only this part of the robot, such as 'left wheel'."),
     ] = None,
     hold_out: Annotated[
         list[str] | None,
         typer.Option(
             "--hold-out",
             metavar="PATTERN",
-            help="Use trials with this name or part, such as 'circular/*', only to judge the result, in place of the "
-            "default ones; may be repeated.",
+            help="Hold out the trials with this name or part, such as 'circular/*', in place of the default ones: they "
+            "judge the result and are not used for fitting; may be repeated.",
         ),
     ] = None,
     nominal: Annotated[
@@ -66,20 +102,20 @@ def diagnose(
     pybullet: Annotated[
         bool,
         typer.Option(
-            "--pybullet", help="Also measure the errors before and after with PyBullet; a drive takes minutes."
+            "--pybullet", help="Also measure the errors of both robots with PyBullet, which takes minutes for a drive."
         ),
     ] = False,
     against: Annotated[
         Path | None,
         typer.Option(
             metavar="DATASET",
-            callback=_checked_one,
+            callback=if_given(checked_input),
             help="Report how far this dataset of symolo covers the measured drives; its robot is the nominal one.",
         ),
     ] = None,
     workers: Workers = None,
     explain: Annotated[bool, typer.Option("--explain", help="Also print how the verdict was reached.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON and nothing else.")] = False,
+    as_json: Json = False,
 ) -> int:
     """Explain why the simulation differs from a real robot or test bench.
 
@@ -125,7 +161,7 @@ def diagnose(
         # As soon as a folder `table-1` exists, `table-1` means that folder.
         raise InputError("is the name of a case", where=f"--out {out}", cure="name another folder")
     settings = DiagnosisSettings(
-        importer=as_,
+        importer=importer,
         part=part,
         held_out=tuple(hold_out or ()),
         nominal=nominal_json(nominal, against),
@@ -143,7 +179,77 @@ def diagnose(
         _print_json(named, out, failed)
     else:
         _print(named, out, failed, explain=explain)
-    return CASE_FAILED if failed else 0
+    return RUN_FAILED if failed else 0
+
+
+def identify_camera(
+    run: Annotated[
+        Path,
+        typer.Argument(metavar="RUN", callback=checked_input, help="Folder with data.csv and the measured images."),
+    ],
+    *,
+    out: Out,
+    simulated: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="RUN",
+            callback=if_given(checked_input),
+            help="Run of a dataset with the nominal camera, look and arena, and images of the same places.",
+        ),
+    ] = None,
+    pose_sd_mm: Annotated[
+        float,
+        typer.Option(
+            "--pose-sd-mm", min=0.01, max=100, metavar="MM", help="Standard deviation of the positions in data.csv."
+        ),
+    ] = 0.5,
+    pose_sd_deg: Annotated[
+        float,
+        typer.Option(
+            "--pose-sd-deg", min=0.001, max=20, metavar="DEG", help="Standard deviation of the headings in data.csv."
+        ),
+    ] = 0.1,
+    as_json: Json = False,
+) -> None:
+    """Identify how a real camera differs from the nominal one: position, lens, exposure.
+
+    The command compares the edges of the line in the images with the edges
+    that the nominal camera would see from the poses of data.csv. With
+    --simulated it also compares floor and edges with simulated images of the
+    same places. The result names each difference with its value and standard
+    error. Every fourth image is not used for the fit; it shows how much better
+    the identified camera predicts. See docs/camera_identification.md.
+
+    Files in DIR: report.html, answer.json, summary.txt, plots/, and robot.yaml
+    and look.yaml with the identified camera.
+
+    Example: symolo identify-camera measured/run_1 --simulated data/CW/test_1 --out camera
+    """
+    from diagnosis.camera.case import PoseErrors
+    from diagnosis.camera.diagnose import diagnose_camera
+    from diagnosis.camera.files import files
+    from diagnosis.report.files import PAGE, SUMMARY
+    from pipeline.diagnosing.camera_case import read_camera_case
+    from pipeline.run_folder.output import check_out
+    from pipeline.run_folder.workspace import Workspace
+    from symolo.core.files.atomic_files import make_folder, remove_file, write_file
+    from symolo.dataset.folder_kind import Kind
+
+    case = read_camera_case(run, simulated, PoseErrors(0.001 * pose_sd_mm, pose_sd_deg))
+    check_out(out, Kind.CAMERA_IDENTIFICATION)
+    diagnosis = diagnose_camera(case)
+    made = files(diagnosis)
+    with Workspace(out.absolute(), Kind.CAMERA_IDENTIFICATION).locked():
+        for name in sorted(OPTIONAL - made.keys()):
+            remove_file(out / name)
+        for name, data in made.items():
+            make_folder((out / name).parent)
+            write_file(out / name, data)
+    if as_json:
+        typer.echo(json.dumps(diagnosis.answer(), indent=2))
+        return
+    typer.echo(made[SUMMARY].decode())
+    typer.echo(str(out / PAGE))
 
 
 def _check(case: "NamedCase", settings: "DiagnosisSettings") -> None:
@@ -178,8 +284,6 @@ def _print(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]", *
 
 
 def _print_json(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]") -> None:
-    import json
-
     from pipeline.diagnosing.diagnose import folder_of
 
     alone = len(cases) == 1

@@ -1,16 +1,12 @@
-"""Commands that keep data complete: status, repair, bag."""
+"""Commands that keep an output folder complete: status, repair."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.checks import FAULTS
-from pipeline.commands.options import Out, Settings, Workers, checked_input
-
-Released = Annotated[
-    Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json.")
-]
+from pipeline.commands.exit_codes import FAULTS
+from pipeline.commands.options import Dataset, Settings, Workers, checked_input
 
 
 def status(
@@ -21,7 +17,7 @@ def status(
     ] = None,
     *,
     settings: Settings = None,
-    check: Annotated[bool, typer.Option("--check", help="Hash every file, which detects damage.")] = False,
+    check: Annotated[bool, typer.Option("--check", help="Also hash every file, to detect damage.")] = False,
 ) -> None:
     """Show what an output folder holds, what failed, and what the next release would do and why. Changes nothing.
 
@@ -43,7 +39,7 @@ def status(
 
 
 def repair(
-    folder: Released,
+    folder: Dataset,
     *,
     remove_extra: Annotated[
         bool, typer.Option("--remove-extra", help="Remove files that do not belong to the release.")
@@ -60,27 +56,11 @@ def repair(
     """
     from pipeline.repair.repair import repair as repaired
     from pipeline.work.supervisor import cores
-    from symolo.core.progress import report_here
+    from symolo.core.progress import plural, report_here
 
     result = repaired(folder, workers or cores(), report_here(), typer.echo, remove_extra=remove_extra)
     for fault in result.left:
         typer.echo(f"not repaired: {fault}")
-    if result.left:
-        typer.echo(f"{folder}: {result.repaired} faults repaired, {len(result.left)} left", err=True)
-    else:
-        typer.echo(f"{folder}: {result.repaired} faults repaired, every file is as it was released")
+    rest = f"{len(result.left)} left" if result.left else "every file is as it was released"
+    typer.echo(f"{folder}: {plural(result.repaired, 'fault')} repaired, {rest}", err=bool(result.left))
     return FAULTS if result.left else 0
-
-
-def bag(folder: Released, out: Out) -> None:
-    """Wrap a dataset as a bag (BagIt 1.0, RFC 8493) for an archive.
-
-    BAG/data is the same dataset, unchanged. A damaged dataset is refused.
-
-    Example: symolo bag data --out bag
-    """
-    from symolo.core.progress import report_here
-    from symolo.publishing.bagging import make_bag
-
-    count = make_bag(folder, out, report_here())
-    typer.echo(f"{out}: a bag of {count} files")

@@ -1,6 +1,6 @@
-"""What `symolo baselines` leaves: a table, its numbers, a figure, and every estimate."""
+"""The output of `symolo baselines`: a table, its numbers, a figure, and every estimate."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -44,29 +44,24 @@ the share of poses whose truth lies in the method's own 95 % region.
 
 
 def write(compared: BaselineComparison, out: Path) -> None:
-    """At once, whole, or not at all; `out` is new or empty."""
+    """Write all files into a new or empty folder; after an error none of them is there."""
+    files = {TABLE: table(compared).encode(), NUMBERS: numbers(compared), FIGURE: figure(compared)}
+    for run in compared.runs:
+        for method in compared.methods:
+            estimate = compared.results[run.name, method.name].estimate
+            files[f"{ESTIMATES}/{run.name}/{method.name}.csv"] = estimate_csv(run, estimate)
     with new_folder(out) as folder:
-        for name, data in _files(compared):
+        for name, data in files.items():
             make_folder((folder / name).parent)
             write_file(folder / name, data)
 
 
-def _files(compared: BaselineComparison) -> Iterator[tuple[str, bytes]]:
-    yield TABLE, table(compared).encode()
-    yield NUMBERS, numbers(compared)
-    yield FIGURE, figure(compared)
-    for run in compared.runs:
-        for method in compared.methods:
-            estimate = compared.results[run.name, method.name].estimate
-            yield f"{ESTIMATES}/{run.name}/{method.name}.csv", estimate_csv(run, estimate)
-
-
 def table(compared: BaselineComparison) -> str:
-    """In Markdown: a row for each run and method, and one for the middle of the runs."""
+    """Return the table in Markdown: a row for each run and method, and for each method its median over the runs."""
     sd = compared.start_sd
     lines = ["# Localisation baselines", "", _ABOUT]
-    put_down = f"to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation)"
-    lines += [f"The robot is put down {put_down}.", ""]
+    accuracy = f"to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation)"
+    lines += [f"The robot is put down {accuracy}.", ""]
     lines += [f"- {method.name}: {method.what}" for method in compared.methods]
     lines += [f"- {name}: left out, {why}" for name, why in compared.left_out.items()]
     lines += [
@@ -87,14 +82,14 @@ def table(compared: BaselineComparison) -> str:
 def _row(run: str, method: str, results: Sequence) -> str:
     cells = []
     for _, name, factor, digits in _COLUMNS:
-        values = [getattr(one.errors, name) for one in results]
+        values = [getattr(result.errors, name) for result in results]
         known = [value for value in values if value is not None]
         cells.append(f"{factor * float(np.median(known)):.{digits}f}" if known else "-")
     return f"| {run} | {method} | " + " | ".join(cells) + " |"
 
 
 def numbers(compared: BaselineComparison) -> bytes:
-    """All errors by run and method, in SI."""
+    """Return all errors by run and method as JSON, in SI units."""
     return canonical_json(
         {
             "definitions": " ".join(_ABOUT.split()),
@@ -118,7 +113,7 @@ def numbers(compared: BaselineComparison) -> bytes:
 
 
 def estimate_csv(run: LoggedRun, estimate: Estimate) -> bytes:
-    """Time [ms], x, y [m], theta [rad], and the covariance's upper triangle."""
+    """Return a CSV table: time [ms], x, y [m], theta [rad], and the upper triangle of the covariance."""
     yaw = heading(estimate.pose[:, 2], _ESTIMATE_DECIMALS[3])
     covariance = [estimate.covariance[:, i, j] for i, j in _COVARIANCE]
     columns: list[Array] = [run.rows.t_ms[estimate.rows].astype(float), *estimate.pose[:, :2].T, yaw, *covariance]

@@ -1,0 +1,210 @@
+"""Commands that give a release away: export, pack, bag, upload, download."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.exit_codes import FAULTS
+from pipeline.commands.options import AllowHttp, Dataset, DryRun, Endpoint, NewFolder, Runs, checked_input, names
+
+DOCUMENTS = 5
+"""Number of descriptions in a folder of `pack`."""
+_MEGABYTE = 1_000_000
+
+Url = Annotated[
+    str,
+    typer.Argument(
+        metavar="URL", help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, for this release alone."
+    ),
+]
+
+
+def export(
+    folder: Dataset,
+    *,
+    formats: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            metavar="NAMES",
+            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun; several with "
+            "commas between them.",
+        ),
+    ],
+    out: NewFolder,
+    runs: Runs = None,
+    shard_mb: Annotated[
+        int,
+        typer.Option(
+            min=1, max=2000, metavar="MB", help="Largest size of a shard of webdataset, huggingface, lerobot."
+        ),
+    ] = 100,
+    dry_run: DryRun = False,
+) -> None:
+    """Convert a release to other formats, each in a folder of its name in OUT.
+
+    The release is checked first; a damaged one is refused. OUT is written completely or not at all. The same release
+    always gives the same bytes.
+
+    Example: symolo export data --format tum,kitti --out exported
+    """
+    from symolo.core.files.new_folder import check_new
+    from symolo.core.progress import plural, report_here
+    from symolo.exporters.base import ExportSettings
+    from symolo.exporters.export import check_room, exporters_of, open_release, plan
+    from symolo.exporters.export import export as exported
+
+    exporters = exporters_of(names(formats, "--format"), "--format")
+    data = open_release(folder, runs)
+    check_new(out, data.root)
+    planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE))
+    if dry_run:
+        for export_plan in planned:
+            files, exporter = export_plan.files, export_plan.exporter
+            size = sum(file.size_bytes() for file in files)
+            typer.echo(f"{exporter.name}: {plural(len(files), 'file')}, {size / _MEGABYTE:.3f} MB: {exporter.what}")
+        return
+    check_room(planned, out)
+    written = exported(data, planned, out, report_here())
+    typer.echo(f"{out}: {', '.join(each.exporter.name for each in planned)}, {written / _MEGABYTE:.1f} MB")
+
+
+def pack(
+    folder: Dataset,
+    *,
+    about: Annotated[
+        Path,
+        typer.Option(
+            metavar="FILE", callback=checked_input, help="YAML file with title, authors, published, publisher."
+        ),
+    ],
+    out: NewFolder,
+    shard_gb: Annotated[
+        float, typer.Option(min=0.00001, max=50, metavar="GB", help="Largest size of a tar file; 1 GB is 1e9 bytes.")
+    ] = 10.0,
+    dry_run: DryRun = False,
+) -> None:
+    """Pack a release for Zenodo, the Hugging Face Hub or a similar archive: tar files and descriptions.
+
+    Unpacked, the tar files give the same release. Beside them are the tables of all runs as CSV, README.md (a dataset
+    card), CITATION.cff, croissant.json (MLCommons), datacite.json and SHA256SUMS. A damaged release is refused. The
+    same release gives the same bytes.
+
+    Example: symolo pack data --about about.yaml --out upload
+    """
+    from symolo.core.files.new_folder import check_new
+    from symolo.core.progress import plural, report_here
+    from symolo.publishing.about import read_about
+    from symolo.publishing.limits import fits_archives
+    from symolo.publishing.pack import pack as packed
+    from symolo.publishing.pack import plan
+
+    description = read_about(about)
+    check_new(out, folder)
+    planned = plan(folder, description, round(shard_gb * 1e9))
+    if dry_run:
+        for shard in planned.shards:
+            typer.echo(f"{shard.name}: {plural(len(shard.members), 'file')}, {shard.size / 1e6:.3f} MB")
+        for table in planned.tables:
+            typer.echo(f"{table.file}: {table.source} of {plural(len(table.files), 'run')}, {table.size / 1e6:.3f} MB")
+    else:
+        written = packed(planned, out, report_here())
+        parts = f"{plural(len(planned.shards), 'shard')}, {plural(len(planned.tables), 'table')}, {DOCUMENTS} documents"
+        typer.echo(f"{out}: {parts}, {written / 1e6:.1f} MB")
+    for line in fits_archives([*(file.size for file in (*planned.shards, *planned.tables)), *[0] * DOCUMENTS]):
+        typer.echo(line)
+
+
+def bag(folder: Dataset, out: NewFolder) -> None:
+    """Wrap a dataset as a bag (BagIt 1.0, RFC 8493) for an archive.
+
+    OUT/data is the same dataset, unchanged. A damaged dataset is refused.
+
+    Example: symolo bag data --out bag
+    """
+    from symolo.core.progress import plural, report_here
+    from symolo.publishing.bagging import make_bag
+
+    count = make_bag(folder, out, report_here())
+    typer.echo(f"{out}: a bag of {plural(count, 'file')}")
+
+
+def upload(
+    folder: Dataset,
+    url: Url,
+    *,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--check",
+            help="Send nothing; list the files that are missing or different there, and if there are any, end with "
+            "exit code 4.",
+        ),
+    ] = False,
+    dry_run: DryRun = False,
+    endpoint: Endpoint = None,
+    allow_http: AllowHttp = False,
+) -> int:
+    """Send a release to an object store or another folder. The same command continues after an interruption.
+
+    The release is verified first; a damaged one is refused. The lists of checksums are sent last: without them the
+    copy is not finished. If the destination holds another release, nothing is
+    sent. Access keys are read from the environment only.
+
+    Example: symolo upload data file:///mnt/shelf/data
+    """
+    from symolo.core.progress import plural, report_here
+    from symolo.storage.address import store_of
+    from symolo.storage.comparison import compare, released_files
+    from symolo.storage.upload import check_apart, planned
+    from symolo.storage.upload import upload as uploaded
+
+    store = store_of(url, endpoint, allow_http=allow_http)
+    check_apart(folder, store)
+    files, report = released_files(folder), report_here()
+    if check:
+        findings = list(compare(files, store, report).findings())
+        for finding in findings:
+            typer.echo(str(finding))
+        result = plural(len(findings), "fault") if findings else f"all {len(files)} files, none missing or different"
+        typer.echo(f"{store.url}: {result}", err=bool(findings))
+        return FAULTS if findings else 0
+    comparison = (planned if dry_run else uploaded)(files, store, report)
+    size = sum(file.size_bytes for file in comparison.to_send) / _MEGABYTE
+    done = "would be sent" if dry_run else "sent"
+    count = plural(len(comparison.to_send), "file")
+    typer.echo(f"{store.url}: {count} {done}, {size:.1f} MB; {len(comparison.same)} were there")
+    return 0
+
+
+def download(
+    url: Url,
+    *,
+    out: NewFolder,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Print what would be fetched; fetch only the lists of checksums.")
+    ] = False,
+    endpoint: Endpoint = None,
+    allow_http: AllowHttp = False,
+) -> None:
+    """Fetch a release that `upload` or another tool has sent, and check all checksums.
+
+    The folder appears when it is complete. The same command continues after an interruption.
+
+    Example: symolo download file:///mnt/shelf/data --out fetched
+    """
+    from symolo.core.files.new_folder import check_new
+    from symolo.core.progress import report_here
+    from symolo.storage.address import store_of
+    from symolo.storage.download import Remote
+    from symolo.storage.download import download as downloaded
+
+    check_new(out)
+    remote = Remote.of(store_of(url, endpoint, allow_http=allow_http))
+    size = remote.size_bytes / _MEGABYTE
+    if dry_run:
+        typer.echo(f"{remote.store.url}: {len(remote.digests)} files and their lists, {size:.1f} MB")
+        return
+    fetched = downloaded(remote, out, report_here())
+    typer.echo(f"{out}: {len(remote.digests)} files and their lists, {size:.1f} MB; {fetched} of them fetched now")
