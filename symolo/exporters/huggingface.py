@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from symolo.core.batches import batches
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.plain_files import FileKind, read_file
@@ -37,27 +38,12 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
             what = "has other side tables or annotations than the first run"
             raise InputError(what, where=str(run.folder), cure="use --runs")
     yield ExportedFile("README.md", lambda: _card(data))
-    shards = list(_shards(data.images, settings.shard_bytes))
+    shards = list(batches(data.images, _bytes, settings.shard_bytes))
     for number, images in enumerate(shards):
         name = f"images/train-{number:05d}-of-{len(shards):05d}.parquet"
         size = sum(map(_bytes, images))
         yield ExportedFile(name, lambda images=images: _images(images, first.annotation_kinds), lambda size=size: size)
     yield ExportedFile("rows/train-00000-of-00001.parquet", lambda: stacked_bytes(data, _wide))
-
-
-def _shards(images: Sequence[Image], max_bytes: int) -> Iterator[tuple[Image, ...]]:
-    """Yield the images of each shard in their order; only a shard of a single image may exceed `max_bytes`."""
-    shard: list[Image] = []
-    used = 0
-    for image in images:
-        size = _bytes(image)
-        if shard and used + size > max_bytes:
-            yield tuple(shard)
-            shard, used = [], 0
-        shard.append(image)
-        used += size
-    if shard:
-        yield tuple(shard)
 
 
 def _bytes(image: Image) -> int:

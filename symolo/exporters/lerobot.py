@@ -8,11 +8,13 @@ import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from symolo.core.batches import batches
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.file_hashes import canonical_json
@@ -124,16 +126,13 @@ def _plan(data: Dataset, max_bytes: int) -> _Plan:
         if run.spec.rates.camera_hz != first.rates.camera_hz:
             raise InputError("has another camera rate than the first run", where=str(run.folder), cure="use --runs")
     names = tuple(dict.fromkeys(_task(run) for run in data.runs))
-    files: list[list[_Episode]] = []
-    used, frames = 0, 0
-    for index, run in enumerate(data.runs):
-        size = image_bytes(run.images)
-        if not files or used + size > max_bytes:
-            files.append([])
-            used = 0
-        files[-1].append(_Episode(run, index, frames, names.index(_task(run))))
-        used, frames = used + size, frames + len(run.numbers)
-    return _Plan(data, names, tuple(map(tuple, files)), max_bytes)
+    starts = accumulate((len(run.numbers) for run in data.runs), initial=0)
+    episodes = [
+        _Episode(run, index, first, names.index(_task(run)))
+        for index, (run, first) in enumerate(zip(data.runs, starts, strict=False))
+    ]
+    files = batches(episodes, lambda episode: image_bytes(episode.run.images), max_bytes)
+    return _Plan(data, names, tuple(files), max_bytes)
 
 
 def _task(run: Run) -> str:

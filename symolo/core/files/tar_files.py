@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+from symolo.core.batches import batches
 from symolo.core.files.plain_files import FileKind, read_file
 
 _END_BYTES = 2 * tarfile.BLOCKSIZE
@@ -13,7 +14,7 @@ _END_BYTES = 2 * tarfile.BLOCKSIZE
 
 @dataclass(frozen=True)
 class Member:
-    """A file in a tar: bytes, or where they lie."""
+    """A file in a tar: its bytes, or the path of the file that holds them."""
 
     name: str
     source: bytes | Path
@@ -28,14 +29,14 @@ class Member:
 
     @property
     def head(self) -> bytes:
-        """Nothing of the machine, the user or the day."""
+        """Header without anything of the machine, the user or the day."""
         info = tarfile.TarInfo(self.name)
         info.size, info.mode, info.mtime = self.size, 0o644, 0
         return info.tobuf(tarfile.USTAR_FORMAT)
 
     @property
     def padded(self) -> int:
-        """Bytes in the tar."""
+        """Size in the tar [bytes], with the header and filled to whole blocks."""
         return len(self.head) + -(-self.size // tarfile.BLOCKSIZE) * tarfile.BLOCKSIZE
 
 
@@ -43,12 +44,12 @@ AnyMember = TypeVar("AnyMember", bound=Member)
 
 
 def tar_bytes(members: Iterable[Member]) -> int:
-    """Size of the tar of these members."""
+    """Return the size of the tar of these members."""
     return _whole_records(sum(member.padded for member in members))
 
 
 def tar_chunks(members: Iterable[Member]) -> Iterator[bytes]:
-    """The tar's content, a member at a time."""
+    """Yield the content of the tar, one member at a time."""
     written = 0
     for member in members:
         data = member.content
@@ -59,22 +60,10 @@ def tar_chunks(members: Iterable[Member]) -> Iterator[bytes]:
 
 
 def shards(groups: Iterable[Sequence[AnyMember]], max_bytes: int) -> Iterator[tuple[AnyMember, ...]]:
-    """Members of each tar, groups in their order and never parted.
-
-    A tar is larger than `max_bytes` only where one group alone is.
-    """
+    """Yield the members of each tar; a group lies in one tar, and only a tar of one group may exceed `max_bytes`."""
     room = max_bytes // tarfile.RECORDSIZE * tarfile.RECORDSIZE - _END_BYTES
-    members: list[AnyMember] = []
-    used = 0
-    for group in groups:
-        size = sum(member.padded for member in group)
-        if members and used + size > room:
-            yield tuple(members)
-            members, used = [], 0
-        members += group
-        used += size
-    if members:
-        yield tuple(members)
+    for batch in batches(groups, lambda group: sum(member.padded for member in group), room):
+        yield tuple(member for group in batch for member in group)
 
 
 def _whole_records(used: int) -> int:
