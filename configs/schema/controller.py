@@ -28,8 +28,8 @@ class WallFollowing(Section):
     error_scale_per_m: float = Field(gt=0, le=1000)
     """Factor from the wall error to the range of the line error."""
     far_error_limit: float = Field(gt=0, le=3.5)
-    """Limit of the wall error of a robot that is too far away; small, because at the end of a wall the beam sees wall and
-    background together, and a large error would turn the robot around the end."""
+    """Limit of the wall error of a robot that is too far away; small, because at the end of a wall the beam sees wall
+    and background together, and a large error would turn the robot around the end."""
     lost_beyond_m: float = Field(gt=0, le=2)
     """Reading of the side sensor above which the followed wall is lost."""
     found_within_m: float = Field(gt=0, le=2)

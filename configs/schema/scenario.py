@@ -104,7 +104,8 @@ class Render(Section):
     samples: int | None = Field(default=None, ge=1, le=65_536)
     """Light paths per pixel, instead of those of the quality."""
     device: Annotated[RenderDevice, Fixed("it belongs to the machine, for the whole command")] = "cpu"
-    """Device: `auto` takes a graphics card if Cycles lists one; only the CPU gives the same bytes on all machines of a class."""
+    """Device: `auto` takes a graphics card if Cycles lists one. Only `cpu` gives the same bytes on all machines whose
+    processors are of one class."""
     denoise: bool = True
     """Whether images are denoised; off only for many samples, or to measure noise."""
     jpeg_quality: int = Field(default=92, ge=1, le=100)

@@ -108,9 +108,16 @@ def _repair(
     descriptions.write_bag_info(state, metadata)
     _write_lists(state)
     for name in sorted(inventory.extra & (moved if not remove_extra else inventory.extra)):
-        remove_file(workspace.out / name)
+        _remove(workspace.out / name, workspace.out)
         on_repaired(f"removed: {name}: it does not belong to the release")
     return _result(state, len(faults), metadata)
+
+
+def _remove(path: Path, out: Path) -> None:
+    """Remove a file or an empty folder, and the folders above it that become empty."""
+    (remove_folder if path.is_dir() and not path.is_symlink() else remove_file)(path)
+    if path.parent != out and not any(path.parent.iterdir()):
+        _remove(path.parent, out)
 
 
 def _flip_manifest_back(out: Path, on_repaired: Callable[[str], None]) -> bool:

@@ -130,7 +130,8 @@ class RepairState:
 
 def recorded_device(name: str) -> DeviceKind:
     """Return the device that metadata.json names; the processor for any name that is not known."""
-    return next((kind for kind in GPU_KINDS if kind == name), "CPU")
+    kinds: dict[str, DeviceKind] = {kind: kind for kind in GPU_KINDS}
+    return kinds.get(name, "CPU")
 
 
 def with_one_bit_flipped(data: bytes, digest: str) -> bytes | None:

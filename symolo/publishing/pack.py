@@ -58,6 +58,10 @@ def plan(root: Path, about: About, shard_bytes: int) -> Plan:
     if not re.fullmatch(NAME_PATTERN, data.metadata.name):  # it becomes the name of a file
         allowed = "up to 64 letters, digits, _ and -"
         raise InputError("name", where=str(data.root / METADATA), got=data.metadata.name, allowed=allowed)
+    for run in data.runs:  # it becomes a cell of every table, which a spreadsheet may take for a formula
+        if not all(re.fullmatch(NAME_PATTERN, part) for part in run.name.split("/")):
+            allowed = "two names of letters, digits, _ and -, with a slash between them"
+            raise InputError("run", where=str(data.root / METADATA), got=run.name, allowed=allowed)
     digests = dict(inventory.files.digests) | {name: sha256_of(data.root / name) for name in LISTS}
     shards = planned_shards(data.root, digests, data.metadata.name, shard_bytes)
     runs = [run.name for run in data.runs]

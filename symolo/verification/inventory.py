@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from pydantic import ValidationError
 
@@ -33,6 +33,7 @@ class Files:
     """SHA-256 by path."""
     strange: Mapping[str, str]
     """What is wrong with an entry that cannot be hashed, by path: no regular file, or the disk does not give it."""
+    empty_folders: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, root: Path) -> "Files":
@@ -50,7 +51,16 @@ class Files:
                 strange[name] = error.problem
             except OSError as error:
                 strange[name] = f"cannot be read: {error.strerror}"
-        return cls(digests, strange)
+        empty = (path.relative_to(root).as_posix() for path in _empty_folders(root))
+        return cls(digests, strange, frozenset(empty))
+
+
+def _empty_folders(root: Path) -> Iterator[Path]:
+    for folder, folders, files in os.walk(root):
+        if Path(folder) == root:
+            folders[:] = [name for name in folders if name != STAGES]
+        elif not folders and not files:
+            yield Path(folder)
 
 
 def _entries(root: Path, unreadable: Callable[[OSError], None]) -> Iterator[Path]:
@@ -113,8 +123,9 @@ class Inventory:
 
     @cached_property
     def extra(self) -> frozenset[str]:
-        """Files that no list names."""
-        there = {*self.files.digests, *self.files.strange}
+        """Files that no list names, and empty folders in which no list names a file."""
+        folders = {parent.as_posix() for name in self.expected for parent in PurePosixPath(name).parents}
+        there = {*self.files.digests, *self.files.strange, *(self.files.empty_folders - folders)}
         return frozenset(there - {*self.expected, *LISTS, *SEALS}) if self.expected else frozenset()
 
     @cached_property
@@ -133,6 +144,8 @@ class Inventory:
         for name in sorted({*self.expected, *self.extra, *self.files.strange}):
             if name in self.files.strange:
                 yield Finding(name, self.files.strange[name])
+            elif name in self.extra and name in self.files.empty_folders:
+                yield Finding(name, f"is an empty folder, and {MANIFEST} names no file in it")
             elif name in self.extra:
                 yield Finding(name, f"is not named in {MANIFEST}{self._meant_as(name)}")
             elif name in self.damaged:

@@ -62,6 +62,22 @@ def test_repair_has_nothing_to_say_if_and_only_if_verify_finds_nothing(fits, rel
         _agree(copy, symolo, damage)
 
 
+def test_empty_folders_that_belong_to_no_release_are_found_and_removed(release, tmp_path, symolo):
+    copy = tmp_path / "copy"
+    shutil.copytree(release, copy, ignore=shutil.ignore_patterns(".stages"))
+    (copy / "CW/test_9/images").mkdir(parents=True)
+    (copy / "notes").mkdir()
+    found = {fault.file: fault.what for fault in verify(copy, spec_problem)}
+    assert found.keys() >= {"CW/test_9/images", "notes"}
+    assert found["notes"] == "is an empty folder, and manifest-sha256.txt names no file in it"
+    ended = symolo("repair", copy)
+    assert ended.code == 4
+    assert "notes: is an empty folder, and manifest-sha256.txt names no file in it; --remove-extra" in ended.out
+    assert symolo("repair", copy, "--remove-extra").code == 0
+    assert list(verify(copy, spec_problem)) == []
+    assert not (copy / "CW/test_9").exists()
+
+
 def test_repair_and_verify_agree_on_content_whose_checksums_fit(release, tmp_path, sign, symolo):
     """What no list of checksums can tell."""
     deep = b"[" * 100_000 + b"]" * 100_000

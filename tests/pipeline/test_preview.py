@@ -173,7 +173,7 @@ def test_an_image_that_fails_is_reported_and_the_others_are_shown(tmp_path, symo
             raise ValueError("the picture is black")
         return np.full((48, 64, 3), 100, np.uint8)
 
-    monkeypatch.setattr("blender_scenes.preview.renderer.FlatRenderer.picture", picture)
+    monkeypatch.setattr("blender_scenes.preview.renderer.FlatRenderer.image", picture)
     arguments = ("preview", "smoke", "--engine", "flat", "--columns", 3, "--width-px", 64)
     ended = symolo(*arguments, "-n", 3, "--out", tmp_path / "sheet.png")
     assert ended.code == 3

@@ -72,11 +72,22 @@ def _whole(path: Path) -> Iterator[Path]:
     try:
         yield beside
         os.replace(beside, path)  # noqa: PTH105 - of the two ways to say it the one that a fault test can stand in for
+        _check_gone(beside, path)
     except BaseException:
         with contextlib.suppress(OSError):
             beside.unlink(missing_ok=True)
         raise
     sync_folder(path.parent)
+
+
+def _check_gone(old: Path, new: Path) -> None:
+    """Raise where a disk reports that it has renamed something and has not; the old name is nobody else's."""
+    if old.exists():
+        raise _lost(new)
+
+
+def _lost(place: Path) -> OSError:
+    return OSError(errno.EIO, "the disk has lost a renaming", str(place))
 
 
 def _unfinished(path: Path) -> Path:
@@ -179,6 +190,7 @@ def new_folder_beside(path: Path) -> Path:
 def move(path: Path, place: Path) -> None:
     """Rename a whole file to another folder of the same disk, over what is there."""
     os.replace(path, place)  # noqa: PTH105 - as above
+    _check_gone(path, place)
     sync_folder(place.parent)
 
 
@@ -187,6 +199,7 @@ def replace_folder(new: Path, path: Path) -> None:
     remove_folder(path)
     make_folder(path.parent)
     os.rename(new, path)  # noqa: PTH104 - as above
+    _check_gone(new, path)
     sync_folder(path.parent)
 
 
@@ -198,6 +211,8 @@ def remove_folder(path: Path) -> None:
         shutil.rmtree(dropped)
     if path.exists():
         os.rename(path, dropped)  # noqa: PTH104 - as above
+        if not dropped.exists():
+            raise _lost(dropped)
         sync_folder(path.parent)
         shutil.rmtree(dropped)
 

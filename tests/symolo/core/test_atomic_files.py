@@ -1,9 +1,11 @@
 import hashlib
+import os
 
 import pytest
 
 from symolo.core.files import atomic_files as whole_files
-from symolo.core.files.atomic_files import write_chunks
+from symolo.core.files.atomic_files import move, remove_folder, replace_folder, write_chunks, write_file
+from symolo.core.os_errors import lacking
 
 
 def test_a_file_written_in_chunks_is_whole_and_known_by_its_checksum(tmp_path):
@@ -32,3 +34,23 @@ def test_a_disk_that_does_not_give_back_what_it_took_is_found(tmp_path, monkeypa
     with pytest.raises(OSError, match="is not what was written"):
         write_chunks(tmp_path / "file", (b"ne", b"w"))
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("what", ["file", "move", "folder", "removal"])
+def test_a_renaming_that_the_disk_has_lost_is_a_fault_of_the_disk(what, tmp_path, monkeypatch):
+    """Which a command reports in one line with exit code 5, and not as a bug when the name is missing later."""
+    for name in ("new", "old"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "source").write_bytes(b"1")
+    for name in ("rename", "replace"):
+        monkeypatch.setattr(os, name, lambda *_: None)
+    act = {
+        "file": lambda: write_file(tmp_path / "file", b"1"),
+        "move": lambda: move(tmp_path / "source", tmp_path / "place"),
+        "folder": lambda: replace_folder(tmp_path / "new", tmp_path / "place"),
+        "removal": lambda: remove_folder(tmp_path / "old"),
+    }[what]
+    with pytest.raises(OSError, match="the disk has lost a renaming") as lost:
+        act()
+    assert "the disk reports a fault" in lacking(lost.value)
+    assert {path.name for path in tmp_path.iterdir()} == {"new", "old", "source"}

@@ -38,7 +38,8 @@ def test_a_dry_run_says_the_size_of_what_a_run_then_writes(random_release, tmp_p
     for line, name in zip(told, names.split(","), strict=True):
         files = [path for path in (out / name).rglob("*") if path.is_file()]
         size = sum(path.stat().st_size for path in files) / 1e6
-        assert line.startswith(f"{name}: {len(files)} files, {size:.3f} MB: ")
+        count = "1 file" if len(files) == 1 else f"{len(files)} files"
+        assert line.startswith(f"{name}: {count}, {size:.3f} MB: ")
 
 
 def test_only_the_runs_that_were_asked_for(random_release, tmp_path, symolo):

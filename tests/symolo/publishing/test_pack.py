@@ -143,6 +143,19 @@ def test_a_dry_run_tells_what_is_written_and_writes_nothing(packed, tmp_path, ca
         assert f"{path.stat().st_size / 1e6:.3f} MB" in told
 
 
+@pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@A1", "a b", "a,b"])
+def test_a_route_whose_name_a_spreadsheet_would_calculate_is_refused(name, packed, tmp_path, sign, capsys):
+    """The name of the run is a cell of every table; a formula in it would run where the table is opened."""
+    own = tmp_path / "own"
+    shutil.copytree(packed.release, own)
+    (own / "CW").rename(own / name)
+    text = (own / "metadata.json").read_text()
+    (own / "metadata.json").write_text(text.replace('"CW/', f'"{name}/'))
+    sign(own)
+    assert main(["pack", str(own), "--about", str(packed.about), "--out", str(tmp_path / "upload")]) == 2
+    assert f"run: got '{name}/test_1', allowed: two names" in capsys.readouterr().err
+
+
 def test_a_licence_that_is_not_listed_goes_by_its_name(packed, tmp_path, sign):
     own = tmp_path / "own"
     shutil.copytree(packed.release, own)
