@@ -96,7 +96,7 @@ class Tiles(Expression):
     stagger: float
     """Shift of every second row, in tile lengths."""
     offset_m: tuple[float, float]
-    """Place of the surface in the endless rows."""
+    """Offset of the surface within the infinite tiling [m]."""
     value: Literal["joint", "random"] = "joint"
     softness: float = 0.1
     """Share of the joint's width over which the value rises from 0 to 1."""

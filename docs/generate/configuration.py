@@ -3,8 +3,10 @@
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+import yaml
 from markdown import anchor, page, table, text
 
 from configs.json_schema import scenario_json_schema
@@ -15,6 +17,8 @@ ABOUT = """Every setting of a scenario, with its bounds and its default; units a
 below its section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
 [distribution](../scenarios.md#distributions) is allowed there. A section without a path of its own is allowed
 wherever a key links to it."""
+
+ROBOTS = Path(__file__).parents[2] / "configs" / "robots"
 
 OFTEN = 3
 """A section that more paths than this lead to has a name of its own."""
@@ -81,7 +85,7 @@ def _section_parts(section: _Section, sections: Mapping[str, _Section]) -> Itera
     needed = section.schema.get("required", ())
     rows = []
     for key, value in section.schema.get("properties", {}).items():
-        default = "required" if key in needed else _default(value)
+        default = "required" if key in needed else _default(value) or _nominal(section.paths, key)
         rows.append((f"`{key}`", _allowed(key, value, sections), default, text(_meaning(value, sections))))
     yield table(("key", "allowed values", "default", "meaning"), rows)
 
@@ -98,6 +102,16 @@ def _default(schema: Mapping[str, Any]) -> str:
     if default is None or default == "" or isinstance(default, dict):
         return ""
     return f"`{json.dumps(default)}`" if not isinstance(default, str) else f"`{default}`"
+
+
+def _nominal(path: str, key: str) -> str:
+    """The value of the shipped robot `nominal`, for a setting of a robot without a default."""
+    if path.split(".", maxsplit=1)[0] != "robot":
+        return ""
+    value = yaml.safe_load((ROBOTS / "nominal.yaml").read_text(encoding="utf-8"))
+    for name in [*path.split(".")[1:], key]:
+        value = value.get(name) if isinstance(value, dict) else None
+    return "" if value is None or isinstance(value, (dict, str)) else f"`{json.dumps(value)}` in `nominal`"
 
 
 def _allowed(key: str, schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
