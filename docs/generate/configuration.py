@@ -104,12 +104,13 @@ def _default(schema: Mapping[str, Any]) -> str:
     return f"`{json.dumps(default)}`" if not isinstance(default, str) else f"`{default}`"
 
 
-def _nominal(path: str, key: str) -> str:
-    """The value of the shipped robot `nominal`, for a setting of a robot without a default."""
-    if path.split(".", maxsplit=1)[0] != "robot":
+def _nominal(paths: list[str], key: str) -> str:
+    """The value of the shipped robot `nominal`, for a setting of a robot that has no default and stands in one place."""
+    section, *names = (*paths[0].split("."), key)
+    if len(paths) > 1 or section != "robot":
         return ""
     value = yaml.safe_load((ROBOTS / "nominal.yaml").read_text(encoding="utf-8"))
-    for name in [*path.split(".")[1:], key]:
+    for name in names:
         value = value.get(name) if isinstance(value, dict) else None
     return "" if value is None or isinstance(value, (dict, str)) else f"`{json.dumps(value)}` in `nominal`"
 
