@@ -105,7 +105,7 @@ def _default(schema: Mapping[str, Any]) -> str:
 
 
 def _nominal(paths: list[str], key: str) -> str:
-    """The value of the shipped robot `nominal`, for a setting of a robot that has no default and stands in one place."""
+    """The value of the shipped robot `nominal`, for a setting that has no default and stands in one place."""
     section, *names = (*paths[0].split("."), key)
     if len(paths) > 1 or section != "robot":
         return ""

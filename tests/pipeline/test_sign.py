@@ -104,7 +104,7 @@ def test_a_signature_that_was_changed_is_one_clear_line(signed, symolo, change):
     assert ended.code == 4
     (line,) = ended.out.splitlines()
     assert line.startswith(f"{SIGNATURE}: {told}")
-    assert ended.err == f"{signed}: 1 faults\n"
+    assert ended.err == f"{signed}: 1 fault\n"
     assert symolo("verify", signed).code == 0, "without a key nobody asks for a signature"
 
 
