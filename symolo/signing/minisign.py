@@ -122,7 +122,7 @@ def message_of(data: bytes, algorithm: bytes) -> bytes:
 
 def name_of(key_id: bytes) -> str:
     """Return the number of a key as minisign prints it."""
-    return f"{int.from_bytes(key_id, 'little'):016X}"
+    return f"{int.from_bytes(key_id, 'little'):X}"
 
 
 def encoded(data: bytes) -> str:

@@ -7,7 +7,7 @@ import pytest
 from symolo.core.errors import InputError
 from symolo.signing.ed25519 import is_signature, public_key, sign
 from symolo.signing.key_files import read_public_key, read_secret_key, write_new_keys
-from symolo.signing.minisign import PublicKey, Signature
+from symolo.signing.minisign import PublicKey, Signature, name_of
 from symolo.signing.secret_key import SecretKey, SecretKeyFile, scrypt_parameters
 
 MADE = Path(__file__).parent / "made_by_minisign"
@@ -156,3 +156,8 @@ def test_one_key_in_the_place_of_the_other_is_named():
 def test_a_missing_key_is_named(tmp_path):
     with pytest.raises(InputError, match="cannot be read: No such file"):
         read_public_key(str(tmp_path / "none.pub"))
+
+
+def test_the_number_of_a_key_has_no_leading_zeros():
+    """minisign 0.11 prints this number for these bytes, as `minisign -R` shows."""
+    assert name_of(bytes([1, 2, 3, 4, 5, 6, 7, 0])) == "7060504030201"
