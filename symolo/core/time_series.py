@@ -1,5 +1,9 @@
 """What a run leaves behind: the trajectory at the control rate, and the named time series of the sensors."""
 
+import math
+import re
+import zipfile
+import zlib
 from dataclasses import dataclass
 from typing import BinaryIO
 
@@ -7,6 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symolo.core.finite import require_finite
+
+MAX_UNPACKED_BYTES = 256 << 20
+"""Largest size of all arrays of a recording together; a row takes less than a kilobyte."""
+_ENCRYPTED = 1
+_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_MAGIC = b"\x93NUMPY\x01\x00"
+_HEADER = re.compile(
+    rb"\{'descr': '([<|][biuf]\d)', 'fortran_order': (False|True), 'shape': \((\d{1,9}),(?: (\d{1,9}))?\), \} *\n"
+)
+"""Type, order and shape of one or two dimensions (numpy.lib.format)."""
 
 
 @dataclass(frozen=True)
@@ -87,12 +101,11 @@ class Recording:
         """Read what `save` wrote.
 
         Raises:
-            ValueError: An array has no rows of numbers, or holds one that is not finite.
+            ValueError: An array has no rows of numbers, holds one that is not finite, or is too large.
             KeyError: An array is missing.
-            zipfile.BadZipFile: It is no whole archive.
+            zipfile.BadZipFile: It is no whole archive of arrays as `save` writes them.
         """
-        with np.load(file, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
+        arrays = _unpacked(file)
         for name, values in arrays.items():
             if values.dtype.kind not in "biuf" or values.ndim not in {1, 2}:
                 raise ValueError(f"{name}: holds {values.dtype} of {values.ndim} dimensions, not rows of numbers")
@@ -101,6 +114,38 @@ class Recording:
         keys = [name.removesuffix("/t_s") for name in arrays if name.startswith("series/") and name.endswith("/t_s")]
         series = []
         for key in keys:
-            _, name, unit = key.split("/", 2)
+            name, _, unit = key.removeprefix("series/").partition("/")
             series.append(TimeSeries(name, unit, arrays[f"{key}/t_s"], arrays[f"{key}/values"]))
         return cls(trajectory, tuple(series))
+
+
+def _unpacked(file: BinaryIO) -> dict[str, NDArray[np.generic]]:
+    """Return the arrays of an archive by name.
+
+    `np.load` is not used: it takes memory for the shape that a header states before it looks whether there are as many
+    bytes, and a small file may unpack to any number of them.
+    """
+    try:
+        with zipfile.ZipFile(file) as archive:
+            members = archive.infolist()
+            if sum(member.file_size for member in members) > MAX_UNPACKED_BYTES:
+                raise ValueError(f"unpacks to more than {MAX_UNPACKED_BYTES >> 20} MiB, which no trajectory does")
+            if any(member.flag_bits & _ENCRYPTED or member.compress_type not in _PACKED for member in members):
+                raise zipfile.BadZipFile("is packed in another way than a trajectory is")
+            return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members}
+    except (zlib.error, EOFError, NotImplementedError) as error:
+        raise zipfile.BadZipFile(f"is damaged: {error}") from None
+
+
+def _array(data: bytes) -> NDArray[np.generic]:
+    """Return an array from the bytes of an .npy file (version 1.0), whose header is exactly as NumPy writes it."""
+    begin = len(_MAGIC) + 2 + int.from_bytes(data[len(_MAGIC) : len(_MAGIC) + 2], "little")
+    header = _HEADER.fullmatch(data, len(_MAGIC) + 2, begin) if data.startswith(_MAGIC) else None
+    if header is None:
+        raise zipfile.BadZipFile("holds an array whose header is none of a trajectory")
+    kind, order, rows, columns = header.groups()
+    dtype = np.dtype(kind.decode())
+    shape = (int(rows), int(columns)) if columns else (int(rows),)
+    if math.prod(shape) * dtype.itemsize != len(data) - begin:
+        raise zipfile.BadZipFile(f"holds an array of {shape} with {len(data) - begin} bytes")
+    return np.frombuffer(data, dtype, offset=begin).reshape(shape, order="F" if order == b"True" else "C")

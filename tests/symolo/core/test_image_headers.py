@@ -81,6 +81,19 @@ def test_an_image_of_too_many_pixels_is_refused_before_it_is_unpacked(side):
     assert decoded_bytes(bytes(data)) is None
 
 
+def test_an_image_whose_pixels_take_too_much_memory_is_refused_before_it_is_unpacked():
+    """16 bits of red, green, blue and opacity are 8 bytes a pixel, 512 MB in all; three channels are 384 MB."""
+    for colour, allowed in ((6, False), (2, True)):
+        data = bytearray(png_of(8, 8))
+        data[16:26] = (8000).to_bytes(4, "big") * 2 + bytes([16, colour])
+        data[29:33] = zlib.crc32(data[12:29]).to_bytes(4, "big")
+        if allowed:
+            assert image_size(bytes(data), MAX_PIXELS) == (8000, 8000)
+        else:
+            with pytest.raises(ValueError, match="8000 x 8000 pixels of 8 bytes each, which takes too much memory"):
+                image_size(bytes(data), MAX_PIXELS)
+
+
 @pytest.mark.parametrize(
     "data", [b"", b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n", b"GIF89a", b"II*\0", b"\xff" * 100, b"BM" + bytes(60)]
 )
