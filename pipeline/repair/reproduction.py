@@ -1,6 +1,5 @@
 """`symolo verify --reproduce`: images drawn at random and rendered again, to be compared with those of the dataset."""
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from symolo.compare.images import likeness
 from symolo.compare.likeness import shown_db
 from symolo.core.errors import InputError, one_line
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.dataset.bag import read_cpu_classes
@@ -72,11 +72,11 @@ def reproduce(root: Path, count: int, seed: int, workers: int, report: Report) -
         report.say(f"reproduce: equal bytes cannot be expected: {difference}")
     images: list[ReproducedImage] = []
     tasks: list[FrameTask] = []
-    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
+    with scratch_folder() as scratch:
         for record, numbers in chosen:
             device = recorded_device(record.render_device)
             try:
-                tasks.append(_prepared(root, record.run, numbers, device, Path(scratch)))
+                tasks.append(_prepared(root, record.run, numbers, device, scratch))
             except InputError as error:
                 problem = f"cannot be rendered again: {error}"
                 images += [ReproducedImage(_name(record.run, n), problem, is_missing=True) for n in numbers]
