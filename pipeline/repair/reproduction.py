@@ -14,13 +14,13 @@ from pipeline.stages.render import Appearance, FrameTask, RenderTask
 from symolo.compare.images import likeness
 from symolo.compare.likeness import shown_db
 from symolo.core.errors import InputError, one_line
-from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.plain_files import FileKind, check_tree, read_file
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.dataset.bag import read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata, RunRecord, made_with
-from symolo.dataset.layout import DATA, IMAGES, SIDE, SPEC, frame_name
+from symolo.dataset.layout import DATA, IMAGES, SIDE, SPEC, STAGES, frame_name
 from symolo.dataset.tables.rows import read_rows
 
 
@@ -65,6 +65,7 @@ def reproduce(root: Path, count: int, seed: int, workers: int, report: Report) -
     Raises:
         EnvironmentLacking: Blender does not start, or a graphics card is not there.
     """
+    check_tree(root, f"{STAGES}/assets")
     metadata = Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     chosen = drawn_images(metadata, count, seed)
     difference = _difference(root, metadata, chosen)

@@ -9,7 +9,7 @@ from configs.schema.scenario import RunSpec
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.plain_files import FileKind, check_tree, read_file
 from symolo.core.time_series import Recording
 from symolo.dataset.layout import STAGES
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table
@@ -18,7 +18,12 @@ from symolo.dataset.tables.side_tables import TOF, WHEELS, tof_csv, wheels_csv
 
 
 def simulated_folders(out: Path) -> list[Path]:
-    """Return the folders of all runs that were simulated in an output folder, sorted."""
+    """Return the folders of all runs that were simulated in an output folder, sorted.
+
+    Raises:
+        UnsafeFileError: One is a link, or is reached through one.
+    """
+    check_tree(out, f"{STAGES}/simulate")
     return sorted(path.parent for path in out.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}"))
 
 
