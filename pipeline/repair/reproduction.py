@@ -8,7 +8,7 @@ from blender_scenes.render.devices import DeviceKind
 from pipeline.repair.descriptions import machine_differences
 from pipeline.repair.frames import check_user_files, only_frames, render_tasks, write_job
 from pipeline.repair.repair_state import recorded_device
-from pipeline.run_folder.stored_runs import read_spec
+from pipeline.run_folder.stored_spec import read_spec
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import Appearance, FrameTask, RenderTask
 from symolo.compare.images import likeness
