@@ -58,7 +58,7 @@ def verify(
     Example: symolo verify data --key symolo.pub --reproduce 10
     """
     from configs.assets.quiet import silenced
-    from pipeline.run_folder.stored_runs import spec_problem
+    from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.progress import plural
     from symolo.signing.key_files import read_public_key
     from symolo.verification.signature import trusted_comment

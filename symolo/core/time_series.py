@@ -1,26 +1,14 @@
 """What a run leaves behind: the trajectory at the control rate, and the named time series of the sensors."""
 
-import math
-import re
-import zipfile
-import zlib
 from dataclasses import dataclass
 from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symolo.core.files.npz_file import arrays_of
+from symolo.core.files.plain_files import FileKind
 from symolo.core.finite import require_finite
-
-MAX_UNPACKED_BYTES = 256 << 20
-"""Largest size of all arrays of a recording together; a row takes less than a kilobyte."""
-_ENCRYPTED = 1
-_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_MAGIC = b"\x93NUMPY\x01\x00"
-_HEADER = re.compile(
-    rb"\{'descr': '([<|][biuf]\d)', 'fortran_order': (False|True), 'shape': \((\d{1,9}),(?: (\d{1,9}))?\), \} *\n"
-)
-"""Type, order and shape of one or two dimensions (numpy.lib.format)."""
 
 
 @dataclass(frozen=True)
@@ -97,55 +85,21 @@ class Recording:
         np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
 
     @classmethod
-    def load(cls, file: BinaryIO) -> "Recording":
+    def load(cls, data: bytes) -> "Recording":
         """Read what `save` wrote.
 
         Raises:
-            ValueError: An array has no rows of numbers, holds one that is not finite, or is too large.
+            ValueError: An array has no rows of numbers, or holds one that is not finite; or the arrays are too large.
             KeyError: An array is missing.
-            zipfile.BadZipFile: It is no whole archive of arrays as `save` writes them.
+            zipfile.BadZipFile: It is no whole archive.
         """
-        arrays = _unpacked(file)
+        arrays = arrays_of(data, FileKind.TRAJECTORY.max_bytes)
         for name, values in arrays.items():
-            if values.dtype.kind not in "biuf" or values.ndim not in {1, 2}:
-                raise ValueError(f"{name}: holds {values.dtype} of {values.ndim} dimensions, not rows of numbers")
             require_finite(values, name, ("row", "column")[: values.ndim])
         trajectory = Trajectory(arrays["t_s"], arrays["pose"], arrays["twist"], arrays["state"])
         keys = [name.removesuffix("/t_s") for name in arrays if name.startswith("series/") and name.endswith("/t_s")]
         series = []
         for key in keys:
-            name, _, unit = key.removeprefix("series/").partition("/")
+            _, name, unit = key.split("/", 2)
             series.append(TimeSeries(name, unit, arrays[f"{key}/t_s"], arrays[f"{key}/values"]))
         return cls(trajectory, tuple(series))
-
-
-def _unpacked(file: BinaryIO) -> dict[str, NDArray[np.generic]]:
-    """Return the arrays of an archive by name.
-
-    `np.load` is not used: it takes memory for the shape that a header states before it looks whether there are as many
-    bytes, and a small file may unpack to any number of them.
-    """
-    try:
-        with zipfile.ZipFile(file) as archive:
-            members = archive.infolist()
-            if sum(member.file_size for member in members) > MAX_UNPACKED_BYTES:
-                raise ValueError(f"unpacks to more than {MAX_UNPACKED_BYTES >> 20} MiB, which no trajectory does")
-            if any(member.flag_bits & _ENCRYPTED or member.compress_type not in _PACKED for member in members):
-                raise zipfile.BadZipFile("is packed in another way than a trajectory is")
-            return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members}
-    except (zlib.error, EOFError, NotImplementedError) as error:
-        raise zipfile.BadZipFile(f"is damaged: {error}") from None
-
-
-def _array(data: bytes) -> NDArray[np.generic]:
-    """Return an array from the bytes of an .npy file (version 1.0), whose header is exactly as NumPy writes it."""
-    begin = len(_MAGIC) + 2 + int.from_bytes(data[len(_MAGIC) : len(_MAGIC) + 2], "little")
-    header = _HEADER.fullmatch(data, len(_MAGIC) + 2, begin) if data.startswith(_MAGIC) else None
-    if header is None:
-        raise zipfile.BadZipFile("holds an array whose header is none of a trajectory")
-    kind, order, rows, columns = header.groups()
-    dtype = np.dtype(kind.decode())
-    shape = (int(rows), int(columns)) if columns else (int(rows),)
-    if math.prod(shape) * dtype.itemsize != len(data) - begin:
-        raise zipfile.BadZipFile(f"holds an array of {shape} with {len(data) - begin} bytes")
-    return np.frombuffer(data, dtype, offset=begin).reshape(shape, order="F" if order == b"True" else "C")

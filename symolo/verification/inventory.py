@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import sha256_of
 from symolo.core.files.paths import folders_of
-from symolo.core.files.plain_files import FileKind, UnsafeFileError, check_folders, read_file
+from symolo.core.files.plain_files import FileKind, UnsafeFileError, check_tree, read_file
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.folder_kind import Done
 from symolo.dataset.layout import DONE, STAGES
@@ -292,7 +292,7 @@ def _assembled(root: Path) -> dict[str, str]:
     noted: dict[str, str] = {}
     stage = root / STAGES / "assemble"
     try:
-        check_folders(root, f"{STAGES}/assemble")
+        check_tree(root, f"{STAGES}/assemble")
     except UnsafeFileError:
         return noted
     for marker in sorted(stage.glob(f"*/*/{DONE}")):

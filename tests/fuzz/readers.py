@@ -30,7 +30,8 @@ from hil.framings.base import CommandMessage, Damaged, HelloRequest, SensorsMess
 from hil.plausible import DriveLimits, TickCount
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.run_folder.status import status
-from pipeline.run_folder.stored_runs import read_simulated, spec_problem
+from pipeline.run_folder.stored_runs import read_simulated
+from pipeline.run_folder.stored_spec import spec_problem
 from symolo.compare.folders import compare
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.progress import LineReport

@@ -9,7 +9,7 @@ import zlib
 
 import pytest
 
-from pipeline.run_folder.stored_runs import spec_problem
+from pipeline.run_folder.stored_spec import spec_problem
 from symolo.verification.verify import verify
 from tests.fuzz.guard import TooSlowError, limits, outcome_of
 from tests.fuzz.mutations import mutated

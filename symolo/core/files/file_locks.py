@@ -26,6 +26,11 @@ def _module(name: str) -> ModuleType | None:
         return None
 
 
+def can_lock() -> bool:
+    """Return whether this system has locks, so that the lack of one shows that nobody holds it."""
+    return _module("fcntl") is not None or _module("msvcrt") is not None
+
+
 def lock(descriptor: int, *, shared: bool = False, wait: bool = True) -> None:
     """Lock an open file until its descriptor is closed.
 
