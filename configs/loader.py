@@ -74,7 +74,7 @@ class LoadedScenario:
         singles: dict[str, SingleRoute] = {}
         routes = self.root.child("routes")
         assert routes is not None  # noqa: S101 - the schema demands it
-        for (index, node), route in zip(routes.children(), self.routes, strict=True):
+        for index, (route, (_, node)) in enumerate(zip(self.routes, routes.children(), strict=True)):
             keys = {**dict(self.root.children()), "routes": Node((node,), routes.where)}
             root = Node(keys, self.root.where)
             singles[route.name] = SingleRoute(index, root, ChainMap(of_route[index], shared))

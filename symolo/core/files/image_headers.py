@@ -108,7 +108,7 @@ def _jpeg_header(data: bytes) -> _Header:
             at += 1
             continue
         if marker == 0xD9:
-            return _of_frame(frame, components_of_scans)
+            return _of_frame(frame, bytes(components_of_scans))
         length = int.from_bytes(data[at + 2 : at + 4], "big")
         if marker in _SIZES and at + 10 <= len(data):
             if frame is not None:

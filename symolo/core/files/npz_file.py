@@ -11,11 +11,13 @@ import re
 import struct
 import zipfile
 import zlib
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Numbers = NDArray[np.float64] | NDArray[np.int64]
+Numbers = NDArray[Any]
+"""(N,) or (N, K), of floating-point or whole numbers; numpy cannot say so."""
 
 MAX_ENTRIES = 1000
 """Of an archive; a run has about thirty, two for each series."""
