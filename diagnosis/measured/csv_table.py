@@ -13,6 +13,9 @@ from symolo.core.errors import InputError
 from symolo.core.files.text_file import TextFile
 from symolo.core.table import CsvTable, NumberColumn, TableColumn, WordColumn
 
+_LARGEST = 1e100
+"""Largest number in a log. A reading far out of reach is an outlier and stays, but no square may overflow."""
+
 
 @dataclass(frozen=True)
 class MeasuredColumn:
@@ -63,7 +66,13 @@ def _strict(columns: Sequence[CaseColumn]) -> list[TableColumn]:
     return [
         column
         if isinstance(column, WordColumn)
-        else NumberColumn(column.name, may_be_empty=column.may_be_empty, is_whole=column.decimals == 0)
+        else NumberColumn(
+            column.name,
+            may_be_empty=column.may_be_empty,
+            is_whole=column.decimals == 0,
+            low=-_LARGEST,
+            high=_LARGEST,
+        )
         for column in columns
     ]
 
