@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from pipeline.repair import existing_copies, repair_state
 from pipeline.repair.repair_state import with_one_bit_flipped
 from symolo.verification.verify import verify
 
@@ -15,13 +16,10 @@ RUN = "CW/test_1"
 
 @pytest.fixture
 def killed_at_write(monkeypatch):
-    """Interrupts a repair at the nth file that it puts in place."""
-    from pipeline.repair import repair_state  # noqa: PLC0415 - to be changed
+    """Interrupts a repair at the nth file that a module of it puts in place."""
 
-    write = repair_state.write_file
-
-    def at(count):
-        put = []
+    def at(count, module=repair_state):
+        put, write = [], module.write_file
 
         def killed(path, data):
             if len(put) == count - 1:
@@ -29,7 +27,7 @@ def killed_at_write(monkeypatch):
             put.append(path)
             write(path, data)
 
-        monkeypatch.setattr(repair_state, "write_file", killed)
+        monkeypatch.setattr(module, "write_file", killed)
 
     return at
 
@@ -59,28 +57,35 @@ def test_an_interrupted_repair_leaves_whole_files_and_goes_on(
     assert release_of(root) == release_of(dataset)
 
 
+@pytest.mark.parametrize("module", [repair_state, existing_copies])
 def test_two_files_that_were_swapped_are_both_restored_after_an_interruption_between_them(
-    dataset, copy_of, symolo, release_of, monkeypatch, killed_at_write
+    module, dataset, copy_of, symolo, release_of, monkeypatch, killed_at_write
 ):
     """The content of metadata.json follows from nothing else, so that it must not be lost with what was overwritten."""
     root = copy_of(dataset)
     (root / "metadata.json").rename(root / "other")
     (root / "README.md").rename(root / "metadata.json")
     (root / "other").rename(root / "README.md")
-    killed_at_write(2)
+    killed_at_write(2, module)
     assert symolo("repair", root).code == 130
     monkeypatch.undo()
-    assert symolo("repair", root).code == 0
+    ended = symolo("repair", root)
+    assert ended.code == 0
+    assert "written again" not in ended.out
     assert release_of(root) == release_of(dataset)
     assert not (root / ".stages").exists()
 
 
 def test_a_file_under_another_name_is_no_file_of_the_users_own_after_an_interruption(
-    dataset, copy_of, symolo, release_of, monkeypatch, killed_at_write
+    dataset, copy_of, symolo, release_of, monkeypatch
 ):
     root = copy_of(dataset)
     (root / RUN / "data.csv").rename(root / RUN / "moved.csv")
-    killed_at_write(1)
+
+    def killed(*_arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pipeline.repair.repair._remove", killed)
     assert symolo("repair", root).code == 130
     monkeypatch.undo()
     assert symolo("repair", root).code == 0
