@@ -33,6 +33,8 @@ WORDS = (
     "{uniform: [0, 1]}", "{choice: []}", "[" * 40, "[" * 2000, '{"a":' * 2000, "-", "=", "CON", "nul\n", "\ud7ff",
     "\x7f", "\x1b[2J",
 )  # fmt: skip
+SIDES = (0, 1, 16, 24, 32, 4096, 65535)
+"""Width or height [px] of an image. One of 8192 x 8192 is allowed and takes a second or two in each command."""
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _PNG, _JPEG, _ZIP = b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"PK\x03\x04"
@@ -226,7 +228,7 @@ def _png(data: bytes, draw: random.Random) -> bytes:
     place = draw.randrange(len(chunks))
     choice = draw.randrange(6)
     if choice == 0:
-        size = [draw.choice((0, 1, 32, 8192, 65535, 2**31 - 1, 2**32 - 1)) for _ in range(2)]
+        size = [draw.choice((*SIDES, 2**31 - 1, 2**32 - 1)) for _ in range(2)]
         chunks[0][1] = struct.pack(">II", *size) + chunks[0][1][8:]
     elif choice == 1:
         chunks[0][1] = chunks[0][1][:8] + bytes(draw.choice((0, 1, 2, 3, 4, 6, 8, 16)) for _ in range(5))
@@ -269,7 +271,7 @@ def _jpeg(data: bytes, draw: random.Random) -> bytes:
     if choice == 4:
         frame = re.search(rb"\xff[\xc0-\xc2]...", data, re.DOTALL)
         if frame is not None:
-            sides = [draw.choice((0, 1, 24, 32, 8191, 8192, 65535)) for _ in range(2)]
+            sides = [draw.choice(SIDES) for _ in range(2)]
             return data[: frame.end()] + struct.pack(">HH", *sides) + data[frame.end() + 4 :]
     return data[:at] + draw.choice(_BYTES)(segment, draw) + data[at + length :]
 

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import shutil
+import struct
 import time
 
 import pytest
@@ -146,3 +147,18 @@ def test_a_deep_folder_is_a_fault_and_no_crash(folder):
     deep.mkdir(parents=True)
     (deep / "file").write_bytes(b"")
     assert any("d" * 50 in line for line in found(root))
+
+
+def test_an_image_that_announces_another_size_than_the_run_is_not_decoded(tmp_path, monkeypatch):
+    """Its 758 bytes would take a second of every image, and 400 MB."""
+    root = valid_copy("dataset", tmp_path)
+    image = root / RUN / "images" / "000001.jpg"
+    data = bytearray(image.read_bytes())
+    size_at = data.index(b"\xff\xc0") + 5
+    assert data[size_at : size_at + 4] == bytes([0, 16, 0, 24])
+    data[size_at : size_at + 4] = struct.pack(">HH", 8192, 8191)
+    image.write_bytes(data)
+    monkeypatch.setattr("symolo.verification.run_checks.decoded_bytes", lambda *_, **__: pytest.fail("was decoded"))
+    (root / RUN / "images" / "000002.jpg").unlink()
+    (root / RUN / "images" / "000003.jpg").unlink()
+    assert any("000001.jpg: is 8191 x 8192 px, metadata.json says 24 x 16" in line for line in found(root))
