@@ -32,10 +32,17 @@ def check_scenario(scenario: Scenario, root: Node) -> None:
     _refuse(_scenario_faults(scenario, range(len(scenario.routes))), root)
 
 
-def check_run(scenario: Scenario, root: Node, route: int, run: int) -> None:
-    """Refuse contradictions in the values that were drawn for one run of the route with this index."""
-    note = f"drawn for {scenario.routes[route].name} run {run}; narrow the distributions or take another seed"
-    _refuse(_scenario_faults(scenario, [route]), root, note)
+def check_run(scenario: Scenario, root: Node, index: int, run: int) -> None:
+    """Refuse contradictions in the values that were drawn for one run.
+
+    Args:
+        scenario: The scenario with the route of the run alone.
+        root: Tree of the whole scenario.
+        index: Place of the route in that tree.
+        run: Number of the run.
+    """
+    note = f"drawn for {scenario.routes[0].name} run {run}; narrow the distributions or take another seed"
+    _refuse(_scenario_faults(scenario, [index]), root, note)
 
 
 def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
@@ -64,15 +71,16 @@ def _refuse(faults: Iterable[ConfigFault], root: Node, note: str = "") -> None:
         raise fault.error(root, note)
 
 
-def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[ConfigFault]:
+def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[ConfigFault]:
+    """Yield the contradictions in a scenario whose routes have these places in the file."""
     yield from _route_name_faults(scenario.routes)
     yield from _arena_faults(scenario.arena)
     yield from robot_faults(scenario.robot, in_simulation=True)
     yield from _lens_faults(scenario)
     yield from _look_faults(scenario.look)
     yield from _period_faults(scenario.rates, scenario.robot)
-    for index in routes:
-        yield from _start_faults(scenario.arena, scenario.robot, scenario.routes[index], ("routes", index, "start"))
+    for index, route in zip(indices, scenario.routes, strict=True):
+        yield from _start_faults(scenario.arena, scenario.robot, route, ("routes", index, "start"))
 
 
 def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[ConfigFault]:

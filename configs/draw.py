@@ -8,7 +8,7 @@ import numpy as np
 from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.checks import check_run
 from configs.faults import ConfigFault
-from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone
+from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone, SingleRoute
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
@@ -62,33 +62,30 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
     Raises:
         InputError: The drawn values are impossible together, such as an obstacle on the start.
     """
-    names = [item.name for item in loaded.routes]
-    if route not in names:
+    if route not in loaded.single_routes:
+        names = list(loaded.single_routes)
         raise InputError("route", got=route, allowed=", ".join(names), nearest=nearest(route, names))
-    start: FieldPath = ("routes", names.index(route), "start")
+    single = loaded.single_routes[route]
     values: dict[FieldPath, Scalar] = {}
     drawn: dict[str, Scalar] = {}
-    for path, item in loaded.placed.items():
-        spec_path = ("start", *path[3:]) if path[:3] == start else path
-        # Fields of other routes have any valid value, because their draws must not matter to this run.
-        values[path] = item.ends()[0]
-        if spec_path[0] != "routes":
-            values[path] = drawn[dotted(spec_path)] = item.draw(_field_stream(spec_path, loaded.seed, route, run))
-    scenario = validated(loaded.root, Scenario, values)
-    chosen = scenario.routes[names.index(route)]
+    for path, item in single.placed.items():
+        # A specification has the start of its route at the top.
+        spec_path = path[2:] if path[0] == "routes" else path
+        values[path] = drawn[dotted(spec_path)] = item.draw(_field_stream(spec_path, loaded.seed, route, run))
+    scenario = validated(single.root, Scenario, values)
     if scenario.arena.generate is not None:
-        middle = _drawn_about(loaded, start, values).routes[names.index(route)].start
+        middle = _drawn_about(single, values).routes[0].start
         about = (middle.x_m, middle.y_m, math.radians(middle.yaw_deg))
         rng = stream(loaded.seed, route, run, GENERATE)
         arena = _generated(scenario.arena, about, rng, loaded.root, f"drawn for {route} run {run}")
         scenario = scenario.model_copy(update={"arena": arena})
-    check_run(scenario, loaded.root, names.index(route), run)
+    check_run(scenario, loaded.root, single.index, run)
     return RunSpec(
         scenario=scenario.name,
         seed=scenario.seed,
         route=route,
         run=run,
-        start=chosen.start,
+        start=scenario.routes[0].start,
         stop=scenario.stop,
         rates=scenario.rates,
         render=scenario.render,
@@ -146,17 +143,17 @@ def draw_render(loaded: LoadedScenario, seed: int, *key: str | int) -> Render:
     return validated(loaded.root, Scenario, values).render
 
 
-def _drawn_about(loaded: LoadedScenario, start: FieldPath, values: Mapping[FieldPath, Scalar]) -> Scenario:
+def _drawn_about(single: SingleRoute, values: Mapping[FieldPath, Scalar]) -> Scenario:
     """Return the scenario with the start in the middle of its distributions.
 
     A generated line passes there, so that the drawn start is as far off the line as its distribution says.
     """
     middle: dict[FieldPath, Scalar] = {}
-    for path, item in loaded.placed.items():
+    for path, item in single.placed.items():
         low, *_, high = (*item.ends(), item.ends()[-1])
-        if path[:3] == start and not item.has_options and isinstance(low, float) and isinstance(high, float):
+        if path[0] == "routes" and not item.has_options and isinstance(low, float) and isinstance(high, float):
             middle[path] = 0.5 * (low + high)
-    return validated(loaded.root, Scenario, {**values, **middle})
+    return validated(single.root, Scenario, {**values, **middle})
 
 
 def _generated(

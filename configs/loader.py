@@ -1,7 +1,9 @@
 """From the name of a scenario to a resolved, checked tree that runs can be drawn from."""
 
+from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -27,6 +29,21 @@ class PlannedRoute:
 
 
 @dataclass(frozen=True)
+class SingleRoute:
+    """A scenario without its other routes, so that the cost of drawing a run does not grow with their number.
+
+    Nothing in a run depends on the other routes, and every value that a field of a route can take was checked by itself
+    when the scenario was loaded.
+    """
+
+    index: int
+    """Place of the route in the whole scenario; here it is the first one."""
+    root: Node
+    placed: Mapping[FieldPath, Placed]
+    """Distributions by field path; those of the route begin with `("routes", 0)`."""
+
+
+@dataclass(frozen=True)
 class LoadedScenario:
     """A scenario with files, names and overrides resolved, checked at every end of its distributions."""
 
@@ -42,6 +59,26 @@ class LoadedScenario:
     routes: tuple[PlannedRoute, ...]
     stop: Stop
     rates: Rates
+
+    @cached_property
+    def single_routes(self) -> Mapping[str, SingleRoute]:
+        """The scenario with each of its routes alone, by the name of the route."""
+        shared: dict[FieldPath, Placed] = {}
+        of_route: list[dict[FieldPath, Placed]] = [{} for _ in self.routes]
+        for path, item in self.placed.items():
+            match path:
+                case "routes", int(index), *rest:
+                    of_route[index][("routes", 0, *rest)] = item
+                case _:
+                    shared[path] = item
+        singles: dict[str, SingleRoute] = {}
+        routes = self.root.child("routes")
+        assert routes is not None  # noqa: S101 - the schema demands it
+        for index, (route, (_, node)) in enumerate(zip(self.routes, routes.children(), strict=True)):
+            keys = {**dict(self.root.children()), "routes": Node((node,), routes.where)}
+            root = Node(keys, self.root.where)
+            singles[route.name] = SingleRoute(index, root, ChainMap(of_route[index], shared))
+        return singles
 
     @property
     def tree(self) -> dict[str, Any]:

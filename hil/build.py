@@ -1,12 +1,12 @@
 """Builds the firmware: for the board with avr-gcc, for this machine with gcc, and as a sketch for the Arduino IDE."""
 
+import contextlib
 import hashlib
 import os
 import re
 import shutil
 import subprocess
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from hil.generate import generate
 from hil.tools import AVR_PACKAGES, NATIVE_PACKAGES
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.files.atomic_files import make_folder, move, remove_folder, write_file
+from symolo.core.files.scratch_folders import scratch_folder
 
 BAUDS = (115_200, 250_000, 500_000, 1_000_000)
 """Baud rates. A board's hello holds the index of its baud rate in this table."""
@@ -95,8 +96,8 @@ def build_firmware(
     if build.elf.is_file() and build.hex.is_file():
         return build
     with _scratch(files, out_dir) as scratch:
-        elf, hex_file = (Path(scratch) / path.name for path in (build.elf, build.hex))
-        _compile(["avr-gcc", *_AVR_FLAGS, "-o", str(elf)], files, Path(scratch), AVR_PACKAGES)
+        elf, hex_file = (scratch / path.name for path in (build.elf, build.hex))
+        _compile(["avr-gcc", *_AVR_FLAGS, "-o", str(elf)], files, scratch, AVR_PACKAGES)
         _run(["avr-objcopy", "-O", "ihex", "-R", ".eeprom", str(elf), str(hex_file)], AVR_PACKAGES)
         make_folder(place)
         move(elf, build.elf)  # it may replace that of another process, which is the same
@@ -117,8 +118,8 @@ def build_native(
     place = out_dir / f"firmware-{identity}-{_short_hash(_NATIVE_FLAGS)}.so"
     if not place.is_file():
         with _scratch(files, out_dir) as scratch:
-            library = Path(scratch) / place.name
-            _compile(["gcc", *_NATIVE_FLAGS, "-o", str(library)], files, Path(scratch), NATIVE_PACKAGES)
+            library = scratch / place.name
+            _compile(["gcc", *_NATIVE_FLAGS, "-o", str(library)], files, scratch, NATIVE_PACKAGES)
             move(library, place)
     return place
 
@@ -211,13 +212,14 @@ def _short_hash(flags: Sequence[str]) -> str:
     return hashlib.sha256(" ".join(flags).encode()).hexdigest()[:8]
 
 
-def _scratch(files: Mapping[str, str], out_dir: Path) -> tempfile.TemporaryDirectory[str]:
-    """Return a temporary folder within `out_dir` that holds the sources."""
+@contextlib.contextmanager
+def _scratch(files: Mapping[str, str], out_dir: Path) -> Iterator[Path]:
+    """Yield a temporary folder within `out_dir` that holds the sources."""
     make_folder(out_dir)
-    scratch = tempfile.TemporaryDirectory(prefix="firmware-", dir=out_dir)
-    for name, text in files.items():
-        (Path(scratch.name) / name).write_text(text, encoding="utf-8")
-    return scratch
+    with scratch_folder(out_dir) as scratch:
+        for name, text in files.items():
+            (scratch / name).write_text(text, encoding="utf-8")
+        yield scratch
 
 
 def _compile(command: Sequence[str], files: Mapping[str, str], folder: Path, packages: str) -> None:

@@ -3,7 +3,6 @@
 import hashlib
 import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +16,7 @@ from symolo.core.child_process import SCRATCH, ChildProcess, Failed
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.scratch_folders import scratch_folder
 
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob, "annotations": AnnotationJob}
 _LOG_LINES = 15
@@ -118,9 +118,9 @@ def _blender_files(request: RenderRequest, camera_samples: int, on_begin: Callab
 
     The number of `camera_samples` of a frame decides how long it may take.
     """
-    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
+    with scratch_folder() as scratch:
         command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.blender_side"]
-        environment = {**without_blender_settings(os.environ), "TMPDIR": scratch, SCRATCH: scratch}
+        environment = {**without_blender_settings(os.environ), "TMPDIR": str(scratch), SCRATCH: str(scratch)}
         blender = ChildProcess("Blender", command, MESSAGES, environment)
         try:
             for message in blender.ask(request, patience_s=_PATIENCE_S + _PATIENCE_PER_SAMPLE_S * camera_samples):

@@ -10,6 +10,7 @@ from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, absent,
 from configs.schema.board import Board
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
+from symolo.core.files.image_headers import MAX_DECODER_BYTES
 from symolo.dataset.annotations import AnnotationName
 
 
@@ -81,6 +82,8 @@ RenderQuality = Literal["draft", "standard", "high", "reference"]
 RenderDevice = Literal["auto", "cpu", "gpu"]
 RenderMethod = Literal["auto", "full", "hybrid"]
 """`blender_scenes.render.sampling` says which of the two `auto` chooses."""
+_COLOURS_OF_16_BITS: tuple[AnnotationName, ...] = ("normals", "flow")
+"""Annotations that need much memory to decode."""
 _HYBRID_QUALITIES: tuple[RenderQuality, ...] = ("draft", "standard")
 
 
@@ -114,6 +117,15 @@ class Render(Section):
         tuple[Annotated[AnnotationName, PLANNED], ...], FromList, AfterValidator(_each_once), PLANNED
     ] = ()
     """Exact annotations of each image, in separate files; the images do not depend on them."""
+
+    @model_validator(mode="after")
+    def _annotations_can_be_read(self) -> "Render":
+        colours = [name for name in self.annotations if name in _COLOURS_OF_16_BITS]
+        pixels = MAX_DECODER_BYTES // 12  # three colours of two bytes, twice
+        if colours and self.width_px * self.height_px > pixels:
+            allowed = f"neither normals nor flow for images of more than {pixels // 1_000_000} million pixels"
+            raise disagreement("annotations", ", ".join(colours), allowed)
+        return self
 
     @model_validator(mode="after")
     def _hybrid_images_are_denoised(self) -> "Render":

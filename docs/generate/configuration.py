@@ -1,4 +1,4 @@
-"""Every key of a scenario file, from its JSON Schema: its allowed values, default and meaning."""
+"""Every key of a scenario file, from its JSON Schema: its meaning, allowed values and default."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -86,8 +86,8 @@ def _section_parts(section: _Section, sections: Mapping[str, _Section]) -> Itera
     rows = []
     for key, value in section.schema.get("properties", {}).items():
         default = "required" if key in needed else _default(value) or _nominal(section.paths, key)
-        rows.append((f"`{key}`", _allowed(key, value, sections), default, text(_meaning(value, sections))))
-    yield table(("key", "allowed values", "default", "meaning"), rows)
+        rows.append((f"`{key}`", text(_meaning(value, sections)), _allowed(key, value, sections), default))
+    yield table(("key", "meaning", "allowed values", "default"), rows)
 
 
 def _meaning(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:

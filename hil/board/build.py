@@ -4,12 +4,12 @@ import hashlib
 import os
 import shutil
 import subprocess
-import tempfile
 from pathlib import Path
 
 from hil.tools import BOARD_PACKAGES
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, move
+from symolo.core.files.scratch_folders import scratch_folder
 
 SOURCE = Path(__file__).with_name("board.c")
 _FLAGS = ("-O2", "-std=gnu11", "-Wall")
@@ -39,8 +39,8 @@ def build_board(folder: Path | None = None) -> Path:
     if compiler is None:
         raise EnvironmentLacking(_lacking("there is no C compiler"))
     make_folder(folder)
-    with tempfile.TemporaryDirectory(prefix="board-", dir=folder) as scratch:
-        program = Path(scratch) / "board"
+    with scratch_folder(folder) as scratch:
+        program = scratch / "board"
         command = [compiler, *_FLAGS, str(SOURCE), "-o", str(program), *_LIBRARIES]
         compiled = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
         if compiled.returncode:

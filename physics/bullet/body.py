@@ -1,8 +1,6 @@
 """The robot's body in a PyBullet client: links from its URDF, contacts, rotor inertia, stick-slip friction."""
 
 from math import cos, sin
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pybullet
 
@@ -12,6 +10,7 @@ from physics.drivetrain.motor import MotorModel
 from physics.robot.links import CASTER, LEFT_WHEEL, RIGHT_WHEEL
 from physics.robot.model import RobotModel
 from physics.robot.urdf import robot_urdf
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.geometry.poses import PlanarPose
 
 MAX_JOINT_SPEED_RAD_S = 1000.0
@@ -43,8 +42,8 @@ def add_robot(client: int, robot: RobotConfig, start: PlanarPose) -> tuple[int, 
 
 def _load(client: int, urdf: str, start: PlanarPose) -> int:
     x, y, yaw = start
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "robot.urdf"
+    with scratch_folder() as folder:
+        path = folder / "robot.urdf"
         path.write_text(urdf, encoding="utf-8")
         body = pybullet.loadURDF(
             str(path),

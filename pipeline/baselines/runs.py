@@ -10,7 +10,8 @@ import numpy as np
 from configs.schema.scenario import RunSpec
 from pipeline.baselines.base import TrainingRun
 from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages, Start
-from pipeline.run_folder.stored_runs import read_simulated, read_spec, run_name, simulated_folders, tables_of
+from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders, tables_of
+from pipeline.run_folder.stored_spec import read_spec
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import Recording

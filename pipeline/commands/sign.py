@@ -101,7 +101,7 @@ def _sign(
     import re
 
     from configs.assets.quiet import silenced
-    from pipeline.run_folder.stored_runs import spec_problem
+    from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.errors import InputError
     from symolo.dataset.manifest import PROVENANCE, SIGNATURE
     from symolo.publishing.signing import ReleaseFacts, sign_release, signing_time

@@ -1,6 +1,5 @@
 """The cost of many images of a scenario, measured with a few images that are not kept."""
 
-import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from pipeline.work.batch import Batch
 from pipeline.work.supervisor import cores
 from symolo.core.errors import RunFailed
 from symolo.core.files.disk_space import check_scratch
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report, seconds
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.metadata import FailedRun
@@ -120,9 +120,9 @@ def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Pr
     specs = tuple(draw_run(loaded, routes[i % len(routes)].name, 1 + i // len(routes)) for i in range(RUNS))
     check_scratch(ScenarioPlan.of(specs, 1).bytes_needed, "lower render.width_px and render.height_px")
     device = device_for(specs[0].render.device)
-    with tempfile.TemporaryDirectory(prefix="symolo-") as scratch:
-        drive_s = _drive_s(specs[0], Path(scratch), report) / hz
-        batch = Batch(loaded, specs, Workspace(Path(scratch)), OneCore(1), device)
+    with scratch_folder() as scratch:
+        drive_s = _drive_s(specs[0], scratch, report) / hz
+        batch = Batch(loaded, specs, Workspace(scratch), OneCore(1), device)
         price = _timed(batch, drive_s, report)
     render = specs[0].render
     return price, f"{render.width_px} x {render.height_px} px, quality {render.quality}"

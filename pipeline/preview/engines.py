@@ -1,7 +1,6 @@
 """The two renderers of preview images, and the sheet that shows them."""
 
 import math
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
 from symolo.core.files.disk_space import check_scratch
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import frame_name
@@ -36,13 +36,13 @@ def check_size(view: PreviewImage, count: int, columns: int) -> None:
 
 def render_views(engine: Engine, views: Sequence[PreviewImage], workers: int, report: Report) -> RenderedViews:
     """Return the images of all views that can be rendered."""
-    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
-        user_files = Path(folder) / "assets"
+    with scratch_folder() as folder:
+        user_files = folder / "assets"
         for view in views:
             keep_user_files((view.appearance.look,), view.assets, user_files)
         if engine is Engine.FLAT:
             return _flat(views, user_files, report)
-        return _cycles(views, Path(folder), user_files, workers, report)
+        return _cycles(views, folder, user_files, workers, report)
 
 
 def sheet(views: Sequence[PreviewImage], images: dict[int, Pixels], columns: int) -> Pixels:

@@ -10,7 +10,7 @@ from pathlib import Path
 from blender_scenes.render.devices import DeviceKind
 from pipeline.repair import descriptions, existing_copies, frames, tables
 from pipeline.repair.repair_state import RepairState, RepairTools, recorded_device, with_one_bit_flipped
-from pipeline.run_folder.stored_runs import spec_problem
+from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import remove_file, remove_folder, remove_leftovers, write_file

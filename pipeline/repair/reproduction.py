@@ -1,6 +1,5 @@
 """`symolo verify --reproduce`: images drawn at random and rendered again, to be compared with those of the dataset."""
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,18 +8,19 @@ from blender_scenes.render.devices import DeviceKind
 from pipeline.repair.descriptions import machine_differences
 from pipeline.repair.frames import check_user_files, only_frames, render_tasks, write_job
 from pipeline.repair.repair_state import recorded_device
-from pipeline.run_folder.stored_runs import read_spec
+from pipeline.run_folder.stored_spec import read_spec
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import Appearance, FrameTask, RenderTask
 from symolo.compare.images import likeness
 from symolo.compare.likeness import shown_db
 from symolo.core.errors import InputError, one_line
-from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.plain_files import FileKind, check_tree, read_file
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.dataset.bag import read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata, RunRecord, made_with
-from symolo.dataset.layout import DATA, IMAGES, SIDE, SPEC, frame_name
+from symolo.dataset.layout import DATA, IMAGES, SIDE, SPEC, STAGES, frame_name
 from symolo.dataset.tables.rows import read_rows
 
 
@@ -65,6 +65,7 @@ def reproduce(root: Path, count: int, seed: int, workers: int, report: Report) -
     Raises:
         EnvironmentLacking: Blender does not start, or a graphics card is not there.
     """
+    check_tree(root, f"{STAGES}/assets")
     metadata = Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     chosen = drawn_images(metadata, count, seed)
     difference = _difference(root, metadata, chosen)
@@ -72,11 +73,11 @@ def reproduce(root: Path, count: int, seed: int, workers: int, report: Report) -
         report.say(f"reproduce: equal bytes cannot be expected: {difference}")
     images: list[ReproducedImage] = []
     tasks: list[FrameTask] = []
-    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
+    with scratch_folder() as scratch:
         for record, numbers in chosen:
             device = recorded_device(record.render_device)
             try:
-                tasks.append(_prepared(root, record.run, numbers, device, Path(scratch)))
+                tasks.append(_prepared(root, record.run, numbers, device, scratch))
             except InputError as error:
                 problem = f"cannot be rendered again: {error}"
                 images += [ReproducedImage(_name(record.run, n), problem, is_missing=True) for n in numbers]

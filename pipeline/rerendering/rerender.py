@@ -20,7 +20,8 @@ from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, image_bytes
 from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians
 from pipeline.run_folder.output import check_out
-from pipeline.run_folder.stored_runs import read_simulated, read_spec
+from pipeline.run_folder.stored_runs import read_simulated
+from pipeline.run_folder.stored_spec import read_spec
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import AnnotationTask, copy_released

@@ -21,7 +21,7 @@ from symolo.core.errors import InputError, one_line
 from symolo.core.files.atomic_files import place_of
 from symolo.core.files.file_hashes import holds
 from symolo.core.files.file_locks import LOCK
-from symolo.core.files.plain_files import FileKind, check_folders, read_file
+from symolo.core.files.plain_files import FileKind, check_tree, read_file
 from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
@@ -69,7 +69,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     if (kind := kind_of(out)) is not Kind.DATASET:
         what = f"holds what a command for {kind} made" if kind else "is no folder of a release"
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
-    check_folders(out, f"{STAGES}/simulate")
+    check_tree(out, STAGES)
     workspace = Workspace(out.absolute())
     yield _working(workspace)
     runs = [run_status(workspace, run, spec, check=check) for run, spec in _runs(workspace, specs).items()]

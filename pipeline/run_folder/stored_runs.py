@@ -1,24 +1,25 @@
-"""Runs that an earlier command stored: their specifications, recordings and tables."""
+"""Runs that an earlier command simulated: their recordings and tables."""
 
 from pathlib import Path
 from zipfile import BadZipFile
 
-from pydantic import ValidationError
-
-from configs.schema.scenario import RunSpec
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.plain_files import check_tree
 from symolo.core.time_series import Recording
 from symolo.dataset.layout import STAGES
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table
-from symolo.dataset.tables.side_reading import first_fault
 from symolo.dataset.tables.side_tables import TOF, WHEELS, tof_csv, wheels_csv
 
 
 def simulated_folders(out: Path) -> list[Path]:
-    """Return the folders of all runs that were simulated in an output folder, sorted."""
+    """Return the folders of all runs that were simulated in an output folder, sorted.
+
+    Raises:
+        UnsafeFileError: One is a link, or is reached through one.
+    """
+    check_tree(out, f"{STAGES}/simulate")
     return sorted(path.parent for path in out.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}"))
 
 
@@ -26,30 +27,6 @@ def run_name(folder: Path) -> str:
     """Return the name of the run in a folder, such as `CW/test_1`."""
     folder = folder.absolute()
     return f"{folder.parent.name}/{folder.name}"
-
-
-def spec_problem(text: str) -> str:
-    """Return what is wrong with the text of a spec.json; empty where nothing is."""
-    try:
-        RunSpec.model_validate_json(text)
-    except ValidationError as error:
-        return first_fault(error)
-    return ""
-
-
-def read_spec(path: Path, cure: str = "make the run again") -> RunSpec:
-    """Return the specification of a run.
-
-    Raises:
-        InputError: The file is missing or damaged.
-    """
-    try:
-        return RunSpec.model_validate_json(read_file(path, FileKind.DOCUMENT))
-    except OSError as error:
-        reason = error.strerror
-    except ValidationError as error:
-        reason = first_fault(error)
-    raise InputError(f"cannot be read: {reason}", where=str(path), cure=cure)
 
 
 def read_simulated(folder: Path) -> Recording:

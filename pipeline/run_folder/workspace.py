@@ -21,7 +21,7 @@ from symolo.core.files.atomic_files import (
 )
 from symolo.core.files.file_hashes import canonical_json, hashes_of, holds
 from symolo.core.files.file_locks import held, lock_or_refuse, opened_lock
-from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.plain_files import FileKind, check_tree, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.dataset.folder_kind import KIND, Done, Kind
 from symolo.dataset.layout import DONE, STAGES
@@ -141,7 +141,11 @@ class Workspace:
         """Lock the folder for this process; the operating system unlocks it however the process ends.
 
         Several processes that each do a part of the work lock it together; they pass `alone` as False.
+
+        Raises:
+            InputError: Another command works in it, or a folder of the stages is a link.
         """
+        check_tree(self.out, STAGES)
         make_folder(self.out / STAGES)
         descriptor = opened_lock(self.out / STAGES)
         try:

@@ -233,7 +233,7 @@ def read_outcome(path: Path) -> RunOutcome:
 
 def read_recording(path: Path) -> Recording:
     # All bytes are read first, because the unpacker would report a fault of the disk as a damaged archive.
-    return Recording.load(io.BytesIO(read_file(path / TRAJECTORY, FileKind.TRAJECTORY)))
+    return Recording.load(read_file(path / TRAJECTORY, FileKind.TRAJECTORY))
 
 
 def _refresh_spec(folder: StageFolder, key: str, spec: RunSpec) -> None:

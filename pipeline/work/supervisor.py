@@ -6,7 +6,6 @@ every try is given up, and the rest goes on.
 
 import os
 import queue
-import tempfile
 import threading
 import traceback
 from collections import Counter, deque
@@ -18,6 +17,7 @@ from pipeline.work.units import AnyUnit, Progress
 from pipeline.work.worker_process import COMMAND, Limits, WorkerProcess
 from symolo.core.child_process import SCRATCH, Failed, Finished
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.os_errors import lacking
 
 WORTH_ANOTHER_TRY = frozenset({"killed", "engine"})
@@ -86,8 +86,8 @@ def run_units(
         EnvironmentLacking, InputError: As soon as one worker reports it, because it would hit every unit.
         WorkerError: A worker met a bug; raised after the other units are done.
     """
-    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
-        variables = {**environment, "TMPDIR": scratch, SCRATCH: scratch}
+    with scratch_folder() as scratch:
+        variables = {**environment, "TMPDIR": str(scratch), SCRATCH: str(scratch)}
         attempts = deque(_Attempt(unit, unit) for unit in units)
         slots = _Slots(attempts, variables, limits, command, slot_environments or ({},))
         return _supervise(slots, units, workers, on_event)

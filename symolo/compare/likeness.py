@@ -29,10 +29,12 @@ def level_db(differences: np.ndarray, peak: float) -> float:
 
     Definition of the PSNR: Huynh-Thu and Ghanbari, Electronics Letters 44 (2008).
     """
-    mean_square = float(np.mean(np.square(differences, dtype=np.float64))) if differences.size else 0.0
+    with np.errstate(over="ignore"):  # numbers beyond 1e154 have no square; no likeness is their level
+        mean_square = float(np.mean(np.square(differences, dtype=np.float64))) if differences.size else 0.0
     if mean_square == 0:
         return math.inf
-    return 10 * math.log10(peak * peak / mean_square) if peak > 0 else -math.inf
+    ratio = peak / math.sqrt(mean_square) if math.isfinite(mean_square) else 0.0
+    return 20 * math.log10(ratio) if ratio > 0 else -math.inf
 
 
 def shown_db(value: float) -> str:

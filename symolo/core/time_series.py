@@ -6,6 +6,8 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from symolo.core.files.npz_file import arrays_of
+from symolo.core.files.plain_files import FileKind
 from symolo.core.finite import require_finite
 
 
@@ -83,19 +85,16 @@ class Recording:
         np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
 
     @classmethod
-    def load(cls, file: BinaryIO) -> "Recording":
+    def load(cls, data: bytes) -> "Recording":
         """Read what `save` wrote.
 
         Raises:
-            ValueError: An array has no rows of numbers, or holds one that is not finite.
+            ValueError: An array has no rows of numbers, or holds one that is not finite; or the arrays are too large.
             KeyError: An array is missing.
             zipfile.BadZipFile: It is no whole archive.
         """
-        with np.load(file, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
+        arrays = arrays_of(data, FileKind.TRAJECTORY.max_bytes)
         for name, values in arrays.items():
-            if values.dtype.kind not in "biuf" or values.ndim not in {1, 2}:
-                raise ValueError(f"{name}: holds {values.dtype} of {values.ndim} dimensions, not rows of numbers")
             require_finite(values, name, ("row", "column")[: values.ndim])
         trajectory = Trajectory(arrays["t_s"], arrays["pose"], arrays["twist"], arrays["state"])
         keys = [name.removesuffix("/t_s") for name in arrays if name.startswith("series/") and name.endswith("/t_s")]

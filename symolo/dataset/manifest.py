@@ -14,6 +14,8 @@ TAG_MANIFEST = "tagmanifest-sha256.txt"
 SIGNATURE = f"{TAG_MANIFEST}.minisig"
 PROVENANCE = "provenance.intoto.json"
 PROVENANCE_SIGNATURE = f"{PROVENANCE}.minisig"
+MAX_NAME_CHARS, MAX_FOLDERS = 1024, 32
+"""Longest path in a list of checksums, and the most folders in it; those of a release have six at most."""
 SEALS = (SIGNATURE, PROVENANCE, PROVENANCE_SIGNATURE)
 """Files that `symolo sign` adds. No list names them, for they are made from the lists."""
 
@@ -33,12 +35,18 @@ def tag_manifest(hashes: Mapping[str, str]) -> bytes:
 
 
 def read_manifest(data: bytes) -> dict[str, str]:
-    """Return SHA-256 by path; raise ValueError with the number of the first line of another form."""
+    """Return SHA-256 by path; raise ValueError with the number of the first line of another form.
+
+    A path of thousands of folders is another form, because what goes through all parents of a path needs time and
+    memory by the square of their number.
+    """
     hashes: dict[str, str] = {}
     for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
         digest, separator, name = line.partition("  ")
         if not separator or not name or len(digest) != 64 or set(digest) - set("0123456789abcdef") or name in hashes:
             raise ValueError(f"line {number} is not a checksum, two spaces and a new file name")
+        if len(name) > MAX_NAME_CHARS or name.count("/") > MAX_FOLDERS:
+            raise ValueError(f"line {number} names a file in more folders, or with a longer path, than any release has")
         hashes[name] = digest
     return hashes
 

@@ -1,10 +1,9 @@
 """A bag of ROS 2 for each run, in MCAP (https://mcap.dev/spec), as rosbag2 stores it; its content: `ros_messages`."""
 
 from collections.abc import Iterator
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from symolo.core.extras import optional_module
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.ros_messages import Vocabulary, estimated_bytes, messages, topics
 from symolo.reader.dataset import Dataset
@@ -24,8 +23,8 @@ def _bag(run: Run) -> bytes:
     # read such messages; a reader that expects more fields could not read the shorter ones.
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     name = run.folder.name
-    with TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
-        folder = Path(scratch) / name
+    with scratch_folder() as scratch:
+        folder = scratch / name
         with rosbag2.Writer(folder, version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as bag:
             connections = {
                 topic.name: bag.add_connection(

@@ -1,10 +1,9 @@
 """A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); its content: `ros_messages`."""
 
 from collections.abc import Iterator
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from symolo.core.extras import optional_module
+from symolo.core.files.scratch_folders import scratch_folder
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.ros_messages import Vocabulary, estimated_bytes, messages, topics
 from symolo.reader.dataset import Dataset
@@ -22,8 +21,8 @@ def _bag(run: Run) -> bytes:
     store = typesys.get_typestore(typesys.Stores.ROS1_NOETIC)
     # The library's message types of Noetic lack those of tf2.
     store.register(typesys.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
-    with TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
-        path = Path(scratch) / "run.bag"
+    with scratch_folder() as scratch:
+        path = scratch / "run.bag"
         with rosbag1.Writer(path) as bag:
             connections = {
                 topic.name: bag.add_connection(

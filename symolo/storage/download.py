@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import (
@@ -18,7 +18,7 @@ from symolo.core.files.disk_space import check_room
 from symolo.core.files.file_hashes import hashes_of
 from symolo.core.files.file_locks import held_or_refused
 from symolo.core.files.new_folder import check_new
-from symolo.core.files.paths import BELOW_CHARS
+from symolo.core.files.paths import BELOW_CHARS, folders_of
 from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, read_manifest, tag_manifest
@@ -79,12 +79,11 @@ def _read(listed: bytes, tags: bytes, url: str) -> dict[str, str]:
         raise InputError(f"{MANIFEST}: {error}", where=url) from None
     if manifest(digests) != listed or tag_manifest(digests) != tags:
         raise InputError(f"{MANIFEST} is not the one that {TAG_MANIFEST} names", where=url)
-    folders = {parent for name in digests for parent in PurePosixPath(name).parents}
+    folders = folders_of(digests)
     for name in digests:
-        path = PurePosixPath(name)
-        strange = path.is_absolute() or ".." in path.parts or str(path) != name or not name.isprintable()
-        strange = strange or name == "." or len(name.encode()) > BELOW_CHARS
-        if strange or path in folders or path.parts[0] == STAGES or name in {*LISTS, *SEALS}:
+        parts = name.split("/")
+        strange = not {"", ".", ".."}.isdisjoint(parts) or not name.isprintable() or len(name.encode()) > BELOW_CHARS
+        if strange or name in folders or parts[0] == STAGES or name in {*LISTS, *SEALS}:
             raise InputError(f"{MANIFEST} names what is no file of a release", where=url, got=name)
     return digests
 
@@ -138,7 +137,7 @@ def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
 
 def _holds_others(partial: Path, expected: Mapping[str, str]) -> bool:
     """Return whether the folder holds anything else, such as files of another release that were fetched before."""
-    folders = {parent.as_posix() for name in expected for parent in PurePosixPath(name).parents}
+    folders = folders_of(expected)
     return any(
         path.is_symlink() or path.relative_to(partial).as_posix() not in (folders if path.is_dir() else expected)
         for path in partial.rglob("*")

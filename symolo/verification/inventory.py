@@ -6,13 +6,14 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from pydantic import ValidationError
 
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import sha256_of
-from symolo.core.files.plain_files import FileKind, UnsafeFileError, check_folders, read_file
+from symolo.core.files.paths import folders_of
+from symolo.core.files.plain_files import FileKind, UnsafeFileError, check_tree, read_file
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.folder_kind import Done
 from symolo.dataset.layout import DONE, STAGES
@@ -46,7 +47,7 @@ class Files:
         for path in sorted(_entries(root, unreadable)):
             name = path.relative_to(root).as_posix()
             try:
-                digests[name] = sha256_of(path)
+                digests[name] = sha256_of(path, FileKind.ANY)
             except UnsafeFileError as error:
                 strange[name] = error.problem
             except OSError as error:
@@ -124,8 +125,8 @@ class Inventory:
     @cached_property
     def extra(self) -> frozenset[str]:
         """Files that no list names, and empty folders in which no list names a file."""
-        folders = {parent.as_posix() for name in self.expected for parent in PurePosixPath(name).parents}
-        there = {*self.files.digests, *self.files.strange, *(self.files.empty_folders - folders)}
+        empty = self.files.empty_folders - folders_of(self.expected) if self.files.empty_folders else ()
+        there = {*self.files.digests, *self.files.strange, *empty}
         return frozenset(there - {*self.expected, *LISTS, *SEALS}) if self.expected else frozenset()
 
     @cached_property
@@ -291,7 +292,7 @@ def _assembled(root: Path) -> dict[str, str]:
     noted: dict[str, str] = {}
     stage = root / STAGES / "assemble"
     try:
-        check_folders(root, f"{STAGES}/assemble")
+        check_tree(root, f"{STAGES}/assemble")
     except UnsafeFileError:
         return noted
     for marker in sorted(stage.glob(f"*/*/{DONE}")):

@@ -10,13 +10,14 @@ from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.files.image_headers import image_size
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, frame_name
-from symolo.dataset.pixels import decoded_bytes
+from symolo.dataset.pixels import MAX_PIXELS, decoded_bytes
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions
@@ -147,6 +148,13 @@ def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
     data = read_file(path, FileKind.IMAGE)
     if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
         return "is not a whole JPEG file"
+    try:
+        size = image_size(data, MAX_PIXELS)
+    except ValueError:
+        return "cannot be decoded"
+    # A header that announces a large image costs a second of decoding; EXIF may exchange width and height.
+    if size not in {(width_px, height_px), (height_px, width_px)}:
+        return f"is {size[0]} x {size[1]} px, metadata.json says {width_px} x {height_px}"
     picture = decoded_bytes(data, in_colour=True)
     if picture is None:
         return "cannot be decoded"

@@ -6,6 +6,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from symolo.core.errors import InputError
+from symolo.core.files.paths import folders_of
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
@@ -64,8 +65,8 @@ def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) 
     # A file that is proven to be as it was released is not reported for differences from a damaged file.
     wrong = {fault.file for fault in faults}
     known = {*inventory.expected, *inventory.extra}
-    folders = {parent.as_posix() for name in known for parent in Path(name).parents}
-    yield from (finding for finding in content if finding.file in wrong or finding.file not in known | folders)
+    intact = {".", *known, *folders_of(known)} - wrong
+    yield from (finding for finding in content if finding.file not in intact)
 
 
 def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:

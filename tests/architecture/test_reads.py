@@ -58,7 +58,7 @@ JUSTIFIED = {
     ("symolo/core/files/atomic_files.py", "os.open"): "files that are written, and folders",
     ("symolo/core/files/atomic_files.py", "read_bytes"): "what was just written beside its place",
     ("symolo/core/files/file_locks.py", "os.open"): "files and folders that are locked and not read",
-    ("symolo/core/time_series.py", "np.load"): "from a buffer",
+    ("symolo/core/files/npz_file.py", "ZipFile"): "from a buffer",
     ("symolo/exporters/mcap.py", "read_bytes"): "what a library has just written, as scratch",
     ("symolo/exporters/ros1.py", "read_bytes"): "what a library has just written, as scratch",
 }

@@ -12,7 +12,7 @@ THE_WAY = "symolo/core/files/atomic_files.py"
 
 WRITERS = {"write_text", "write_bytes", "savefig", "imwrite", "savez", "savez_compressed", "savetxt", "tofile"}
 WRITERS |= {"copyfile", "copy2", "copytree", "move", "rename", "touch", "symlink_to", "hardlink_to", "save_as_mainfile"}
-WRITERS |= {"unlink", "rmtree", "rmdir", "mkdir", "fdopen", "NamedTemporaryFile"}
+WRITERS |= {"unlink", "rmtree", "rmdir", "mkdir", "fdopen", "NamedTemporaryFile", "TemporaryDirectory", "mkdtemp"}
 OF_NUMPY = {"np.save", "numpy.save", "np.memmap", "json.dump", "yaml.dump"}
 """Calls that write to a file, where a name alone would say too little."""
 
@@ -24,6 +24,9 @@ JUSTIFIED = {
     ("symolo/core/files/file_locks.py", "open"): "files that are locked and hold nothing",
     ("symolo/pages/plotting.py", "savefig"): "into a buffer",
     ("symolo/core/child_process.py", "fdopen"): "the pipe to the owner",
+    ("symolo/core/files/scratch_folders.py", "mkdtemp"): "the only place that makes scratch folders",
+    ("symolo/core/files/scratch_folders.py", "rmtree"): "scratch folders",
+    ("symolo/core/files/scratch_folders.py", "unlink"): "files in abandoned scratch folders",
     ("symolo/core/child_process.py", "rmtree"): "the scratch folder of an owner that has died",
     ("blender_scenes/blender_side/hybrid/scenes.py", "unlink"): "of things from a scene; no file",
     (
@@ -90,6 +93,7 @@ def test_nothing_writes_in_another_way():
         "os.replace(new, old)",
         "os.open('a', os.O_WRONLY | os.O_CREAT)",
         "shutil.copyfile(a, b)",
+        "tempfile.TemporaryDirectory()",
     ],
 )
 def test_a_write_is_found(line):

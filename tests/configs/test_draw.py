@@ -1,8 +1,10 @@
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 import yaml
 
+from configs import validation
 from configs.draw import draw_all, draw_look, draw_run
 from configs.loader import LoadedScenario, load_scenario, load_section
 from configs.schema.scenario import RunSpec
@@ -132,6 +134,29 @@ def test_a_draw_that_makes_an_impossible_world_is_refused_with_its_run():
     )
     with pytest.raises(InputError, match=expected):
         draw_all(found)
+
+
+def test_an_impossible_draw_of_a_later_route_is_refused_at_its_place_in_the_file():
+    start = "start: {x_m: 0.55, y_m: -0.2, yaw_deg: 90}"
+    crossing = "start: {x_m: 0.55, y_m: {uniform: [-0.2, 0.3]}, yaw_deg: 90}"
+    obstacle = "arena: {extends: symolo, obstacles: [{name: Box, center: [0.55, 0.0], size: [0.02, 0.02, 0.1]}]}\n"
+    routes = f"routes:\n  - {{name: A, {start}}}\n  - {{name: B, {start}}}\n  - {{name: C, {crossing}, runs: 50}}\n"
+    expected = r"^top\.yaml:7: routes\.2\.start: the robot of route C would start inside obstacle Box.*for C run \d+;"
+    with pytest.raises(InputError, match=expected):
+        draw_all(loaded(obstacle + routes))
+
+
+def test_the_work_for_a_run_does_not_grow_with_the_number_of_routes(monkeypatch: pytest.MonkeyPatch):
+    def filled_nodes(count: int) -> int:
+        start = "start: {x_m: {uniform: [0.54, 0.56]}, y_m: -0.2, yaw_deg: 90}"
+        routes = ", ".join(f"{{name: R{number}, {start}}}" for number in range(count))
+        scenario = loaded(DRAWN + f"routes: [{routes}]\n")
+        with monkeypatch.context() as patch:
+            patch.setattr(validation, "filled", counted := Mock(wraps=validation.filled))
+            draw_run(scenario, f"R{count - 1}", 1)
+        return counted.call_count
+
+    assert filled_nodes(2) == filled_nodes(40) > 100
 
 
 def test_an_unknown_route_is_refused():

@@ -16,7 +16,7 @@ import pytest
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
-from pipeline.run_folder.stored_runs import spec_problem
+from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import JOB, Appearance, RenderTask

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.cli import main
-from pipeline.run_folder.stored_runs import spec_problem
+from pipeline.run_folder.stored_spec import spec_problem
 from symolo.verification.verify import verify
 
 _spec = importlib.util.spec_from_file_location("corruptions", Path(__file__).with_name("corruptions.py"))

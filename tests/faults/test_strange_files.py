@@ -166,6 +166,17 @@ def test_each_command_meets_a_strange_file(command, kind, trap, release):
     assert wrong_ends(command, READ_BY_MOST[:2], STRANGE[kind], trap, release) == []
 
 
+@pytest.mark.parametrize("command", ["status", "repair"])
+@pytest.mark.parametrize("name", [".stages/simulate/CW", f".stages/render/{RUN}/images", ".stages/assemble"])
+def test_a_link_in_the_stages_is_refused(command, name, trap, capsys):
+    data, _ = trap
+    shutil.move(data / name, data.with_name("moved"))
+    (data / name).symlink_to("../" * name.count("/") + "../moved")
+    assert main([command, str(data)]) == 2
+    assert f"{name}: is a symbolic link, and a dataset holds plain folders" in "".join(capsys.readouterr())
+    assert (data / name).is_symlink()
+
+
 @pytest.mark.faults
 @pytest.mark.parametrize("kind", STRANGE)
 @pytest.mark.parametrize("command", ["status", "verify", "repair"])

@@ -11,7 +11,8 @@ from diagnosis.importers.base import Importer, is_file
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from pipeline.diagnosing.importers.data_csv import row_channels, trial_of
-from pipeline.run_folder.stored_runs import read_simulated, read_spec, run_name, simulated_folders, tables_of
+from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders, tables_of
+from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError

@@ -14,14 +14,18 @@ from symolo.core.os_errors import NOT_THERE
 _BLOCK_BYTES = 1 << 18
 
 
-def sha256_of(path: Path) -> str:
+def sha256_of(path: Path, kind: FileKind | None = None) -> str:
     """Return the SHA-256 of a plain file, which is read in blocks.
 
+    Args:
+        path: The file.
+        kind: Its kind, where a stranger may have made it: a sparse file of a terabyte takes no room and an hour.
+
     Raises:
-        OSError: It is no plain file, or the disk does not give it.
+        OSError: It is no plain file, is larger than its kind may be, or the disk does not give it.
     """
     digest = hashlib.sha256()
-    with open_file(path) as file:
+    with open_file(path, kind) as file:
         while block := file.read(_BLOCK_BYTES):
             digest.update(block)
     return digest.hexdigest()

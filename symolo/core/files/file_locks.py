@@ -26,6 +26,11 @@ def _module(name: str) -> ModuleType | None:
         return None
 
 
+def can_lock() -> bool:
+    """Return whether this system has locks, so that the lack of one shows that nobody holds it."""
+    return _module("fcntl") is not None or _module("msvcrt") is not None
+
+
 def lock(descriptor: int, *, shared: bool = False, wait: bool = True) -> None:
     """Lock an open file until its descriptor is closed.
 
@@ -60,6 +65,22 @@ def opened_lock(folder: Path) -> int:
     """
     flags = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_NOFOLLOW", 0)
     return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | flags, 0o666)
+
+
+def is_held(folder: Path) -> bool:
+    """Return whether another process holds a folder alone; nothing is written."""
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    try:
+        descriptor = os.open(folder / LOCK, flags)
+    except OSError:
+        return False
+    try:
+        lock(descriptor, shared=True, wait=False)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
 
 
 @contextlib.contextmanager

@@ -15,6 +15,7 @@ from symolo.core.files.plain_files import (
     FileKind,
     UnsafeFileError,
     check_folders,
+    check_tree,
     is_plain_file,
     open_file,
     read_file,
@@ -155,3 +156,17 @@ def test_a_linked_folder_is_refused_on_the_way_to_a_run_and_in_it_but_not_above_
                 check_folders(*run)
         folder.unlink()
         folder.mkdir()
+
+
+@pytest.mark.parametrize("name", [".stages", ".stages/simulate", ".stages/simulate/CW/test_1", ".stages/render/CW/a/b"])
+def test_a_tree_with_a_linked_folder_at_any_depth_is_refused(tmp_path, name):
+    check_tree(tmp_path / "data", ".stages")  # there is none yet
+    link = tmp_path / "data" / name
+    link.parent.mkdir(parents=True)
+    link.symlink_to(tmp_path)
+    (tmp_path / "link").symlink_to("data")
+    with pytest.raises(UnsafeFileError, match=f"^{tmp_path}/link/{name}: is a symbolic link"):
+        check_tree(tmp_path / "link", ".stages")
+    link.unlink()
+    link.mkdir()
+    check_tree(tmp_path / "link", ".stages")

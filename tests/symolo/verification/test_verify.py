@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from pipeline.cli import main
-from pipeline.run_folder.stored_runs import spec_problem
+from pipeline.run_folder.stored_spec import spec_problem
 from symolo.verification.verify import verify
 
 RUN = "CW/test_1"

@@ -1,0 +1,97 @@
+"""One input given to one reader: what must not happen, and how it is named."""
+
+import resource
+import signal
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+SECONDS = 2.0
+"""Of the processor, within which an input is read or refused."""
+BYTES = 500_000_000
+"""Memory that a reader may need more than it has before the first input."""
+MAX_CHARS = 2000
+"""Longest message of a refusal."""
+_ROOT = Path(__file__).parents[2]
+
+Read = Callable[[bytes], None]
+"""Reads an input; raises what a user would see as one line."""
+
+
+class TooSlowError(BaseException):
+    """Not an Exception, so that no reader takes it for a fault of its file."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one input."""
+
+    problem: str = ""
+    """What went wrong, the same for the same fault of the code; empty where nothing did."""
+    refusal: str = ""
+    """Message with which the input was refused; empty where it was read."""
+
+
+def outcome_of(read: Read, data: bytes, refusals: tuple[type[Exception], ...]) -> Outcome:
+    """Return what comes of an input.
+
+    Args:
+        read: The reader.
+        data: The input.
+        refusals: Errors that the reader may raise; their message must be one line.
+    """
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
+    try:
+        read(data)
+    except refusals as error:
+        text = str(error)
+        if len(text.splitlines()) > 1 or len(text) > MAX_CHARS:
+            return Outcome(f"{type(error).__name__}: more than a line {_place_of(error)}")
+        return Outcome(refusal=text)
+    except TooSlowError as error:
+        return Outcome(f"more than {SECONDS:g} s {_place_of(error)}")
+    except MemoryError as error:
+        return Outcome(f"more than {BYTES // 1_000_000} MB {_place_of(error)}")
+    except Exception as error:  # noqa: BLE001 - whatever it is, a user would see a traceback
+        return Outcome(f"{type(error).__name__} {_place_of(error)}")
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+    return Outcome()
+
+
+def _place_of(error: BaseException) -> str:
+    """Return the last line of our own code that the traceback passes."""
+    ours = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_ours(frame.filename)]
+    if not ours:
+        return "outside of the project"
+    return f"at {Path(ours[-1].filename).relative_to(_ROOT)}:{ours[-1].lineno} in {ours[-1].name}"
+
+
+def _is_ours(file: str) -> bool:
+    path = Path(file)
+    return path.is_relative_to(_ROOT) and ".venv" not in path.parts and "fuzz" not in path.parts
+
+
+@contextmanager
+def limits() -> Iterator[None]:
+    """Raise `TooSlowError` in the reader when its time is over, and MemoryError beyond `BYTES`; undone at the end."""
+
+    def too_slow(_number: int, _frame: FrameType | None) -> None:
+        raise TooSlowError
+
+    before = signal.signal(signal.SIGPROF, too_slow)
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (_address_space() + BYTES, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        signal.signal(signal.SIGPROF, before)
+
+
+def _address_space() -> int:
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    return pages * resource.getpagesize()

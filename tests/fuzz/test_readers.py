@@ -1,0 +1,66 @@
+"""Changed files of every kind are read or refused: in one line, within 2 s and 500 MB.
+
+This is the short form, of inputs that once failed and a few changed ones. `benchmarks/fuzz.py` goes on for as long as
+it is told to.
+"""
+
+import random
+import zlib
+
+import pytest
+
+from pipeline.run_folder.stored_spec import spec_problem
+from symolo.verification.verify import verify
+from tests.fuzz.guard import TooSlowError, limits, outcome_of
+from tests.fuzz.mutations import mutated
+from tests.fuzz.readers import READERS, valid_copy
+
+COUNTS = {"scenario": 12, "dataset": 15, "bag": 15, "logs": 60, "panorama": 100, "image": 100, "download": 100}
+"""Changed inputs by reader; 200 of those that are not named here, which are quicker."""
+FORM = "the form of a dataset has changed: make the valid files again, with tests/fuzz/make_datasets.py"
+
+
+@pytest.mark.parametrize("reader", READERS.values(), ids=READERS)
+def test_changed_files_are_read_or_refused(reader, tmp_path):
+    read = reader.opened(tmp_path)
+    valid = reader.valid()
+    inputs = [*valid, *reader.failed_once]
+    draw = random.Random(zlib.crc32(reader.name.encode()))  # noqa: S311 - changes of inputs, not secrets
+    changed = [mutated(draw.choice(inputs), inputs, draw) for _ in range(COUNTS.get(reader.name, 200))]
+    with limits():
+        outcomes = [outcome_of(read, data, reader.refusals) for data in (*inputs, *changed)]
+    assert {outcome.problem for outcome in outcomes} == {""}
+    # Were a valid file refused, every changed one would be refused for the same reason.
+    assert {outcome.refusal for outcome in outcomes[: len(valid)]} == {""}
+
+
+@pytest.mark.parametrize("name", ["dataset", "bag"])
+def test_the_valid_datasets_have_no_fault(name, tmp_path):
+    assert [str(finding) for finding in verify(valid_copy(name, tmp_path), spec_problem)] == [], FORM
+
+
+def test_what_takes_too_long_too_much_or_is_no_refusal_is_noticed(monkeypatch):
+    monkeypatch.setattr("tests.fuzz.guard.SECONDS", 0.5)
+
+    def forever(_data):
+        while True:
+            pass
+
+    def hungry(data):
+        return bytearray(len(data) << 30)
+
+    def wrong(data):
+        return data[1]
+
+    def lines(_data):
+        raise ValueError("two\nlines")
+
+    with limits():
+        problems = [outcome_of(read, b"a", (ValueError,)).problem for read in (forever, hungry, wrong, lines)]
+    assert [text.partition(" outside")[0] for text in problems] == [
+        "more than 0.5 s",
+        "more than 500 MB",
+        "IndexError",
+        "ValueError: more than a line",
+    ]
+    assert not issubclass(TooSlowError, Exception)
