@@ -188,7 +188,8 @@ def test_the_same_command_after_a_loss_of_power_ends_with_the_same_bytes(most, t
                 second += 1
         except AssertionError as error:
             wrong.append(str(error)[:2000])
-    report(f"{command.name}: {len(record.operations)} operations, {len(chosen)} cuts, {second} second ones")
+    if twice:
+        report(f"{command.name}: {len(record.operations)} operations, {len(chosen)} cuts, {second} second ones")
     assert not wrong, "\n\n".join(wrong)
 
 
