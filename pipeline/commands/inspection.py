@@ -18,7 +18,7 @@ from pipeline.commands.options import (
     names,
     new_file_check,
 )
-from symolo.core.errors import one_line
+from symolo.core.errors import InputError, one_line
 from symolo.core.text_enum import TextEnum
 
 
@@ -50,7 +50,8 @@ def verify(
 ) -> int:
     """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums, signature.
 
-    The command prints one line for each fault and ends with exit code 4 if there is any. With --reproduce, it ends with
+    The command prints one line for each fault and ends with exit code 4 if there is any. It ends with 2 while another
+    command changes the dataset. With --reproduce, it ends with
     5 if an image cannot be rendered here, or has other bytes on a machine that differs from that of the dataset.
 
     Example: symolo verify data
@@ -59,12 +60,17 @@ def verify(
     """
     from configs.assets.quiet import silenced
     from pipeline.run_folder.stored_spec import spec_problem
+    from symolo.core.files.file_locks import is_held
     from symolo.core.progress import plural
+    from symolo.dataset.layout import STAGES
     from symolo.signing.key_files import read_public_key
     from symolo.verification.signature import trusted_comment
     from symolo.verification.verify import verify as findings_of
 
     public, count = read_public_key(key) if key is not None else None, 0
+    if is_held(folder / STAGES):
+        what, cure = "another symolo command is working in this folder", "verify it when that command has ended"
+        raise InputError(what, where=str(folder), cure=cure)
     with silenced():
         for finding in findings_of(folder, spec_problem, public):
             typer.echo(str(finding))

@@ -7,31 +7,42 @@ from pipeline.repair.repair_state import RUN_PARTS, RepairState
 from pipeline.stages.assemble import METADATA_COPY
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC
-from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.atomic_files import make_folder, remove_folder, write_file
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import ANNOTATIONS, SIDE
 
 
-def put_back(state: RepairState, scratch: Path) -> set[str]:
-    """Restore files that are in the release under another name, and return those names that are extra files."""
+def put_back(state: RepairState, aside: Path) -> set[str]:
+    """Restore files that are in the release under another name, and return those names that are extra files.
+
+    An interruption at any instant loses no content: all that will be overwritten and belongs elsewhere is copied into
+    `aside` first, such as that of two files that were swapped. That folder goes when the content has its place.
+    """
     sources: dict[str, str] = {}
     for name, digest in state.wanted.items():
         if places := state.inventory.places.get(digest, ()):
             sources[name] = next((place for place in places if place in state.inventory.extra), places[0])
-    aside: dict[str, Path] = {}
-    for place in {place for place in sources.values() if place in state.wanted}:
-        # It will be overwritten, such as one of two files that were swapped.
-        aside[place] = scratch / state.inventory.files.digests[place]
-        make_folder(scratch)
-        write_file(aside[place], read_file(state.out / place, FileKind.ANY))
-    moved = set()
-    for name, place in sources.items():
+    for place in sorted({place for place in sources.values() if place in state.wanted}):
+        make_folder(aside)
+        write_file(aside / state.inventory.files.digests[place], read_file(state.out / place, FileKind.ANY))
+    last = {place: name for name, place in sources.items() if place in state.inventory.extra}
+    moved: set[str] = set()
+    for name, digest in list(state.wanted.items()):
+        copy, place = aside / digest, sources.get(name)
+        if place is not None and not copy.exists():
+            copy = state.out / place
+        if place in last and last[place] == name:
+            # Renamed, for after an interruption a copy that stayed would be taken for a file of the user's own.
+            with contextlib.suppress(OSError):
+                state.take_over(place, name)
+                copy = state.out / name
+        how = f"its content lay in {place}" if place else "an interrupted repair had laid it aside"
         with contextlib.suppress(OSError):
-            if state.put(
-                name, read_file(aside.get(place, state.out / place), FileKind.ANY), f"its content lay in {place}"
-            ):
-                moved |= {place} & state.inventory.extra
+            if state.put(name, read_file(copy, FileKind.ANY), how) and place in last:
+                moved.add(place)
+    if not any((aside / digest).exists() for digest in state.wanted.values()):
+        remove_folder(aside)
     return moved
 
 

@@ -1,6 +1,8 @@
 """Repair of a release: damaged files are made again, and put in place if they have the bytes of the manifest."""
 
+import contextlib
 import hashlib
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +13,13 @@ from pipeline.repair.repair_state import RepairState, RepairTools, recorded_devi
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
-from symolo.core.files.atomic_files import remove_file, remove_folder, write_file
+from symolo.core.files.atomic_files import remove_file, remove_folder, remove_leftovers, write_file
+from symolo.core.files.file_locks import LOCK
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
+from symolo.dataset.folder_kind import KIND
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.verification.findings import Finding
@@ -27,6 +31,8 @@ FITS = (
 )
 SCRATCH = "repair"
 """Temporary folder below the hidden stages."""
+ASIDE = "aside"
+"""Folder below the hidden stages for content that has no place in the release for a moment."""
 
 
 @dataclass(frozen=True)
@@ -60,16 +66,20 @@ def repair(
     if not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST, METADATA)):
         raise InputError("is no dataset", where=str(root), cure=f"name the folder that holds {MANIFEST}")
     workspace = Workspace(root.absolute())
-    bare = not (root / STAGES).exists()
+    stages = workspace.out / STAGES
     with workspace.locked():
-        scratch = workspace.out / STAGES / SCRATCH
+        for folder, _, _ in os.walk(workspace.out):  # those that cannot be read are reported as faults
+            with contextlib.suppress(PermissionError):
+                remove_leftovers(Path(folder))
+        scratch = stages / SCRATCH
         remove_folder(scratch)
         try:
             return _repair(workspace, scratch, workers, report, on_repaired, remove_extra=remove_extra)
         finally:
             remove_folder(scratch)
-            if bare:
-                remove_folder(workspace.out / STAGES)
+            # Also those of an interrupted repair go, but for what it has laid aside.
+            if {path.name for path in stages.iterdir()} <= {LOCK, KIND}:
+                remove_folder(stages)
 
 
 def _repair(
@@ -85,14 +95,16 @@ def _repair(
     if not inventory.trusted and _flip_manifest_back(workspace.out, on_repaired):
         inventory = Inventory.of(workspace.out)
     faults = list(inventory.findings())
+    aside = workspace.out / STAGES / ASIDE
     if not faults:
+        remove_folder(aside)  # of a repair that was interrupted just before it did so
         return Repaired(0, tuple(_faults_of_content(workspace.out)))
     if not inventory.trusted:
         why = "no list of checksums can be trusted; `symolo release` with its scenario makes damaged files again"
         first, *others = faults
         return Repaired(0, (Finding(first.file, f"{first.what}; {why}"), *others))
     state = RepairState.of(workspace, inventory, on_repaired)
-    moved = existing_copies.put_back(state, scratch / "aside")
+    moved = existing_copies.put_back(state, aside)
     existing_copies.take_from_stages(state)
     descriptions.flip_back(state, (METADATA,))
     metadata = descriptions.read_metadata(state)

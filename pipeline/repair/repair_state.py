@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from blender_scenes.render.devices import GPU_KINDS, DeviceKind
 from pipeline.run_folder.workspace import Workspace
-from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, write_file
+from symolo.core.files.atomic_files import make_folder, move, remove_file, remove_folder, write_file
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.verification.inventory import LISTS, Inventory
@@ -112,6 +112,15 @@ class RepairState:
             return False
         self.on_repaired(f"repaired: {name}: {how}")
         return True
+
+    def take_over(self, place: str, name: str) -> None:
+        """Give an extra file, which holds the content of a damaged one, the name of that.
+
+        Raises:
+            OSError: The disk refuses.
+        """
+        self._make_parents(name)
+        move(self.out / place, self.out / name)
 
     def _make_parents(self, name: str) -> None:
         """Make the folders of a file, and remove links in their place, which would lead out of the release.

@@ -363,7 +363,7 @@ def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str,
         move(partial / name, out / name)
     make_folder(marker.path)
     mark_done(marker.path, key, hashes)
-    partial.rmdir()
+    remove_folder(partial)
 
 
 def _fill(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], folder: Path) -> None:

@@ -187,7 +187,7 @@ def _remove_stale_runs(workspace: Workspace, good: set[str]) -> None:
         remove_folder(workspace.out / run)
         route = (workspace.out / run).parent
         if route.is_dir() and not any(route.iterdir()):
-            route.rmdir()
+            remove_folder(route)
         remove_folder(workspace.assemble(run).path)  # last: while it is there, a rerun takes up what was interrupted
 
 

@@ -33,8 +33,6 @@ JUSTIFIED = {
         "blender_scenes/blender_side/rendering.py",
         "unlink",
     ): "the picture in the scratch folder that Blender writes next",
-    ("pipeline/stages/assemble.py", "rmdir"): "an empty folder of a route",
-    ("pipeline/rerendering/rerender.py", "rmdir"): "an empty scratch folder",
 }
 
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from disk_recorder import DiskRecorder
 from file_operations import FileOperations
 
 import pipeline.stages.simulate  # noqa: F401 - so that a fork finds both loaded
@@ -54,6 +55,8 @@ class Order:
     """Which of them fails, with what; see `FileOperations`."""
     shuffle: int | None = None
     """Seed of another order of the units and their frames."""
+    recorded: bool = False
+    """Whether every change of files is noted as `DiskRecorder` notes it."""
     any_disk: bool = False
     """Not to look first whether there is room; it may go while the command works."""
 
@@ -117,7 +120,8 @@ def _in_the_child(order: Order, log: int) -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
     os.dup2(log, 1)
     os.dup2(log, 2)
-    operations = FileOperations(order.root, order.at, order.error)
+    kind = DiskRecorder if order.recorded else FileOperations
+    operations = kind(order.root, order.at, order.error)
     if order.root:
         operations.install()
     code = 1

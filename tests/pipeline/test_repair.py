@@ -7,10 +7,29 @@ import cv2
 import numpy as np
 import pytest
 
+from pipeline.repair import existing_copies, repair_state
 from pipeline.repair.repair_state import with_one_bit_flipped
 from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
+
+
+@pytest.fixture
+def killed_at_write(monkeypatch):
+    """Interrupts a repair at the nth file that a module of it puts in place."""
+
+    def at(count, module=repair_state):
+        put, write = [], module.write_file
+
+        def killed(path, data):
+            if len(put) == count - 1:
+                raise KeyboardInterrupt
+            put.append(path)
+            write(path, data)
+
+        monkeypatch.setattr(module, "write_file", killed)
+
+    return at
 
 
 def test_one_wrong_bit_is_found_by_its_hash_alone():
@@ -22,27 +41,60 @@ def test_one_wrong_bit_is_found_by_its_hash_alone():
     assert with_one_bit_flipped(b"", digest) is None
 
 
-def test_an_interrupted_repair_leaves_whole_files_and_goes_on(dataset, copy_of, symolo, release_of, monkeypatch):
+def test_an_interrupted_repair_leaves_whole_files_and_goes_on(
+    dataset, copy_of, symolo, release_of, monkeypatch, killed_at_write
+):
     root = copy_of(dataset, stages=True)
     names = [f"{RUN}/images/00000{number}.jpg" for number in (1, 2, 3)]
     for name in names:
         (root / name).write_bytes(b"")
-    put = []
-    from pipeline.repair import repair_state  # noqa: PLC0415 - to be changed
-
-    write = repair_state.write_file
-
-    def killed(path, data):
-        if put:
-            raise KeyboardInterrupt
-        put.append(path)
-        write(path, data)
-
-    monkeypatch.setattr(repair_state, "write_file", killed)
+    killed_at_write(2)
     assert symolo("repair", root).code == 130
     monkeypatch.undo()
     assert [len((root / name).read_bytes()) > 0 for name in names] == [True, False, False]
     assert not (root / ".stages/repair").exists()
+    assert symolo("repair", root).code == 0
+    assert release_of(root) == release_of(dataset)
+
+
+@pytest.mark.parametrize("module", [repair_state, existing_copies])
+def test_two_files_that_were_swapped_are_both_restored_after_an_interruption_between_them(
+    module, dataset, copy_of, symolo, release_of, monkeypatch, killed_at_write
+):
+    """The content of metadata.json follows from nothing else, so that it must not be lost with what was overwritten."""
+    root = copy_of(dataset)
+    (root / "metadata.json").rename(root / "other")
+    (root / "README.md").rename(root / "metadata.json")
+    (root / "other").rename(root / "README.md")
+    killed_at_write(2, module)
+    assert symolo("repair", root).code == 130
+    monkeypatch.undo()
+    ended = symolo("repair", root)
+    assert ended.code == 0
+    assert "written again" not in ended.out
+    assert release_of(root) == release_of(dataset)
+    assert not (root / ".stages").exists()
+
+
+def test_a_file_under_another_name_is_no_file_of_the_users_own_after_an_interruption(
+    dataset, copy_of, symolo, release_of, monkeypatch
+):
+    root = copy_of(dataset)
+    (root / RUN / "data.csv").rename(root / RUN / "moved.csv")
+
+    def killed(*_arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pipeline.repair.repair._remove", killed)
+    assert symolo("repair", root).code == 130
+    monkeypatch.undo()
+    assert symolo("repair", root).code == 0
+    assert release_of(root) == release_of(dataset)
+
+
+def test_what_a_killed_repair_left_in_a_run_is_removed(dataset, copy_of, symolo, release_of):
+    root = copy_of(dataset)
+    (root / RUN / "images/.000001.jpg.0123456789abcdef.tmp").write_bytes(b"half")
     assert symolo("repair", root).code == 0
     assert release_of(root) == release_of(dataset)
 

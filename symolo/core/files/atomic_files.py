@@ -191,7 +191,13 @@ def move(path: Path, place: Path) -> None:
     """Rename a whole file to another folder of the same disk, over what is there."""
     os.replace(path, place)  # noqa: PTH105 - as above
     _check_gone(path, place)
-    sync_folder(place.parent)
+    _sync_renaming(path, place)
+
+
+def _sync_renaming(old: Path, new: Path) -> None:
+    """Put a renaming on the disk; both folders are synced, or the old name may come back when the power fails."""
+    for folder in dict.fromkeys((new.parent, old.parent)):
+        sync_folder(folder)
 
 
 def replace_folder(new: Path, path: Path) -> None:
@@ -200,7 +206,7 @@ def replace_folder(new: Path, path: Path) -> None:
     make_folder(path.parent)
     os.rename(new, path)  # noqa: PTH104 - as above
     _check_gone(new, path)
-    sync_folder(path.parent)
+    _sync_renaming(new, path)
 
 
 def remove_folder(path: Path) -> None:
@@ -208,13 +214,19 @@ def remove_folder(path: Path) -> None:
     dropped = path.with_name(f".{path.name}.dropped")
     # Also when the folder itself is gone: a removal killed half-way left it under this name.
     if dropped.exists():
-        shutil.rmtree(dropped)
+        _remove_tree(dropped)
     if path.exists():
         os.rename(path, dropped)  # noqa: PTH104 - as above
         if not dropped.exists():
             raise _lost(dropped)
         sync_folder(path.parent)
-        shutil.rmtree(dropped)
+        _remove_tree(dropped)
+
+
+def _remove_tree(folder: Path) -> None:
+    """Remove a folder whose name says that it is unfinished, so that it does not come back when the power fails."""
+    shutil.rmtree(folder)
+    sync_folder(folder.parent)
 
 
 def remove_file(path: Path) -> None:
@@ -229,16 +241,18 @@ def remove_leftovers(folder: Path, *, below: bool = False, of: str = "") -> None
 
     Nobody else may be writing there, but where only what is `of` one `WRITER` is to go.
     """
-    for path in list(folder.iterdir()) if folder.is_dir() else ():
-        if path.is_symlink():
-            continue
-        if path.is_dir():
-            if _is_left(path, of) or (not of and DROPPED.fullmatch(path.name)):
-                shutil.rmtree(path)
-            elif below:
-                remove_leftovers(path, below=True, of=of)
-        elif _is_left(path, of):
-            path.unlink()
+    folders = [folder] if folder.is_dir() else []
+    while folders:  # a recursion would end on folders of strangers that are a thousand deep
+        for path in list(folders.pop().iterdir()):
+            if path.is_symlink():
+                continue
+            if path.is_dir():
+                if _is_left(path, of) or (not of and DROPPED.fullmatch(path.name)):
+                    _remove_tree(path)
+                elif below:
+                    folders.append(path)
+            elif _is_left(path, of):
+                remove_file(path)
 
 
 def _is_left(path: Path, writer: str) -> bool:

@@ -67,6 +67,22 @@ def opened_lock(folder: Path) -> int:
     return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | flags, 0o666)
 
 
+def is_held(folder: Path) -> bool:
+    """Return whether another process holds a folder alone; nothing is written."""
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    try:
+        descriptor = os.open(folder / LOCK, flags)
+    except OSError:
+        return False
+    try:
+        lock(descriptor, shared=True, wait=False)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
 @contextlib.contextmanager
 def held(folder: Path) -> Iterator[None]:
     """Wait until no other process holds a folder, and hold it; for work that takes moments."""

@@ -6,6 +6,7 @@ import stat
 
 import pytest
 
+from pipeline.cli import main
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
 from symolo.core.files.file_locks import held
@@ -45,3 +46,13 @@ def test_a_second_command_is_refused_and_parts_are_not(tmp_path):
         pass
     with workspace.locked():
         pass
+
+
+def test_verify_checks_nothing_while_another_command_works_in_the_folder(tmp_path, capsys):
+    with Workspace(tmp_path).locked():
+        assert main(["verify", str(tmp_path)]) == 2
+    ended = capsys.readouterr()
+    assert ended.out == ""
+    assert "another symolo command is working in this folder; verify it when that command has ended" in ended.err
+    assert main(["verify", str(tmp_path)]) == 4
+    assert "metadata.json: " in capsys.readouterr().out
