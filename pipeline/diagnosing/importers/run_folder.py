@@ -102,7 +102,10 @@ def _runs(path: Path) -> Iterator[_DatasetRun]:
 
 
 def _recognises(path: Path) -> bool:
-    return next(_runs(path), None) is not None
+    try:
+        return next(_runs(path), None) is not None
+    except PermissionError:  # a link is refused with its name, but what is out of reach may be of another form
+        return False
 
 
 def _runs_or_error(path: Path) -> list[_DatasetRun]:
