@@ -57,14 +57,14 @@ def lock(descriptor: int, *, shared: bool = False, wait: bool = True) -> None:
             return
 
 
-def opened_lock(folder: Path) -> int:
+def opened_lock(folder: Path, name: str = LOCK) -> int:
     """Return the descriptor of the file whose lock stands for that of a folder, wherever the folder is mounted.
 
     A lock on the folder itself is seen on one machine alone: clients of network file systems pass on locks of files,
     and exclusive ones only of files that are open for writing (flock(2), on NFS).
     """
     flags = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_NOFOLLOW", 0)
-    return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | flags, 0o666)
+    return os.open(folder / name, os.O_RDWR | os.O_CREAT | flags, 0o666)
 
 
 def is_held(folder: Path) -> bool:

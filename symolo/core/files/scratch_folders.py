@@ -15,7 +15,10 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from symolo.core.files.file_locks import LOCK, can_lock, lock, opened_lock
+from symolo.core.files.file_locks import can_lock, lock, opened_lock
+
+OWNER = ".owner.lock"
+"""File whose lock the owner of a folder holds; the stages that work in the folder lock another file in it."""
 
 
 @contextlib.contextmanager
@@ -49,11 +52,11 @@ def _locked_folder(place: Path) -> tuple[Path, int]:
     """Return a new folder, and the descriptor that holds its lock."""
     while True:
         folder = Path(tempfile.mkdtemp(prefix=_prefix(), dir=place))
-        descriptor = opened_lock(folder)
+        descriptor = opened_lock(folder, OWNER)
         with contextlib.suppress(OSError):  # a file system without locks, on which nobody removes abandoned folders
             lock(descriptor)
         # Another process may have held the lock since its file was made, and have removed the folder.
-        if (folder / LOCK).exists():
+        if (folder / OWNER).exists():
             return folder, descriptor
         os.close(descriptor)
 
@@ -73,19 +76,19 @@ def _remove_if_abandoned(folder: Path) -> None:
     """Remove a folder, or raise an `OSError` where it is not certain that nobody uses it."""
     status = folder.lstat()
     is_own = not hasattr(os, "getuid") or status.st_uid == os.getuid()
-    if not (is_own and stat.S_ISDIR(status.st_mode) and (folder / LOCK).is_file()):
+    if not (is_own and stat.S_ISDIR(status.st_mode) and (folder / OWNER).is_file()):
         return
-    descriptor = opened_lock(folder)
+    descriptor = opened_lock(folder, OWNER)
     try:
         lock(descriptor, wait=False)
         # The lock goes last, so that the next command continues a removal that is killed half-way.
         for path in folder.iterdir():
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
-            elif path.name != LOCK:
+            elif path.name != OWNER:
                 path.unlink()
         with contextlib.suppress(PermissionError):  # Windows removes no open file
-            (folder / LOCK).unlink()
+            (folder / OWNER).unlink()
     finally:
         os.close(descriptor)
     shutil.rmtree(folder)

@@ -126,8 +126,8 @@ def test_a_link_in_an_abandoned_folder_is_not_followed(left: Path, place: Path):
 def test_a_folder_that_another_process_removes_before_it_is_locked_is_made_again(monkeypatch: pytest.MonkeyPatch):
     made: list[Path] = []
 
-    def removed_first(folder: Path) -> int:
-        descriptor = file_locks.opened_lock(folder)
+    def removed_first(folder: Path, name: str) -> int:
+        descriptor = file_locks.opened_lock(folder, name)
         made.append(folder)
         if len(made) == 1:
             scratch_folders._remove_if_abandoned(folder)
@@ -138,3 +138,13 @@ def test_a_folder_that_another_process_removes_before_it_is_locked_is_made_again
         assert folder.is_dir()
         assert folder != made[0]
     assert not made[0].exists()
+
+
+def test_who_works_in_the_folder_may_hold_it(tmp_path):
+    """The stages hold the folders in which they work, also where these are scratch folders."""
+    with scratch_folder(tmp_path) as folder:
+        descriptor = file_locks.opened_lock(folder)
+        try:
+            file_locks.lock(descriptor, wait=False)
+        finally:
+            os.close(descriptor)
