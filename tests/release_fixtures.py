@@ -124,7 +124,7 @@ def release_of() -> Callable[[Path], dict[str, bytes]]:
 
 
 def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
-    """In place of Blender: an image of one grey for each frame, 32 x 24, told to be made by a class of processor."""
+    """In place of Blender: a grey image of 32 x 24 pixels for each frame, with a stated class of processor."""
     data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
     ledger = Ledger(unit.folder, sha256_of(unit.job))
     for number in unit.numbers:

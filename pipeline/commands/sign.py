@@ -72,7 +72,7 @@ def sign(
         bool, typer.Option("--no-passphrase", help="With --new-key: do not encrypt the secret key.")
     ] = False,
 ) -> None:
-    """Sign a dataset, so that `symolo verify --key` and minisign tell yours from a forged one.
+    """Sign a dataset, so that `symolo verify --key` and minisign detect a forged one.
 
     The signature is tagmanifest-sha256.txt.minisig, in the format of minisign (Ed25519). A dataset with a fault is
     refused. No other file of the dataset changes.

@@ -27,7 +27,7 @@ from symolo.verification.inventory import Inventory
 from symolo.verification.verify import verify
 
 FITS = (
-    "the file fits its checksum, and nothing else tells what it was; `symolo release` with its scenario makes it again"
+    "the file fits its checksum, and no other record has its content; `symolo release` with its scenario makes it again"
 )
 SCRATCH = "repair"
 """Temporary folder below the hidden stages."""

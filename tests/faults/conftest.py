@@ -31,7 +31,7 @@ FOLDER = Path(__file__).parent
 HIDDEN = re.compile(r"(^|/)(\.[^/]+\.tmp|\.[^/]+\.dropped|[^/]+\.tmp)(/|$)")
 """Names under which something may lie unfinished."""
 JOURNAL = re.compile(r"\.stages/.*\.jsonl$")
-"""Grows by what was done, so that it tells of the interruptions."""
+"""A journal: it grows with each attempt, so it differs after an interruption."""
 
 TINY = ["release", str(FOLDER / "bare.yaml")]
 SETTINGS = ["stop.time_limit_s=0.4", "render.width_px=32", "render.height_px=24"]

@@ -23,7 +23,7 @@ REFUSED = 2
 UNFINISHED = re.compile(r"(^|/)\.[^/]+\.(tmp|dropped|partial|download)(/|$)")
 """Names under which something may lie unfinished."""
 JOURNAL = re.compile(r"\.stages/.*\.jsonl$")
-"""Grows by what was done, so that it tells of the interruptions."""
+"""A journal: it grows with each attempt, so it differs after an interruption."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -122,14 +122,14 @@ def trap(release, tmp_path, capsys):
             signal.alarm(0)
         seconds = time.process_time() - begin
         grown = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
-        told = "".join(capsys.readouterr())
+        output = "".join(capsys.readouterr())
         wrong = []
         allowed = ALLOWED.get(command, {2}) if not name.startswith(".stages") else {0, 2, 4}  # which few commands read
-        wrong += [f"exit code {code}: {told[-300:]}"] if code not in allowed else []
+        wrong += [f"exit code {code}: {output[-300:]}"] if code not in allowed else []
         wrong += [f"took {seconds:.1f} s"] if code != 0 and seconds > SECONDS else []
         wrong += [f"took {grown >> 20} MiB"] if grown > BYTES else []
-        wrong += ["shows what is in a file of the user"] if THEIRS in told or "root:" in told else []
-        wrong += ["ends in a traceback"] if "Traceback" in told else []
+        wrong += ["shows what is in a file of the user"] if THEIRS in output or "root:" in output else []
+        wrong += ["ends in a traceback"] if "Traceback" in output else []
         return wrong
 
     return data, ends

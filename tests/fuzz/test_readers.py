@@ -1,7 +1,7 @@
 """Changed files of every kind are read or refused: in one line, within 2 s and 500 MB.
 
-This is the short form, of inputs that once failed and a few changed ones. `benchmarks/fuzz.py` goes on for as long as
-it is told to.
+This is the short form, of inputs that once failed and a few changed ones. `benchmarks/fuzz.py --seconds N` runs for
+longer.
 """
 
 import random

@@ -98,12 +98,12 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_signature_that_was_changed_is_one_clear_line(signed, symolo, change):
-    alter, told = CHANGES[change]
+    alter, message = CHANGES[change]
     alter(signed / SIGNATURE)
     ended = verified(symolo, signed)
     assert ended.code == 4
     (line,) = ended.out.splitlines()
-    assert line.startswith(f"{SIGNATURE}: {told}")
+    assert line.startswith(f"{SIGNATURE}: {message}")
     assert ended.err == f"{signed}: 1 fault\n"
     assert symolo("verify", signed).code == 0, "without a key nobody asks for a signature"
 
@@ -222,7 +222,7 @@ def test_a_passphrase_comes_from_a_file_or_the_environment(dataset, copy_of, sym
 
 
 def test_what_cannot_be_meant_is_refused(dataset, symolo, tmp_path):
-    for arguments, told in (
+    for arguments, message in (
         (["sign"], "name a dataset and --key FILE"),
         (["sign", dataset], "name a dataset and --key FILE"),
         (["sign", dataset, "--new-key", tmp_path / "a.key"], "--new-key; give it alone"),
@@ -233,7 +233,7 @@ def test_what_cannot_be_meant_is_refused(dataset, symolo, tmp_path):
         (["verify", dataset, "--key", tmp_path / "none.pub"], "none.pub: cannot be read"),
     ):
         ended = symolo(*arguments)
-        assert (ended.code, told in ended.err) == (2, True), ended.err
+        assert (ended.code, message in ended.err) == (2, True), ended.err
     assert not (dataset / "a.key").exists()
 
 

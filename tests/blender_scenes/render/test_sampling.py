@@ -62,7 +62,7 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
 
 
 @pytest.mark.parametrize(
-    ("told", "is_hybrid"),
+    ("chosen", "is_hybrid"),
     [
         ({}, True),
         ({"width_px": 320, "height_px": 16}, True),
@@ -76,8 +76,8 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
         ({"method": "hybrid", "quality": "draft"}, True),
     ],
 )
-def test_images_of_standard_quality_are_hybrid_where_that_has_been_measured(told, is_hybrid):
-    assert (tracing_settings(Render(**told), seed=1).hybrid is not None) == is_hybrid
+def test_images_of_standard_quality_are_hybrid_where_that_has_been_measured(chosen, is_hybrid):
+    assert (tracing_settings(Render(**chosen), seed=1).hybrid is not None) == is_hybrid
 
 
 def test_a_card_renders_in_full_unless_hybrid_is_set():

@@ -131,7 +131,7 @@ def test_a_damaged_trajectory_is_one_clear_line(dataset, copy_of, tmp_path, symo
 
 
 @pytest.mark.parametrize(
-    ("array", "row", "number", "told"),
+    ("array", "row", "number", "message"),
     [
         ("pose", 0, np.nan, "pose: nan at row 0"),
         ("pose", 3, np.nan, "pose: nan at row 3"),  # no image is taken there, but the path leads through
@@ -141,7 +141,7 @@ def test_a_damaged_trajectory_is_one_clear_line(dataset, copy_of, tmp_path, symo
     ],
 )
 def test_a_trajectory_with_a_number_that_cannot_be_is_one_clear_line(
-    dataset, copy_of, tmp_path, symolo, array, row, number, told
+    dataset, copy_of, tmp_path, symolo, array, row, number, message
 ):
     run = copy_of(dataset, stages=True) / ".stages/simulate/CW/test_1"
     with np.load(run / "trajectory.npz") as archive:
@@ -150,25 +150,25 @@ def test_a_trajectory_with_a_number_that_cannot_be_is_one_clear_line(
     np.savez_compressed(run / "trajectory.npz", **arrays)
     ended = symolo("rerender", run, "--look", "lab", "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert f"trajectory.npz: cannot be read: {told}" in ended.err
+    assert f"trajectory.npz: cannot be read: {message}" in ended.err
     assert "simulate again" in ended.err
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    ("whole", "damaged", "told"),
+    ("whole", "damaged", "message"),
     [
         ('"mass_kg":', '"mass_kg":"much","_":', "robot.chassis.mass_kg: Input should be a valid number"),
         ('"mass_kg":', '"mass":', "robot.chassis.mass_kg: Field required"),
         ("{", "", "Invalid JSON"),
     ],
 )
-def test_a_damaged_specification_is_reported_by_its_field(dataset, copy_of, tmp_path, symolo, whole, damaged, told):
+def test_a_damaged_specification_is_reported_by_its_field(dataset, copy_of, tmp_path, symolo, whole, damaged, message):
     path = copy_of(dataset) / RUN / "side/spec.json"
     path.write_text(re.sub(f"{whole}\\s*", damaged, path.read_text(), count=1))
     ended = symolo("rerender", path.parents[1], "--look", "lab", "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert f"spec.json: cannot be read: {told}" in ended.err
+    assert f"spec.json: cannot be read: {message}" in ended.err
 
 
 @pytest.mark.parametrize("stages", [True, False])

@@ -422,6 +422,6 @@ def test_what_libjpeg_says_of_damaged_pixels_is_not_on_the_terminal(dataset, cop
     assert found is not None
     assert "Corrupt JPEG" in capfd.readouterr().err, "libjpeg does say something"
     assert main(["verify", str(root)]) == 4
-    told = capfd.readouterr()
-    assert f"{RUN}/images/000001.jpg" in told.out
-    assert told.err == f"{root}: 1 fault\n"
+    output = capfd.readouterr()
+    assert f"{RUN}/images/000001.jpg" in output.out
+    assert output.err == f"{root}: 1 fault\n"
