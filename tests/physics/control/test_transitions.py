@@ -1,5 +1,7 @@
 """The table of the state machine: what a file may say, and that a bad one is refused in one clear line."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from physics.control.conditions import CONDITIONS
@@ -21,6 +23,14 @@ def test_the_shipped_table_leaves_and_enters_every_state_and_asks_every_conditio
     assert {state for row in rows for state in row.states} == set(State)
     assert {row.to for row in rows} == set(State)
     assert {row.condition for row in rows} == set(CONDITIONS)
+
+
+def test_a_row_is_taken_in_its_states_alone_and_only_if_its_condition_holds(tmp_path):
+    (row,) = load(tmp_path, "{states: [LINE, LEFT_WALL], when: on_line, to: LEFT_WALL}")
+    on_line, off_line = SimpleNamespace(line_error=0.5), SimpleNamespace(line_error=None)
+    taken = {state for state in State if row.taken(state, on_line)}
+    assert taken == {State.LINE, State.LEFT_WALL}
+    assert not any(row.taken(state, off_line) for state in State)
 
 
 def test_rows_are_read_in_their_order(tmp_path):
