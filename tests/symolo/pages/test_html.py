@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from jinja2 import UndefinedError
 
-from symolo.pages.html import counted, grouped, render_page
+from symolo.core.progress import plural
+from symolo.pages.html import grouped, render_page
 
 HOSTILE = "<script>alert(1)</script>\"'&"
 TEMPLATE = """{% extends "base.html.j2" %}
@@ -76,6 +77,7 @@ def test_every_template_is_package_data():
 
 
 def test_counts_have_a_plural_and_spaces_that_do_not_break():
-    assert counted(1, "run") == "1 run"
-    assert counted(0, "run") == "0 runs"
+    assert plural(1, "run") == "1 run"
+    assert plural(0, "run") == "0 runs"
+    assert plural(1234, "run", grouped) == "1\N{NO-BREAK SPACE}234 runs"
     assert grouped(1234567) == "1\N{NO-BREAK SPACE}234\N{NO-BREAK SPACE}567"
