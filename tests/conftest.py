@@ -22,8 +22,6 @@ from hil.tools import (
     has_compiler,
 )
 
-pytest_plugins = ["tests.release_fixtures"]
-
 TOOLS = {
     "compiler": (has_compiler, NATIVE_PACKAGES),
     "avr_compiler": (has_avr_compiler, AVR_PACKAGES),
@@ -56,6 +54,9 @@ def pytest_configure(config: pytest.Config) -> None:
     for marker, packages in _missing_tools().items():
         if _asks_for(config, marker):
             raise pytest.UsageError(f"tests marked `{marker}` need missing tools: apt-get install -y {packages}")
+    if hasattr(config, "workerinput") or config.getoption("dist", "no") == "no":
+        # It imports the whole project, which a process that runs no tests itself does not need.
+        config.pluginmanager.import_plugin("tests.release_fixtures")
 
 
 def _missing_tools() -> dict[str, str]:
