@@ -111,14 +111,15 @@ def pytest_deselected(items: list[pytest.Item]) -> None:
     """Note what a worker of pytest-xdist deselects, because only the controller writes to the terminal."""
     for item in items:
         if hasattr(item.config, "workeroutput"):
-            item.config.workeroutput.setdefault("deselected", []).append(item.nodeid)
+            output = item.config.workeroutput  # pyright: ignore[reportAttributeAccessIssue] - of pytest-xdist
+            output.setdefault("deselected", []).append(item.nodeid)
 
 
 @pytest.hookimpl(optionalhook=True)  # without pytest-xdist (`-p no:xdist`) there is no such hook
 def pytest_testnodedown(node: WorkerController) -> None:
     """Report what the workers have deselected, once, since each of them collects all tests."""
     reporter = node.config.pluginmanager.get_plugin("terminalreporter")
-    if not reporter.stats.get("deselected"):
+    if reporter is not None and not reporter.stats.get("deselected"):
         node_ids = getattr(node, "workeroutput", {}).get("deselected", [])
         reporter.pytest_deselected([SimpleNamespace(nodeid=node_id) for node_id in node_ids])
 

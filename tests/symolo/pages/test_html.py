@@ -50,7 +50,7 @@ def test_every_macro_escapes_its_texts(package):
 def test_a_page_forbids_scripts_and_whatever_is_not_part_of_it(package):
     root = ET.fromstring(render_page(package, title="t", text="x", data=b"png"))  # noqa: S314 - our own page
     (policy,) = (meta for meta in root.iter("meta") if meta.get("http-equiv") == "Content-Security-Policy")
-    allowed = dict(part.strip().split(" ", 1) for part in policy.get("content").split(";"))
+    allowed = dict(part.strip().split(" ", 1) for part in policy.attrib["content"].split(";"))
     assert allowed["default-src"] == "'none'"
     assert (allowed["img-src"], allowed["style-src"]) == ("data:", "'unsafe-inline'")
     assert "script-src" not in allowed
