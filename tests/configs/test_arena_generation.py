@@ -222,7 +222,7 @@ def test_ranges_that_make_no_sense_are_refused(setting, message):
 
 def test_ranges_for_which_no_arena_fits_are_refused_with_the_reason():
     loaded = load_scenario("random_arenas", ["arena.generate.radius_m=0.3", "arena.generate.corners=12"])
-    message = r"arena\.generate: none of 200 attempts at an arena succeeded; \d+ of them failed because .*drawn for Lap run 1"
+    message = r"generate: none of 200 attempts at an arena succeeded; \d+ of them failed because .*drawn for Lap run 1"
     with pytest.raises(InputError, match=message):
         draw_run(loaded, "Lap", 1)
 
