@@ -11,7 +11,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from gap_cases import (
+from gap_cases import (  # pyright: ignore[reportMissingImports] - by the path above
     DETECTABLE,
     FAMILIES,
     KINDS,

@@ -30,9 +30,17 @@ from dataclasses import asdict
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 from figures import table
-from hidden_cases import FAMILIES, KINDS, Plan, hidden_case, plans, write
+from hidden_cases import (
+    FAMILIES,  # pyright: ignore[reportAttributeAccessIssue] - from a folder of tests
+    KINDS,  # pyright: ignore[reportAttributeAccessIssue]
+    Plan,
+    hidden_case,
+    plans,
+    write,  # pyright: ignore[reportAttributeAccessIssue]
+)
 from reliability import reliability_figure, reliability_table
 from score import Score, score
 
@@ -124,9 +132,8 @@ def read(path: Path) -> dict[str, Score]:
         except json.JSONDecodeError:
             continue
         name = values.pop("case")
-        found[name] = Score(
-            **{key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
-        )
+        fields: dict[str, Any] = {key: tuple(each) if isinstance(each, list) else each for key, each in values.items()}
+        found[name] = Score(**fields)
     return found
 
 

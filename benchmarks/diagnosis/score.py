@@ -5,7 +5,10 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 
-from hidden_cases import Case, judge
+from hidden_cases import (
+    Case,  # pyright: ignore[reportAttributeAccessIssue] - from a folder of tests
+    judge,  # pyright: ignore[reportAttributeAccessIssue]
+)
 
 LARGEST_SET = 3
 LARGE_DROP = 400.0

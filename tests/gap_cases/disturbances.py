@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 LONGEST_RUN = 6
@@ -124,7 +124,7 @@ class Day:
         """Errors of outliers in sigmas by column; no columns in the narrow family."""
         return self.outliers.struck(np.random.default_rng([self.seed, 1]), rows) if self.outliers else {}
 
-    def zero(self, column: str, session: Sequence[float], time_s: Array) -> Array | float:
+    def zero(self, column: str, session: ArrayLike, time_s: Array) -> Array | float:
         """Drift of a channel's zero in sigmas: another value in each session, and a slow wave."""
         level = self.wander.get(column, 0.0)
         if not level:
@@ -137,6 +137,10 @@ class Day:
         drift = between + np.sin(phase)
         drift = drift - drift.mean()
         return level * drift / np.sqrt(np.mean(drift**2))
+
+
+AS_STATED = Day()
+"""A day of the narrow family."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +195,7 @@ class Family:
     def day(self, nominal: Mapping, parameters: Sequence[str], rng: np.random.Generator) -> Day:
         """One day; nothing is drawn in the narrow family."""
         if not self.is_wide:
-            return Day()
+            return AS_STATED
         kind = nominal["kind"]
         common = float(rng.uniform(*self.tolerance))
         own = {name: float(rng.uniform(*self.tolerance)) for name in parameters}

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .case import Array, Bench, Columns, Effect, Frame, World
-from .disturbances import Day
+from .disturbances import AS_STATED, Day
 from .drive_ranges import SENSORS, clear_of_corners, ranges
 from .drive_tour import drive
 from .drive_wheels import ROW_S, SIDES, Wheels, ground, kept, mean_speeds, radii, slope, turned
@@ -75,7 +75,9 @@ def _nominal(rng: np.random.Generator) -> dict:
     }
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator, day: Day) -> tuple[Columns, Mapping[str, Columns]]:
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
     """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
     trials, begin, rows = _shape(bench.inputs)
     blind = next(iter(bench.blind.values()))
@@ -329,7 +331,8 @@ def _pose_stage(bench: Bench, world: World, columns: Columns, turns: Array, pose
 
 def _increments(path: Array, heading: Array) -> Array:
     """Between neighbours of (N, n, 3) in the body frame of the first."""
-    step, at = np.diff(path, axis=1), heading[:, :-1]
+    step: Array = np.diff(path, axis=1)
+    at = heading[:, :-1]
     cos, sin = np.cos(at), np.sin(at)
     x = cos * step[..., 0] + sin * step[..., 1]
     y = -sin * step[..., 0] + cos * step[..., 1]

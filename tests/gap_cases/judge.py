@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from types import ModuleType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import tof_bench
 from .case import Array, Bench, Case, Effect, Frame, World
@@ -66,7 +67,7 @@ class _Space:
     """Differences of predictions in whitened sigmas, with the part that nuisances imitate taken out."""
 
     frame: Frame
-    rows: Array
+    rows: NDArray[np.bool_]
     correlation: Array
     basis: Array
     nuisances: int
@@ -145,7 +146,7 @@ def _space(frame: Frame, true: Array, slopes: Array, bent: Array) -> _Space:
     return _Space(frame, rows, correlation, basis, nuisances)
 
 
-def _white(values: Array, rows: Array, run: Array, correlation: Array) -> Array:
+def _white(values: Array, rows: NDArray[np.bool_], run: NDArray[np.int64], correlation: Array) -> Array:
     """(K, n) with the correlation of neighbours taken out, 0 outside `rows`."""
     follows = np.concatenate([[False], rows[1:] & rows[:-1] & (run[1:] == run[:-1])])
     rho = np.where(follows, correlation, 0.0)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .case import Array, Bench, Columns, Frame, World
-from .disturbances import Day
+from .disturbances import AS_STATED, Day
 from .motor_law import Motors, column, steady_states
 from .noise import share, white, with_dropouts, with_outliers
 
@@ -92,7 +92,9 @@ def _cycle(world: World, speed: Array) -> Array:
     return world.beyond("speed_cycle", "amplitude_rad_s") * swing
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator, day: Day) -> tuple[Columns, Mapping[str, Columns]]:
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
     """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
     noise, struck = bench.nominal["noise"], day.struck(len(bench.inputs["row"]))
     lost, odd = share(rng, 0.03), share(rng, 0.02)

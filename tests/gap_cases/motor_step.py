@@ -6,7 +6,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from .case import Array, Bench, Columns, Frame, World
-from .disturbances import Day
+from .disturbances import AS_STATED, Day
 from .motor_law import Motors
 from .motor_motion import STEP_S, responses
 from .motor_steady import instruments, motor
@@ -105,7 +105,7 @@ def _first_order(values: Array, lag_s: float) -> Array:
     """Exact for values that are straight lines between steps, from rest."""
     keep = np.exp(-STEP_S / lag_s)
     slope = (1.0 - keep) * lag_s / STEP_S
-    return lfilter([1.0 - slope, slope - keep], [1.0, -keep], values, axis=1)
+    return np.asarray(lfilter([1.0 - slope, slope - keep], [1.0, -keep], values, axis=1))
 
 
 def _ringing(world: World, times: Array, command: Array) -> Array:
@@ -122,7 +122,9 @@ def _ringing(world: World, times: Array, command: Array) -> Array:
     return found
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator, day: Day) -> tuple[Columns, Mapping[str, Columns]]:
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
     """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
     noise, struck = bench.nominal["noise"], day.struck(len(bench.inputs["trial"]))
     lost, odd = share(rng, 0.03), share(rng, 0.02)

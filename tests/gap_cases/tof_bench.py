@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .case import Array, Bench, Columns, Frame, World
-from .disturbances import Day
+from .disturbances import AS_STATED, Day
 from .motor_law import column
 from .noise import OUTLIER_SIGMAS, correlated, share
 
@@ -121,7 +121,9 @@ def sd(inputs: Columns, worlds: Sequence[World], polynomial_mm: Sequence[float] 
     return nominal * scale * np.sqrt(1.0 + light * inputs["ambient_lux"] / 1000.0)
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator, day: Day) -> tuple[Columns, Mapping[str, Columns]]:
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
     """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
     lost, odd = share(rng, 0.03), share(rng, 0.02)
     noise = bench.nominal["noise"]
