@@ -66,7 +66,7 @@ class LoopSettings:
     hello_s: float = 5.0
     """Time [s] for the first answer; an Arduino, which resets when its port is opened, needs 2 s."""
     on_reboot: Literal["stop", "go on"] = "stop"
-    """Whether the run ends when the board re-boots, or goes on with the commands that follow."""
+    """Action when the board re-boots: end the run, or go on with the commands that follow."""
 
 
 @dataclass(frozen=True)

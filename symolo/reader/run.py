@@ -35,11 +35,11 @@ Pixels = NDArray[np.uint8]
 class Image:
     run: "Run"
     number: int
-    """As in the column `img` of data.csv, from 1."""
+    """Number in the column `img` of data.csv, from 1."""
     index: int
-    """Which of the run's images it is, from 0."""
+    """Place among the run's images, from 0."""
     row: int
-    """Which row of data.csv it was taken at, from 0; its stamp is that of the row."""
+    """Row of data.csv at which it was taken, from 0; its stamp is that of the row."""
 
     @property
     def t_s(self) -> float:
