@@ -3,14 +3,14 @@
 import inspect
 from collections.abc import Iterator
 
-from markdown import about, anchor, page, table, text
+from markdown import about, anchor, page, table, text  # pyright: ignore[reportAttributeAccessIssue] - ours, in this folder
 
 from blender_scenes.materials import FLOORS
 from blender_scenes.materials import SURFACES as SEEN
 from physics.arena.surfaces import SURFACES as RANGED
 
 PICTURES = "materials"
-"""Made by `benchmarks/material_page.py FOLDER --each docs/reference/materials`."""
+"""Made by `benchmarks/pages/material_page.py FOLDER --each docs/reference/materials`."""
 LINES = {
     "linoleum_floor": ("tape", "`look.line=tape`, the default; wear, wrinkles, lifted edges and gloss in `look.tape`."),
     "glossy_tape": ("glossy tape", "`look.tape={roughness: 0.2, wear: 0.8, wrinkles: 0.8, lift_m: 0.0006}`."),

@@ -223,16 +223,16 @@ def test_ranges_that_make_no_sense_are_refused(setting, message):
     assert len(str(refusal.value).splitlines()) == 1
 
 
-def test_ranges_that_admit_no_arena_are_refused_with_the_reason():
+def test_ranges_for_which_no_arena_fits_are_refused_with_the_reason():
     loaded = load_scenario("random_arenas", ["arena.generate.radius_m=0.3", "arena.generate.corners=12"])
-    message = r"arena\.generate: no arena came out in 200 attempts, in \d+ of them because .*drawn for Lap run 1"
+    message = r"generate: none of 200 attempts at an arena succeeded; \d+ of them failed because .*drawn for Lap run 1"
     with pytest.raises(InputError, match=message):
         draw_run(loaded, "Lap", 1)
 
 
-def test_a_floor_too_small_is_told():
+def test_a_floor_that_is_too_small_is_refused():
     loaded = load_scenario("random_arenas", ["arena.floor.half_extent_m=0.6"])
-    with pytest.raises(InputError, match="because it reaches beyond the floor"):
+    with pytest.raises(InputError, match="because the line or a wall reaches beyond the floor"):
         draw_run(loaded, "Lap", 1)
 
 

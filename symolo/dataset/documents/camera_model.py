@@ -40,7 +40,7 @@ class CameraDocument(BaseModel):
     D: tuple[float, float, float, float, float] = Field(description="k1, k2, p1, p2, k3")
     exposure_s: float
     read_out_s: float
-    """From the exposure of the first row to that of the row after the last; 0 for a global shutter."""
+    """Time from the exposure of the first row to that of the row after the last; 0 for a global shutter."""
     X_RC: tuple[Row4, Row4, Row4, Row4]
     X_CB: tuple[Row4, Row4, Row4, Row4]
 

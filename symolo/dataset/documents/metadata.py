@@ -105,7 +105,7 @@ class RunRecord(Record):
     image_width_px: int
     image_height_px: int
     render_device: str = "CPU"
-    """As Cycles calls it: what the images were rendered on."""
+    """Name in Cycles of the device that rendered the images."""
     cpu_classes: tuple[str, ...] = Field(default=(), exclude_if=lambda classes: not classes)
     """Classes of the processors that made its images and annotations, where they are several: low bits may differ."""
     rows: int
@@ -119,12 +119,12 @@ class RunRecord(Record):
     tof_max_range_m: float
     tof_no_target_m: float
     warnings: list[str] = Field(default_factory=list)
-    """What a user of its images should know: many of them black or burnt."""
+    """Warnings to users of its images, such as that many are black or burnt."""
     drawn: dict[str, float | int | str | bool]
     """Every value drawn for this run by its field path."""
     annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
     board: BoardRecord | None = Field(default=None, exclude_if=lambda board: board is None)
-    """None where the built-in controller drove."""
+    """Record of the controller board; None where the built-in controller drove."""
 
     @classmethod
     def of(

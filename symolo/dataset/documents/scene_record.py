@@ -25,7 +25,7 @@ class PieceRecord(Record):
     z_m: tuple[float, float]
     """Lowest and highest point."""
     numbers: dict[str, Any]
-    """What was drawn for the piece, by the names of its kind; a colour is reflectance, hue_deg, saturation."""
+    """Drawn values of the piece, by the names of its kind; a colour is reflectance, hue_deg, saturation."""
 
 
 class SceneRecord(Record):

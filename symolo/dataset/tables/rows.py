@@ -145,7 +145,7 @@ class Fault:
     line: int
     what: str
     cure: str = "repair or remove the row"
-    """What to do about it."""
+    """Advice to the user."""
     kind: Literal["form", "time", "state", "image"] = "form"
 
     def __str__(self) -> str:
