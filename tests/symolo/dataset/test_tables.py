@@ -1,8 +1,6 @@
 """data.csv as text: fixed digits, and strict reading."""
 
 import math
-from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -12,6 +10,7 @@ from hypothesis import strategies as st
 
 from pipeline.rerendering.rerender import image_numbers
 from symolo.core.errors import InputError
+from symolo.core.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import State
 from symolo.dataset.documents import metadata
 from symolo.dataset.manifest import manifest, read_manifest
@@ -72,37 +71,27 @@ def test_a_heading_just_above_minus_pi_is_written_as_plus_pi():
     np.testing.assert_array_equal(heading(angles, 6), [3.141593, -3.141592, 3.141593, 3.0, 3.141592])
 
 
-@dataclass(frozen=True)
-class Recorded:
-    """What the rows take from a recording."""
-
-    trajectory: SimpleNamespace
-    values: dict
-
-    def __getitem__(self, name):
-        return SimpleNamespace(values=self.values[name])
+def recording(t_s, pose, state, twist, **readings):
+    series = [TimeSeries(name, "", t_s, np.asarray(values)) for name, values in readings.items()]
+    return Recording(Trajectory(t_s, np.array(pose), np.array(twist), np.array(state)), tuple(series))
 
 
 def test_headings_in_the_rows_are_those_of_the_description():
-    trajectory = SimpleNamespace(
-        t_s=np.array([0.0, 0.05]),
-        pose=np.array([[0, 0, -math.pi + 1e-7], [0, 0, -math.pi + 1e-6]]),
-        state=np.zeros(2, dtype=np.int64),
-        twist=np.zeros((2, 2)),
-    )
-    values = {"tof_m": np.ones((2, 3)), "line": np.ones((2, 8)), "image": np.array([1, 0])}
-    np.testing.assert_array_equal(Rows.from_recording(Recorded(trajectory, values)).pose[:, 2], [3.141593, -3.141592])
+    pose, twist = [[0, 0, -math.pi + 1e-7], [0, 0, -math.pi + 1e-6]], np.zeros((2, 2))
+    readings = {"tof_m": np.ones((2, 3)), "line": np.ones((2, 8)), "image": [1, 0]}
+    rows = Rows.from_recording(recording(np.array([0.0, 0.05]), pose, [0, 0], twist, **readings))
+    np.testing.assert_array_equal(rows.pose[:, 2], [3.141593, -3.141592])
 
 
 def test_each_reading_of_a_recording_stands_in_its_column_with_its_digits():
-    trajectory = SimpleNamespace(
-        t_s=np.array([0.0, 0.0504]),
-        pose=np.array([[1.0000014, 2.0000006, 0.5], [-1e-9, 3.0, 0.2500011]]),
-        state=np.array([0, 33]),
-        twist=np.array([[0.1, 0.2], [0.3, 0.4000006]]),
-    )
-    tof_m, line = np.array([[0.11111, 0.2, 0.3], [0.4, 0.5, 0.6]]), np.arange(16.0).reshape(2, 8) / 16 + 0.000021
-    rows = Rows.from_recording(Recorded(trajectory, {"tof_m": tof_m, "line": line, "image": np.array([1, 0])}))
+    pose = [[1.0000014, 2.0000006, 0.5], [-1e-9, 3.0, 0.2500011]]
+    readings = {
+        "tof_m": [[0.11111, 0.2, 0.3], [0.4, 0.5, 0.6]],
+        "line": np.arange(16.0).reshape(2, 8) / 16 + 0.000021,
+        "image": [1, 0],
+    }
+    twist = [[0.1, 0.2], [0.3, 0.4000006]]
+    rows = Rows.from_recording(recording(np.array([0.0, 0.0504]), pose, [0, 33], twist, **readings))
     channels = [float(f"{i / 16:.4f}2") for i in range(16)]
     first = [0, 1.000001, 2.000001, 0.5, 0, 0.1, 0.2, 0.1111, 0.2, 0.3, *channels[:8], 1]
     second = [50, 0.0, 3.0, 0.250001, 33, 0.3, 0.400001, 0.4, 0.5, 0.6, *channels[8:], 0]
