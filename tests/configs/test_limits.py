@@ -6,7 +6,7 @@ import pytest
 from configs import checks
 from configs.draw import draw_look, draw_robot
 from configs.loader import load_section
-from configs.schema.arena import ArenaConfig
+from configs.schema.arena import ArcPiece, ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route
@@ -172,6 +172,7 @@ def test_all_of_an_arena_lies_up_to_the_edge_of_the_floor(turned):
 )
 def test_the_points_that_are_checked_of_an_arc_reach_as_far_as_all_of_it(start_deg, end_deg):
     (piece,) = arena([arc(start_deg, end_deg, radius_m=2.0, center=(1.0, -3.0))]).line.pieces
+    assert isinstance(piece, ArcPiece)
     swept = np.radians(np.linspace(start_deg, end_deg, 3601))
     whole = np.stack([1.0 + 2.0 * np.cos(swept), -3.0 + 2.0 * np.sin(swept)], axis=1)
     points = np.array(checks._outermost(piece))

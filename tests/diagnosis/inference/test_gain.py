@@ -10,12 +10,18 @@ SD_A = 0.01
 X = np.linspace(0.5, 1.0, 100)
 
 
+def gained(evidence, nominal, extended):
+    found = gain(evidence, nominal, extended)
+    assert found is not None
+    return found
+
+
 def test_errors_and_gain_of_a_constant_offset(evidence_of, hypothesis, effect):
     """Readings 3 sigmas high: the nominal error is 3; with an offset of two of them in the model it is 1."""
     offset = effect("current_sensor_offset")
     model = hypothesis.with_effect(offset)
     extended = model.robot(np.array([0.0, 2.0 * SD_A / 0.03]))
-    found = gain(evidence_of(X, X + 3.0 * SD_A, heldout=40), hypothesis.nominal, extended)
+    found = gained(evidence_of(X, X + 3.0 * SD_A, heldout=40), hypothesis.nominal, extended)
     assert (found.before, found.after, found.value) == pytest.approx((3.0, 1.0, 2.0 / 3.0))
     assert found.low == pytest.approx(found.high)
     assert found.by_quantity == (("current_A", pytest.approx(3.0), pytest.approx(1.0)),)
@@ -25,7 +31,7 @@ def test_rows_of_the_fit_and_the_largest_3_percent_do_not_count(evidence_of, hyp
     readings = X + SD_A
     readings[:60] += 1.0
     readings[97] += 1.0
-    found = gain(evidence_of(X, readings, heldout=40), hypothesis.nominal, hypothesis.nominal)
+    found = gained(evidence_of(X, readings, heldout=40), hypothesis.nominal, hypothesis.nominal)
     assert found.before == pytest.approx(1.0)
 
 
@@ -38,7 +44,7 @@ def test_the_interval_covers_the_gain_of_fresh_rows(evidence_of, hypothesis, eff
         generator = np.random.default_rng(seed)
         x = generator.uniform(0.5, 1.0, 400)
         readings = x + 0.03 + SD_A * generator.standard_normal(400)
-        found = gain(evidence_of(x, readings, heldout=300, trials=40), hypothesis.nominal, extended)
+        found = gained(evidence_of(x, readings, heldout=300, trials=40), hypothesis.nominal, extended)
         large = np.random.default_rng(1).standard_normal(200_000)
         kept = [np.sort(np.abs(large + shift))[:194_000] for shift in (3.0, 0.0)]
         expected = 1.0 - np.sqrt(np.mean(kept[1] ** 2) / np.mean(kept[0] ** 2))
@@ -49,7 +55,7 @@ def test_the_interval_covers_the_gain_of_fresh_rows(evidence_of, hypothesis, eff
 def test_few_held_out_rows_of_one_stretch_still_give_an_interval(evidence_of, hypothesis, effect):
     model = hypothesis.with_effect(effect("current_sensor_offset"))
     readings = X + 0.03 + SD_A * np.random.default_rng(3).standard_normal(100)
-    found = gain(evidence_of(X, readings, heldout=8), hypothesis.nominal, model.robot(np.array([0.0, 1.0])))
+    found = gained(evidence_of(X, readings, heldout=8), hypothesis.nominal, model.robot(np.array([0.0, 1.0])))
     assert found.low < found.value < found.high
 
 
@@ -90,24 +96,30 @@ def test_the_interval_is_that_of_a_bootstrap_over_blocks_written_out():
     assert (found.low, found.high) == pytest.approx((np.quantile(gains, 0.025), np.quantile(gains, 0.975)))
 
 
-def spaced(evidence, period_s):
+def timed(evidence, t_s):
     """The evidence with rows at other times."""
     (stage,) = evidence.stages
     (observed,) = stage.observed
-    times = replace(observed, t_s=period_s * np.arange(len(observed.values)))
-    return Evidence((replace(stage, observed=(times,)),))
+    return Evidence((replace(stage, observed=(replace(observed, t_s=t_s),)),))
 
 
 @pytest.mark.parametrize(
-    ("period_s", "rows"), [(0.05, 40), (0.5, 10), (3.0, 10)], ids=["2 s", "10 rows", "10 slow rows"]
+    ("period_s", "at_once", "rows"),
+    [(0.05, 1, 40), (0.5, 1, 10), (3.0, 1, 10), (0.5, 2, 20)],
+    ids=["2 s", "10 rows", "10 slow rows", "10 pairs of rows"],
 )
-def test_a_block_is_2_seconds_or_10_rows_whichever_is_longer(evidence_of, period_s, rows):
+def test_a_block_is_2_seconds_or_10_times_of_rows_whichever_is_longer(evidence_of, period_s, at_once, rows):
     x = np.linspace(0.0, 1.0, 400)
-    blocks = _blocks(spaced(evidence_of(x, x, heldout=300, trials=4), period_s))
+    t_s = period_s * (np.arange(400) // at_once)
+    blocks = _blocks(timed(evidence_of(x, x, heldout=300, trials=4), t_s))
     for trial in range(4):
         _, lengths = np.unique(blocks[100 * trial : 100 * (trial + 1)], return_counts=True)
         assert set(lengths[1:-1]) <= {rows}
     assert not set(blocks[:100]) & set(blocks[100:])
+
+
+def test_rows_that_all_have_one_time_are_drawn_singly(evidence_of):
+    assert _blocks(timed(evidence_of(X, X, heldout=40), np.zeros(100))).tolist() == list(range(100))
 
 
 @pytest.mark.parametrize(("trials", "are_drawn_whole"), [(5, True), (4, False)])
