@@ -220,7 +220,7 @@ def test_verify_finds_metadata_and_specification_that_disagree(released, copy_of
     metadata["sensors"] = {"bumper": MEANING}
     del metadata["columns"]["side/bumper.csv"]
     path.write_text(json.dumps(metadata))
-    with pytest.raises(InputError, match=r"side/bumper\.csv must have the column t"):
+    with pytest.raises(InputError, match=r"side/bumper\.csv has not the columns of a sensor"):
         library.load(copy)
 
 

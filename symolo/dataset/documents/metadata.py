@@ -234,7 +234,7 @@ class Metadata(Record):
             if name in TAKEN_NAMES:
                 raise ValueError(f"sensors: {file} is not the table of a sensor")
             if len(columns) < 2 or columns[0].name != TIME.name or any(c.decimals is None for c in columns):
-                raise ValueError(f"columns: {file} must have the column t, then others, each with its decimals")
+                raise ValueError(f"columns: {file} has not the columns of a sensor: t, and each with its decimals")
         return self
 
     @property
