@@ -155,7 +155,7 @@ class Sensor(ABC):
         if np.shape(reading) != (len(self.columns),) or not np.isfinite(reading).all():
             names = ", ".join(column.name for column in self.columns)
             allowed = f"a finite number for each column: {names}"
-            raise InputError(f"sensor {self.name}: wrong reading", got=str(reading), allowed=allowed)
+            raise InputError(f"sensor {self.name}: the reading", got=str(reading), allowed=allowed)
         return (reading,)
 
 

@@ -18,7 +18,7 @@ def _check(sensor: type[Sensor], where: str) -> None:
     what = f"sensor {sensor.name}"
     if getattr(sensor.sample, "__isabstractmethod__", False):
         cure = "define sample(self, world), which returns one number for each column"
-        raise InputError(f"{what}: the method sample is missing", where=where, cure=cure)
+        raise InputError(f"{what}: sample missing", where=where, cure=cure)
     if not issubclass(sensor.Settings, SensorSettings):
         return  # every robot has it; its columns are in data.csv and in tables that are written one by one
     if not re.fullmatch(SENSOR_NAME, sensor.name) or sensor.name in TAKEN_NAMES:
@@ -27,11 +27,11 @@ def _check(sensor: type[Sensor], where: str) -> None:
     columns = [column.name for column in sensor.columns]
     if not columns:
         cure = 'write, for example, columns = (Column("contact", "-", 0, "1 where something touches"),)'
-        raise InputError(f"{what}: there are no columns", where=where, cure=cure)
+        raise InputError(f"{what}: columns missing", where=where, cure=cure)
     wrong = [c for i, c in enumerate(columns) if not re.fullmatch(r"[A-Za-z]\w*", c) or c in (TIME.name, *columns[:i])]
     if wrong:
         allowed = f"letters, digits and '_', each name once, and not {TIME.name}, which is the time"
-        raise InputError(f"{what}: wrong name of a column", where=where, got=wrong[0], allowed=allowed)
+        raise InputError(f"{what}: columns", where=where, got=wrong[0], allowed=allowed)
 
 
 SENSORS: Family[Sensor] = Family("sensor", Sensor, "SENSORS", ("sensors",), _check)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from enum import Enum
 from typing import Any
 
-from markdown import page, table, text
+from markdown_text import page, table, text
 from typer.main import get_command
 
 from pipeline.cli import command_line

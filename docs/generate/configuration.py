@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from markdown import anchor, page, table, text
+from markdown_text import anchor, page, table, text
 
 from configs.json_schema import scenario_json_schema
 from configs.references import SECTIONS, shipped_names

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from markdown import page, table, text
+from markdown_text import page, table, text
 
 from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
@@ -19,7 +19,7 @@ def effects() -> str:
 
 def _section(effect: type[Effect]) -> Iterator[str]:
     yield f"## {effect.name}"
-    yield f"Slot: *{effect.slot}*. Possible causes: {text(effect.cause)}. It shows in: {text(effect.excitation)}."
+    yield f"Slot: *{effect.slot}*. Possible causes: {text(effect.cause)}. Seen in: {text(effect.excitation)}."
     yield f"The diagnosis looks for it in these measurements: {', '.join(effect.setups)}."
     for field in effect.model_fields.values():
         if field.description:

@@ -1,6 +1,6 @@
 """The formats of `symolo export`."""
 
-from markdown import page, table, text
+from markdown_text import page, table, text
 
 from symolo.exporters import EXPORTERS
 

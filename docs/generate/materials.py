@@ -3,7 +3,7 @@
 import inspect
 from collections.abc import Iterator
 
-from markdown import about, anchor, page, table, text  # pyright: ignore[reportAttributeAccessIssue] - ours, in this folder
+from markdown_text import about, anchor, page, table, text
 
 from blender_scenes.materials import FLOORS
 from blender_scenes.materials import SURFACES as SEEN

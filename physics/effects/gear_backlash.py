@@ -51,5 +51,5 @@ class GearBacklash(Effect):
     def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
         if in_simulation and self.gap_rad > 0:
             problem = "PyBullet's wheel is one mass, without play"
-            cure = "remove the effect; it acts only on the motor bench"
+            cure = "remove the effect; it acts on the motor bench alone"
             yield ConfigFault(("gap_rad",), problem, got=self.gap_rad, allowed="0", cure=cure)

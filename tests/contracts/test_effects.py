@@ -225,6 +225,6 @@ def test_every_effect_is_a_row_of_the_documentation():
         for name, number in effect.parameters().items():
             null = "-" if number.null is None else f"{number.null:g}"
             rows.append(f"| {name} | {number.unit} | {null} | {number.start:g} | {number.low:g} ... {number.high:g} |")
-        rows.append(f"Possible causes: {effect.cause}. It shows in: {effect.excitation}.")
+        rows.append(f"{effect.cause[1:]}. Seen in: {effect.excitation}.")
         assert [row for row in rows if row not in table] == []
         assert f"## {effect.name}\n" in table

@@ -121,7 +121,7 @@ def test_it_is_a_row_of_the_documentation(toy, monkeypatch):
     sys.modules.pop("markdown", None)
     page = module.effects()
     assert "## leaky_shunt\n" in page
-    assert f"Possible causes: {toy.cause}. It shows in: {toy.excitation}." in page
+    assert f"{toy.cause[1:]}. Seen in: {toy.excitation}." in page
     assert "| share | 1 | 0 | 0.1 | 0 ... 0.5 |" in page
 
 

@@ -295,7 +295,7 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
     path = written(tmp_path, re.sub(r"return np.array.*", f"return {result}", TOY))
     SENSORS.load(path)
     try:
-        message = "sensor bumper: wrong reading: got .*, allowed: a finite number for each column: contact, clearance"
+        message = "sensor bumper: the reading: got .*, allowed: a finite number for each column: contact, clearance"
         with pytest.raises(InputError, match=message):
             simulate(drawn(f"{TRAVEL}=0.02"))
     finally:
@@ -307,13 +307,10 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
     [
         (("class Bumper", "class Tof"), "sensor tof: the name is taken"),
         (("class Bumper", "class Board"), "sensor board: the name is taken by another file"),
-        (("columns = (", "kolumns = ("), "sensor bumper: there are no columns.*write, for example"),
-        (('"contact"', '"t"'), "sensor bumper: wrong name of a column: got 't', allowed: letters"),
-        (
-            ('"contact"', '"clearance"'),
-            "sensor bumper: wrong name of a column: got 'clearance', allowed: .*each name once",
-        ),
-        (("def sample", "def sampled"), "sensor bumper: the method sample is missing.*define sample"),
+        (("columns = (", "kolumns = ("), "sensor bumper: columns missing.*write, for example"),
+        (('"contact"', '"t"'), "sensor bumper: columns: got 't', allowed: letters"),
+        (('"contact"', '"clearance"'), "sensor bumper: columns: got 'clearance', allowed: .*each name once"),
+        (("def sample", "def sampled"), "sensor bumper: sample missing.*define sample"),
         (("(Sensor)", "(object)"), "got 'none', allowed: one class that derives from Sensor"),
         (("def sample(self", "def sample(self:"), r"bumper\.py:32: sensor file: SyntaxError"),
     ],
