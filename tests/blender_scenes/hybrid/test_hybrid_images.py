@@ -414,7 +414,7 @@ def looks(arena, robot, lights_of) -> dict[str, np.ndarray]:
         frame = FramePose(1, 0.5, 0.55, -0.6, 0.5 * np.pi)
         job = build_job(arena, robot, config, Render(width_px=32, height_px=24), [frame], seed=1, path=path)
         orders.append((replace(job, sampling=replace(job.sampling, hybrid=HybridSamples(1, 1, 4))), 2, [1]))
-    return dict(zip(LOOKS, lights_of(*orders, coarser=4), strict=True))
+    return dict(zip(LOOKS, lights_of(*orders, coarser=8), strict=True))
 
 
 @pytest.mark.parametrize("look", LOOKS)
