@@ -187,7 +187,8 @@ def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
     variances add: a surface of 1.41 mm follows Eq. 23 exactly, and every other one approaches it as the distance grows.
     The variable of the polynomial is d = x - 0.18 m, with which it is continuous at 0.18 m.
     """
-    d = np.maximum(range_m - NEAR_LIMIT_M, 0.0)
+    d = range_m - NEAR_LIMIT_M
+    # The polynomial grows with d and is 1.40 at 0, so that the maximum is that of short range for all d < 0.
     eq_23_mm = np.maximum(((1.15 * d + 2.51) * d + 4.88) * d + 1.40, NOISE_AT_NEAR_MM)
     return np.sqrt(surface_sd_m**2 + 1e-6 * (eq_23_mm**2 - NOISE_AT_NEAR_MM**2))
 
