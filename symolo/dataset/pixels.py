@@ -13,7 +13,7 @@ MAX_PIXELS = 8192 * 8192
 
 
 def decoded(path: Path, size: tuple[int, int] | None = None) -> np.ndarray | None:
-    """Return the image (H, W) or (H, W, 3) in OpenCV's order of channels and the type of the file; None if it is not an image.
+    """Return the image (H, W) or (H, W, 3) in OpenCV's channel order and the type of the file; None if not an image.
 
     Args:
         path: The file.
