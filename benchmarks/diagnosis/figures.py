@@ -81,6 +81,28 @@ def table(scores: Sequence[Score]) -> list[str]:
     return lines
 
 
+def by_day(scores: Sequence[Score]) -> list[str]:
+    """Return lines to print: how often all is right in cases with and without each thing that spoils data."""
+    names = sorted({name for each in scores for name in each.day})
+    lines = [f"{'all is right':34s} {'with':24s} without"] if names else []
+    for name in names:
+        cells = [
+            _share([not went_wrong(each) for each in scores if (name in each.day) is has], with_interval=True)
+            for has in (True, False)
+        ]
+        lines.append(f"{name:34s} {cells[0]:24s} {cells[1]}")
+    return lines
+
+
+def went_wrong(result: Score) -> bool:
+    """Return whether the answer is wrong in any respect."""
+    if result.failed:
+        return True
+    if result.category == "outside":
+        return result.named or not result.unexplained or not result.place
+    return result.unexplained or result.right is False or (result.category == "none" and result.named)
+
+
 def _share(hits: Sequence[bool], *, with_interval: bool) -> str:
     if not hits:
         return "-"

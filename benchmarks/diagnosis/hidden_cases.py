@@ -1,7 +1,7 @@
 """The cases: a mix of one effect, two, none and one outside the tables, over all names, kinds and sizes."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,8 @@ from gap_cases import (  # pyright: ignore[reportMissingImports] - by the path a
     KINDS,
     NAMELESS,
     Case,
+    Day,
+    Verdict,
     draw_bench,
     judge,
     make_case,
@@ -25,7 +27,7 @@ from gap_cases import (  # pyright: ignore[reportMissingImports] - by the path a
     write,
 )
 
-__all__ = ["FAMILIES", "KINDS", "Case", "Plan", "hidden_case", "judge", "plans", "write"]
+__all__ = ["FAMILIES", "KINDS", "Case", "Day", "Judged", "Plan", "Verdict", "hidden_case", "judge", "plans", "write"]
 
 PATTERN = ("single", "pair", "single", "outside", "single", "pair", "none", "single", "outside", "single")
 PATTERN += ("pair", "single", "none", "outside", "pair", "single", "none", "single", "pair", "outside")
@@ -63,14 +65,42 @@ def plans(cases: int, seed: int, kinds: Sequence[str], family: str = "narrow") -
     return series
 
 
+@dataclass(frozen=True)
+class Judged:
+    """What was found out about a case when it was made, so that another run need not find it out again.
+
+    Attributes:
+        plan: The plan, as a text that differs between any two plans.
+        attempt: Number of the draw that is detectable.
+        verdict: What can be known from the case.
+    """
+
+    plan: str
+    attempt: int
+    verdict: Verdict
+
+
 def hidden_case(plan: Plan) -> Case:
     """Return the case of a plan, whose effects are detectable unless none of the drawn sizes is."""
-    case = _drawn(plan, 0)
-    for attempt in range(1, TRIES):
-        if _shows(case):
-            break
+    return _detectable(plan)[0]
+
+
+def judged_case(plan: Plan, known: Mapping[str, Judged]) -> tuple[Case, Judged]:
+    """Return the case of a plan and what can be known from it, which may be known already."""
+    key = repr(plan)
+    if key in known:
+        return _drawn(plan, known[key].attempt), known[key]
+    case, attempt = _detectable(plan)
+    return case, Judged(key, attempt, judge(case))
+
+
+def _detectable(plan: Plan) -> tuple[Case, int]:
+    """The case, and the number of the draw."""
+    attempt, case = 0, _drawn(plan, 0)
+    while attempt + 1 < TRIES and not _shows(case):
+        attempt += 1
         case = _drawn(plan, attempt)
-    return case
+    return case, attempt
 
 
 def _shows(case: Case) -> bool:

@@ -4,12 +4,14 @@ The cases come from the oracle in tests/gap_cases, which shares no code with the
 are too small to be detected by anybody are drawn again. A run that was stopped goes on where it stopped.
 
     python benchmarks/diagnosis/hide_and_find.py --cases 400 --seed 1 --family wide_b --workers 2
-        [--kinds motor_steady,tof_bench] [--out DIR] [--compare OTHER.jsonl]
+        [--kinds motor_steady,tof_bench] [--out DIR] [--compare OTHER.jsonl] [--verdicts FILE.jsonl]
     python benchmarks/diagnosis/hide_and_find.py --show A.jsonl B.jsonl
 
 DIR/cases.jsonl gets a line for every case as soon as it is done, DIR/reliability.png and .svg show whether stated
 confidences hold, and the data of cases that went wrong are in DIR/wrong. `--show` prints the tables of earlier runs,
-and `--compare` the cases of an earlier run that have another result now.
+and `--compare` the cases of an earlier run that have another result now. To judge what can be known from a case takes
+longer than to diagnose it: `--verdicts` keeps that in a file for the next run with the same family and seed. Remove the
+file when the generator has changed.
 
 Families (tests/gap_cases/disturbances.py): in `narrow` the files state noise and tolerances as they are. In the wide
 families they may be wrong, with outliers in runs, drifting zeros and two outside effects at once; thresholds may be set
@@ -24,20 +26,23 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import asdict
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from figures import table
+from figures import by_day, table, went_wrong
 from hidden_cases import (
     FAMILIES,  # pyright: ignore[reportAttributeAccessIssue] - from a folder of tests
     KINDS,  # pyright: ignore[reportAttributeAccessIssue]
+    Judged,
     Plan,
-    hidden_case,
+    Verdict,  # pyright: ignore[reportAttributeAccessIssue]
+    judged_case,
     plans,
     write,  # pyright: ignore[reportAttributeAccessIssue]
 )
@@ -56,6 +61,7 @@ def main() -> None:
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "hide_and_find")
     parser.add_argument("--compare", type=Path, metavar="OTHER.jsonl")
+    parser.add_argument("--verdicts", type=Path, metavar="FILE.jsonl")
     parser.add_argument("--show", type=Path, nargs="+", metavar="FILE.jsonl")
     arguments = parser.parse_args()
     files = [*(arguments.show or []), *([arguments.compare] if arguments.compare else [])]
@@ -76,7 +82,7 @@ def main() -> None:
         os.environ.setdefault(variable, "1")  # the workers are the parallel part, and inherit this
     _same_run(parser, arguments.out, {"family": arguments.family, "seed": arguments.seed, "kinds": kinds})
     todo = plans(arguments.cases, arguments.seed, kinds, arguments.family)
-    scores = scores_of(todo, arguments.out, arguments.workers)
+    scores = scores_of(todo, arguments.out, arguments.workers, arguments.verdicts)
     show(list(scores.values()))
     figure = reliability_figure(list(scores.values()), f"{len(scores)} cases of the family {arguments.family}")
     (arguments.out / "reliability.png").write_bytes(png(figure))
@@ -87,8 +93,8 @@ def main() -> None:
 
 
 def show(scores: Sequence[Score]) -> None:
-    """Print the figures and the reliability table."""
-    print("\n".join([*table(scores), "", *reliability_table(scores)]))
+    """Print the figures, the reliability table, and what is hardest."""
+    print("\n".join([*table(scores), "", *reliability_table(scores), "", *by_day(scores)]))
 
 
 def _same_run(parser: argparse.ArgumentParser, out: Path, settings: dict) -> None:
@@ -100,17 +106,21 @@ def _same_run(parser: argparse.ArgumentParser, out: Path, settings: dict) -> Non
     note.write_text(json.dumps(settings))
 
 
-def scores_of(todo: Sequence[Plan], out: Path, workers: int) -> dict[str, Score]:
-    """Return the scores of all plans by name, with those of an earlier run."""
+def scores_of(todo: Sequence[Plan], out: Path, workers: int, verdicts: Path | None = None) -> dict[str, Score]:
+    """Return the scores of all plans by name, with those of an earlier run; `verdicts` is read, and gets new ones."""
+    known = _known(verdicts) if verdicts and verdicts.is_file() else {}
     path = out / "cases.jsonl"
     done = read(path) if path.is_file() else {}
     missing = [plan for plan in todo if plan.name not in done]
     print(f"{len(todo)} cases, {len(todo) - len(missing)} of them from before", file=sys.stderr)
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        jobs = {pool.submit(run, plan, out): plan for plan in missing}
+        own = {plan: {key: known[key] for key in (repr(plan),) if key in known} for plan in missing}
+        jobs = {pool.submit(run, plan, out, own[plan]): plan for plan in missing}
         for count, job in enumerate(as_completed(jobs), 1):
-            plan, result = jobs[job], job.result()
+            plan, (result, judged) = jobs[job], job.result()
             done[plan.name] = result
+            if verdicts and judged.plan not in known:
+                _append(verdicts, asdict(judged))
             _append(path, {"case": plan.name, **asdict(result)})
             print(f"{count}/{len(missing)} {plan.name} {result.seconds:.1f} s: {_line(result)}", file=sys.stderr)
     return {plan.name: done[plan.name] for plan in todo}
@@ -124,22 +134,28 @@ def _append(path: Path, result: Mapping) -> None:
 
 
 def read(path: Path) -> dict[str, Score]:
-    """Return the scores of a file by case; half a line of a run that was killed is left out."""
-    found = {}
+    """Return the scores of a file by case."""
+    return {values.pop("case"): Score(**values) for values in _lines(path)}
+
+
+def _known(path: Path) -> dict[str, Judged]:
+    return {each["plan"]: Judged(**{**each, "verdict": Verdict(**_tuples(each["verdict"]))}) for each in _lines(path)}
+
+
+def _lines(path: Path) -> Iterator[dict[str, Any]]:
+    """Yield the objects of a file; half a line of a run that was killed is left out."""
     for line in path.read_text(encoding="utf-8").splitlines():
-        try:
-            values = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        name = values.pop("case")
-        fields: dict[str, Any] = {key: tuple(each) if isinstance(each, list) else each for key, each in values.items()}
-        found[name] = Score(**fields)
-    return found
+        with suppress(json.JSONDecodeError):
+            yield _tuples(json.loads(line))
+
+
+def _tuples(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: tuple(each) if isinstance(each, list) else each for key, each in values.items()}
 
 
 def differences(before: Mapping[str, Score], after: Mapping[str, Score]) -> list[str]:
-    """Return a line for each case that went wrong in one run and not in the other."""
-    common = [name for name in after if name in before]
+    """Return a line for each case that went wrong in one run and not in the other; both must hide the same."""
+    common = [name for name in after if name in before and before[name].sizes == after[name].sizes]
     changed = [name for name in common if went_wrong(before[name]) != went_wrong(after[name])]
     lines = [f"{len(common)} cases in common, {len(changed)} of them right in only one run"]
     for name in changed:
@@ -149,20 +165,20 @@ def differences(before: Mapping[str, Score], after: Mapping[str, Score]) -> list
     return lines
 
 
-def run(plan: Plan, out: Path) -> Score:
-    """Make a case, diagnose it, keep its data if the result is wrong, and return its score."""
-    case = hidden_case(plan)
+def run(plan: Plan, out: Path, known: Mapping[str, Judged]) -> tuple[Score, Judged]:
+    """Make a case, diagnose it, keep its data if the result is wrong, and return its score and its verdict."""
+    case, judged = judged_case(plan, known)
     folder = out / "wrong" / plan.name
     shutil.rmtree(folder, ignore_errors=True)
     write(case, folder)
     answer, seconds, failed = _answer(folder)
-    result = score(case, plan.category, answer, seconds, failed)
+    result = score(case, plan.category, answer, seconds, failed, verdict=judged.verdict)
     if not went_wrong(result):
         shutil.rmtree(folder)
     else:
         truth = {**asdict(result), "day": asdict(case.day)}
         (folder / "truth.json").write_text(json.dumps(truth, indent=1, default=str))
-    return result
+    return result, judged
 
 
 def _answer(folder: Path) -> tuple[dict | None, float, str]:
@@ -177,15 +193,6 @@ def _answer(folder: Path) -> tuple[dict | None, float, str]:
     except Exception:  # noqa: BLE001 - whatever it is, this case is one that failed
         failed = traceback.format_exc()
     return answer, time.process_time() - begin, failed
-
-
-def went_wrong(result: Score) -> bool:
-    """Return whether the answer is wrong in any respect."""
-    if result.failed:
-        return True
-    if result.category == "outside":
-        return result.named or not result.unexplained or not result.place
-    return result.unexplained or result.right is False or (result.category == "none" and result.named)
 
 
 def _line(result: Score) -> str:

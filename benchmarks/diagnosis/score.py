@@ -1,12 +1,15 @@
 """The score of an answer of a diagnosis against the true world of a case."""
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 
 from hidden_cases import (
     Case,  # pyright: ignore[reportAttributeAccessIssue] - from a folder of tests
+    Day,  # pyright: ignore[reportAttributeAccessIssue]
+    Verdict,  # pyright: ignore[reportAttributeAccessIssue]
     judge,  # pyright: ignore[reportAttributeAccessIssue]
 )
 
@@ -42,6 +45,7 @@ class Score:
         seconds: CPU time of the diagnosis.
         minutes: Length of a drive; 1 for other kinds.
         failed: Text of an exception.
+        day: What the logger and the day did to the data, in words.
         answer: The answer in short.
         sizes: Parameters of what was hidden.
     """
@@ -66,27 +70,44 @@ class Score:
     seconds: float = 0.0
     minutes: float = 1.0
     failed: str = ""
+    day: tuple[str, ...] = ()
     answer: str = ""
     sizes: tuple[str, ...] = ()
 
 
-def score(case: Case, category: str, answer: Mapping | None, seconds: float = 0.0, failed: str = "") -> Score:
-    """Return the score of an answer, or of none where the diagnosis `failed`."""
+def score(
+    case: Case,
+    category: str,
+    answer: Mapping | None,
+    seconds: float = 0.0,
+    failed: str = "",
+    *,
+    verdict: Verdict | None = None,
+) -> Score:
+    """Return the score of an answer, or of none where the diagnosis `failed`; the verdict is made if not given."""
     hidden = [*case.world.effects, *case.world.outsides]
     truth = tuple(each.variant if hasattr(each, "variant") else each.name for each in hidden)
-    verdict = judge(case)
-    drops = (*verdict.drops, *([verdict.beyond] if case.world.outsides else []))
+    knowable = judge(case) if verdict is None else verdict
+    drops = (*knowable.drops, *([knowable.beyond] if case.world.outsides else []))
     sizes = tuple(_short(each.parameters) for each in hidden)
     expects_names = category in {"single", "pair"}
     minutes = _minutes(case)
     known = Score(
-        category, case.bench.kind, truth, drops, verdict.nameless, seconds=seconds, minutes=minutes, sizes=sizes
+        category,
+        case.bench.kind,
+        truth,
+        drops,
+        knowable.nameless,
+        seconds=seconds,
+        minutes=minutes,
+        day=traits(case.day),
+        sizes=sizes,
     )
     if answer is None:
         wrong = False if expects_names else None
         return replace(known, right=wrong, exact=wrong, failed=failed or "no answer")
-    accepted = {name for name, same in zip(truth, verdict.equivalent, strict=False) for name in (name, *same)}
-    excuses = set(verdict.excused) - accepted
+    accepted = {name for name, same in zip(truth, knowable.equivalent, strict=False) for name in (name, *same)}
+    excuses = set(knowable.excused) - accepted
     effects = [each for each in answer["effects"] if not _is_excused(each, excuses, case)]
     names = [variant(each) for each in effects]
     real = {each.variant for each in case.world.effects}
@@ -96,19 +117,38 @@ def score(case: Case, category: str, answer: Mapping | None, seconds: float = 0.
     return replace(
         known,
         right=_matches([{name} for name in truth], sets, LARGEST_SET) if expects_names else None,
-        exact=_exact(truth, verdict.equivalent, names) if expects_names else None,
+        exact=_exact(truth, knowable.equivalent, names) if expects_names else None,
         named=bool(effects),
         unexplained=bool(answer["unexplained"]),
         place=_placed(case, answer),
         within=within,
         close=close,
-        gain_error=abs(gain - verdict.gain) if gain is not None and category != "outside" else None,
+        gain_error=abs(gain - knowable.gain) if gain is not None and category != "outside" else None,
         confidences=tuple(float(each.get("confidence", 0.0)) for each in effects),
         name_hits=tuple(name in real for name in names),
         name_alike=tuple(name in accepted for name in names),
         excused=len(answer["effects"]) - len(effects),
         answer=_summary(answer),
     )
+
+
+def traits(day: Day) -> tuple[str, ...]:
+    """Return what a day does that a diagnosis may stumble over."""
+    odd = day.outliers
+    share = max(odd.shares.values()) if odd else 0.0
+    noise = max((abs(math.log(factor)) for factor in day.noise.values()), default=0.0)
+    tolerance = max((abs(math.log(factor)) for factor in day.tolerance.values()), default=0.0)
+    has = {
+        "over 2 % outliers": share > 0.02,
+        "outliers in runs": odd is not None and share > 0.005 and odd.in_runs > 0.2,
+        "outliers of one sign": odd is not None and share > 0.005 and odd.sign != 0.0,
+        "noise over 1.3 off": noise > math.log(1.3),
+        "tolerance over 1.3 off": tolerance > math.log(1.3),
+        "correlated": abs(day.correlation or 0.0) > 0.1,
+        "heavy tails": math.isfinite(day.degrees),
+        "drifting zero": bool(day.wander),
+    }
+    return tuple(name for name, is_there in has.items() if is_there)
 
 
 def _minutes(case: Case) -> float:

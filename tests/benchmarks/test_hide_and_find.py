@@ -250,9 +250,13 @@ def test_half_a_line_of_a_run_that_was_killed_is_left_out(scoring, tmp_path):
 
 def test_cases_that_went_wrong_in_one_run_only_are_listed(scoring):
     script = importlib.import_module("hide_and_find")
-    good = scoring.Score("single", "tof_bench", truth=("range_offset",), right=True, answer="range_offset")
+    good = scoring.Score(
+        "single", "tof_bench", truth=("range_offset",), right=True, answer="range_offset", sizes=("offset_m=0.01",)
+    )
     bad = replace(good, right=False, answer="nothing")
-    lines = script.differences({"a": good, "b": bad, "c": good}, {"a": bad, "b": good, "c": good, "d": bad})
+    other = replace(bad, sizes=("offset_m=0.02",))  # as of another seed
+    before = {"a": good, "b": bad, "c": good, "e": good}
+    lines = script.differences(before, {"a": bad, "b": good, "c": good, "d": bad, "e": other})
     assert lines == [
         "3 cases in common, 2 of them right in only one run",
         "worse a: range_offset -> nothing",
@@ -268,3 +272,37 @@ def test_wide_plans_are_detectable_too(gap):
     case = cases.hidden_case(cases.Plan(3, "outside", "tof_bench", 0, 1, "wide_b"))
     assert gap.judge(case).nameless > gap.NAMELESS
     assert case.day.tolerance_limit == 1.5
+
+
+def test_a_case_that_was_judged_before_is_made_and_scored_alike(scoring, tmp_path):
+    cases, script = (importlib.import_module(name) for name in ("hidden_cases", "hide_and_find"))
+    plan = cases.Plan(7, "single", "tof_bench", 3, 1, "wide_a")
+    case, judged = cases.judged_case(plan, {})
+    script._append(tmp_path / "verdicts.jsonl", asdict(judged))
+    known = script._known(tmp_path / "verdicts.jsonl")
+    again, known_judged = cases.judged_case(plan, known)
+    assert again.world == case.world
+    scores = [scoring.score(case, "single", answer(OFFSET), verdict=each.verdict) for each in (judged, known_judged)]
+    assert scores[0] == scores[1]
+    assert cases.judged_case(replace(plan, seed=2), known)[1].plan not in known
+
+
+def test_what_the_day_did_is_noted_in_words(scoring, gap):
+    outliers = gap.Outliers({"a": 0.03, "b": 0.0}, (5.0, 20.0), in_runs=0.5, sign=0.0, together=False)
+    day = gap.Day(noise={"a": 0.7}, correlation=0.2, tolerance={"b": 1.1}, wander={"a": 0.5}, outliers=outliers)
+    assert scoring.traits(gap.Day()) == ()
+    assert scoring.traits(day) == (
+        "over 2 % outliers",
+        "outliers in runs",
+        "noise over 1.3 off",
+        "correlated",
+        "drifting zero",
+    )
+
+
+def test_cases_with_and_without_something_are_counted_apart(scoring):
+    right = scoring.Score("single", "tof_bench", right=True)
+    scores = [right, replace(right, day=("drifting zero",)), replace(right, right=False, day=("drifting zero",))]
+    (line,) = importlib.import_module("figures").by_day(scores)[1:]
+    assert line.split("(")[0].split() == ["drifting", "zero", "50", "%", "of", "2"]
+    assert line[34:].split(")")[1].split("(")[0].strip() == "100 % of 1"
