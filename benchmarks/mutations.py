@@ -69,7 +69,7 @@ TESTS = {
         "tests/configs/test_draw.py",
         f"{ARENAS}::test_the_specification_holds_the_arena_and_no_recipe",
         f"{ARENAS}::test_the_line_lies_where_the_route_starts_whatever_the_scenario",
-        f"{ARENAS}::test_ranges_that_admit_no_arena_are_refused_with_the_reason",
+        f"{ARENAS}::test_ranges_for_which_no_arena_fits_are_refused_with_the_reason",
     ),
     "sensors/camera/response.py": ("tests/sensors/camera/test_response.py",),
     "symolo/core/geometry/pinhole.py": ("tests/sensors/camera/test_pinhole.py",),
@@ -213,9 +213,11 @@ def _annotations(text: str) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]
 def _mutation(module: str, name: str, occurrence: int, operator: Operator) -> Mutation:
     text = (ROOT / module).read_text()
     source = hashlib.sha256(text.encode()).hexdigest()[:12]
-    before, after = text.splitlines(), (mutate_code(text, operator, occurrence) or text).splitlines()
-    line = next((k for k, (old, new) in enumerate(zip(before, after, strict=False)) if old != new), 0)
-    return Mutation(module, line + 1, name, occurrence, source, before[line].strip(), after[line].strip())
+    changed = mutate_code(text, operator, occurrence) or text
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+    after = [line.strip() for line in changed.splitlines() if line.strip()]
+    (line, old), new = next((pair for pair in zip(lines, after, strict=False) if pair[0][1] != pair[1]), (lines[0], ""))
+    return Mutation(module, line, name, occurrence, source, old, new)
 
 
 def _copy(folder: Path) -> Path:
