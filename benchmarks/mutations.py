@@ -123,9 +123,6 @@ class Mutation:
     """Number of the place among those of the operator in the module."""
     source: str
     """Short hash of the module's text."""
-    before: str
-    """The line."""
-    after: str
 
 
 TYPES = {str: str, int: int, float: float}
@@ -135,6 +132,9 @@ TYPES = {str: str, int: int, float: float}
 class Row(Mutation):
     """One line of the table."""
 
+    before: str
+    """The line."""
+    after: str
     outcome: str
     seconds: float
 
@@ -186,9 +186,10 @@ def _operators() -> dict[str, Operator]:
 def _drawn(modules: Iterable[str], number: int, seed: int) -> Iterator[Mutation]:
     """Yield one change each of randomly drawn places."""
     operators = _operators()
-    places = defaultdict(list)
+    places, sources = defaultdict(list), {}
     for module in modules:
         text = (ROOT / module).read_text()
+        sources[module] = hashlib.sha256(text.encode()).hexdigest()[:12]
         lines, annotations = text.splitlines(), list(_annotations(text))
         nodes = list(cosmic_ray.ast.ast_nodes(cosmic_ray.ast.get_ast(text)))
         for name, operator in operators.items():
@@ -200,7 +201,7 @@ def _drawn(modules: Iterable[str], number: int, seed: int) -> Iterator[Mutation]
     draw = random.Random(seed)  # noqa: S311 - a sample, not a secret
     for module, start, end in draw.sample(sorted(places), min(number, len(places))):
         name, occurrence = draw.choice(places[module, start, end])
-        yield _mutation(module, name, occurrence, operators[name])
+        yield Mutation(module, start[0], name, occurrence, sources[module])
 
 
 def _annotations(text: str) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
@@ -210,14 +211,10 @@ def _annotations(text: str) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]
                 yield (part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)
 
 
-def _mutation(module: str, name: str, occurrence: int, operator: Operator) -> Mutation:
-    text = (ROOT / module).read_text()
-    source = hashlib.sha256(text.encode()).hexdigest()[:12]
-    changed = mutate_code(text, operator, occurrence) or text
-    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
-    after = [line.strip() for line in changed.splitlines() if line.strip()]
-    (line, old), new = next((pair for pair in zip(lines, after, strict=False) if pair[0][1] != pair[1]), (lines[0], ""))
-    return Mutation(module, line, name, occurrence, source, old, new)
+def _difference(text: str, changed: str) -> tuple[str, str]:
+    """Return the first line that differs, before and after the change."""
+    both = ([line.strip() for line in lines.splitlines() if line.strip()] for lines in (text, changed))
+    return next((pair for pair in zip(*both, strict=False) if pair[0] != pair[1]), ("", ""))
 
 
 def _copy(folder: Path) -> Path:
@@ -259,13 +256,16 @@ def _judge_module(tree: Path, module: str, mutations: list[Mutation], table: Pat
     operators = _operators()
     for mutation in mutations:
         begin = time.monotonic()
-        (tree / module).write_text(mutate_code(text, operators[mutation.operator], mutation.occurrence) or text)
+        changed = mutate_code(text, operators[mutation.operator], mutation.occurrence) or text
+        (tree / module).write_text(changed)
         if _forked(lambda: importlib.import_module(name) is None, SPARE_SECONDS):
             outcome = UNIMPORTABLE
         else:
             code = _forked(lambda: _tests(module, durations), SPARE_SECONDS + 3 * seconds)
             outcome = {0: SURVIVED, -signal.SIGKILL: ENDLESS}.get(code, CAUGHT)
-        _append(table, Row(**asdict(mutation), outcome=outcome, seconds=round(time.monotonic() - begin, 1)))
+        before, after = _difference(text, changed)
+        took = round(time.monotonic() - begin, 1)
+        _append(table, Row(**asdict(mutation), before=before, after=after, outcome=outcome, seconds=took))
     (tree / module).write_text(text)
     return 0
 
