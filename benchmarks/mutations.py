@@ -30,7 +30,7 @@ import sys
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -151,10 +151,14 @@ def main() -> int:
     failed = 0
     with tempfile.TemporaryDirectory(prefix="symolo-mutations-") as folder:
         tree = _copy(Path(folder))
+        sys.path.insert(0, str(tree))
+        graph = grimp.build_graph(*PACKAGES, cache_dir=None)
         for module in TESTS:
             left = [mutation for mutation in drawn if mutation.module == module and mutation not in judged]
             if left:
-                failed |= _forked(lambda module=module, left=left: _judge_module(tree, module, left, options.table))
+                failed |= _forked(
+                    lambda module=module, left=left: _judge_module(tree, graph, module, left, options.table)
+                )
     if failed:
         return 1
     rows = {row.mutation: row for row in _read(options.table)}
@@ -234,21 +238,21 @@ def _copy(folder: Path) -> Path:
     return tree
 
 
-def _judge_module(tree: Path, module: str, mutations: list[Mutation], table: Path) -> int:
+def _judge_module(tree: Path, graph: grimp.ImportGraph, module: str, mutations: list[Mutation], table: Path) -> int:
     """Judge changes of one module, in a process of its own, and append them to the table."""
     os.chdir(tree)
-    sys.path[0] = str(tree)
     os.environ |= {"PYTHONPATH": str(tree), "TMPDIR": str(tree.parent / "tmp"), "PYTHONDONTWRITEBYTECODE": "1"}
     name = module.removesuffix(".py").replace("/", ".")
     loaded, durations = tree.parent / "loaded", tree.parent / f"{name}.json"
-    first = _forked(lambda: _tests(module, durations, loaded), 600.0)
+    collected = not _forked(lambda: _collect(module, loaded), 600.0)
     sys.dont_write_bytecode = True
     for stale in (tree / module).parent.glob(f"__pycache__/{Path(module).stem}.*"):
         stale.unlink()
-    _preload(name, loaded.read_text().split() if not first else [])
+    if collected:
+        _preload(loaded.read_text().split(), {name, *graph.find_downstream_modules(name)})
     begin = time.monotonic()
-    if first or _forked(lambda: _tests(module, durations), 600.0):
-        print(f"{module}: its tests fail before any change", file=sys.stderr)
+    if not collected or name in sys.modules or _forked(lambda: _tests(module, durations), 600.0):
+        print(f"{module}: its tests cannot be collected, or fail before any change", file=sys.stderr)
         return 1
     seconds = time.monotonic() - begin
     gc.freeze()  # a collection in a child would copy all of it
@@ -288,22 +292,28 @@ class QuickestFirst:
             self._path.write_text(json.dumps(self._seconds))
 
 
-def _tests(module: str, seconds: Path, loaded: Path | None = None) -> int:
-    import pytest  # noqa: PLC0415 - not needed to draw
-
-    # pytest warns that it can no longer rewrite plugins that are loaded, and a warning is an error here.
-    settings = ["-q", "-x", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
-    settings += ["-p", "no:tests.release_fixtures", f"--basetemp={os.environ['TMPDIR']}/t"]
-    code = int(pytest.main([*settings, *TESTS[module]], plugins=[QuickestFirst(seconds)]))
-    if loaded is not None:
-        loaded.write_text("\n".join(sys.modules))
+def _collect(module: str, loaded: Path) -> int:
+    """Collect the tests of a module, and write the names of all that was imported."""
+    code = _pytest(["--collect-only", *TESTS[module]])
+    loaded.write_text("\n".join(sys.modules))
     return code
 
 
-def _preload(changed: str, names: list[str]) -> None:
+def _tests(module: str, seconds: Path) -> int:
+    return _pytest(["-x", *TESTS[module]], [QuickestFirst(seconds)])
+
+
+def _pytest(arguments: list[str], plugins: Sequence[object] = ()) -> int:
+    import pytest  # noqa: PLC0415 - not needed to draw
+
+    # pytest warns that it can no longer rewrite plugins that are loaded, and a warning is an error here.
+    settings = ["-q", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    settings += ["-p", "no:tests.release_fixtures", f"--basetemp={os.environ['TMPDIR']}/t"]
+    return int(pytest.main([*settings, *arguments], plugins=plugins))
+
+
+def _preload(names: list[str], later: set[str]) -> None:
     """Import what the tests import, except the changed module and all that import it."""
-    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
-    later = {changed, *graph.find_downstream_modules(changed)}
     for name in names:
         is_ours = name.partition(".")[0] in PACKAGES
         if name not in later and (is_ours or not name.startswith(("tests", "conftest", "test_", "__"))):
@@ -311,8 +321,6 @@ def _preload(changed: str, names: list[str]) -> None:
                 importlib.import_module(name)
             except Exception:  # noqa: BLE001, S112 - some modules can be imported by their library alone
                 continue
-    if changed in sys.modules:
-        raise RuntimeError(f"{changed} was imported before it was changed")
 
 
 def _forked(work: Callable[[], int], limit_s: float = float("inf")) -> int:
