@@ -1,12 +1,14 @@
 """A small release made over and over under faults, and what its folder must look like whenever somebody looks."""
 
+import contextlib
 import dataclasses
 import hashlib
 import json
+import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -56,9 +58,10 @@ def wrong_in(out: Path, whole: dict[str, str]) -> list[str]:
 class Server:
     """`release_server.py` at the other end of two pipes."""
 
-    def __init__(self) -> None:
+    def __init__(self, **environment: str) -> None:
         command = [sys.executable, str(FOLDER / "release_server.py")]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        self._process = subprocess.Popen(command, **pipes, text=True, env={**os.environ, **environment})
         assert "ready\n" in iter(self._process.stdout.readline, "")  # an engine greets first
 
     def release(self, out: Path, workers: int = 1, **order: object) -> SimpleNamespace:
@@ -90,6 +93,19 @@ def server() -> Iterator[Server]:
     server = Server()
     yield server
     server.close()
+
+
+@pytest.fixture
+def server_with() -> Iterator[Callable[..., Server]]:
+    """Starts one with further environment variables."""
+    with contextlib.ExitStack() as stack:
+
+        def start(**environment: str) -> Server:
+            server = Server(**environment)
+            stack.callback(server.close)
+            return server
+
+        yield start
 
 
 @pytest.fixture(scope="session")
