@@ -1,4 +1,4 @@
-"""Commands, arguments and options, as `--help` tells them."""
+"""Commands, arguments and options, as in `--help`."""
 
 from collections.abc import Iterator
 from enum import Enum
@@ -9,8 +9,8 @@ from typer.main import get_command
 
 from pipeline.cli import command_line
 
-ABOUT = """What `symolo COMMAND --help` says, of all commands. An overview with examples and exit codes is on the page
-[commands](../commands.md)."""
+ABOUT = """The output of `symolo COMMAND --help` for all commands. An overview with examples and exit codes is on
+the page [commands](../commands.md)."""
 
 
 def commands() -> str:

@@ -18,7 +18,7 @@ def text(value: str) -> str:
 
 
 def about(documented: object) -> str:
-    """What the docstring of a module, class or function tells everybody."""
+    """Return the part of a docstring that is not only for programmers."""
     return _FOR_PROGRAMMERS.split(inspect.getdoc(documented) or "")[0].strip()
 
 

@@ -1,4 +1,4 @@
-"""Floors, walls and lines: what they look like, and what the range sensors make of them."""
+"""Floors, walls and lines: their look, and their effect on the readings of the range sensors."""
 
 import inspect
 from collections.abc import Iterator
@@ -15,10 +15,10 @@ LINES = {
     "linoleum_floor": ("tape", "`look.line=tape`, the default; wear, wrinkles, lifted edges and gloss in `look.tape`."),
     "glossy_tape": ("glossy tape", "`look.tape={roughness: 0.2, wear: 0.8, wrinkles: 0.8, lift_m: 0.0006}`."),
     "streaked_tape": ("streaked tape", "`look.tape={roughness: 0.2, streaks: 0.8}`, seen from above."),
-    "paint": ("paint", "`look.line=paint`; its edges bleed, settings are in `look.line_paint`."),
+    "paint": ("paint", "`look.line=paint`; its edges bleed; the settings are in `look.line_paint`."),
 }
-ABOUT = """A wall's `surface` decides what it looks like and what the range sensors read at it alike; floors and lines
-are part of a look. The pictures are the robot camera's, of a line, a box and a wall."""
+ABOUT = """The `surface` of a wall or obstacle decides both its look and the readings of the range sensors. Floors and
+lines are part of a look. The images are from the robot's camera and show a line, a box and a wall."""
 
 
 def materials() -> str:
@@ -27,13 +27,14 @@ def materials() -> str:
 
 def _floors() -> Iterator[str]:
     yield "## Floors"
-    yield "`look.floor.material`; each has settings of its own below `look.floor`; `dirt` and `stains` lie on any."
+    yield """These are the values of `look.floor.material`. Each floor has its own settings below `look.floor`; `dirt`
+and `stains` work on all floors."""
     yield _picture("stained_floor")
     yield "    --set look.floor.material=ceramic_tile --set look.floor.stains=0.8"
     for name, make in FLOORS.items():
         yield f"### {name} floor"
-        yield text(f"{about(inspect.getmodule(make))} {about(make)}")
-        if name != "image":  # a picture of the user's own
+        yield text(f"{about(inspect.getmodule(make))} {_result(make)}")
+        if name != "image":  # it would show the user's own image
             yield _picture(f"{name}_floor")
             yield f"    --set look.floor.material={name}"
         if name == "vinyl":
@@ -41,10 +42,17 @@ def _floors() -> Iterator[str]:
             yield "    --set look.floor.material=vinyl --set look.floor.vinyl.print=terrazzo"
 
 
+def _result(make: object) -> str:
+    """Return what a function returns by its docstring, as a sentence."""
+    what = about(make).removeprefix("Return ")
+    return what[0].upper() + what[1:]
+
+
 def _surfaces() -> Iterator[str]:
     yield "## Walls and obstacles"
-    yield """`surface` of a wall or obstacle. Readings at 100 mm: paper Tables 3 and 4; cardboard and brick read as
-paper, raw plywood as wood, which no measurement backs. Reflectance is at the sensor's 940 nm."""
+    yield """These are the values of `surface` of a wall or obstacle. The readings at 100 mm are those of Tables 3 and 4
+of the paper. Cardboard and brick are assumed to have the readings of paper, and raw plywood those of wood; no
+measurement supports this. The reflectance is that at the sensor's 940 nm."""
     yield table(("surface", "mean at 100 mm [mm]", "sd [mm]", "reflectance"), _readings())
     for name in SEEN:
         yield f"### {name} wall"

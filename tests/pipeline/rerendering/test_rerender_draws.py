@@ -99,7 +99,10 @@ def test_a_folder_without_out_is_continued_but_not_replaced(run, tmp_path, symol
     before = {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
     ended = symolo(*command, "--seed", 77)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert "holds images of another trajectory or another draw of the look; name a folder by --out" in ended.err
+    assert (
+        "contains images of a different trajectory or a different draw of the look; name a folder with --out"
+        in ended.err
+    )
     assert before
     assert before == {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
 

@@ -123,7 +123,7 @@ def test_a_damaged_copy_is_made_again_and_a_file_that_changes_meanwhile_is_refus
     with pytest.raises(InputError, match=r"photos/floor\.png: has changed since it was read"):
         keep_user_files((look,), section.assets, kept)
     (tmp_path / "photos/floor.png").unlink()
-    with pytest.raises(InputError, match=r"photos/floor\.png: is gone since it was read; put it back"):
+    with pytest.raises(InputError, match=r"photos/floor\.png: has disappeared since it was read; put it back"):
         keep_user_files((look,), section.assets, kept)
     assert not (kept / sha256(RED)).exists()
 

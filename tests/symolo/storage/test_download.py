@@ -96,7 +96,7 @@ def test_a_wrong_byte_leaves_nothing(release, tmp_path, symolo):
     picture.write_bytes(b"\xff" + picture.read_bytes()[1:])
     ended = symolo("download", url, "--out", out)
     assert ended.code == 2
-    assert f"{url}: CW/test_1/images/000001.jpg: is not what manifest-sha256.txt says" in ended.err
+    assert f"{url}: CW/test_1/images/000001.jpg: does not match manifest-sha256.txt" in ended.err
     assert not out.exists()
 
 
@@ -139,12 +139,12 @@ def test_what_is_not_whole_is_refused_before_anything_is_fetched(release, tmp_pa
 )
 def test_a_list_cannot_name_a_place_outside(name):
     digests = {name: hashlib.sha256(b"x").hexdigest()}
-    with pytest.raises(InputError, match="names what is no file of a release"):
+    with pytest.raises(InputError, match="names something that is not a file of a release"):
         Remote.of(_Stranger(digests))
 
 
 def test_a_list_cannot_name_a_file_below_a_file():
-    with pytest.raises(InputError, match="names what is no file of a release: got 'a'"):
+    with pytest.raises(InputError, match="names something that is not a file of a release: got 'a'"):
         Remote.of(_Stranger(dict.fromkeys(("a", "a/b"), hashlib.sha256(b"x").hexdigest())))
 
 
