@@ -1,4 +1,4 @@
-"""Images of a dataset: the only place where the bytes of a stranger's image reach a decoder."""
+"""Images of a dataset: only here, the bytes of an image from a stranger reach a decoder."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 
 MAX_PIXELS = 8192 * 8192
-"""Of one image, the largest that can be rendered."""
+"""Largest number of pixels of an image that can be rendered."""
 
 
 def decoded(path: Path, size: tuple[int, int] | None = None) -> np.ndarray | None:
