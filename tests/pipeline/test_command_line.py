@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -254,7 +255,7 @@ def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tm
     units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
     ended = []
     with pytest.raises(WorkerError) as caught:
-        run_units(units, 1, lambda unit, event: ended.append((unit.name, event.kind)))
+        run_units(units, 1, lambda unit, event: ended.append((unit.name, getattr(event, "kind", ""))))
     assert ended == [("A/test_1", "failed"), ("A/test_2", "failed")]
     assert str(caught.value).count("ValidationError") == 2
 
@@ -454,7 +455,7 @@ def test_help_of_every_command_gives_an_example(symolo):
 
 
 def test_a_paragraph_of_the_help_has_no_line_breaks_of_the_source():
-    groups = [get_command(command_line())]
+    groups: list[Any] = [get_command(command_line())]
     for group in groups:
         for command in group.commands.values():
             groups += [command] if hasattr(command, "commands") else []

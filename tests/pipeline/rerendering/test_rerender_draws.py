@@ -138,7 +138,7 @@ def test_a_foreign_trajectory_has_one_arena_in_all_draws(run):
     """Though it is drawn itself, for which the seed of a look is not asked."""
     arguments = {"arena": "random", "camera_hz": 1.0}
     _, draws = prepare(run / "data.csv", RerenderRequest(("lab",), 3, **arguments))
-    assert len({draw.appearance.arena for draw in draws}) == 1
+    assert len({draw.appearance.arena for draw in draws}) == 1  # pyright: ignore[reportUnhashable] - it is frozen
 
 
 def test_more_draws_leave_the_first_ones_as_they_are(run):
