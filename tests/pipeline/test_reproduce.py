@@ -69,7 +69,7 @@ def test_other_bytes_on_another_machine_are_no_fault_but_no_proof(elsewhere, sym
     del hands
     ended = symolo("verify", elsewhere, "--reproduce", "2", "--seed", "3")
     assert ended.code == 5
-    assert "reproduce: equal bytes cannot be expected: the release was made with bpy 4.4.0, here is" in ended.err
+    assert "reproduce: equal bytes cannot be expected: the release was made with bpy 4.4.0, here it is" in ended.err
     assert "different bytes are no proof of a fault here: the release was made with bpy 4.4.0" in ended.err
     assert f"0 of 2 {SAME} 3)" in ended.out
 
