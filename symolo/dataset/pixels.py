@@ -1,4 +1,4 @@
-"""Images of a dataset: the only place where the bytes of a stranger's image reach a decoder."""
+"""Images of a dataset: only here, the bytes of an image from a stranger reach a decoder."""
 
 from pathlib import Path
 
@@ -9,11 +9,11 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 
 MAX_PIXELS = 8192 * 8192
-"""Of one image, the largest that can be rendered."""
+"""Largest number of pixels of an image that can be rendered."""
 
 
 def decoded(path: Path, size: tuple[int, int] | None = None) -> np.ndarray | None:
-    """Return the image (H, W) or (H, W, 3) in OpenCV's order of channels and the file's own type; None for no image.
+    """Return the image (H, W) or (H, W, 3) in OpenCV's channel order and the type of the file; None if not an image.
 
     Args:
         path: The file.
@@ -26,7 +26,7 @@ def decoded(path: Path, size: tuple[int, int] | None = None) -> np.ndarray | Non
 
 
 def decoded_bytes(data: bytes, *, in_colour: bool = False, size: tuple[int, int] | None = None) -> np.ndarray | None:
-    """Return the image that a file holds; None where it is no whole PNG or JPEG, or takes too long to decode.
+    """Return the image in a file; None if it is not a complete PNG or JPEG, or takes too long to decode.
 
     Args:
         data: Content of the file.
