@@ -60,21 +60,24 @@ class Server:
 
     def __init__(self, **environment: str) -> None:
         command = [sys.executable, str(FOLDER / "release_server.py")]
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        self._process = subprocess.Popen(command, **pipes, text=True, env={**os.environ, **environment})
-        assert "ready\n" in iter(self._process.stdout.readline, "")  # an engine greets first
+        pipe, variables = subprocess.PIPE, {**os.environ, **environment}
+        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, env=variables)
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._orders, self._outcomes = self._process.stdin, self._process.stdout
+        assert "ready\n" in iter(self._outcomes.readline, "")  # an engine greets first
 
     def release(self, out: Path, workers: int = 1, **order: object) -> SimpleNamespace:
         """Do `symolo release` of the tiny scenario into a folder; `order` as `release_server.Order` has it."""
         order = {"arguments": [*TINY, "--out", str(out), "--workers", str(workers)], **order}
-        self._process.stdin.write(json.dumps(order) + "\n")
-        self._process.stdin.flush()
-        return SimpleNamespace(**json.loads(self._process.stdout.readline()))
+        self._orders.write(json.dumps(order) + "\n")
+        self._orders.flush()
+        return SimpleNamespace(**json.loads(self._outcomes.readline()))
 
     def close(self) -> None:
-        self._process.stdin.close()
+        self._orders.close()
         self._process.wait()
-        self._process.stdout.close()
+        self._outcomes.close()
 
 
 @dataclasses.dataclass(frozen=True)
