@@ -30,6 +30,8 @@ BANNED_CALLS = {
     "os.fork": "engines do not survive it",
     "yaml.load": "builds any object; symolo.core.yaml.reader reads strictly",
     "tempfile.mktemp": "races",
+    "tarfile.open": "reads what a stranger packed; archives are written here and never unpacked",
+    "shutil.unpack_archive": "unpacks what a stranger packed",
     "np.random.default_rng": "seeds by order or by chance; symolo.core.random_streams keys by path",
 }
 ALLOWED_RANDOM = {"np.random.Generator", "np.random.PCG64", "numpy.random.Generator"}
