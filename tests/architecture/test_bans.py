@@ -43,11 +43,9 @@ def name_of(path):
 
 def banned_imports(tree):
     for node in ast.walk(tree):
-        names = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            names = [node.module or ""]
+        if not isinstance(node, ast.Import | ast.ImportFrom):
+            continue
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
         for name in names:
             if name.split(".")[0] in BANNED_IMPORTS:
                 yield f"line {node.lineno}: {name} {BANNED_IMPORTS[name.split('.')[0]]}"
