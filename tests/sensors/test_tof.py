@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from sensors.base import Sampling
+from sensors.effects.range_offset import RangeOffset
 from sensors.tof import TofArray, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.dataset.codes import TofStatus
 
@@ -74,6 +76,16 @@ def test_readings_at_600_mm_scatter_as_equation_23_and_the_surface_add_up(
 def test_the_error_is_equation_24_with_its_zero_at_180_mm():
     assert log_error_m(np.array([0.04, 0.18])) == pytest.approx(0.0)
     assert 1e3 * log_error_m(np.array([1.0]))[0] == pytest.approx(102.5, abs=0.05)
+
+
+def test_the_sensors_on_a_robot_have_its_settings_and_its_effects(robot, arena_of, plane_world):
+    exact = {"noise_scale": 0.0, "quantisation_m": 0.0, "error_scale": 0.0, "period_s": 0.02}
+    changed = robot.model_copy(update={"tof": robot.tof.model_copy(update=exact)})
+    tof = TofArray.on_robot(
+        changed.with_effect(RangeOffset(offset_m=0.012)), arena_of(), 1000, np.random.default_rng(0)
+    )
+    assert tof.sample(wall_ahead(plane_world, robot, 0.3))[FRONT, 0] == pytest.approx(0.3 + 0.00025 + 0.012, rel=1e-4)
+    assert tof.sampling == Sampling(20, 0)
 
 
 def test_nothing_ahead_is_no_target(robot, arena_of, plane_world):
