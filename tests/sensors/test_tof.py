@@ -112,18 +112,29 @@ def test_the_least_signal_and_both_ends_of_the_range_are_still_a_target(robot, a
 
 
 def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, arena_of, plane_world):
-    """Against a quadrature over the cone, for a wall that the front sensor meets at 30 degrees."""
+    """Against a quadrature over the cone, for a front sensor that sees the floor and a wall 0.6 m ahead."""
     tof = sensors(robot, arena_of(), noise_scale=0.0, quantisation_m=0.0, rays=1000, field_of_view_deg=50.0)
-    mount, yaw = robot.tof.mounts.front, math.radians(30.0)
-    world = plane_world(wall_x_m=mount.x_m * math.cos(yaw) - mount.y_m * math.sin(yaw) + 0.3, at=(0.0, 0.0, yaw))
     # Even in the square of the angle off the axis, as the spiral is, and in the angle around it.
     angle = np.radians(25.0) * np.sqrt((np.arange(400) + 0.5) / 400)[:, None]
-    roll = np.arange(400) * 2.0 * np.pi / 400
+    roll = (np.arange(400) + 0.5) * 2.0 * np.pi / 400
     beam = np.exp(-0.5 * (angle / np.radians(robot.tof.beam_sigma_deg)) ** 2)
-    cosine = np.cos(yaw) * np.cos(angle) - np.sin(yaw) * np.sin(angle) * np.cos(roll)
-    slant_m = np.average(0.3 / cosine, weights=beam * cosine)
-    head_on = np.average(np.cos(angle), weights=beam)
-    assert tof.sample(world)[FRONT, 0] == pytest.approx(slant_m * head_on + 0.00025, rel=2e-4)
+    ahead, down = np.cos(angle) * np.ones(400), -np.sin(angle) * np.sin(roll)
+    slant_m = np.minimum(0.6 / ahead, robot.tof.mounts.front.z_m / np.maximum(down, 1e-9))
+    is_wall = ahead * slant_m > 0.6 - 1e-9
+    weight = beam * np.where(is_wall, ahead, down)
+    offset_m = 0.00025 * np.average(is_wall, weights=weight)
+    expected_m = np.average(slant_m, weights=weight) * np.average(np.cos(angle), weights=beam) + offset_m
+    reading_m = tof.sample(plane_world(wall_x_m=robot.tof.mounts.front.x_m + 0.6, floor=True))[FRONT, 0]
+    assert reading_m == pytest.approx(expected_m, rel=2e-3)
+
+
+@pytest.mark.parametrize("yaw_deg", [10, 30, 50])
+def test_a_slanted_wall_reads_its_distance_along_the_axis(robot, arena_of, plane_world, yaw_deg):
+    """The cosine of incidence in the weight cancels that in the length of a ray, whatever the beam is."""
+    tof = sensors(robot, arena_of(), noise_scale=0.0, quantisation_m=0.0)
+    mount, yaw = robot.tof.mounts.front, math.radians(yaw_deg)
+    world = plane_world(wall_x_m=mount.x_m * math.cos(yaw) - mount.y_m * math.sin(yaw) + 0.2, at=(0.0, 0.0, yaw))
+    assert tof.sample(world)[FRONT, 0] == pytest.approx(0.2 / math.cos(yaw) + 0.00025, rel=5e-3)
 
 
 def test_side_sensors_look_45_degrees_to_their_side(robot, arena_of, plane_world):
