@@ -22,7 +22,6 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.likelihood import costs_of_residuals
 from diagnosis.inference.scan import Prospect, scan
 from diagnosis.inference.unexplained.adequacy import adequacy
 
@@ -226,8 +225,7 @@ def refusal(
         return "its size would exceed its bounds"
     if pushed := [e.name for e in before.hypothesis.effects if is_at_bound(after, e) and not is_at_bound(before, e)]:
         return f"the size of {pushed[0]} would then exceed its bounds"
-    costs_before, costs_after = (costs_of_residuals(evidence, fit.z, fit.sd) for fit in (before, after))
-    falls = costs_before - costs_after
+    falls = before.costs - after.costs
     if np.count_nonzero(evidence.fit) < MIN_SAMPLES:
         return f"fewer than {MIN_SAMPLES} samples"
     # A nuisance had left its tolerance to imitate the effect and now returns. It imitated the effect in all rows, so

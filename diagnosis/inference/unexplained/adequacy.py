@@ -20,7 +20,6 @@ from scipy.special import fdtrc
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
-from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
 from diagnosis.predictors.base import ROW_TIME
@@ -123,7 +122,7 @@ class _Tangents:
     def __init__(self, evidence: Evidence, fit: HypothesisFit, beside: Array) -> None:
         self._evidence = evidence
         self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
-        z, x = _moved_beside(evidence, fit, beside)
+        z, x = _moved_beside(fit, beside)
         padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
         self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
         residuals = replace(fit, x=x).weighted_residuals(np.clip(z, -CLIP, CLIP), self._root)
@@ -162,7 +161,7 @@ def f_test(explained: float, level: float, functions: int, degrees: float) -> fl
     return float(fdtrc(functions, degrees, explained / functions / max(level, 1e-12)))
 
 
-def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
+def _moved_beside(fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
     """Return residuals (N,) and coordinates (P,) of a fit after a joint linear fit of columns (N, k) and coordinates.
 
     Outliers are reweighted.
@@ -170,7 +169,7 @@ def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tup
     z, x = fit.z, fit.x
     # With the columns, samples that were outliers may fit, and others may become outliers.
     for _ in range(REWEIGHTINGS if columns.shape[1] else 0):
-        root = root_weights(evidence, z)
+        root = fit.root_weights(z)
         padded = np.concatenate([columns * root[:, None], np.zeros((len(fit.x), columns.shape[1]))])
         both = np.concatenate([padded, fit.tangents(root)], axis=1)
         solved = np.linalg.lstsq(both, fit.weighted_residuals(fit.z, root), rcond=1e-10)[0]
@@ -198,7 +197,7 @@ def survivors(
     drop = nominal.cost - fit.cost
     if drop < EXPLAINED * (drop + structure.explainable):
         return []
-    root = root_weights(evidence, fit.z)
+    root = fit.root_weights()
     size = nominal.hypothesis.size
     functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
