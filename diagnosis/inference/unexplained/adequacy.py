@@ -39,6 +39,11 @@ AS_MUCH = 0.8
 MATERIAL = 9.0
 """Least fall of the cost for a structure, however significant it is. If readings scatter as stated, chance alone
 reaches as much. It matters if they scatter far less, as in a simulated log, where integration errors would show."""
+DRIFT = 1.0
+"""Root mean square in sigmas up to which the zero of an instrument may drift, within a session and from one to the
+next. It is reported as unexplained, but does not speak against effects that do not depend on time."""
+SESSION = ("row", "session_time_s", "sweep", "trial")
+"""Covariates that tell when a row was taken; `t_s` too, where a quantity has no time since the session began."""
 EXPLAINED = 0.8
 """Share of the explainable cost that the effects must explain to stay named."""
 
@@ -59,6 +64,15 @@ class Structure:
     """Index of the covariate in the list of its quantity."""
     basis: Array
     """(N, k), the functions over all samples; 0 outside the quantity and the rows of the fit."""
+    size: float
+    """Root mean square of the structure [sigma], over the rows of the fit of its quantity."""
+    is_over_time: bool
+    """Whether the covariate tells only when a row was taken in a measurement."""
+
+    @property
+    def is_drift(self) -> bool:
+        """Return whether the structure may be the slow drift that every zero has, and need not have a cause."""
+        return self.is_over_time and self.size < DRIFT
 
 
 @dataclass(frozen=True)
@@ -90,6 +104,7 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
         if np.count_nonzero(rows) < 8:
             continue
         inside = np.arange(place.start, place.stop)[rows]
+        session = any(covariate.name == "session_time_s" for covariate in quantity.covariates)
         along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
         along += [
             (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows]))
@@ -105,7 +120,11 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
                     names = (quantity.name, quantity.channel, covariate.name)
                     columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
                     columns[inside] = basis.columns
-                    best = Structure(*names, basis.what, p, gain, rank, columns)
+                    rows_worth = float(evidence.weight[inside].sum())
+                    over_time = covariate.name in SESSION or (covariate.name == ROW_TIME and not session)
+                    best = Structure(
+                        *names, basis.what, p, gain, rank, columns, float(np.sqrt(gain / rows_worth)), over_time
+                    )
             if best is not None:
                 structures.append(best)
     # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
@@ -195,8 +214,9 @@ def survivors(
     """
     # Effects that explain much less than what stays unexplained are probably parts of the unknown cause.
     drop = nominal.cost - fit.cost
-    if drop < EXPLAINED * (drop + structure.explainable):
+    if drop < EXPLAINED * (drop + structure.explainable) and not structure.is_drift:
         return []
+    min_fall = NEEDED if structure.is_drift else max(NEEDED, structure.explainable)
     root = fit.root_weights()
     size = nominal.hypothesis.size
     functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
@@ -213,7 +233,7 @@ def survivors(
         basis = orthonormal(np.concatenate(taken, axis=1))
         falls = {effect: _fall(residual, change, basis) for effect, change in changes.items()}
         best = max(falls, key=lambda effect: falls[effect])
-        if falls[best] < max(NEEDED, structure.explainable):
+        if falls[best] < min_fall:
             break
         needed.append(best)
         taken.append(changes.pop(best)[:, None])

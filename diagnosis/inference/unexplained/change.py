@@ -76,6 +76,8 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         explainable=named - squares + TOLL * (numbers + columns.shape[1]),
         rank=rank,
         basis=columns,
+        size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),
+        is_over_time=True,
     )
 
 
