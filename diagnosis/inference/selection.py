@@ -88,6 +88,12 @@ class Selection:
         """Names of the selected effects."""
         return tuple(effect.name for effect in self.fit.hypothesis.effects)
 
+    @property
+    def refused(self) -> tuple[Entry, ...]:
+        """Steps in addition to the selected effects, none of which was accepted."""
+        last = max((k for k, entry in enumerate(self.entries) if entry.accepted), default=-1)
+        return self.entries[last + 1 :]
+
 
 def needed(effect: CandidateEffect, threshold: float = THRESHOLD) -> float:
     """Return the fall of the cost from which an effect is accepted."""
@@ -184,8 +190,10 @@ def _fitted(
 
 def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
     """Return fits by cost and number of parameters; equal ones by the order of their effects in the library."""
-    # The cost is rounded, so that equal fits keep their order on every machine.
-    order = {effect: k for k, effect in enumerate(effects)}
+    # The cost is rounded, so that equal fits keep their order on every machine. An effect on everything comes before
+    # one on a single material, sensor or side, which is a more special claim.
+    general = sorted(effects, key=lambda effect: bool(effect.choices))
+    order = {effect: k for k, effect in enumerate(general)}
     last = [max(order.get(effect, -1) for effect in fit.hypothesis.effects) for fit in candidates]
     return [
         fit
@@ -232,7 +240,7 @@ def refusal(
     # the samples fall by little, and no count of them says anything against the effect.
     if before.prior_cost - after.prior_cost > 0.5 * drop:
         return ""
-    if is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
+    if is_of_noise(after, effect) and adequacy(evidence, before).has_cause:
         return "the mean has structure, which must be explained before the noise"
     heldout_falls, fit_falls = falls[evidence.heldout], np.maximum(falls[evidence.fit], 0.0)
     rise = -float(heldout_falls.sum())
@@ -258,11 +266,14 @@ def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
 
 
 def is_at_bound(fit: HypothesisFit, effect: CandidateEffect) -> bool:
-    """Return whether an amplitude is at its bound, as if the effect imitates another one."""
+    """Return whether an amplitude or a shape is at its bound, as if the effect imitates another one."""
     places = fit.hypothesis.parameters(effect)
     errors = np.sqrt(np.diag(fit.covariance)[places])
     margins = np.where(np.isfinite(errors), NEAR * errors, 0.0).tolist()
     for x, c, margin in zip(fit.x[places].tolist(), effect.coordinates, margins, strict=True):
+        # A shape may be near a bound because the data hardly determine it, so only the bound itself counts.
+        if c.null is None and not c.is_ceiling and (x >= c.high or x <= c.low):
+            return True
         if c.null is not None and not c.is_ceiling and (x + margin >= c.high > c.null or x - margin <= c.low < c.null):
             return True
     return False

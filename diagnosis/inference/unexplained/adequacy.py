@@ -87,6 +87,11 @@ class Adequacy:
         return not self.structures or self.structures[0].p >= LEVEL
 
     @property
+    def has_cause(self) -> bool:
+        """Return whether there is a significant structure that is no mere drift."""
+        return any(s.p < LEVEL and not s.is_drift for s in self.structures)
+
+    @property
     def worst(self) -> Structure:
         """The most significant structure; of covariates that explain a quantity equally well, the first."""
         top = self.structures[0]
@@ -219,9 +224,11 @@ def survivors(
     min_fall = NEEDED if structure.is_drift else max(NEEDED, structure.explainable)
     root = fit.root_weights()
     size = nominal.hypothesis.size
-    functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
-    flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
-    taken = [nominal.tangents(root), flexible]
+    # A drift is slow: any function of time could also imitate what a sweep does from row to row.
+    flexible = [] if structure.is_drift else [_functions(evidence, structure)]
+    functions = np.concatenate([structure.basis, *flexible], axis=1)
+    taken_functions = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
+    taken = [nominal.tangents(root), taken_functions]
     residual = nominal.weighted_residuals(nominal.z, root)
     needed: list[CandidateEffect] = []
     priors = np.zeros(size)
