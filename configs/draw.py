@@ -162,7 +162,7 @@ def _generated(
     try:
         return generate_arena(arena, start, rng)
     except NoArenaError as error:
-        cure = "take fewer corners or obstacles, smaller bends, another radius_m or a larger floor"
+        cure = "set fewer corners or obstacles, smaller bends, a different radius_m or a larger floor"
         raise ConfigFault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
 
 

@@ -164,9 +164,10 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
     if result.is_adequate:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
-    fit, comparisons, result, withheld_names = _standing(
-        evidence, selection.nominal, fit, comparisons, result, library.testable
+    model, withheld_names = _standing(
+        evidence, selection.nominal, _NamedModel(fit, comparisons, result), library.testable
     )
+    fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
     # The remembered fits with their slopes need much memory and are not used again.

@@ -47,6 +47,9 @@ class BoardEvent:
     tick: int
     kind: Kind
     text: str
+    """Description of the first one, where there are several of a kind in a tick."""
+    count: int = 1
+    """Number of faults of this kind in this tick."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class LoopSettings:
     hello_s: float = 5.0
     """Time [s] for the first answer; an Arduino, which resets when its port is opened, needs 2 s."""
     on_reboot: Literal["stop", "go on"] = "stop"
-    """Whether the run ends when the board re-boots, or goes on with the commands that follow."""
+    """Action when the board re-boots: end the run, or go on with the commands that follow."""
 
 
 @dataclass(frozen=True)
@@ -266,4 +269,12 @@ class BoardPilot(Closing):
         return f"at {self._tick * self.settings.tick_s:.2f} s"
 
     def _note(self, kind: Kind, text: str) -> None:
-        self.events.append(BoardEvent(self._tick, kind, text))
+        """Record an event; those of one kind in one tick are counted, since a board may send thousands."""
+        events = self.events
+        for place in range(len(events) - 1, -1, -1):
+            if events[place].tick != self._tick:
+                break
+            if events[place].kind == kind:
+                events[place] = replace(events[place], count=events[place].count + 1)
+                return
+        events.append(BoardEvent(self._tick, kind, text))

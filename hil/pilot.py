@@ -67,6 +67,14 @@ def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: st
         yield PilotFromBoard(loop, hello.firmware_id if hello else firmware_id)
 
 
+def counted(events: Iterable[BoardEvent]) -> Counter[str]:
+    """Return how many faults of each kind there were."""
+    counts: Counter[str] = Counter()
+    for event in events:
+        counts[event.kind] += event.count
+    return counts
+
+
 def event_counts(events: Iterable[BoardEvent], *, stopped: bool) -> tuple[int, ...]:
     """Return the counts of the events of one tick, in the order of `BOARD_COLUMNS`: a row of side/board.csv.
 
@@ -74,7 +82,7 @@ def event_counts(events: Iterable[BoardEvent], *, stopped: bool) -> tuple[int, .
         events: Events of that tick.
         stopped: Whether the wheels are stopped because no command has come.
     """
-    kinds = Counter(event.kind for event in events)
+    kinds = counted(events)
     return (int(not kinds["no answer"]), int(stopped), *(kinds[kind] for kind in BOARD_EVENT_COLUMNS))
 
 

@@ -12,6 +12,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.address_space import check_address_space
 from pipeline.commands import explanation, hil, inspection, keeping, sharing, stages, validate
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.model import model
@@ -122,6 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     try:
+        check_address_space()
         code = command_line()(arguments, standalone_mode=False)
     except typer.TyperException as error:
         return _fail(BAD_INPUT, f"{error.format_message()} (see symolo --help)")

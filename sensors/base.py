@@ -1,8 +1,8 @@
-"""What every sensor has in common: when it samples, what it may read, and what it delivers.
+"""The common part of all sensors: when a sensor samples, what it may read, and what it delivers.
 
-Rate, delay, noise, quantisation and dropout are separate settings. A sensor takes a sample every
-`period_steps`. The controller receives it `delay_steps` later and uses it until the next one arrives. Samples that
-nobody reads are not computed.
+Rate, delay, noise, quantisation and dropout are separate settings. A sensor takes a sample every `period_steps`. The
+controller receives the sample `delay_steps` later and uses it until the next one arrives. Samples that nobody reads are
+not computed.
 """
 
 import inspect
@@ -52,7 +52,7 @@ class World(Protocol):
 
     @property
     def time_s(self) -> float:
-        """Time since the start of the run, which is also when everything was switched on."""
+        """Time since the start of the run, at which everything was switched on."""
         ...
 
     def pose(self) -> PlanarPose:
@@ -80,7 +80,10 @@ class Sampling:
         return cls(max(1, round(period_s * physics_hz)), round(delay_s * physics_hz))
 
     def step_read_at(self, step: int) -> int:
-        """Return the physics step of the newest sample that is delivered by `step`; until then, of the first sample."""
+        """Return the physics step of the newest sample that has been delivered by `step`.
+
+        Before the first delivery, it is the step of the first sample.
+        """
         return max(0, (step - self.delay_steps) // self.period_steps * self.period_steps)
 
 
@@ -93,14 +96,14 @@ class Sensor(ABC):
     """
 
     name: ClassVar[str]
-    """Name of the class in lower case with underscores, `RearBumper` is `rear_bumper`, unless a class sets another.
-    It is also the last part of the path of the random stream."""
+    """Name of the class in lower case with underscores (`RearBumper` is `rear_bumper`), unless a class sets a different
+    name. It is also the last part of the path of the random stream."""
     Settings: ClassVar[type[Section]] = Section
     """Settings in the description of the robot."""
     columns: ClassVar[tuple[Column, ...]] = ()
     """Columns of a dataset that hold a reading."""
     series: ClassVar[tuple[Series, ...]]
-    """Series of a recording that hold a reading; a single one with all columns unless a class sets others."""
+    """Series of a recording that hold a reading; by default a single one with all columns."""
     sampling: Sampling
 
     def __init_subclass__(cls, **kwargs: object) -> None:
@@ -127,7 +130,7 @@ class Sensor(ABC):
 
     @classmethod
     def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "Sensor | None":
-        """Return the sensor of a robot, or None where the robot does not have it."""
+        """Return the sensor of a robot, or None if the robot does not have it."""
         settings = robot.sensors.get(cls.name)
         return cls(settings, arena, physics_hz, rng) if isinstance(settings, SensorSettings) else None
 
@@ -141,7 +144,7 @@ class Sensor(ABC):
 
     @abstractmethod
     def sample(self, world: World) -> Reading:
-        """Return one reading of the world as it is now."""
+        """Return one reading of the world in its current state."""
 
     def recorded(self, reading: Reading) -> tuple[Reading, ...]:
         """Return the part of a reading that goes into each series.

@@ -30,7 +30,7 @@ def sensor_tables(sensors: RobotSensors) -> tuple[SideTable, ...]:
     """Return the tables of the sensors of `robot.sensors`.
 
     Raises:
-        InputError: The class of one is not loaded.
+        InputError: The class of a sensor is not loaded.
     """
     known = {kind.name: table for kind in SENSORS.classes() if (table := kind.table())}
     for name in sensors.names:

@@ -1,6 +1,6 @@
-"""Readings of the motors' current sensor and tachometer; without effects they are the true values to the bit.
+"""Readings of the motors' current sensor and tachometer; without effects they are exactly the true values.
 
-The numbers of many robots may be stacked and are then broadcast against the readings (`physics.robot.stack`).
+The parameters of many robots may be stacked and are then broadcast against the readings (`physics.robot.stack`).
 """
 
 import numpy as np
@@ -17,14 +17,14 @@ def read_current_A(effects: RobotEffects, current_A: Array) -> Array:
 
 
 def read_settled_speed_rad_s(effects: RobotEffects, speed_rad_s: Array) -> Array:
-    """Return the readings of speeds that are constant for long, so that lag and delay do not matter; same shape."""
+    """Return the readings of speeds that have long been constant, so that lag and delay do not matter; same shape."""
     return through(effects.functions(Slot.SPEED_READING), speed_rad_s)
 
 
 def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array) -> Array:
     """Return the readings (N, ...) at the times (N,) of the true speeds, which are linear between these times.
 
-    Wheels are at rest up to time 0. A log may begin later: that of the motor bench begins one row later.
+    Wheels are at rest until time 0. A log may begin later; that of the motor bench begins one row later.
     """
     if t_s[0] > 0.0:
         at_rest = np.zeros_like(speed_rad_s[:1])

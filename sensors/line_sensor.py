@@ -1,4 +1,4 @@
-"""QTR-8A reflectance row: eight channels, each of which measures the floor over a blurred spot."""
+"""QTR-8A row of reflectance sensors: eight channels, each of which measures the floor over a blurred spot."""
 
 from math import cos, sin
 
@@ -61,8 +61,8 @@ def channel_weights(channels: int) -> Array:
 def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
     """Return the share (N,) of a Gaussian spot that falls on the tape, for spots centred on the floor points (N, 2).
 
-    It is exact on straight pieces. On an arc the edge is assumed straight across the spot, with a relative error of
-    spot / radius (about 1 % at 25 cm). Pieces that touch end to end add up to an unbroken tape.
+    It is exact on straight pieces. On an arc, the edge is assumed to be straight within the spot, which gives a
+    relative error of spot / radius (about 1 % at 25 cm). Pieces that touch end to end add up to a continuous tape.
     """
     from scipy.special import ndtr  # noqa: PLC0415 - the settings of this sensor are read without scipy
 
@@ -72,8 +72,9 @@ def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
     half = 0.5 * line.width_m
     xs, ys = points.T.tolist()
     x, y = min(xs), min(ys)
-    # No point is farther than this from the corner (x, y) of all points; beyond eight standard deviations the share
-    # of the spot is 0 in double precision. Pieces farther from the corner are skipped, which saves most of the time.
+    # No point is farther than this from (x, y), the corner of the rectangle around all points. Beyond eight standard
+    # deviations the share of the spot is 0 in double precision. Pieces farther away than the sum are skipped, which
+    # saves most of the time.
     reach = max(xs) - x + max(ys) - y + half + 8.0 * spot_sd_m
     for piece in line.pieces:
         if piece.at_min_away_m(x, y) > reach:

@@ -13,7 +13,7 @@ from symolo.dataset.tables.column import Series
 
 
 class PoseLog(Sensor):
-    """Pose (3,) of the tracked point, x [m], y [m], yaw [rad], late by the delay of the log in whole physics steps."""
+    """Pose (3,) of the tracked point: x [m], y [m], yaw [rad]; the log delays it by whole physics steps."""
 
     name = "pose_log"
     series = (Series("pose_log", "m, m, rad"),)
@@ -25,7 +25,7 @@ class PoseLog(Sensor):
 
     @classmethod
     def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "PoseLog | None":
-        """Return the log where an effect of the robot acts on it; else it would be the true pose."""
+        """Return the log if an effect of the robot acts on it; without one, the log would be the true pose."""
         del arena, rng
         acts = robot.effects.in_slots({Slot.POSE_POINT, Slot.POSE_DELAY})
         return cls(robot.effects, physics_hz) if acts else None

@@ -21,7 +21,7 @@ Functions = tuple[Callable[..., Any], ...]
 
 @dataclass(frozen=True)
 class RangeEffects:
-    """Functions in the order in which they act; numbers of many robots may be stacked and are broadcast."""
+    """Functions in the order in which they act; parameters of many robots may be stacked and are then broadcast."""
 
     reading: Functions
     noise: Functions
@@ -42,7 +42,7 @@ class RangeEffects:
         return through(self.reading, reading_m, view), through(self.noise, sd_m, view)
 
     def limited(self, reading_m: Array) -> Array:
-        """Return the reading [m], which has its noise and is rounded, after the limits."""
+        """Return the reading [m], which is rounded and includes its noise, after the limits."""
         return through(self.limit, reading_m)
 
     def expected(self, reading_m: Array, sd_m: Array, view: RangeView, resolution_m: float) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""The logarithm in the error of a VL53L0X (paper section 5.2.2): 0 up to a limit, ln of the distance beyond it."""
+"""The logarithm in the error of a VL53L0X (paper section 5.2.2): 0 up to a limit, then ln(distance / limit)."""
 
 import numpy as np
 

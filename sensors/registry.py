@@ -1,4 +1,4 @@
-"""The table of all sensors: those of the project, and those of files that a user loads."""
+"""The table of all sensors: those of the project, and those from files that a user loads."""
 
 import re
 
@@ -20,7 +20,7 @@ def _check(sensor: type[Sensor], where: str) -> None:
         cure = "define sample(self, world), which returns one number for each column"
         raise InputError(f"{what}: sample missing", where=where, cure=cure)
     if not issubclass(sensor.Settings, SensorSettings):
-        return  # every robot has it; its columns are those of data.csv and of tables that are written one by one
+        return  # every robot has it; its columns are in data.csv and in tables that are written one by one
     if not re.fullmatch(SENSOR_NAME, sensor.name) or sensor.name in TAKEN_NAMES:
         allowed = f"a name other than {', '.join(sorted(TAKEN_NAMES))}"
         raise InputError(f"{what}: the name is taken by another file of side/", where=where, allowed=allowed)

@@ -1,4 +1,4 @@
-"""All sensors of one robot, sampled at their own times while the world advances from one control tick to the next."""
+"""All sensors of one robot, each sampled at its own times while the world advances from tick to tick."""
 
 from collections.abc import Iterator, Mapping
 from typing import Protocol
@@ -39,7 +39,7 @@ class SensorSuite:
     def read_at_tick(self, world: SteppedWorld, tick: int) -> dict[str, Reading]:
         """Advance `world` to control tick `tick` and return the delivered reading of each sensor by name.
 
-        The ticks come in order, each once.
+        Call this once for each tick, in order.
         """
         target = tick * self._tick_steps
         while self._next_step[first := min(self._next_step, key=self._next_step.__getitem__)] <= target:

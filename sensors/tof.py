@@ -29,11 +29,11 @@ NO_EFFECTS = RobotEffects()
 NOISE_AT_NEAR_MM = 1.41
 """Standard deviation of Eq. 23 up to 0.18 m."""
 VALID, NO_TARGET, HELD = map(float, TofStatus)
-"""Status as a number in a reading; with an enum's members numpy takes ten times as long."""
+"""Status as a number in a reading; with the members of an enum, numpy is ten times slower."""
 
 
 class TofArray(Sensor):
-    """Front, left and right sensor, in this order everywhere."""
+    """The front, left and right sensors, in this order everywhere."""
 
     name = "tof"
     Settings = TofSensor
@@ -61,14 +61,14 @@ class TofArray(Sensor):
         origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (config.rays, 1)) for m in mounts]
         askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
         directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
-        # Origins, then directions; a last 1 is moved with the robot, a last 0 turned alone.
+        # Origins, then directions. Rows that end with 1 are moved and turned with the robot, rows with 0 only turned.
         self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
         axis = np.zeros(1)
         self._axes_R = np.concatenate(
             [ray_directions(m, axis, axis, extra) for m, extra in zip(mounts, askew, strict=True)]
         )
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
-        # Index 0 is the floor, which the paper did not measure: no offset, the noise of Eq. 23.
+        # Index 0 is the floor, which the paper did not measure. It has no offset and the noise of Eq. 23.
         offset_m = np.array([0.0] + [s.offset_m for s in surfaces])
         sd_m = 1e-3 * np.array([NOISE_AT_NEAR_MM] + [s.sd_at_100_mm_mm for s in surfaces])
         self._offset_and_sd_m = np.stack([offset_m, sd_m])
@@ -93,7 +93,7 @@ class TofArray(Sensor):
         share = weight / np.maximum(returned, 1e-12)[:, None]
         true_range = (share * distance).sum(axis=1) * self._head_on
         offset, surface_sd = (share * self._offset_and_sd_m.take(surface, axis=1)).sum(axis=2)
-        # The device averages over its beam, so offset and noise of several surfaces are means by their light.
+        # The device averages over its beam, so offset and noise are means over the surfaces, weighted by their light.
         sd = noise_sd_m(surface_sd, true_range) * config.noise_scale
         reading = true_range + offset + config.error_scale * log_error_m(true_range)
         if self._effects.need_view:
@@ -108,7 +108,7 @@ class TofArray(Sensor):
         return np.array(self._last)
 
     def _judged(self, signal: float, reading_m: float) -> tuple[float, float]:
-        """Return range [m] and status of one sensor; for three sensors numpy is not faster."""
+        """Return range [m] and status of one sensor, from plain floats; for three sensors numpy is not faster."""
         config = self._config
         if signal >= config.signal_threshold and config.min_range_m <= reading_m <= config.max_range_m:
             return reading_m, VALID
@@ -128,7 +128,7 @@ class TofArray(Sensor):
         return RangeView(
             distance_m=distance_m,
             incidence_rad=np.arccos(facing),
-            # Where nothing returns there is no reading; any reflectance will do.
+            # If no light returns there is no reading, and any reflectance will do.
             reflectance=np.where(share.sum(axis=1) > 0.0, (share * self._reflectance[surface]).sum(axis=1), 1.0),
             material_share={name: (share * (seen == name)).sum(axis=1) for name in np.unique(self._materials)},
             temperature_C=self._config.temperature_C,
@@ -146,7 +146,7 @@ class TofArray(Sensor):
         c, s = cos(yaw), sin(yaw)
         rays = self._rays_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0], [x, y, 0.0]])
         origins, directions = rays[: len(rays) // 2], rays[len(rays) // 2 :]
-        # Rays end somewhat beyond the largest range that the device reports; a ray without a hit returns no light.
+        # Rays end a little beyond the largest range that the device reports; a ray without a hit returns no light.
         reach = 1.25 * self._config.max_range_m
         hits = world.cast(origins, origins + reach * directions)
         shape = (3, self._config.rays)
@@ -163,7 +163,7 @@ class TofArray(Sensor):
 def ray_pattern(rays: int, field_of_view_rad: float) -> tuple[Array, Array]:
     """Return each ray's angle off the axis and around it [rad], (rays,) each.
 
-    The rays are a sunflower spiral, whose points are even over the cone's solid angle.
+    The rays form a sunflower spiral, whose points are evenly distributed over the solid angle of the cone.
     """
     index = np.arange(rays) + 0.5
     golden_angle = np.pi * (3.0 - np.sqrt(5.0))
@@ -181,13 +181,14 @@ def ray_directions(mount: TofMount, angle: Array, roll: Array, extra_yaw_rad: fl
 def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
     """Return the standard deviation of a reading [m].
 
-    At short range it is that of the surface; farther away, the growth of Eq. 23 is added.
+    At short range it is that of the surface; at longer range, the growth of Eq. 23 is added.
 
-    Tables 3 and 4 list a deviation at 100 mm for each surface, which differs from the 1.41 mm of Eq. 23. Both hold if
-    variances add: a surface of 1.41 mm follows Eq. 23 exactly, and every other one approaches it as the distance grows.
-    The variable of the polynomial is d = x - 0.18 m, with which it is continuous at 0.18 m.
+    Tables 3 and 4 list a standard deviation at 100 mm for each surface, which differs from the 1.41 mm of Eq. 23. Both
+    are right if variances add: a surface with 1.41 mm follows Eq. 23 exactly, and every other surface approaches it as
+    the distance grows. The variable of the polynomial is d = x - 0.18 m, so that it is continuous at 0.18 m.
     """
-    d = np.maximum(range_m - NEAR_LIMIT_M, 0.0)
+    d = range_m - NEAR_LIMIT_M
+    # The polynomial grows with d and is 1.40 at 0, so that the maximum is that of short range for all d < 0.
     eq_23_mm = np.maximum(((1.15 * d + 2.51) * d + 4.88) * d + 1.40, NOISE_AT_NEAR_MM)
     return np.sqrt(surface_sd_m**2 + 1e-6 * (eq_23_mm**2 - NOISE_AT_NEAR_MM**2))
 
@@ -195,7 +196,7 @@ def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
 def log_error_m(range_m: Array) -> Array:
     """Return the error of Eq. 24 [m]: 59.77 mm ln(x / 0.18 m) from 0.18 m on, 0 below.
 
-    The printed 59.77 ln(x) - 116.86 is 0 at x = 7.065, which is 0.18 m in inches. With x in metres it would be 219 mm
-    off at 0.18 m, so it is not used.
+    The printed formula 59.77 ln(x) - 116.86 is 0 at x = 7.065, which is 0.18 m in inches. With x in metres it would be
+    wrong by 219 mm at 0.18 m, so it is not used.
     """
     return 0.05977 * log_beyond_near(range_m)

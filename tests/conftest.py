@@ -22,8 +22,6 @@ from hil.tools import (
     has_compiler,
 )
 
-pytest_plugins = ["tests.release_fixtures"]
-
 TOOLS = {
     "compiler": (has_compiler, NATIVE_PACKAGES),
     "avr_compiler": (has_avr_compiler, AVR_PACKAGES),
@@ -56,6 +54,9 @@ def pytest_configure(config: pytest.Config) -> None:
     for marker, packages in _missing_tools().items():
         if _asks_for(config, marker):
             raise pytest.UsageError(f"tests marked `{marker}` need missing tools: apt-get install -y {packages}")
+    if hasattr(config, "workerinput") or config.getoption("dist", "no") == "no":
+        # It imports the whole project, which a process that runs no tests itself does not need.
+        config.pluginmanager.import_plugin("tests.release_fixtures")
 
 
 def _missing_tools() -> dict[str, str]:
@@ -110,14 +111,15 @@ def pytest_deselected(items: list[pytest.Item]) -> None:
     """Note what a worker of pytest-xdist deselects, because only the controller writes to the terminal."""
     for item in items:
         if hasattr(item.config, "workeroutput"):
-            item.config.workeroutput.setdefault("deselected", []).append(item.nodeid)
+            output = item.config.workeroutput  # pyright: ignore[reportAttributeAccessIssue] - of pytest-xdist
+            output.setdefault("deselected", []).append(item.nodeid)
 
 
 @pytest.hookimpl(optionalhook=True)  # without pytest-xdist (`-p no:xdist`) there is no such hook
 def pytest_testnodedown(node: WorkerController) -> None:
     """Report what the workers have deselected, once, since each of them collects all tests."""
     reporter = node.config.pluginmanager.get_plugin("terminalreporter")
-    if not reporter.stats.get("deselected"):
+    if reporter is not None and not reporter.stats.get("deselected"):
         node_ids = getattr(node, "workeroutput", {}).get("deselected", [])
         reporter.pytest_deselected([SimpleNamespace(nodeid=node_id) for node_id in node_ids])
 

@@ -1,10 +1,17 @@
 """The score of an answer of a diagnosis against the true world of a case."""
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 
-from hidden_cases import Case, judge
+from hidden_cases import (
+    Case,  # pyright: ignore[reportAttributeAccessIssue] - from a folder of tests
+    Day,  # pyright: ignore[reportAttributeAccessIssue]
+    Verdict,  # pyright: ignore[reportAttributeAccessIssue]
+    judge,  # pyright: ignore[reportAttributeAccessIssue]
+)
 
 LARGEST_SET = 3
 LARGE_DROP = 400.0
@@ -31,8 +38,14 @@ class Score:
         within: Whether each parameter of an effect that was named correctly is within three standard errors.
         close: Whether each parameter of a large effect is within a tenth.
         gain_error: Error of the held-out gain.
-        seconds: Duration of the diagnosis.
+        confidences: Stated confidence of each reported name.
+        name_hits: Whether each of them was hidden.
+        name_alike: Whether it was, or these data cannot distinguish it from what was.
+        excused: Reported names of what the day did to the data: neither right nor wrong, and counted nowhere else.
+        seconds: CPU time of the diagnosis.
+        minutes: Length of a drive; 1 for other kinds.
         failed: Text of an exception.
+        day: What the logger and the day did to the data, in words.
         answer: The answer in short.
         sizes: Parameters of what was hidden.
     """
@@ -50,41 +63,107 @@ class Score:
     within: tuple[bool, ...] = ()
     close: tuple[bool, ...] = ()
     gain_error: float | None = None
+    confidences: tuple[float, ...] = ()
+    name_hits: tuple[bool, ...] = ()
+    name_alike: tuple[bool, ...] = ()
+    excused: int = 0
     seconds: float = 0.0
+    minutes: float = 1.0
     failed: str = ""
+    day: tuple[str, ...] = ()
     answer: str = ""
     sizes: tuple[str, ...] = ()
 
 
-def score(case: Case, category: str, answer: Mapping | None, seconds: float = 0.0, failed: str = "") -> Score:
-    """Return the score of an answer, or of none where the diagnosis `failed`."""
-    hidden = [*case.world.effects, *([case.world.outside] if case.world.outside else [])]
+def score(
+    case: Case,
+    category: str,
+    answer: Mapping | None,
+    seconds: float = 0.0,
+    failed: str = "",
+    *,
+    verdict: Verdict | None = None,
+) -> Score:
+    """Return the score of an answer, or of none where the diagnosis `failed`; the verdict is made if not given."""
+    hidden = [*case.world.effects, *case.world.outsides]
     truth = tuple(each.variant if hasattr(each, "variant") else each.name for each in hidden)
-    verdict = judge(case)
-    drops = (*verdict.drops, *([verdict.beyond] if case.world.outside else []))
+    knowable = judge(case) if verdict is None else verdict
+    drops = (*knowable.drops, *([knowable.beyond] if case.world.outsides else []))
     sizes = tuple(_short(each.parameters) for each in hidden)
     expects_names = category in {"single", "pair"}
-    known = Score(category, case.bench.kind, truth, drops, verdict.nameless, seconds=seconds, sizes=sizes)
+    minutes = _minutes(case)
+    known = Score(
+        category,
+        case.bench.kind,
+        truth,
+        drops,
+        knowable.nameless,
+        seconds=seconds,
+        minutes=minutes,
+        day=traits(case.day),
+        sizes=sizes,
+    )
     if answer is None:
         wrong = False if expects_names else None
         return replace(known, right=wrong, exact=wrong, failed=failed or "no answer")
-    effects = answer["effects"]
+    accepted = {name for name, same in zip(truth, knowable.equivalent, strict=False) for name in (name, *same)}
+    excuses = set(knowable.excused) - accepted
+    effects = [each for each in answer["effects"] if not _is_excused(each, excuses, case)]
     names = [variant(each) for each in effects]
+    real = {each.variant for each in case.world.effects}
     sets = [{name, *each.get("ambiguous_with", ())} for name, each in zip(names, effects, strict=True)]
     within, close = _parameters(case, drops, effects)
     gain = answer.get("heldout_gain")
     return replace(
         known,
         right=_matches([{name} for name in truth], sets, LARGEST_SET) if expects_names else None,
-        exact=_exact(truth, verdict.equivalent, names) if expects_names else None,
+        exact=_exact(truth, knowable.equivalent, names) if expects_names else None,
         named=bool(effects),
         unexplained=bool(answer["unexplained"]),
         place=_placed(case, answer),
         within=within,
         close=close,
-        gain_error=abs(gain - verdict.gain) if gain is not None and category != "outside" else None,
-        answer=_summary(answer, names),
+        gain_error=abs(gain - knowable.gain) if gain is not None and category != "outside" else None,
+        confidences=tuple(float(each.get("confidence", 0.0)) for each in effects),
+        name_hits=tuple(name in real for name in names),
+        name_alike=tuple(name in accepted for name in names),
+        excused=len(answer["effects"]) - len(effects),
+        answer=_summary(answer),
     )
+
+
+def traits(day: Day) -> tuple[str, ...]:
+    """Return what a day does that a diagnosis may stumble over."""
+    odd = day.outliers
+    share = max(odd.shares.values()) if odd else 0.0
+    noise = max((abs(math.log(factor)) for factor in day.noise.values()), default=0.0)
+    tolerance = max((abs(math.log(factor)) for factor in day.tolerance.values()), default=0.0)
+    has = {
+        "over 2 % outliers": share > 0.02,
+        "outliers in runs": odd is not None and share > 0.005 and odd.in_runs > 0.2,
+        "outliers of one sign": odd is not None and share > 0.005 and odd.sign != 0.0,
+        "noise over 1.3 off": noise > math.log(1.3),
+        "tolerance over 1.3 off": tolerance > math.log(1.3),
+        "correlated": abs(day.correlation or 0.0) > 0.1,
+        "heavy tails": math.isfinite(day.degrees),
+        "drifting zero": bool(day.wander),
+    }
+    return tuple(name for name, is_there in has.items() if is_there)
+
+
+def _minutes(case: Case) -> float:
+    if case.bench.kind != "drive_log":
+        return 1.0
+    trials, time = case.columns["trial"], case.columns["t_s"]
+    return sum(float(max(time[trials == trial])) for trial in set(trials.tolist())) / 60.0
+
+
+def _is_excused(effect: Mapping, excuses: AbstractSet[str], case: Case) -> bool:
+    """Whether it says what is wrong with the stated noise or zero, and for a scale, on the right side."""
+    if effect["name"] not in excuses:
+        return False
+    factor, scale = case.day.noise.get("polynomial_mm", 1.0), effect["parameters"].get("scale")
+    return scale is None or (float(scale) > 1.0) == (factor > 1.0)
 
 
 def variant(effect: Mapping) -> str:
@@ -106,11 +185,13 @@ def _exact(truth: Sequence[str], equivalent: Sequence[Sequence[str]], names: Seq
 
 
 def _placed(case: Case, answer: Mapping) -> bool | None:
-    outside = case.world.outside
-    if outside is None or not answer["unexplained"]:
+    if not case.world.outsides or not answer["unexplained"]:
         return None
     where = answer.get("unexplained_where", {})
-    return where.get("channel") in outside.channels and where.get("covariate") in outside.covariates
+    return any(
+        where.get("channel") in each.channels and where.get("covariate") in each.covariates
+        for each in case.world.outsides
+    )
 
 
 def _parameters(
@@ -134,11 +215,14 @@ def _parameters(
     return tuple(within), tuple(close)
 
 
-def _summary(answer: Mapping, names: Sequence[str]) -> str:
+def _summary(answer: Mapping) -> str:
     parts = []
-    for name, each in zip(names, answer["effects"], strict=True):
+    for each in answer["effects"]:
         rivals = each.get("ambiguous_with", ())
-        parts.append(f"{name} {_short(each['parameters'])}" + (f" or {' or '.join(rivals)}" if rivals else ""))
+        sure = f" {100.0 * each['confidence']:.4g}%" if "confidence" in each else ""
+        parts.append(
+            f"{variant(each)} {_short(each['parameters'])}{sure}" + (f" or {' or '.join(rivals)}" if rivals else "")
+        )
     if answer["unexplained"]:
         where = answer.get("unexplained_where", {})
         parts.append(f"unexplained {where.get('channel')} by {where.get('covariate')}")

@@ -30,7 +30,8 @@ def main() -> int:
     try:
         load_bpy(request.threads)  # a missing system library is reported, not raised
     except ImportError as error:
-        owner.send(Failed(error="environment", text=f"{error}; run `apt-get install -y {SYSTEM_PACKAGES}`"))
+        cause = lacking(error) or f"{error}; run `apt-get install -y {SYSTEM_PACKAGES}`"
+        owner.send(Failed(error="environment", text=cause))
         return 1
     try:
         _WORK[request.work](request, owner, Path(os.environ[SCRATCH]))

@@ -1,1 +1,1 @@
-"""Random arenas that a robot can lap: a closed line, walls around it, boxes on it and beside it, checked for room."""
+"""Random arenas with enough room for a lap: a closed line, walls around it, and boxes on it and next to it."""

@@ -1,4 +1,4 @@
-"""Random boxes: obstacles on straight parts of the line, and decoys beside it."""
+"""Random boxes: obstacles on straight parts of the line, and decoys next to it."""
 
 import math
 
@@ -12,11 +12,11 @@ from symolo.core.geometry.poses import PlanarPose
 MAX_PLACES = 40
 """Number of places that are tried for one box before it is left out."""
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.12, 0.16
-"""Limits of the height; lower boxes leave part of the range sensors' beams free and are detected late."""
+"""Limits of the height; a lower box covers only a part of the beams of the range sensors and is detected late."""
 
 
 def add_obstacle(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -> None:
-    """Put one more obstacle on the line, if there is a place for it."""
+    """Place one more obstacle on the line, if there is room for it."""
     limits, offsets = recipe.clearance, site.track.offsets.tolist()
     straights = [
         (offsets[i] + limits.before_m, offsets[i + 1] - limits.after_m)
@@ -38,7 +38,7 @@ def add_obstacle(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -
 
 
 def add_decoy(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -> None:
-    """Put one more decoy beside the line, if there is a place for it."""
+    """Place one more decoy next to the line, if there is room for it."""
     for _ in range(MAX_PLACES):
         x, y, yaw = site.track.poses(rng.uniform(0, site.track.length_m, 1))[0].tolist()
         aside_m = rng.choice([-1.0, 1.0]) * rng.uniform(recipe.clearance.beside_m, recipe.max_decoy_distance_m)

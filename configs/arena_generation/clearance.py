@@ -1,7 +1,7 @@
-"""Geometry of the room around a line: distances, the view of range sensors, and crossings of the line with itself.
+"""Geometry of the room around a line: distances, the view of range sensors, and parts of the line that are too close.
 
-The sensors are those of the robot `nominal`. The settings of the robot are not used, so that a randomly drawn robot
-does not change the arena; `ArenaGenerator.clearance` makes room for other robots.
+The sensors are those of the robot `nominal`. The settings of the scenario's robot are not used, so that a random robot
+does not change the arena. For other robots, change `ArenaGenerator.clearance`.
 """
 
 import math
@@ -49,7 +49,10 @@ def outline_of(rectangle: Rectangle) -> Array:
 
 
 def seen_m(poses: Array, sensor: PlanarPose, half_angle_rad: float, points: Array) -> Array:
-    """Return the distance to the nearest of points (M, 2) in a sensor's cone per robot pose (N, 3); inf if none is."""
+    """Return the distance from a sensor to the nearest of points (M, 2) in its cone, for each robot pose (N, 3).
+
+    It is infinite if no point is in the cone.
+    """
     if not len(points):
         return np.full(len(poses), np.inf)
     distance, bearing = _polar(poses, sensor, points)
@@ -57,7 +60,7 @@ def seen_m(poses: Array, sensor: PlanarPose, half_angle_rad: float, points: Arra
 
 
 def blocked_m(pose: Array, sensor: PlanarPose, half_angle_rad: float, points: Array) -> float:
-    """Return the distance within which every direction of a sensor's cone is blocked at one pose; inf for a gap."""
+    """Return the distance within which every direction of a sensor's cone is blocked; infinite if there is a gap."""
     distance, bearing = _polar(pose[None], sensor, points)
     sectors = np.linspace(-half_angle_rad, half_angle_rad, 9)
     nearest = [distance[(bearing >= low) & (bearing < high)].min(initial=np.inf) for low, high in pairwise(sectors)]
@@ -77,8 +80,8 @@ def _polar(poses: Array, sensor: PlanarPose, points: Array) -> tuple[Array, Arra
 def comes_near_itself(points: Array, spacing_m: float, min_m: float) -> bool:
     """Return whether a closed line (N, 2), sampled evenly, comes within `min_m` of itself.
 
-    Points within a half circle of that width along the line do not count; on bends with at least half of it as radius,
-    all points further along are further apart.
+    Pairs of points do not count if the line between them is no longer than a half circle of the diameter `min_m`. On
+    bends with a radius of at least half of `min_m`, all other pairs are further apart.
     """
     nearest = math.floor(0.5 * math.pi * min_m / spacing_m + 1) + 1
     # One offset along the line at a time: all pairs of a long line at once would not fit into memory.

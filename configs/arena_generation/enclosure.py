@@ -1,4 +1,4 @@
-"""The walls: a convex polygon around the line, each side with another clearance."""
+"""The walls: a convex polygon around the line, each side with its own clearance."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from symolo.core.arrays import Array
 MIN_WALL_M = 0.20
 """Shortest wall; an attempt with a shorter one is rejected."""
 UNEVEN = 0.25
-"""Largest rotation of a side, relative to the even angle between two sides; a rectangle stays one."""
+"""Largest rotation of a side, as a share of the angle between two sides of an even polygon; a rectangle stays one."""
 
 
 def draw_walls(
@@ -20,7 +20,7 @@ def draw_walls(
     """Return walls counter-clockwise around the points (N, 2) of the line, with their faces inwards.
 
     Raises:
-        Rejected: A side comes out too short, lies wholly outside the others, or ends beyond the floor.
+        Rejected: A side is too short, lies wholly outside the others, or ends beyond the floor.
     """
     count = recipe.walls
     if count == 0:
@@ -36,7 +36,7 @@ def draw_walls(
     sides = np.roll(corners, -1, axis=0) - corners
     along = np.stack([-outwards[:, 1], outwards[:, 0]], axis=1)
     if (sides * along).sum(axis=1).min() < MIN_WALL_M:
-        raise Rejected("a wall comes out too short")
+        raise Rejected("a wall is too short")
     surfaces: list[SurfaceName] = [recipe.surfaces[int(rng.integers(len(recipe.surfaces)))] for _ in range(count)]
     if np.abs(corners).max() > half_extent_m:
         raise Rejected(BEYOND_THE_FLOOR)

@@ -15,20 +15,20 @@ from configs.schema.arena_generator import ArenaGenerator
 from symolo.core.geometry.poses import PlanarPose
 
 ATTEMPTS = 200
-"""Number of attempts; a recipe with which one attempt in twenty succeeds fails once in 28,000 arenas."""
+"""Number of attempts; if one attempt in twenty succeeds with a recipe, the recipe fails once in 28,000 arenas."""
 
 
 class NoArenaError(Exception):
-    """No attempt had enough room; the text contains the number of attempts and the most frequent reason."""
+    """No attempt left enough room; the text contains the number of attempts and the most frequent reason."""
 
 
 def generate_arena(config: ArenaConfig, start: PlanarPose, rng: np.random.Generator) -> ArenaConfig:
-    """Return the arena with line, walls and obstacles in place of its recipe.
+    """Return the arena in which line, walls and obstacles replace the recipe.
 
     Args:
         config: An arena with `generate`; floor, tape and name are kept.
-        start: PlanarPose at which the line is straight.
-        rng: Generator of all draws.
+        start: Pose at which the line is straight.
+        rng: Random generator for all values.
 
     Raises:
         NoArenaError: The recipe leaves too little room.
@@ -51,7 +51,7 @@ def generate_arena(config: ArenaConfig, start: PlanarPose, rng: np.random.Genera
             }
         )
     reason, count = reasons.most_common(1)[0]
-    raise NoArenaError(f"no arena came out in {ATTEMPTS} attempts, in {count} of them because {reason}")
+    raise NoArenaError(f"none of {ATTEMPTS} attempts at an arena succeeded; {count} of them failed because {reason}")
 
 
 def _attempt(recipe: ArenaGenerator, half_extent_m: float, start: PlanarPose, rng: np.random.Generator) -> Site:

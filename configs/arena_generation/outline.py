@@ -40,7 +40,7 @@ def draw_outline(recipe: ArenaGenerator, start: PlanarPose, rng: np.random.Gener
 
 
 def _polygon(recipe: ArenaGenerator, rng: np.random.Generator) -> Array:
-    """Return corners (N, 2), counter-clockwise as seen from the middle, which may lie outside."""
+    """Return corners (N, 2), counter-clockwise as seen from the middle; the middle may be outside the polygon."""
     count, uneven = recipe.corners, recipe.irregularity
     angle = 2 * np.pi * (np.arange(count) + 0.5 * uneven * rng.uniform(-1, 1, count)) / count
     distance = recipe.radius_m * (1 + uneven * rng.uniform(-1, 1, count))
@@ -52,7 +52,7 @@ def _polygon(recipe: ArenaGenerator, rng: np.random.Generator) -> Array:
 def rounded(corners: Array, recipe: ArenaGenerator, rng: np.random.Generator) -> Track:
     """Return the track along a polygon (N, 2) with an arc in each corner; it begins with the first straight.
 
-    An arc of radius r takes r tan(turn / 2) of either edge at its corner.
+    An arc of radius r replaces the last r tan(turn / 2) of both edges at its corner.
     """
     edges = np.roll(corners, -1, axis=0) - corners
     length, yaw = np.hypot(edges[:, 0], edges[:, 1]), np.arctan2(edges[:, 1], edges[:, 0])

@@ -1,7 +1,7 @@
 """Why an attempt at an arena is rejected."""
 
-BEYOND_THE_FLOOR = "it reaches beyond the floor"
+BEYOND_THE_FLOOR = "the line or a wall reaches beyond the floor"
 
 
-class Rejected(Exception):  # noqa: N818 - a rejected attempt is not an error; the generator makes another
-    """The text is the reason; it is the same for all attempts with that reason, so that they can be counted."""
+class Rejected(Exception):  # noqa: N818 - a rejected attempt is not an error; the generator makes a new one
+    """The text is the reason. All attempts with the same reason have the same text, so that they can be counted."""

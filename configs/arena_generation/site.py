@@ -1,4 +1,4 @@
-"""An arena in the making: what is there, and whether one more box leaves enough room for the robot."""
+"""An incomplete arena with its line, walls and boxes so far, and the check that one more box leaves enough room."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -23,10 +23,10 @@ NOTICED_M = (0.32, 0.28, 0.24)
 REGAINED_M = (0.23, 0.27, 0.31)
 """Distances behind an obstacle's middle at which the robot meets the line again and overshoots it."""
 SWING_RAD = tuple(np.radians((45.0, 55.0, 65.0, 75.0)).tolist())
-"""Headings relative to the line during the overshoot, away from the side of the passing."""
+"""Headings relative to the line during the overshoot, away from the side on which the robot passed."""
 
 STRAIGHT_RAD = 1e-9
-"""Turn below which the line is straight."""
+"""Turn below which a piece of the line counts as straight."""
 
 Side = Literal["left", "right"]
 
@@ -48,10 +48,10 @@ class Site:
     """Line and walls of an arena with the boxes that are placed so far."""
 
     def __init__(self, track: Track, walls: tuple[WallConfig, ...], half_extent_m: float, limits: Clearance) -> None:
-        """Check whether line and walls alone leave enough room, on a floor that contains them.
+        """Check whether line and walls alone leave enough room; the floor must contain them.
 
         Raises:
-            Rejected: They do not.
+            Rejected: They leave too little room.
         """
         self.track, self.walls = track, walls
         self.obstacles: list[Obstacle] = []
@@ -73,7 +73,7 @@ class Site:
         begin_m, end_m = at_m - limits.before_m, at_m + limits.after_m
         if begin_m < self.track.start_m + START_AHEAD_M and end_m > self.track.start_m - START_BEHIND_M:
             return False
-        # Yaw is constant on a straight; a bend between the three places would have turned it.
+        # The yaw is constant on a straight; a bend between the three places would change it.
         if np.ptp(self.track.poses(np.array([begin_m, at_m, end_m]))[:, 2]) > STRAIGHT_RAD:
             return False
         frame: PlanarPose = tuple(self.track.poses(np.array([at_m]))[0].tolist())
@@ -94,7 +94,7 @@ class Site:
         return True
 
     def put_decoy(self, box: Obstacle) -> bool:
-        """Place a box beside the line, if it is not in the way."""
+        """Place a box next to the line, if it is not in the way."""
         rectangle = obstacle_footprint(box)
         if self._meets_others(rectangle) or self._in_the_way(rectangle, self._poses) or not self._within(rectangle):
             return False
@@ -118,7 +118,7 @@ class Site:
         return bool((ahead < self._limits.ahead_m).any())
 
     def _meets_others(self, rectangle: Rectangle) -> bool:
-        """Return whether a box overlaps with another thing or disturbs the passing of an obstacle."""
+        """Return whether a box overlaps with a wall or another box, or disturbs the passing of an obstacle."""
         if any(overlap(rectangle, other) for other in self._rectangles()):
             return True
         points = room.outline_of(rectangle)
@@ -138,15 +138,15 @@ class Site:
     def _draws_off(self, passing: Passing, points: Array) -> bool:
         """Return whether the robot would see any of the points (M, 2) of a box while it overshoots the line.
 
-        It may lose the line for a moment then and follow what is beside it as a wall. A real wall leads it along the
-        line and back to it; a box leads it away.
+        The robot may then lose the line for a moment and follow a box at its side like a wall. A real wall leads it
+        along the line and back to it, but a box leads it away.
         """
         sensor = room.RIGHT_SENSOR if passing.side == "left" else room.LEFT_SENSOR
         seen = room.seen_m(passing.regaining, sensor, room.HALF_FIELD_RAD, points)
         return bool(seen.min() < self._limits.regained_side_m)
 
     def _passing(self, box: Obstacle, at_m: float) -> Passing | None:
-        """Return a passing on the left if it is free, on the right if the left is surely blocked, else None."""
+        """Return a passing on the left if the left is free, on the right if the left is surely blocked, else None."""
         half_m = 0.5 * max(box.size[:2])
         noticing = self.track.poses(at_m - half_m - np.array(NOTICED_M))
         points = np.concatenate([room.outline_of(rectangle) for rectangle in self._rectangles()] or [np.empty((0, 2))])
@@ -160,7 +160,7 @@ class Site:
         return None
 
     def _lane(self, frame: NDArray[np.float64], sign: float) -> Rectangle:
-        """Return the floor used by a passing, on the left of the line with sign 1 and on the right with -1."""
+        """Return the floor that a passing uses, on the left of the line for sign 1 and on the right for -1."""
         limits = self._limits
         x, y, yaw = frame.tolist()
         along = 0.5 * (limits.after_m - limits.before_m)
@@ -170,7 +170,7 @@ class Site:
         return Rectangle(center, (limits.after_m + limits.before_m, limits.passing_m + limits.other_side_m), yaw)
 
     def _within(self, rectangle: Rectangle) -> bool:
-        """Return whether a box is on the floor and within the walls: to the left of each, as they go around."""
+        """Return whether a box is on the floor and within the walls, which means to the left of each of them."""
         if np.abs(rectangle.corners()).max() > self._half_extent_m:
             return False
         for wall in self.walls:
@@ -181,7 +181,7 @@ class Site:
 
 
 def _swung(poses: Array, sign: float) -> Array:
-    """Return the poses (N, 3) with every heading of the overshoot, to the left with sign 1, (N * headings, 3)."""
+    """Return the poses (N, 3) with every heading of the overshoot, (N * headings, 3); sign 1 turns them to the left."""
     turns = np.zeros((len(SWING_RAD), 1, 3))
     turns[:, 0, 2] = sign * np.array(SWING_RAD)
     return (poses + turns).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""A line defined by lengths and curvatures, from which both its poses and its pieces follow."""
+"""A line that is defined by lengths and curvatures, from which its poses and its pieces follow."""
 
 import math
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ class Segment:
         """Return poses (N, 3) at distances s (N,) from the beginning."""
         x, y, yaw = begin
         turned = self.curvature_1_m * s
-        # The chord after an arc: sinc is 1 for a straight, without a division by its curvature.
+        # The length of the chord of the arc; sinc is 1 for a straight, so there is no division by a curvature of 0.
         chord = s * np.sinc(0.5 * turned / np.pi)
         heading = yaw + 0.5 * turned
         return np.stack([x + chord * np.cos(heading), y + chord * np.sin(heading), yaw + turned], axis=1)
@@ -43,7 +43,7 @@ class Track:
 
     @cached_property
     def begins(self) -> list[PlanarPose]:
-        """PlanarPose at the beginning of each segment, and at the end of the track."""
+        """Poses at the beginning of each segment, and at the end of the track."""
         poses = [self.begin]
         for segment in self.segments:
             x, y, yaw = segment.along(poses[-1], np.array([segment.length_m]))[0]

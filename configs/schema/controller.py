@@ -101,7 +101,7 @@ class CurveAvoidance(Section):
     straight_below_rad: float = Field(gt=0, le=3.2)
     """Turn below which the recent path is straight."""
     face: FaceObstacle
-    """How the robot turns to the obstacle before a path begins."""
+    """Turn towards the obstacle before a path begins."""
     inner: CurvePath
     """Path on the inside of a bend."""
     outer: CurvePath

@@ -1,4 +1,4 @@
-"""The answer for programs: that of the format, and the results of removing each effect."""
+"""The answer for programs: the keys of GAP_FORMAT, and the results of removing each effect."""
 
 from diagnosis.inference.gain import Gain
 from diagnosis.report.dataset_comparison import in_json

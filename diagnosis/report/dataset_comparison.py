@@ -12,7 +12,7 @@ MAX_RUNS = 12
 
 
 def verdict(comparison: DatasetComparison) -> list[str]:
-    """Return one sentence on the whole, and one for each quantity that is not covered."""
+    """Return one sentence about the whole drive, and one for each quantity that is not covered."""
     count = len(comparison.runs)
     runs = "its run" if count == 1 else f"its {count} runs"
     gaps = [_median_gap(residual) for residual in comparison.residuals if not residual.is_covered]
@@ -44,7 +44,7 @@ def _scatter_gap(residual: ResidualComparison) -> str:
 def _range_gap(signal: QuantityComparison) -> str:
     low, high = signal.pooled.min(), signal.pooled.max()
     return (
-        f"{percent(signal.outside)} of the samples of {signal.name} lie outside the dataset's range of {low:.3g} to "
+        f"{percent(signal.outside)} of the samples of {signal.name} are outside the dataset's range of {low:.3g} to "
         f"{high:.3g} {signal.unit}."
     )
 
@@ -78,7 +78,7 @@ def _signed(value: float) -> str:
 
 
 def in_json(comparison: DatasetComparison) -> dict[str, object]:
-    """Return the part of answer.json."""
+    """Return the comparison for answer.json."""
     return {
         "release": comparison.release,
         "runs": len(comparison.runs),

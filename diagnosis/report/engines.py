@@ -30,7 +30,7 @@ def no_result(comparison: EngineComparison) -> str:
 
 
 def engine_name(engine: str) -> str:
-    return "PyBullet" if engine == PYBULLET else "The fast twin with the same voltages"
+    return "PyBullet" if engine == PYBULLET else "The twin with the same voltages"
 
 
 def differences(comparison: EngineComparison) -> str:

@@ -6,7 +6,7 @@ from math import isfinite, isinf, log10
 
 from diagnosis.report.quantities import meaning
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.signatures import STILL, Signature
+from diagnosis.report.signatures import STILL, EffectSignature
 
 _MAX_SHADE_SIGMA = 30.0
 """Change at which a cell has its full colour."""
@@ -50,7 +50,7 @@ def _opacity(sigma: float) -> float:
     return 0.6 * min(max(depth, 0.0), 1.0)
 
 
-def _smallest(row: Signature) -> str:
+def _smallest(row: EffectSignature) -> str:
     if isinf(row.smallest):
         return "never"
     if not isfinite(row.smallest):

@@ -1,4 +1,4 @@
-"""The report as one HTML page that stands alone: what was compared, what is wrong, what the effects gain."""
+"""The report as one HTML page without other files: what was compared, what is wrong, what the effects gain."""
 
 from collections.abc import Iterator, Mapping
 

@@ -29,7 +29,7 @@ def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         if name in before:
             extended = f", by {after[name]:.3g} {unit} with the effects" if name in after else ""
             yield (
-                f"If each row in turn is left out of the fit, {name} is wrong by {before[name]:.3g} {unit} (root mean "
+                f"If each row is left out of the fit once, its {name} is wrong by {before[name]:.3g} {unit} (root mean "
                 f"square) with the nominal robot and its fitted parameters{extended}."
             )
 
@@ -46,7 +46,7 @@ def too_large(named: NamedEffect) -> list[str]:
 def _stuck(row: StuckRow, diagnosis: Diagnosis) -> str:
     coulomb = diagnosis.nominal.motor.coulomb_friction_N_m
     text = (
-        f"In row {row.row} the motor stands still at {row.voltage_V:g} V, where the nominal motor turns at "
+        f"In row {row.row} the motor does not turn at {row.voltage_V:g} V, but the nominal motor turns at "
         f"{row.nominal_speed_rad_s:.3g} rad/s: the friction at rest is at least {1e3 * row.holds_N_m:.3g} mN m, "
         f"{row.holds_N_m / coulomb:.2f} times the nominal dry friction"
     )

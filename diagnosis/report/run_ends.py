@@ -14,7 +14,7 @@ from diagnosis.report.quantities import with_error
 
 
 def run_ends(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield sentences for a drive with known wheels whose whole runs show more than their short windows."""
+    """Yield sentences for a drive with known wheels, if whole runs show more than short windows."""
     measurement, fit = diagnosis.measurement, diagnosis.fit
     if not isinstance(measurement.nominal, KnownWheels):
         return
@@ -24,7 +24,7 @@ def run_ends(diagnosis: Diagnosis) -> Iterator[str]:
         return
     runs = replace(measurement, trials=held)
     yield (
-        "Predicted from the first pose and the counts alone, the end of a held-out run is wrong by "
+        "If the last pose of a held-out run is predicted from the first one and the counts alone, its error is "
         f"{_error(runs, diagnosis.nominal)} with the nominal robot and by {_error(runs, diagnosis.extended)} with the "
         f"extended one (rms of {len(held)} runs)."
     )
@@ -34,7 +34,7 @@ def run_ends(diagnosis: Diagnosis) -> Iterator[str]:
         parameters = ", ".join(f"{name} {with_error(value, std[name], '+-')}" for name, value in values.items())
         yield f"Whole runs need {effect.name} in addition: {parameters}."
     if more:
-        yield f"With it the end of a held-out run would be wrong by {_error(runs, whole.robot)}."
+        yield f"With it, the error of the last pose would be {_error(runs, whole.robot)}."
 
 
 def _error(runs: Measurement, robot: RobotConfig) -> str:

@@ -29,7 +29,7 @@ STILL = 1e-3
 
 
 @dataclass(frozen=True)
-class Signature:
+class EffectSignature:
     """Changes that one effect makes at its start value."""
 
     effect: CandidateEffect
@@ -49,7 +49,7 @@ class Signature:
 @dataclass(frozen=True)
 class Signatures:
     quantities: tuple[str, ...]
-    rows: tuple[Signature, ...]
+    rows: tuple[EffectSignature, ...]
     """Signatures, the most visible first."""
     alike: tuple[tuple[str, str, float], ...]
     """Names of two effects whose changes point in the same direction, and their cosine."""
@@ -85,7 +85,7 @@ def signatures(evidence: Evidence, nominal: HypothesisFit, effects: Sequence[Can
         )
         smallest = _smallest(effect, significance)
         start = ", ".join(f"{name} = {number.start:g}" for name, number in effect.kind.parameters().items())
-        rows.append(Signature(effect, start, moves, spreads, significance, smallest))
+        rows.append(EffectSignature(effect, start, moves, spreads, significance, smallest))
         directions.append(direction / significance if significance > 0.0 else direction)
     alike = [
         (a.effect.name, b.effect.name, cosine)

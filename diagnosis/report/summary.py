@@ -82,7 +82,7 @@ def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequ
 
 
 def _entry(label: str, text: str) -> list[str]:
-    """Return a label and its text, wrapped beside the label."""
+    """Return a label and its text, which is wrapped to the right of the label."""
     indent = " " * _LABEL_WIDTH
     lines = [indent + line for line in wrap(text, WIDTH - _LABEL_WIDTH, break_on_hyphens=False) or [""]]
     if len(label) >= _LABEL_WIDTH:
@@ -109,7 +109,7 @@ def reasoning(data: ReportData) -> list[str]:
         for structure in diagnosis.adequacy.structures[:_MAX_TESTS]
     ]
     if diagnosis.withdrawn:
-        lines += [f"Withdrawn, since they are not needed beside that structure: {', '.join(diagnosis.withdrawn)}"]
+        lines += [f"Withdrawn, since that structure makes them unnecessary: {', '.join(diagnosis.withdrawn)}"]
     lines += ["Effects that look alike in these data (cosine of their changes)"]
     lines += [f"  {a} and {b}: {cosine:.3f}" for a, b, cosine in data.signatures.alike] or ["  none"]
     untestable = ", ".join(diagnosis.candidates.untestable) or "none"

@@ -40,7 +40,7 @@ class StillWorld:
     """A world at time 0 with the robot at rest."""
 
     caster: RayCaster | None = None
-    """None for a sensor that casts no rays."""
+    """Ray caster of the world; None for a sensor that casts no rays."""
     y_m: float = 0.0
     yaw_deg: float = 0.0
 

@@ -1,7 +1,7 @@
-"""The pages of docs that are written by the code: commands, settings, effects, materials, formats.
+"""The pages of docs that are generated from the code: commands, settings, effects, materials, formats.
 
-python docs/generate            write them
-python docs/generate --check    exit 1 and name those that are not what the code says
+python docs/generate            write the pages
+python docs/generate --check    write nothing; name the pages that differ from the code, and exit with 1
 """
 
 import argparse
@@ -18,7 +18,7 @@ def main() -> int:
         return 0
     stale = drifted()
     for page in stale:
-        print(f"{DOCS.name}/{page} is not what the code says; run: python docs/generate", file=sys.stderr)
+        print(f"{DOCS.name}/{page} is missing or differs from the code; run: python docs/generate", file=sys.stderr)
     return int(bool(stale))
 
 

@@ -1,16 +1,16 @@
-"""Commands, arguments and options, as `--help` tells them."""
+"""Commands, arguments and options, with the texts of `--help`."""
 
 from collections.abc import Iterator
 from enum import Enum
 from typing import Any
 
-from markdown import page, table, text
+from markdown_text import page, table, text
 from typer.main import get_command
 
 from pipeline.cli import command_line
 
-ABOUT = """What `symolo COMMAND --help` says, of all commands. An overview with examples and exit codes is on the page
-[commands](../commands.md)."""
+ABOUT = """This page contains the text of `symolo COMMAND --help` for every command. The page [commands](../commands.md)
+is an overview with examples and exit codes."""
 
 
 def commands() -> str:
@@ -39,7 +39,7 @@ def _section(name: str, command: Any) -> Iterator[str]:
         yield f"    symolo {arguments}"
     rows = [_row(parameter) for parameter in command.params]
     if rows:
-        yield table(("", "value", "default", "what"), rows)
+        yield table(("argument or option", "value", "default", "meaning"), rows)
 
 
 def _row(parameter: Any) -> tuple[str, str, str, str]:
@@ -61,6 +61,6 @@ def _value(parameter: Any) -> str:
 
 
 def _shown(default: object) -> str:
-    """A flag that is off and a list that is empty need no word."""
+    """Return the default as text, which is empty for a flag that is off and for an empty list."""
     value = default.value if isinstance(default, Enum) else default
     return f"`{value}`" if value or (value == 0 and value is not False) else ""

@@ -1,4 +1,4 @@
-"""Every key of a scenario file, from its JSON Schema: its meaning, allowed values and default."""
+"""Every key of a scenario file with its meaning, allowed values and default, from the JSON Schema."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -7,21 +7,21 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from markdown import anchor, page, table, text
+from markdown_text import anchor, page, table, text
 
 from configs.json_schema import scenario_json_schema
 from configs.references import SECTIONS, shipped_names
 from configs.schema.base import FIXED_KEY
 
-ABOUT = """Every setting of a scenario, with its bounds and its default; units are in the names. A key is written
-below its section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
-[distribution](../scenarios.md#distributions) is allowed there. A section without a path of its own is allowed
-wherever a key links to it."""
+ABOUT = """This page lists every setting of a scenario with its bounds and its default. Units are in the names. Write a
+key below its section in a file, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. For a
+setting that is marked *fixed*, no [distribution](../scenarios.md#distributions) is allowed. If the heading of a section
+is not a path, the section is allowed wherever a key links to it."""
 
 ROBOTS = Path(__file__).parents[2] / "configs" / "robots"
 
 OFTEN = 3
-"""A section that more paths than this lead to has a name of its own."""
+"""Largest number of paths that a heading lists; a section with more paths has its name as the heading."""
 
 
 @dataclass
@@ -48,12 +48,12 @@ def configuration() -> str:
 
 
 def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
-    """In the order in which a reader of a scenario meets them, with all paths that lead to each."""
+    """Return the sections in the order of a scenario, each with all paths that lead to it."""
     sections: dict[str, _Section] = {}
 
     def walk(name: str, path: str, within: tuple[str, ...]) -> None:
         if name == "RobotEffects" or name in within:
-            return  # docs/reference/effects.md has those
+            return  # docs/reference/effects.md lists the effects
         section = sections.setdefault(name, _Section(name, definitions[name]))
         section.paths.append(path)
         for key, value in section.schema.get("properties", {}).items():
@@ -66,7 +66,7 @@ def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
 
 
 def _referred(schema: Mapping[str, Any]) -> Iterator[str]:
-    """Sections that may stand in a field."""
+    """Yield the names of the sections that a field may contain."""
     if "$ref" in schema:
         name = schema["$ref"].rsplit("/", 1)[1]
         if not name.endswith("_distribution"):
@@ -91,13 +91,13 @@ def _section_parts(section: _Section, sections: Mapping[str, _Section]) -> Itera
 
 
 def _meaning(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
-    """The description of a field; without one, the first paragraph of that of its section."""
+    """Return the description of a field; without one, the first paragraph of the description of its section."""
     described = (sections[name].schema.get("description", "") for name in _referred(schema) if name in sections)
     return schema.get("description") or next(described, "").split("\n\n")[0]
 
 
 def _default(schema: Mapping[str, Any]) -> str:
-    """A section's own defaults stand in its table."""
+    """Return the default as text; empty for a section, whose table contains the defaults."""
     default = schema.get("default")
     if default is None or default == "" or isinstance(default, dict):
         return ""
@@ -105,7 +105,7 @@ def _default(schema: Mapping[str, Any]) -> str:
 
 
 def _nominal(paths: list[str], key: str) -> str:
-    """The value of the shipped robot `nominal`, for a setting that has no default and stands in one place."""
+    """Return the value of the shipped robot `nominal`, for a setting that has no default and only one path."""
     section, *names = (*paths[0].split("."), key)
     if len(paths) > 1 or section != "robot":
         return ""
@@ -164,7 +164,7 @@ def _number(value: float) -> str:
 
 
 def _link(name: str, sections: Mapping[str, _Section]) -> str:
-    """To a section; a distribution needs no word, for what is not fixed may be drawn."""
+    """Return a link to a section; empty for a distribution, which is allowed for every setting that is not fixed."""
     if name.endswith("_distribution"):
         return ""
     section = sections[name]

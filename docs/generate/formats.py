@@ -1,12 +1,13 @@
-"""What `symolo export` can make."""
+"""The formats of `symolo export`."""
 
-from markdown import page, table, text
+from markdown_text import page, table, text
 
 from symolo.exporters import EXPORTERS
 
-ABOUT = "What `symolo export DIR --format NAMES --out OUT` makes of a release; with examples: [exports](../exports.md)."
+ABOUT = """`symolo export DIR --format NAMES --out OUT` converts a release to these formats. The page
+[exports](../exports.md) has examples."""
 
 
 def formats() -> str:
     rows = [(f"[{exporter.name}](../exports.md#{exporter.name})", text(exporter.what)) for exporter in EXPORTERS]
-    return page("Formats", ABOUT, [table(("format", "what"), rows)])
+    return page("Formats", ABOUT, [table(("format", "content"), rows)])

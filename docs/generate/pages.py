@@ -1,4 +1,4 @@
-"""Which pages there are, and where they lie."""
+"""The generated pages and their files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -27,8 +27,8 @@ def write() -> None:
 
 
 def drifted() -> tuple[str, ...]:
-    """Pages that are missing, or other than the code says."""
-    found = {name: DOCS / name for name in PAGES}
+    """Return the names of the pages that are missing or differ from the code."""
+    paths = {name: DOCS / name for name in PAGES}
     return tuple(
-        name for name, path in found.items() if not path.exists() or path.read_text(encoding="utf-8") != PAGES[name]()
+        name for name, path in paths.items() if not path.exists() or path.read_text(encoding="utf-8") != PAGES[name]()
     )

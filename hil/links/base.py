@@ -24,7 +24,7 @@ class BoardLink(Protocol):
         ...
 
     def read(self) -> bytes:
-        """Wait for the next bytes of this tick; empty when an answer would come too late.
+        """Wait for the next bytes of this tick; empty when an answer would come too late, also if bytes keep coming.
 
         Raises:
             BoardLost: The board is gone.

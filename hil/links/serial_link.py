@@ -46,6 +46,8 @@ class SerialLink:
         self._serial = _open(port, baud)
         self._due_s: float | None = None
         self._answer_by_s = 0.0
+        self._is_over = False
+        """Whether the time for answers of this tick has ended."""
 
     def start_tick(self, tick_s: float) -> float:
         """Sleep until the next tick is due. A tick that is late by more than a tick shifts all later ones."""
@@ -58,6 +60,7 @@ class SerialLink:
         if late_s > tick_s:
             self._due_s = begins_s
         self._answer_by_s = begins_s + self._answer_within * tick_s
+        self._is_over = False
         return late_s
 
     def write(self, data: bytes) -> None:
@@ -67,8 +70,11 @@ class SerialLink:
             raise self._gone(error) from None
 
     def read(self) -> bytes:
+        if self._is_over:  # a board that floods the line would keep its reader busy for ever
+            return b""
         try:
             left_s = max(0.0, self._answer_by_s - time.monotonic())
+            self._is_over = not left_s  # what has come by now is read once
             ready, _, _ = select.select([self._serial.fileno()], [], [], left_s)
             return self._serial.read(max(1, self._serial.in_waiting)) if ready else b""
         except OSError as error:

@@ -12,10 +12,12 @@ from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
 from physics.control.conditions import ControlView
 from physics.control.curves import CurveFollower
 from physics.control.following import MAX_ERROR, follow, line_error, wall_error
-from physics.control.paths import AvoidancePath, straight_path
+from physics.control.paths import straight_path
 from physics.control.transitions import load_transitions
 from symolo.core.geometry.poses import PlanarPose
 from symolo.dataset.codes import State
+
+_AVOIDED_ON: dict[State, Side] = {State.AVOID_LEFT: "left", State.AVOID_RIGHT: "right"}
 
 
 class RobotController:
@@ -25,10 +27,6 @@ class RobotController:
         self._config = config
         self._line_threshold = line_threshold
         self._transitions = load_transitions()
-        self._paths: dict[State, AvoidancePath] = {
-            State.AVOID_LEFT: straight_path(config.avoidance, "left"),
-            State.AVOID_RIGHT: straight_path(config.avoidance, "right"),
-        }
         curves = config.avoidance.curves
         self._curves = CurveBook.from_config(curves, config.avoidance.points) if curves else None
         self._bends = BendMemory(curves.memory_m, curves.straight_below_rad) if curves else None
@@ -73,9 +71,11 @@ class RobotController:
         if self._curves is not None and curve is not None:
             self._return_state = self._state
             self._follower = CurveFollower(self._curves, curve, seen.odometry, self._config.avoidance)
-        elif state in self._paths:
+        elif state in _AVOIDED_ON:
             self._return_state = self._state
-            self._follower = PathFollower(self._paths[state], seen.odometry, self._config.avoidance.look_ahead_m)
+            avoidance = self._config.avoidance
+            path = straight_path(avoidance, _AVOIDED_ON[state])
+            self._follower = PathFollower(path, seen.odometry, avoidance.look_ahead_m)
         else:
             self._follower = None
         self._state = state

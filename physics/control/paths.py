@@ -1,9 +1,8 @@
-"""Pre-computed avoidance paths: evenly spaced points of a spline (paper section 4.3, Fig. 7)."""
+"""Avoidance paths: evenly spaced points of a spline (paper section 4.3, Fig. 7)."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from configs.schema.controller import Avoidance, CurvePath
 from physics.control.base import Side, sign_of
@@ -26,6 +25,8 @@ class AvoidancePath:
 
 def straight_path(config: Avoidance, side: Side) -> AvoidancePath:
     """Return the path out to a side, along the obstacle and back to the line or wall (Fig. 7a)."""
+    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - a second, which a drive without obstacle saves
+
     x_out = config.out_length_m
     x_back = x_out + config.along_length_m
     x_end = x_back + config.back_length_m
@@ -49,6 +50,8 @@ def curve_path(config: CurvePath, count: int, bend: Side) -> AvoidancePath:
         count: Number of stored points.
         bend: The side to which the line bends.
     """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - as above
+
     knots = np.array(config.points)
     chord = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(knots, axis=0).T))])
     fine = CubicSpline(chord, knots)(np.linspace(0.0, chord[-1], FINE * count))

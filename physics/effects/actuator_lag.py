@@ -9,7 +9,7 @@ from symolo.core.arrays import Array
 class ActuatorLag(Effect):
     slot = Slot.ACTUATOR
     cause = "filtered or ramped PWM"
-    excitation = "steps of voltage: the current rises late"
+    excitation = "steps of voltage, after which the current rises late"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     time_constant_s: LagTime

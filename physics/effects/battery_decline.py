@@ -16,7 +16,7 @@ class BatteryDecline(Effect):
     setups = (Setup.DRIVE,)
 
     fraction_per_minute: Annotated[float, Parameter("1/min", null=0.0, start=0.03, low=0.0, high=1.0)]
-    """u_true = u (1 - fraction * time / 60 s), and 0 once nothing is left."""
+    """u_true = u (1 - fraction * time / 60 s), and 0 when the battery is empty."""
 
     def apply(self, voltage_V: Array, time_s: float | Array) -> Array:
         """Return the voltage, which falls linearly to 0 V."""

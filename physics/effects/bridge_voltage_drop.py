@@ -18,7 +18,9 @@ class BridgeVoltageDrop(Effect):
     drop_V: Annotated[
         float,
         Parameter("V", null=0.0, start=0.3, low=0.0, high=5.0),
-        Plausible(0.0, 5.0, "both transistors of an L298 lose 1.8 V at 1 A and at most 4.9 V at 2 A by its datasheet"),
+        Plausible(
+            0.0, 5.0, "by the data sheet of the L298, both transistors lose 1.8 V at 1 A and at most 4.9 V at 2 A"
+        ),
     ]
     """Voltage lost in the bridge, against the current: I = sgn(e) max(|e| - drop, 0) / R with e = u - K w."""
 

@@ -1,4 +1,4 @@
-"""Coulomb friction other than nominal."""
+"""Coulomb friction that is not nominal."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Encoders with other than the believed counts per revolution."""
+"""Encoders whose counts per revolution are not nominal."""
 
 from typing import Annotated
 
@@ -8,11 +8,11 @@ from configs.effects.parameter import GeometryScale, Plausible
 
 class EncoderTicksScale(Effect):
     slot = Slot.ENCODER
-    cause = "another gear ratio or code wheel"
-    excitation = "speeds and distances that are known otherwise"
+    cause = "a different gear ratio or code wheel"
+    excitation = "speeds and distances that are known from another source"
     setups = (Setup.DRIVE,)
 
-    scale: Annotated[GeometryScale, Plausible(0.5, 2.0, "one edge counted for two, or two for one")]
+    scale: Annotated[GeometryScale, Plausible(0.5, 2.0, "one edge counted instead of two, or two instead of one")]
     """True ticks per revolution = scale * nominal."""
 
     def apply(self, counts_per_revolution: float) -> float:

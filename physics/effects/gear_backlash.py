@@ -19,12 +19,13 @@ class GearBacklash(Effect):
     setups = (Setup.MOTOR_BENCH,)
 
     gap_rad: Annotated[float, Parameter("rad", null=0.0, start=0.05, low=0.0, high=1.0)]
-    """Play between motor side and load side, at the wheel shaft; inelastic contact, start in mid-gap."""
+    """Play between motor side and load side, at the wheel shaft. Contact is inelastic; motion starts in mid-gap."""
 
     def apply(self, state: TwoMass, motor: Load, load: Load, duration_s: float | Array) -> TwoMass:
-        """Return the state after one step in which the sides meet at most once: first apart, then as one mass.
+        """Return the state after one step: the sides move separately until they meet, and then as one mass.
 
-        The moment of contact follows from the mean relative speed over the step; contact is inelastic.
+        They meet at most once. The moment of contact follows from the mean relative speed over the step; contact is
+        inelastic.
         """
         half = 0.5 * self.gap_rad
         motor_rad_s, motor_rad = motor.moved(state.motor_rad_s, duration_s)
@@ -50,5 +51,5 @@ class GearBacklash(Effect):
     def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
         if in_simulation and self.gap_rad > 0:
             problem = "PyBullet's wheel is one mass, without play"
-            cure = "leave the effect out; it acts on the motor bench alone"
+            cure = "remove the effect; it acts on the motor bench alone"
             yield ConfigFault(("gap_rad",), problem, got=self.gap_rad, allowed="0", cure=cure)

@@ -11,7 +11,7 @@ from symolo.core.arrays import Array
 class QuadraticDrag(Effect):
     slot = Slot.FRICTION
     cause = "churning grease, a fan on the shaft"
-    excitation = "current against speed up to the highest speed"
+    excitation = "current against speed, up to the highest speed"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     coefficient_N_m_s2_rad2: Annotated[float, Parameter("N m s2/rad2", null=0.0, start=1e-4, low=0.0, high=0.1)]

@@ -1,4 +1,4 @@
-"""Rotor inertia other than nominal."""
+"""Rotor inertia that is not nominal."""
 
 from dataclasses import replace
 
@@ -9,8 +9,8 @@ from physics.drivetrain.motor import Motors
 
 class RotorInertiaScale(Effect):
     slot = Slot.MOTORS
-    cause = "another rotor or wheel, another mass of the robot"
-    excitation = "steps of voltage: time constant of the speed"
+    cause = "a different rotor or wheel, a different mass of the robot"
+    excitation = "steps of voltage (time constant of the speed)"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     scale: Scale

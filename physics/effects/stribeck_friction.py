@@ -1,4 +1,4 @@
-"""Friction that falls when motion sets in."""
+"""Friction that falls when motion begins."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""A supply that gives way under load."""
+"""A supply whose voltage falls under load."""
 
 from typing import Annotated
 
@@ -10,15 +10,16 @@ from physics.drivetrain.bridge import Bridge
 from symolo.core.arrays import Array
 
 NEWTON_STEPS = 5
-"""Enough for two motors: the loss is convex and piecewise linear, with two kinks per motor, where its current
-starts, stops or reverses. Newton's method from zero loss passes each kink at most once and is exact between them."""
+"""Number of steps that is enough for two motors. The loss is convex and piecewise linear, with two kinks per motor,
+where its current starts, stops or reverses. Newton's method from zero loss passes each kink at most once and is exact
+between them."""
 MIN_SLOPE = 1e-9
 
 
 class SupplySag(Effect):
     slot = Slot.SUPPLY
     cause = "internal resistance of the cells, thin leads"
-    excitation = "full duty against part duty, one wheel stalled while the other runs"
+    excitation = "full duty compared with partial duty, one wheel stalled while the other runs"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     source_resistance_ohm: Annotated[
@@ -34,8 +35,8 @@ class SupplySag(Effect):
     def apply(self, emf_V: Array, bridge: Bridge) -> Array:
         """Return the current of each motor [A], the motors of one supply along the last axis.
 
-        The supply loses r (sum of |duty| |I|), at most its whole voltage, and each motor loses its share by duty. One
-        motor alone follows GAP_FORMAT's formula, also while it feeds back.
+        The voltage of the supply falls by r (sum of |duty| |I|), at most to zero, and that of each motor by its duty
+        times this. With one motor alone, the current is I = e / (R + r duty^2), also while the motor feeds back.
         """
         source, duty, resistance_ohm = self.source_resistance_ohm, bridge.duty, bridge.resistance_ohm
         if emf_V.shape[-1] == 1:

@@ -1,4 +1,4 @@
-"""Two motors of one robot that are not alike."""
+"""Different torque constants of the two motors of one robot."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from physics.drivetrain.motor import Motors
 
 class TorqueConstantMismatch(Effect):
     slot = Slot.MOTORS
-    cause = "magnets or gearboxes of two batches"
+    cause = "magnets or gearboxes from different batches"
     excitation = "the same voltage on both wheels"
     setups = (Setup.DRIVE,)
 

@@ -1,4 +1,4 @@
-"""Torque constant, and with it back-EMF, other than nominal."""
+"""A torque constant, and with it a back-EMF, that is not nominal."""
 
 from dataclasses import replace
 from typing import Annotated
@@ -10,14 +10,14 @@ from physics.drivetrain.motor import Motors
 
 class TorqueConstantScale(Effect):
     slot = Slot.MOTORS
-    cause = "another or an aged magnet, another gear ratio"
-    excitation = "high speed: speed against voltage"
+    cause = "a different or an aged magnet, a different gear ratio"
+    excitation = "high speed (speed against voltage)"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     scale: Annotated[
         Scale,
         Plausible(
-            0.7, 1.2, "ferrite loses 0.2 % a kelvin and comes back; more is lost for good only by demagnetisation"
+            0.7, 1.2, "ferrite loses 0.2 % per kelvin reversibly; only demagnetisation causes a larger, permanent loss"
         ),
     ]
     """K_true = scale * K, in torque and back-EMF."""

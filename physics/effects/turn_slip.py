@@ -1,4 +1,4 @@
-"""Turns that are smaller than those of the wheels, the more so the larger the lateral force."""
+"""Turns that are smaller than those of the wheels, by a share that grows with the lateral force."""
 
 from typing import Annotated
 
@@ -16,7 +16,7 @@ class TurnSlip(Effect):
     setups = (Setup.DRIVE,)
 
     coefficient_s2_m: Annotated[float, Parameter("s2/m", null=0.0, start=0.5, low=0.0, high=20.0)]
-    """dtheta = dtheta_kinematic / (1 + coefficient * |v * yaw rate|), v and yaw rate by the wheels."""
+    """dtheta = dtheta_kinematic / (1 + coefficient * |v * yaw rate|), with v and yaw rate of the wheels."""
 
     def apply(self, share: Array, speed_m_s: Array, yaw_rate_rad_s: Array) -> Array:
         return share / (1.0 + self.coefficient_s2_m * np.abs(speed_m_s * yaw_rate_rad_s))

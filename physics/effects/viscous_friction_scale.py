@@ -1,4 +1,4 @@
-"""Viscous friction other than nominal."""
+"""Viscous friction that is not nominal."""
 
 from dataclasses import replace
 

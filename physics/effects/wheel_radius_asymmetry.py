@@ -1,4 +1,4 @@
-"""Two wheels of different size."""
+"""Two wheels of different sizes."""
 
 from dataclasses import replace
 from typing import Annotated
@@ -10,11 +10,11 @@ from physics.robot.wheel_geometry import WheelGeometry
 
 class WheelRadiusAsymmetry(Effect):
     slot = Slot.GEOMETRY
-    cause = "uneven wear, one tyre seated askew"
-    excitation = "straight drives: the heading drifts with distance"
+    cause = "uneven wear, a tyre that is mounted unevenly"
+    excitation = "straight drives, in which the heading drifts with the distance"
     setups = (Setup.DRIVE,)
 
-    asymmetry: Annotated[Asymmetry, Plausible(-0.1, 0.1, "two wheels of one make; one per cent is much")]
+    asymmetry: Annotated[Asymmetry, Plausible(-0.1, 0.1, "for two wheels of the same type, one per cent is much")]
     """r_left = r (1 + asymmetry/2), r_right = r (1 - asymmetry/2)."""
 
     def apply(self, geometry: WheelGeometry) -> WheelGeometry:

@@ -1,4 +1,4 @@
-"""Wheels larger or smaller than believed."""
+"""Wheels that are larger or smaller than nominal."""
 
 from dataclasses import replace
 from typing import Annotated
@@ -14,7 +14,9 @@ class WheelRadiusScale(Effect):
     excitation = "straight drives of known length"
     setups = (Setup.DRIVE,)
 
-    scale: Annotated[GeometryScale, Plausible(0.9, 1.1, "another tyre would be seen; wear and load are some per cent")]
+    scale: Annotated[
+        GeometryScale, Plausible(0.9, 1.1, "a different tyre would be visible; wear and load are a few per cent")
+    ]
     """Both radii * scale."""
 
     def apply(self, geometry: WheelGeometry) -> WheelGeometry:

@@ -1,4 +1,4 @@
-"""Ground contacts further apart or closer than believed."""
+"""Ground contacts that are further apart or closer together than nominal."""
 
 from dataclasses import replace
 from typing import Annotated
@@ -10,11 +10,11 @@ from physics.robot.wheel_geometry import WheelGeometry
 
 class WheelbaseScale(Effect):
     slot = Slot.GEOMETRY
-    cause = "wide tyres that bear on an edge, wheels pushed along the shaft"
+    cause = "wide tyres that touch the floor with one edge, wheels pushed along the shaft"
     excitation = "turns of known angle"
     setups = (Setup.DRIVE,)
 
-    scale: Annotated[GeometryScale, Plausible(0.9, 1.1, "a tyre touches the floor within its own breadth")]
+    scale: Annotated[GeometryScale, Plausible(0.9, 1.1, "a tyre touches the floor within its own width")]
     """Wheel separation * scale."""
 
     def apply(self, geometry: WheelGeometry) -> WheelGeometry:

@@ -1,4 +1,4 @@
-"""Winding resistance other than nominal."""
+"""Winding resistance that is not nominal."""
 
 from dataclasses import replace
 from typing import Annotated
@@ -10,11 +10,13 @@ from physics.drivetrain.motor import Motors
 
 class WindingResistanceScale(Effect):
     slot = Slot.MOTORS
-    cause = "another winding, brushes and contacts, a warm winding"
-    excitation = "stall and low speed: current against voltage"
+    cause = "a different winding, brushes and contacts, a warm winding"
+    excitation = "stall and low speed (current against voltage)"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
-    scale: Annotated[Scale, Plausible(0.8, 1.5, "copper gains 0.39 % a kelvin: half as much again would be 130 K")]
+    scale: Annotated[
+        Scale, Plausible(0.8, 1.5, "copper gains 0.39 % per kelvin, so a factor of 1.5 would need a rise of 130 K")
+    ]
     """R_true = scale * R."""
 
     def apply(self, motors: Motors) -> Motors:

@@ -71,5 +71,5 @@ class RobotModel:
             raise InputError(
                 f"robot.effects.gear_backlash.gap_rad: no play in {place}, whose wheel is one mass",
                 allowed="0",
-                cure="leave the effect out; it acts on the motor bench alone",
+                cure="remove the effect; it acts on the motor bench alone",
             )

@@ -34,27 +34,35 @@ def inspect(
 ) -> None:
     """Show what the log of a real robot or test bench contains: channels, rates, gaps, noise.
 
-    CASE is one of these; symolo recognises the kind from the files:
+    CASE is one of the following; symolo recognises the kind from the files:
 
-    - a case folder: nominal.yaml and data.csv, kinds motor_steady,
-      motor_step, tof_bench and drive_log (docs/measured.md)
+    - a case folder with nominal.yaml and data.csv, of the kind motor_steady,
+      motor_step, tof_bench or drive_log (docs/measured.md)
 
-    - a run folder or release of symolo, or a SyMoLo data.csv
+    - a release of symolo, a run of it, or a SyMoLo data.csv
 
     - a file or folder of OptiOdom, Algernon, Robotino or VL53L0X data
 
     - table-1, table-3 or table-4 of the paper
 
     The command prints the trials with their rates and gaps. Then it prints
-    for each channel: the number of rows; how many are missing, have no
-    target, are stale (an old value repeated) or are outliers (6 sigma off
-    their neighbours, or off the known distance); the smallest and largest
-    good value; the quantisation step; the noise estimated from the data,
-    with its correlation from row to row or the number of repeats behind
-    it; the noise that the source states.
+    for each channel:
 
-    Nothing is written or changed. A bad file is refused with its name,
-    row and column, and exit code 2.
+    - the number of rows
+
+    - how many rows are missing, have no target, are stale (repeat an old
+      value) or are outliers (6 sigma from their neighbours, or from the
+      known distance)
+
+    - the smallest and largest good value, and the quantisation step
+
+    - the noise estimated from the data, with its correlation from row to
+      row or the number of repeated measurements
+
+    - the noise that the source states
+
+    The command writes no file. If a file is wrong, it prints the file name,
+    row and column, and ends with exit code 2.
 
     Example: symolo inspect my_robot/drive_1
 
@@ -89,14 +97,15 @@ def diagnose(
         typer.Option(
             "--hold-out",
             metavar="PATTERN",
-            help="Hold out the trials with this name or part, such as 'circular/*', in place of the default ones: they "
-            "judge the result and are not used for fitting; may be repeated.",
+            help="Hold out the trials whose name or part matches, such as 'circular/*', instead of the default ones. "
+            "Trials that are held out judge the result and are not used for fitting. May be repeated.",
         ),
     ] = None,
     nominal: Annotated[
         str | None,
         typer.Option(
-            metavar="ROBOT", help="Nominal robot for what CASE does not state: a shipped one, or a YAML file."
+            metavar="ROBOT",
+            help="Robot for all parameters that CASE does not state: name of a shipped one, or a YAML file.",
         ),
     ] = None,
     pybullet: Annotated[
@@ -110,34 +119,46 @@ def diagnose(
         typer.Option(
             metavar="DATASET",
             callback=if_given(checked_input),
-            help="Report how far this dataset of symolo covers the measured drives; its robot is the nominal one.",
+            help="Report whether this dataset of symolo covers the measured drives. Its robot is the nominal one.",
         ),
     ] = None,
     workers: Workers = None,
-    explain: Annotated[bool, typer.Option("--explain", help="Also print how the verdict was reached.")] = False,
+    explain: Annotated[bool, typer.Option("--explain", help="Also print how the result was reached.")] = False,
     as_json: Json = False,
 ) -> int:
     """Explain why the simulation differs from a real robot or test bench.
 
-    The result names the effects that the real robot has and the simulated
-    one lacks, with their parameters and how certain they are; effects that
-    these data cannot distinguish; what stays unexplained; and how much
-    better the extended robot predicts rows that were not used for fitting.
-    `symolo inspect --help` lists the data that can be read;
+    The result has four parts:
+
+    - the effects that the real robot has and the simulated one lacks, with
+      their parameters and confidence
+
+    - effects that these data cannot distinguish
+
+    - deviations that stay unexplained
+
+    - how much better the extended robot, which has these effects, predicts
+      rows that were not used for fitting
+
+    `symolo inspect --help` lists the data that can be read.
     docs/diagnosis.md explains the result.
 
-    Files in DIR, or in DIR/CASE for several cases:
+    The command writes these files into DIR, or into DIR/CASE for several
+    cases:
 
-    - report.html: one page with everything; begin there
+    - report.html: one page with all results; begin with this file
 
-    - answer.json: the result in the form of docs/diagnosis.md
+    - answer.json: the result for programs (docs/diagnosis.md)
 
-    - extended.yaml: the extended robot, for --set robot=FILE, and
-      extended_varied.yaml, which draws uncertain values for each run
+    - extended.yaml: the extended robot, for --set robot=FILE
 
-    - summary.txt, reasoning.txt, plots/
+    - extended_varied.yaml: the same robot, with its uncertain values drawn
+      for each run
 
-    If some of several cases cannot be diagnosed, the command names them,
+    - summary.txt, reasoning.txt, plots/: the printed text, and the plots of
+      the page
+
+    If one of several cases cannot be diagnosed, the command names it,
     finishes the others and ends with exit code 3.
 
     Example: symolo diagnose my_robot/bench_1 --out diagnosis
@@ -217,8 +238,8 @@ def identify_camera(
     that the nominal camera would see from the poses of data.csv. With
     --simulated it also compares floor and edges with simulated images of the
     same places. The result names each difference with its value and standard
-    error. Every fourth image is not used for the fit; it shows how much better
-    the identified camera predicts. See docs/camera_identification.md.
+    error. Every fourth image is not used for the fit, but to measure how much
+    better the identified camera predicts. See docs/camera_identification.md.
 
     Files in DIR: report.html, answer.json, summary.txt, plots/, and robot.yaml
     and look.yaml with the identified camera.

@@ -220,7 +220,7 @@ def baselines(
         typer.Option(
             "--methods",
             metavar="NAMES",
-            help="odometry, ekf, particles, pictures, with commas between them; by default all that the data allow.",
+            help="Some of odometry,ekf,particles,pictures; by default all that the data allow.",
         ),
     ] = None,
     runs: Runs = None,
@@ -236,8 +236,9 @@ def baselines(
 ) -> None:
     """Localise the robot with odometry, a Kalman filter, a particle filter and images, and measure the errors.
 
-    The methods get the sensor readings, the map and the start, never the true pose. The output is a table, its numbers
-    as JSON, a plot, and every estimate. The same release gives the same bytes.
+    The methods get the sensor readings, the map and the start pose, but not the true poses. The command prints a table
+    of the errors, and writes the table, all errors as JSON, a plot, and the estimates. The same release gives the same
+    bytes.
 
     Example: symolo baselines data --out baselines --start-sd-cm 5 --start-sd-deg 5
     """

@@ -28,8 +28,8 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun; several with "
-            "commas between them.",
+            help="Formats: tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun; for "
+            "several, write commas between them.",
         ),
     ],
     out: NewFolder,
@@ -37,15 +37,15 @@ def export(
     shard_mb: Annotated[
         int,
         typer.Option(
-            min=1, max=2000, metavar="MB", help="Largest size of a shard of webdataset, huggingface, lerobot."
+            min=1, max=2000, metavar="MB", help="Largest size of a shard, for webdataset, huggingface and lerobot."
         ),
     ] = 100,
     dry_run: DryRun = False,
 ) -> None:
-    """Convert a release to other formats, each in a folder of its name in OUT.
+    """Convert a release to other formats; each format gets a folder of its name in OUT.
 
-    The release is checked first; a damaged one is refused. OUT is written completely or not at all. The same release
-    always gives the same bytes.
+    The release is checked first, and a damaged one is refused. OUT is written completely or not at all. The same
+    release always gives the same bytes.
 
     Example: symolo export data --format tum,kitti --out exported
     """

@@ -104,12 +104,12 @@ def _sign(
     from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.errors import InputError
     from symolo.dataset.manifest import PROVENANCE, SIGNATURE
-    from symolo.publishing.signing import ReleaseFacts, sign_release, signing_time
+    from symolo.publishing.signing import SignedFacts, sign_release, signing_time
     from symolo.signing.key_files import read_secret_key
 
     if not re.fullmatch(r"\d+\.\d+\.\d+", version):
         raise InputError("--release-version", got=version, allowed="a version such as 1.0.0")
-    facts = ReleaseFacts(version, signing_time(time))
+    facts = SignedFacts(version, signing_time(time))
     if not folder.is_dir():
         raise InputError("no such folder", where=str(folder), cure="name the folder that holds metadata.json")
     secret = read_secret_key(key, lambda: _passphrase(passphrase_file, new=False))

@@ -21,7 +21,7 @@ from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import frame_name
-from symolo.pages.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
+from symolo.pages.sheet import LINE_PX, Cell, Pixels, check_side, in_columns
 
 RenderedViews = tuple[dict[int, Pixels], list[FailedRun]]
 """Images by number, (H, W, 3) BGR, and the failures of the other views."""
@@ -48,8 +48,7 @@ def render_views(engine: Engine, views: Sequence[PreviewImage], workers: int, re
 def sheet(views: Sequence[PreviewImage], images: dict[int, Pixels], columns: int) -> Pixels:
     """Return the images in rows of that many columns, (H, W, 3) BGR."""
     cells = [Cell(images[view.number], view.lines) for view in views if view.number in images]
-    width_px = cells[0].image.shape[1]
-    return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
+    return in_columns(cells, columns)
 
 
 def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> RenderedViews:

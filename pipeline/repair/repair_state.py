@@ -32,7 +32,7 @@ class RepairTools:
     devices: Mapping[str, DeviceKind]
     """Device that rendered each run."""
     difference: str
-    """How this machine differs from that of the release, as text."""
+    """Differences between this machine and that of the release, as text."""
 
     def excuse(self, run: str) -> str:
         """Return why the files of a run may have other bytes when they are made again."""

@@ -31,7 +31,7 @@ class ReproducedImage:
     file: str
     """Path in the dataset."""
     problem: str = ""
-    """How it differs, or why it could not be rendered; empty where its bytes are the same."""
+    """Difference from the released image, or why it could not be rendered; empty where the bytes are the same."""
     is_missing: bool = False
     """Whether it could not be rendered."""
 

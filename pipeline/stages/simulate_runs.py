@@ -1,7 +1,6 @@
 """Stage 1: simulates every run of a scenario into a folder of its own."""
 
 import io
-from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from configs.schema.board import Board
 from configs.schema.scenario import RunSpec
 from hil.loop import BoardEvent
-from hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_from_board
+from hil.pilot import PilotFromBoard, build_for, counted, firmware_id_of, pilot_from_board
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.user_files import hashes_of_files
@@ -205,7 +204,7 @@ def _publish(
 
 
 def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:
-    kinds = Counter(event.kind for event in pilot.events)
+    kinds = counted(pilot.events)
     return BoardRecord(
         kind=board.kind,
         framing=board.framing,
@@ -218,7 +217,11 @@ def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:
 
 
 def _event_lines(events: Sequence[BoardEvent], control_hz: int) -> tuple[str, ...]:
-    lines = [f"{event.tick / control_hz:.2f} s: {event.kind}: {event.text}" for event in events[:MAX_EVENTS]]
+    lines = [
+        f"{event.tick / control_hz:.2f} s: {event.kind}: {event.text}"
+        + (f", and {event.count - 1} more" if event.count > 1 else "")
+        for event in events[:MAX_EVENTS]
+    ]
     left = len(events) - len(lines)
     return (*lines, *([f"and {left} more"] if left else []))
 

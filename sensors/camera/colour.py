@@ -28,7 +28,8 @@ def paint_rgb(paint: Paint, *, times: float = 1.0) -> RGB:
 def light_rgb(temperature_K: float) -> RGB:
     """Return the colour of a light of that correlated temperature, scaled to a luminance of 1.
 
-    Daylight locus of CIE 15 from 4000 K on, Planck's locus below in the approximation of Kim et al. (US 7024034).
+    From 4000 K on, it is on the daylight locus of CIE 15; below, on Planck's locus in the approximation of Kim et al.
+    (US 7024034).
     """
     t = temperature_K
     if t >= 4000:

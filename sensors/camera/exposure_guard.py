@@ -1,4 +1,4 @@
-"""Shares of black and burnt pixels of images, and the warnings where they are too large."""
+"""Shares of black and overexposed (burnt) pixels of images, and the warnings if these shares are too large."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -39,7 +39,11 @@ class Extremes:
 
 
 def exposure_warnings(images: Mapping[str, Extremes]) -> tuple[str, ...]:
-    """Return a line about the black images of a run, by file name, and one about the burnt ones, if there are any."""
+    """Return a line about the black images of a run and one about the overexposed ones, if there are any.
+
+    Args:
+        images: The shares of each image, by file name.
+    """
     black = {name: shares.black for name, shares in images.items()}
     burnt = {name: shares.burnt for name, shares in images.items()}
     return (*_warning("black", black, MAX_BLACK), *_warning("burnt", burnt, MAX_BURNT))

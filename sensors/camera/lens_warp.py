@@ -15,7 +15,8 @@ from symolo.core.geometry.lens import NO_DISTORTION, border_rays, refined
 from symolo.core.geometry.pinhole import Intrinsics, rays_of
 
 LIGHT_WIDTH_PX = 80
-"""Minimum width of the light image of hybrid rendering, which is the final one halved as often as this allows."""
+"""Minimum width of the light image of hybrid rendering. The width of the final image is halved as often as this
+minimum allows."""
 
 _SPARE_PX = 2
 """Margin beyond the outermost ray, for the interpolation."""
@@ -24,7 +25,7 @@ _COARSE, _NEWTON_STEPS = 33, 4
 
 @dataclass(frozen=True)
 class PinholeImage:
-    """The image that is rendered. Without distortion, pixel (u, v) of the final image is its (u + left, v + top)."""
+    """The rendered image. Without distortion, its pixel (u + left, v + top) is pixel (u, v) of the final image."""
 
     camera: Intrinsics
     left_px: int
@@ -44,12 +45,12 @@ def pinhole_image(camera: Intrinsics) -> PinholeImage:
     low, high = ((corner - axis) / focal for corner in (np.zeros(2), last))
     rays = border_rays(camera.distortion, (low[0], low[1]), (high[0], high[1]))
     if np.isnan(rays).any():
-        raise ValueError(f"lens distortion {camera.distortion} brings no ray to some of the image's border")
+        raise ValueError(f"lens distortion {camera.distortion}: some pixels at the border of the image have no ray")
     reached = rays * focal + axis
     left, top = np.maximum(0, np.ceil(-reached.min(axis=0)) + _SPARE_PX).astype(int).tolist()
     right, bottom = np.maximum(0, np.ceil(reached.max(axis=0) - last) + _SPARE_PX).astype(int).tolist()
     width_px, height_px = camera.width_px + left + right, camera.height_px + top + bottom
-    # Hybrid rendering lets each square of so many pixels share one pixel of light.
+    # In hybrid rendering, all pixels of a square with this side share one pixel of light.
     side_px = 2 ** int(np.log2(max(width_px / LIGHT_WIDTH_PX, 1)))
     pinhole = Intrinsics(
         -(-width_px // side_px) * side_px,
@@ -68,12 +69,13 @@ def through_lens(light: FloatImage, camera: Intrinsics, late: FloatImage | None 
     Args:
         light: Light of the pinhole image.
         camera: Camera of the final image.
-        late: (H, W, 2) shift right and down of each pixel's source [px], of `rolling_shutter.lateness`; None for none.
+        late: (H, W, 2), shift of each pixel's source to the right and down [px], by `rolling_shutter.lateness`; None
+            for no shift.
     """
     if camera.distortion == NO_DISTORTION:
         return light
     at = sources(camera) if late is None else sources(camera) + late
-    # A shifted source may lie beyond the margin; it takes the light of the border.
+    # A shifted source may be outside the margin; it then gets the light of the border.
     warped = cv2.remap(light, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return warped.astype(np.float32, copy=False)
 
@@ -82,8 +84,8 @@ def through_lens(light: FloatImage, camera: Intrinsics, late: FloatImage | None 
 def sources(camera: Intrinsics) -> FloatImage:
     """Return the place (H, W, 2) of each pixel's ray in the pinhole image, u and v.
 
-    Only the rays of a coarse grid are found from scratch, which takes a hundredth of the time; Newton's method refines
-    the values interpolated between them.
+    Only the rays of a coarse grid are computed from scratch, which takes a hundredth of the time. Values between them
+    are interpolated and then refined by Newton's method.
     """
     last = np.array([camera.width_px, camera.height_px]) - 1
     coarse = np.indices((_COARSE, _COARSE))[::-1].reshape(2, -1).T / (_COARSE - 1)

@@ -1,4 +1,4 @@
-"""Metering of a run's exposure: on a few of its frames, in small images."""
+"""Metering of the exposure of a run with small images of a few of its frames."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ _WIDTH_PX = 64
 
 
 def metered_views(frames: Sequence[FrameView]) -> tuple[FrameView, ...]:
-    """Return views spread over all frames of a run, each of them without an exposure time."""
+    """Return views that are spread over all frames of a run, without an exposure time."""
     chosen = np.unique(np.linspace(0, len(frames) - 1, _VIEWS).round().astype(int))
     return tuple(replace(frames[i], exposure=()) for i in chosen)
 

@@ -1,9 +1,9 @@
 """The camera's response from light to pixels, in numpy and OpenCV.
 
-The steps are those of a camera: blur, glare and vignetting of the lens, exposure, shot and read noise of the sensor,
-gains of the white balance, which amplify that noise, saturation, tone curve, sharpening, JPEG.
+The steps are those of a camera: blur, glare and vignetting of the lens; exposure; shot and read noise of the sensor;
+gains of the white balance, which amplify that noise; saturation; tone curve; sharpening; JPEG.
 
-Pixels depend on the light, the settings and the frame's number, never on threads or order.
+Pixels depend on the light, the settings and the number of the frame, but never on threads or order.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,8 @@ from symolo.core.arrays import FloatImage
 from symolo.core.random_streams import stream
 
 _MIN_SHARE = 0.02
-"""Minimum share of a component in light that is balanced to white, so that gains stay below 50; 1900 K has no blue."""
+"""Minimum share of a component in the light of the white balance, which keeps gains below 50. Light of 1900 K has no
+blue."""
 _BURNT_SHARE = 0.04
 _LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 """Weights of gamma-coded components (ITU-R BT.601), as in JPEG."""
@@ -33,7 +34,7 @@ _KNEE = 0.6
 class CameraResponse:
     seed: int
     brightness: float
-    """Linear pixel value of the median luminance, exposure compensation included."""
+    """Linear pixel value of the median luminance, including exposure compensation."""
     exposure_adaption: float
     white_balance: RGB
     """Gains of the channels; that of green is 1."""
@@ -97,14 +98,14 @@ def _median_luminance(light: FloatImage) -> float:
 def develop(light: FloatImage, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
     """Return the 8-bit RGB image (H, W, 3) of linear light (H, W, 3).
 
-    The exposure follows the frame's median and that `metered` over the run, but it never makes more than a small share
-    of the frame brighter than white.
+    The exposure follows the median of the frame and `metered`, the median of the run. It never makes more than a small
+    share of the frame brighter than white.
     """
     height, width, _ = light.shape
     light = _through_glass(light, response)
     share = response.exposure_adaption
     frame_median = max(_median_luminance(light), _DARKEST * metered)
-    # A geometric mean, because exposures are ratios; then dark enough that few pixels are burnt.
+    # The mean is geometric, because exposures are ratios. The gain is then limited, so that few pixels are overexposed.
     median = metered ** (1 - share) * frame_median**share
     highlights = float(np.quantile(light @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
     gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
@@ -149,12 +150,12 @@ def corner_share(u: NDArray[Any], v: NDArray[Any], width: int, height: int) -> N
 
 
 def _noise(raw: FloatImage, response: CameraResponse, number: int) -> FloatImage:
-    """Return shot and read noise of the sensor, slightly blurred as by the interpolation of a colour filter."""
+    """Return shot and read noise of the sensor, slightly blurred like that of an interpolated colour filter."""
     draw = stream(response.seed, "camera noise", number).standard_normal(raw.shape, np.float32)
     soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
     # Shot noise is Poisson: its variance is proportional to the light. Read noise is constant; variances add.
     sd = np.sqrt(response.shot_noise**2 * np.maximum(raw, 0) + response.read_noise**2)
-    return (2.0 * sd * soft).astype(np.float32)  # the blur halves its standard deviation
+    return (2.0 * sd * soft).astype(np.float32)  # the blur has halved the standard deviation
 
 
 def tone(linear: FloatImage, contrast: float) -> FloatImage:

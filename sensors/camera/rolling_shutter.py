@@ -1,8 +1,8 @@
-"""Correction of a rolling shutter behind a lens, where a pixel's row is not that of its ray in the pinhole image.
+"""Correction of a rolling shutter behind a lens, in which the row of a pixel is not that of its pinhole ray.
 
-Cycles exposes the pinhole image row by row. The light of a ray that the lens bends to another row is therefore too
-early or too late, and its source has moved over the pinhole image in the meantime. This is corrected to first order:
-for a turning camera exactly, for a moving one for points on the floor.
+Cycles exposes the pinhole image row by row. If the lens bends a ray to a different row, its light is therefore too
+early or too late, and its source has moved over the pinhole image in the meantime. This is corrected to first order.
+The correction holds for all points if the camera only turns; if it moves, it holds for points on the floor.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
 
 def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> FloatImage | None:
-    """Return the shift (H, W, 2) [px] for `through_lens`; None where nothing needs correction."""
+    """Return the shift (H, W, 2) [px] for `through_lens`; None if nothing needs correction."""
     if camera.distortion == NO_DISTORTION or shutter.read_out_s == 0 or not view.exposure:
         return None
     pinhole = pinhole_image(camera)
@@ -29,7 +29,7 @@ def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> FloatImag
 
 
 def _twist(view: FrameView, length_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean velocity (3,) and turn rate (3,) of C during the exposure, along its axes in the middle of it."""
+    """Return the mean velocity (3,) and turn rate (3,) of C during the exposure, in the axes of C at its middle."""
     opened, closed = view.exposure[0], view.exposure[-1]
     X_0, X_1, X = np.array(opened.X_WC), np.array(closed.X_WC), np.array(view.X_WC)
     turned = np.array([0.0, 0.0, closed.robot_pose[2] - opened.robot_pose[2]])
@@ -37,7 +37,7 @@ def _twist(view: FrameView, length_s: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _flow(rays: np.ndarray, velocity: np.ndarray, rate: np.ndarray, X_WC: np.ndarray) -> np.ndarray:
-    """Return the velocity (H, W, 2) of what lies on rays (H, W, 2); above the horizon it counts as infinitely far.
+    """Return the image velocity (H, W, 2) of floor points on rays (H, W, 2), or of infinity above the horizon.
 
     Longuet-Higgins and Prazdny, The interpretation of a moving retinal image (1980), Eq. 2.
     """

@@ -1,4 +1,4 @@
-"""The exposure of an image's rows, and the poses of everything during it."""
+"""The exposure of the rows of an image, and the poses of camera and obstacles during it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from symolo.core.geometry.pinhole import Intrinsics, Shutter
 from symolo.core.geometry.poses import PlanarPose, as_rows, pose_X_WR
 
 MOMENTS = 5
-"""Number of moments of an exposure. Linear motion between them errs by 0.1 % of the length on an arc of 0.2 rad."""
+"""Number of moments of an exposure. On an arc of 0.2 rad, linear motion between them errs by 0.1 % of the length."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Window:
     """The time in which the pinhole image of a view is exposed, which has more rows than the final image."""
 
     opens_s: float
-    """Time after the view's time, so mostly below 0."""
+    """Start relative to the time of the view; usually negative."""
     length_s: float
     row_share: float
     """Exposure of one row as a share of the window."""
@@ -31,8 +31,8 @@ class Window:
 def window(shutter: Shutter, camera: Intrinsics) -> Window:
     """Return the window of a shutter; its length is 0 for an instant.
 
-    Cycles exposes the middle of row r of H ((r + 1) / H - 0.5) of its read-out after the middle of the window
-    (kernel/camera/camera.h), which is half a row later than `Shutter.row_opens_s` has it.
+    Cycles exposes the middle of row r of H rows a share (r + 1) / H - 0.5 of its read-out after the middle of the
+    window (kernel/camera/camera.h). This is half a row later than in `Shutter.row_opens_s`.
     """
     pinhole = pinhole_image(camera)
     row_s = shutter.read_out_s / camera.height_px
@@ -43,7 +43,7 @@ def window(shutter: Shutter, camera: Intrinsics) -> Window:
 
 
 def moment(arena: Arena, X_RC: Array, pose: PlanarPose, t_s: float) -> Moment:
-    """Return the poses of camera and obstacles with the robot at a pose."""
+    """Return the poses of camera and obstacles at a time when the robot is at a pose."""
     moving = tuple(triple(box.poses_at(np.array([max(t_s, 0.0)]))[0]) for box in arena.moving)
     return Moment(pose, as_rows(pose_X_WR(*pose) @ X_RC), moving)
 

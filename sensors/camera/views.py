@@ -12,8 +12,8 @@ from symolo.core.geometry.poses import Matrix4, PlanarPose
 INSTANT = Shutter()
 
 
-# A default is left out of the JSON text, so that a job without moving obstacles, flicker or exposure time has the
-# same bytes whether or not the program that wrote it knows of these.
+# A default value is left out of the JSON text. A job without moving obstacles, flicker or exposure time therefore has
+# the same bytes as one of a version without these fields.
 
 
 def _is_empty(items: tuple[object, ...]) -> bool:
@@ -26,7 +26,7 @@ def _is_one(gain: RGB) -> bool:
 
 @dataclass(frozen=True)
 class Moment:
-    """Where everything is at one time."""
+    """The poses of robot, camera and moving meshes at one time."""
 
     robot_pose: PlanarPose
     """Pose of R."""
@@ -38,7 +38,7 @@ class Moment:
 
 @dataclass(frozen=True)
 class FrameView:
-    """One image to be taken."""
+    """One image to render."""
 
     number: int
     t_s: float
@@ -49,6 +49,6 @@ class FrameView:
     moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_is_empty)] = ()
     """Poses of the scene's moving meshes, in their order."""
     light_gain: Annotated[RGB, Field(exclude_if=_is_one)] = (1.0, 1.0, 1.0)
-    """Light of this frame divided by its mean over time, which differs from 1 where lamps flicker."""
+    """Light of this frame divided by its mean over time; it differs from 1 if lamps flicker."""
     exposure: Annotated[tuple[Moment, ...], Field(exclude_if=_is_empty)] = ()
-    """Moments at equal distances from the opening of the shutter to its closing; empty for an instant."""
+    """Moments at equal intervals from the opening of the shutter to its closing; empty for an instant."""

@@ -1,4 +1,4 @@
-"""Effects on readings: bench instruments, pose log and range sensors."""
+"""Effects on the readings of bench instruments, of the pose log and of range sensors."""
 
 EFFECTS = (
     "current_sensor_gain",

@@ -1,4 +1,4 @@
-"""Noise that grows with the light around."""
+"""Noise that grows with the ambient light."""
 
 from typing import Annotated
 
@@ -20,5 +20,5 @@ class AmbientNoise(Effect):
     """Variance of the noise * (1 + coefficient * ambient light / 1000 lux)."""
 
     def apply(self, sd_m: Array, view: RangeView) -> Array:
-        # The root of the factor alone: without light or effect it is exactly one.
+        # Only the factor has a root, so that without light or effect it is exactly one.
         return sd_m * np.sqrt(1.0 + self.coefficient_per_klux * view.ambient_lux / 1000.0)

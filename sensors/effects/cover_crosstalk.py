@@ -1,4 +1,4 @@
-"""Light that comes back from a cover glass and pulls readings down."""
+"""Light that a cover glass sends back, which makes readings too short."""
 
 from typing import Annotated
 
@@ -10,8 +10,8 @@ from symolo.core.arrays import Array
 
 class CoverCrosstalk(Effect):
     slot = Slot.RANGE
-    cause = "a dirty or badly spaced cover glass"
-    excitation = "dark and light targets far away"
+    cause = "a cover glass that is dirty or at a wrong distance"
+    excitation = "dark and light targets at large distances"
     setups = (Setup.RANGE_BENCH,)
 
     strength_per_m2: Annotated[float, Parameter("1/m2", null=0.0, start=0.05, low=0.0, high=10.0)]

@@ -1,4 +1,4 @@
-"""A current sensor with another gain."""
+"""A current sensor whose gain is not nominal."""
 
 from typing import Annotated
 
@@ -10,10 +10,10 @@ from symolo.core.arrays import Array
 class CurrentSensorGain(Effect):
     slot = Slot.CURRENT_READING
     cause = "tolerance of shunt and amplifier"
-    excitation = "a wide range of currents; with speed, since alone it is a resistance and a friction"
+    excitation = "a wide range of currents and the speed; without the speed, it looks like resistance and friction"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
-    gain: Annotated[Scale, Plausible(0.5, 2.0, "a shunt of the next value in a series of three a decade")]
+    gain: Annotated[Scale, Plausible(0.5, 2.0, "a shunt of the next value in a series of three values per decade")]
     """measured = gain * true."""
 
     def apply(self, current_A: Array) -> Array:

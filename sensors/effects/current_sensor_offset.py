@@ -1,4 +1,4 @@
-"""A current sensor that does not read zero at zero."""
+"""A current sensor that does not read zero when no current flows."""
 
 from typing import Annotated
 
@@ -10,7 +10,7 @@ from symolo.core.arrays import Array
 class CurrentSensorOffset(Effect):
     slot = Slot.CURRENT_READING
     cause = "offset of amplifier or converter"
-    excitation = "rest at 0 V, both signs of the current"
+    excitation = "rest at 0 V, and currents of both signs"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     offset_A: Annotated[float, Parameter("A", null=0.0, start=0.03, low=-2.0, high=2.0)]

@@ -1,4 +1,4 @@
-"""Ranges that change with the angle at which the target is met."""
+"""Ranges whose error depends on the angle of incidence."""
 
 from typing import Annotated
 
@@ -12,7 +12,7 @@ from symolo.core.arrays import Array
 
 class IncidenceBias(Effect):
     slot = Slot.RANGE
-    cause = "a footprint that lies over near and far parts of the target"
+    cause = "a light spot that covers near and far parts of the target"
     excitation = "several angles at the same distance"
     setups = (Setup.RANGE_BENCH,)
 

@@ -12,7 +12,7 @@ from symolo.core.arrays import Array
 class LogRangeError(Effect):
     slot = Slot.RANGE
     cause = "nonlinearity of the timing circuit"
-    excitation = "distances below and beyond 0.18 m"
+    excitation = "distances below and above 0.18 m"
     setups = (Setup.RANGE_BENCH,)
 
     coefficient_m: Annotated[float, Parameter("m", null=0.0, start=0.02, low=-0.3, high=0.3)]

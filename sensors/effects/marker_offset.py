@@ -11,7 +11,7 @@ from symolo.core.arrays import Array
 
 class MarkerOffset(Effect):
     slot = Slot.POSE_POINT
-    cause = "the marker is fixed where there is room"
+    cause = "a marker that is not mounted over the axle"
     excitation = "turns on the spot"
     setups = (Setup.DRIVE,)
 

@@ -1,4 +1,4 @@
-"""One material that is read too far or too near."""
+"""Ranges of one material that are too long or too short."""
 
 from collections.abc import Iterator
 from typing import Annotated, get_args
@@ -17,11 +17,11 @@ from symolo.core.errors import nearest
 
 class MaterialBias(Effect):
     slot = Slot.RANGE
-    cause = "light that enters a surface before it returns, shape of the pulse"
+    cause = "light that enters a surface before it returns, the shape of the pulse"
     excitation = "several materials at the same distance"
     setups = (Setup.RANGE_BENCH,)
 
-    # A surface of `physics.arena.surfaces` in the simulation; on a bench any name in its list of materials.
+    # In the simulation, a surface of `physics.arena.surfaces`; on a bench, any name in its list of materials.
     material: Annotated[Slug, Fixed("a name is text")]
     offset_m: RangeShift
     """reading + offset on that one material."""

@@ -1,4 +1,4 @@
-"""Ranges that are wrong close by."""
+"""Ranges that are wrong at short distances."""
 
 from typing import Annotated
 

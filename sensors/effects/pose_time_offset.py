@@ -7,7 +7,7 @@ from configs.effects.parameter import Delay
 class PoseTimeOffset(Effect):
     slot = Slot.POSE_DELAY
     cause = "exposure, transmission and clock of the external camera"
-    excitation = "fast turns and starts, beside the encoders"
+    excitation = "fast turns and starts, compared with the encoders"
     setups = (Setup.DRIVE,)
 
     delay_s: Delay

@@ -12,7 +12,7 @@ from symolo.core.arrays import Array
 class RangeSaturation(Effect):
     slot = Slot.RANGE_LIMIT
     cause = "timing budget or range profile of the device"
-    excitation = "targets far away"
+    excitation = "targets at large distances"
     setups = (Setup.RANGE_BENCH,)
 
     saturation_m: Annotated[float, Parameter("m", null=100.0, start=0.5, low=0.05, high=100.0)]

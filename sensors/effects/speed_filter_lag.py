@@ -9,7 +9,7 @@ from symolo.core.arrays import Array
 class SpeedFilterLag(Effect):
     slot = Slot.SPEED_FILTER
     cause = "smoothing of the encoder's quantised speed"
-    excitation = "steps of voltage: the speed lags what the current says"
+    excitation = "steps of voltage, after which the measured speed lags behind the one that follows from the current"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     time_constant_s: LagTime

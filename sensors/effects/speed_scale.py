@@ -9,15 +9,17 @@ from symolo.core.arrays import Array
 
 class SpeedScale(Effect):
     slot = Slot.SPEED_READING
-    cause = "another code wheel or gear ratio"
-    excitation = "a wide range of speeds, and the current"
+    cause = "a different code wheel or gear ratio"
+    excitation = "a wide range of speeds, compared with the current"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     scale: Annotated[
         Scale,
-        Plausible(0.25, 4.0, "a code wheel read by one edge for four, or four for one; other gear ratios lie between"),
+        Plausible(
+            0.25, 4.0, "a code wheel read at one edge instead of four, or the reverse; other gear ratios are in between"
+        ),
     ]
-    """measured speed = scale * true, by wrong counts per revolution."""
+    """measured speed = scale * true speed, because of wrong counts per revolution."""
 
     def apply(self, speed_rad_s: Array) -> Array:
         return self.scale * speed_rad_s

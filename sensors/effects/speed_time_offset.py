@@ -7,7 +7,7 @@ from configs.effects.parameter import Delay
 class SpeedTimeOffset(Effect):
     slot = Slot.SPEED_DELAY
     cause = "buffering between encoder and log"
-    excitation = "steps of voltage, with the current as clock"
+    excitation = "steps of voltage, with the current as the time reference"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     delay_s: Delay

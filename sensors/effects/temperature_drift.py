@@ -1,4 +1,4 @@
-"""Ranges that follow the temperature."""
+"""Ranges that drift with the temperature."""
 
 from typing import Annotated
 
@@ -11,7 +11,7 @@ from symolo.core.arrays import Array
 class TemperatureDrift(Effect):
     slot = Slot.RANGE
     cause = "timing circuit without temperature compensation"
-    excitation = "temperatures well apart at the same distance"
+    excitation = "very different temperatures at the same distance"
     setups = (Setup.RANGE_BENCH,)
 
     coefficient_m_per_K: Annotated[float, Parameter("m/K", null=0.0, start=6e-4, low=-0.01, high=0.01)]

@@ -1,4 +1,4 @@
-"""A sensor that is turned in its mount."""
+"""A range sensor that is rotated in its mount."""
 
 from typing import Annotated, Literal
 
@@ -12,13 +12,13 @@ from symolo.core.arrays import Array
 
 class TofMountYaw(Effect):
     slot = Slot.RANGE_MOUNT
-    cause = "a board that is soldered or screwed down askew"
-    excitation = "walls met at several angles"
+    cause = "a sensor board that is soldered or mounted at a wrong angle"
+    excitation = "walls at several angles"
     setups = (Setup.DRIVE,)
 
     sensor: Literal["front", "left", "right"]
     angle_rad: Annotated[float, Parameter("rad", null=0.0, start=0.1, low=-1.5, high=1.5)]
-    """Turn of that sensor from its nominal direction, counter-clockwise."""
+    """Rotation of that sensor from its nominal direction, counter-clockwise."""
 
     def apply(self, yaw_rad: Array) -> Array:
         return yaw_rad + np.where(self.sensor == RANGE_SENSORS, self.angle_rad, 0.0)

@@ -1,4 +1,4 @@
-"""Ranges of all sensors too long or too short."""
+"""Ranges of all sensors that are too long or too short by the same factor."""
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import GeometryScale
@@ -9,7 +9,7 @@ from symolo.core.arrays import Array
 class TofRangeScale(Effect):
     slot = Slot.RANGE
     cause = "clock of the timing circuits, missing calibration"
-    excitation = "walls near and far"
+    excitation = "near and far walls"
     setups = (Setup.DRIVE,)
 
     scale: GeometryScale

@@ -13,7 +13,7 @@ from symolo.core.arrays import Array
 class WarmupDrift(Effect):
     slot = Slot.RANGE
     cause = "self-heating of the device"
-    excitation = "the same distance from power-on until it has settled"
+    excitation = "the same distance, from power-on until the reading has settled"
     setups = (Setup.RANGE_BENCH,)
 
     amplitude_m: Annotated[float, Parameter("m", null=0.0, start=0.01, low=-0.2, high=0.2)]

@@ -141,7 +141,7 @@ class Box:
     yaw_rad: float
     surface: str
     motion: ObstacleMotion | None = None
-    """None where it stands still; else `center` and `yaw_rad` are those at t = 0."""
+    """Motion of the box, whose `center` and `yaw_rad` are then those at t = 0; None where it stands still."""
 
     def footprint(self) -> Array:
         """Corners (4, 2) counter-clockwise, at t = 0."""

@@ -31,6 +31,8 @@ GB = 1e9
 _SECONDS_BETWEEN_BEATS = 5.0
 _SECONDS_BETWEEN_CHECKS = 0.2
 _LOG_BYTES = 20_000
+_OF_LITTLE_MEMORY = frozenset({signal.SIGKILL, signal.SIGABRT, signal.SIGSEGV})
+"""With which the system, C++ and Blender end a process that gets no more memory; the last two have other causes too."""
 
 
 class Message(BaseModel):
@@ -214,7 +216,8 @@ class ChildProcess(Generic[M]):
         code = self._child.returncode
         if code >= 0:
             return f"exit code {code}"
-        return f"signal {signal.Signals(-code).name}{' (out of memory?)' if code == -signal.SIGKILL else ''}"
+        cure = " (too little memory? Take fewer --workers or smaller images)" if -code in _OF_LITTLE_MEMORY else ""
+        return f"signal {signal.Signals(-code).name}{cure}"
 
 
 def memory_of(process: int) -> int:

@@ -1,6 +1,7 @@
 """What a refusal of the operating system means for the user: what the machine lacks, and what mends it."""
 
 import errno
+import re
 
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 """EFBIG too: a limit on the size of files stops the writing of an image as a full disk does."""
@@ -10,7 +11,9 @@ NOT_THERE = (FileNotFoundError, NotADirectoryError, IsADirectoryError)
 
 _AGAIN = "run the same command again"
 _CURES = {
-    **dict.fromkeys(DISK_FULL, f"free some space and {_AGAIN}"),
+    errno.ENOSPC: f"free some space and {_AGAIN}",
+    errno.EDQUOT: f"remove files of yours on that disk or get a larger quota, and {_AGAIN}",
+    errno.EFBIG: f"raise the limit on the size of files, such as by `ulimit -f unlimited`, and {_AGAIN}",
     **dict.fromkeys((errno.EACCES, errno.EPERM), f"allow this user to read and write there, and {_AGAIN}"),
     errno.EROFS: f"make the disk writable, or name a folder on another one, and {_AGAIN}",
     **dict.fromkeys(
@@ -19,19 +22,34 @@ _CURES = {
     ),
     errno.EMFILE: f"raise the limit of open files, such as by `ulimit -n 4096`, and {_AGAIN}",
     errno.ENFILE: f"close other programs, for the machine has too many files open, and {_AGAIN}",
-    **dict.fromkeys((errno.ENOMEM, errno.EAGAIN), f"free some memory or name fewer --workers, and {_AGAIN}"),
+    **dict.fromkeys(
+        (errno.ENOMEM, errno.EAGAIN), f"free some memory, or take fewer --workers or smaller images, and {_AGAIN}"
+    ),
 }
 
 
-def cure_of(error: BaseException) -> str:
-    """What to do about an error that is the machine's; empty where it is none."""
-    if isinstance(error, MemoryError):
-        return _CURES[errno.ENOMEM]
-    return _CURES.get(error.errno or 0, "") if isinstance(error, OSError) else ""
+_NO_MEMORY = re.compile(
+    r"failed to map segment|cannot allocate memory|can't start new thread|insufficient memory|failed to allocate"
+    r"|bad_alloc|cannot apply additional memory protection",
+    re.IGNORECASE,
+)
+"""What the loader of libraries, the threads of Python, OpenCV and C++ report in place of a MemoryError."""
 
 
 def lacking(error: BaseException) -> str:
-    """The error and its cure in one line; empty where the error is not the machine's."""
-    cure = cure_of(error)
-    text = str(error) or "there is not enough memory"
-    return f"{text}; {cure}" if cure else ""
+    """Return the error and its cure in one line; empty where the error is not the machine's."""
+    shortage = _shortage_behind(error)
+    if shortage is not None:
+        reason = "".join(f": {line}" for line in str(shortage).strip().splitlines()[:1])
+        return f"there is not enough memory{reason}; {_CURES[errno.ENOMEM]}"
+    cure = _CURES.get(error.errno or 0, "") if isinstance(error, OSError) else ""
+    return f"{error}; {cure}" if cure else ""
+
+
+def _shortage_behind(error: BaseException | None) -> BaseException | None:
+    """Return the error of too little memory that this error is, or that kept a package from loading a library."""
+    while error is not None:
+        if isinstance(error, MemoryError) or (isinstance(error, Exception) and _NO_MEMORY.search(str(error))):
+            return error
+        error = (error.__cause__ or error.__context__) if isinstance(error, ImportError) else None
+    return None

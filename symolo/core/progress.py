@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Protocol
 
@@ -123,6 +123,6 @@ def seconds(duration_s: float) -> str:
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
 
 
-def plural(number: int, noun: str) -> str:
-    """Return a number with its noun: `1 run`, `2 runs`, `0 runs`."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+def plural(number: int, noun: str, digits: Callable[[int], str] = str) -> str:
+    """Return a number, written by `digits`, with its noun: `1 run`, `2 runs`, `0 runs`."""
+    return f"{digits(number)} {noun}" if number == 1 else f"{digits(number)} {noun}s"

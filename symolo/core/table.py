@@ -60,7 +60,7 @@ class CsvTable:
     words: Mapping[str, tuple[str, ...]]
     """(N,) for each column of words."""
     notes: tuple[str, ...]
-    """What was unusual and read all the same, in one sentence each."""
+    """Unusual things that were read all the same, in one sentence each."""
     faults: tuple[LineFault, ...] = ()
 
     def where(self, i: int) -> str:

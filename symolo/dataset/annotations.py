@@ -1,4 +1,4 @@
-"""Annotations of a run: kinds, files, encodings of their PNG images, and annotations.json in the manner of COCO."""
+"""Annotations of a run: kinds, files, encodings of their PNG images, and annotations.json, which is similar to COCO."""
 
 import json
 from dataclasses import dataclass
@@ -16,10 +16,10 @@ AnnotationName = Literal[
 ]
 """`blender_scenes.annotations` has a function for each."""
 RECORD_KINDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
-"""Annotations that stand in annotations.json; of the others each has a PNG file for each image."""
+"""Annotations that are in annotations.json; each of the others has a PNG file for each image."""
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
-"""Categories in the order of their ids. Sky is what lies outside the windows, where no surface is met."""
+"""Categories in the order of their ids. The sky is the space outside the windows, where there is no surface."""
 DOCUMENT = "annotations.json"
 FORMAT = 2
 """Version of annotations.json."""
@@ -45,7 +45,7 @@ FLOW_PER_PX = 64
 """As the KITTI flow benchmark encodes it (Menze and Geiger 2015, development kit)."""
 
 PixelBox = tuple[int, int, int, int]
-"""First column, first row, number of columns, number of rows, as COCO has it; all 0 around nothing."""
+"""First column, first row, number of columns, number of rows, as in COCO; all 0 if the box is empty."""
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 
@@ -56,7 +56,7 @@ def annotation_file(kind: str, number: int) -> str:
 
 
 def pixel_box(mask: NDArray[np.bool_]) -> PixelBox:
-    """Return the box around the true pixels of a mask (H, W)."""
+    """Return the box around the pixels of a mask (H, W) that are true."""
     columns, rows = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
     if not len(columns):
         return 0, 0, 0, 0
@@ -69,7 +69,7 @@ class Box3D:
     """A wall or an obstacle as a box in space."""
 
     size_m: Point3
-    """Edge lengths along the axes of the box's frame O, whose origin is its middle; z is up."""
+    """Edge lengths along the axes of the box's frame O, whose origin is the middle of the box; z is up."""
     X_WO: Matrix4
     X_CO: Matrix4
 
@@ -98,7 +98,7 @@ class KeyPointSighting:
     """u and v; (0, 0) is the middle of the first pixel."""
     p_C: Point3
     visible: bool
-    """Whether nothing stands before the point."""
+    """Whether nothing stands in front of the point."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ class AnnotationDocument:
     categories: tuple[CategoryEntry, ...]
     instances: tuple[InstanceEntry, ...]
     key_points: tuple[KeyPoint, ...]
-    """Points of the map; `p` is in W, or in the obstacle's own frame where the instance moves."""
+    """Points of the map; `p` is in W, or in the frame of the obstacle if the instance moves."""
     images: tuple[ImageEntry, ...]
     annotations: tuple[AnnotationEntry, ...]
     sightings: tuple[KeyPointSighting, ...]
@@ -171,7 +171,7 @@ class AnnotationDocument:
             raise ValueError("is nested too deeply") from None
         version = content.get("format") if isinstance(content, dict) else None
         if version != FORMAT:
-            raise ValueError(f"format {version}, expected {FORMAT}; annotate again with this version")
+            raise ValueError(f"has format {version}, expected {FORMAT}; annotate again with this version")
         return _DOCUMENT.validate_json(data)
 
 

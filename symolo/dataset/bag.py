@@ -1,4 +1,4 @@
-"""bag-info.txt of a release, in the form of BagIt (RFC 8493, section 2.2.2): how much it holds and what made it."""
+"""bag-info.txt of a release, in the format of BagIt (RFC 8493, section 2.2.2): amount of data, program, processors."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -13,13 +13,13 @@ CPU_CLASS, OXUM = "CPU-Class", "Payload-Oxum"
 
 
 def bag_info(name: str, description: str, sizes: Mapping[str, int], cpu_classes: Iterable[str]) -> bytes:
-    """Return the file, which has no date, so that the same data give the same bytes.
+    """Return the file. It has no date, so that the same data give the same bytes.
 
     Args:
         name: Name of the dataset.
         description: Description, in one line or several.
         sizes: Size [bytes] of each file of the payload.
-        cpu_classes: Classes of the processors that made the dataset; "" is an unknown one.
+        cpu_classes: Classes of the processors that made the dataset; "" is an unknown class.
     """
     lines = [
         ("Bag-Software-Agent", f"symolo {versions('symolo')['symolo']}"),

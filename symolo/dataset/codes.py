@@ -1,4 +1,4 @@
-"""The numbers that columns hold in place of names: states of the controller, statuses of a range sensor, events."""
+"""Numbers in columns that stand for names: states of the controller, statuses of a range sensor, events."""
 
 from enum import IntEnum
 from typing import Literal
@@ -27,7 +27,7 @@ class TofStatus(IntEnum):
     VALID = 0
     NO_TARGET = 1
     HELD = 2
-    """This update was lost; the value is the one before."""
+    """This update was lost; the value is the previous one."""
 
 
 BOARD_EVENT_COLUMNS = {

@@ -1,4 +1,4 @@
-"""What an output folder of symolo holds, and whether a place lies within a release."""
+"""Kinds of output folders of symolo, and the check that a folder is not inside a release."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ KIND = "kind"
 
 
 class Kind(TextEnum):
-    """What an output folder holds; a command for one kind does not write into the other."""
+    """Kind of an output folder; a command for one kind does not write into a folder of a different kind."""
 
     DATASET = "dataset"
     PICTURES = "pictures"
@@ -39,15 +39,15 @@ class Done(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     key: str
-    """SHA-256 over everything that the stage's result depends on."""
+    """SHA-256 of all data on which the result of the stage depends."""
     files: dict[str, str]
     """SHA-256 of each file by its path inside the stage's folder."""
 
 
 def kind_of(out: Path) -> Kind | None:
-    """Return what a folder of symolo holds; None for any other folder.
+    """Return the kind of a folder of symolo; None for any other folder.
 
-    Without `.stages` a dataset is recognised by its metadata and manifest, so that `.stages` may be deleted.
+    Without `.stages`, a dataset is recognised from its metadata and manifest, so `.stages` may be deleted.
     """
     try:
         return Kind(read_file(out / STAGES / KIND, FileKind.DOCUMENT).decode("ascii").strip())
@@ -57,14 +57,14 @@ def kind_of(out: Path) -> Kind | None:
 
 
 def check_outside(out: Path, where: str = "") -> None:
-    """Refuse a place within a dataset or a bag, whose checksums would no longer hold.
+    """Refuse a folder inside a dataset or a bag, because its checksums would no longer hold.
 
     Args:
-        out: The place.
-        where: How a message names the place; `--out` with its path by default.
+        out: The folder.
+        where: Name of the folder in a message; `--out` with its path by default.
 
     Raises:
-        InputError: The place lies within a dataset or a bag.
+        InputError: The folder is inside a dataset or a bag.
     """
     for folder in out.resolve().parents:
         if kind_of(folder) is Kind.DATASET:

@@ -1,4 +1,4 @@
-"""manifest-sha256.txt: the SHA-256 of every released file, as `sha256sum -c` reads it, and that of the list itself."""
+"""manifest-sha256.txt: the SHA-256 of every released file for `sha256sum -c`; and the SHA-256 of this list itself."""
 
 import hashlib
 from collections.abc import Mapping
@@ -10,14 +10,14 @@ from symolo.dataset.layout import STAGES
 
 MANIFEST = "manifest-sha256.txt"
 TAG_MANIFEST = "tagmanifest-sha256.txt"
-"""SHA-256 of the manifest and of bag-info.txt, so that an edited manifest is found."""
+"""SHA-256 of the manifest and of bag-info.txt, so that an edited manifest is detected."""
 SIGNATURE = f"{TAG_MANIFEST}.minisig"
 PROVENANCE = "provenance.intoto.json"
 PROVENANCE_SIGNATURE = f"{PROVENANCE}.minisig"
 MAX_NAME_CHARS, MAX_FOLDERS = 1024, 32
-"""Longest path in a list of checksums, and the most folders in it; those of a release have six at most."""
+"""Largest length and number of folders of a path in a list of checksums; a release has at most six folders."""
 SEALS = (SIGNATURE, PROVENANCE, PROVENANCE_SIGNATURE)
-"""Files that `symolo sign` adds. No list names them, for they are made from the lists."""
+"""Files that `symolo sign` adds. No list names them, because they are made from the lists."""
 
 
 def manifest(hashes: Mapping[str, str]) -> bytes:
@@ -35,10 +35,10 @@ def tag_manifest(hashes: Mapping[str, str]) -> bytes:
 
 
 def read_manifest(data: bytes) -> dict[str, str]:
-    """Return SHA-256 by path; raise ValueError with the number of the first line of another form.
+    """Return SHA-256 by path; raise ValueError with the number of the first line that has a different format.
 
-    A path of thousands of folders is another form, because what goes through all parents of a path needs time and
-    memory by the square of their number.
+    A path of thousands of folders is refused too, because code that visits all parents of a path needs time and memory
+    in proportion to the square of their number.
     """
     hashes: dict[str, str] = {}
     for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
@@ -52,5 +52,5 @@ def read_manifest(data: bytes) -> dict[str, str]:
 
 
 def released_hashes(out: Path) -> dict[str, str]:
-    """Return the SHA-256 of every file of a dataset but the manifests, the signatures and the hidden stages."""
+    """Return the SHA-256 of every file of a dataset except the manifests, the signatures and the hidden stages."""
     return hashes_of(out, skip=(STAGES, MANIFEST, TAG_MANIFEST, *SEALS))

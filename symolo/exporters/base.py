@@ -1,4 +1,4 @@
-"""What an exporter is: another format for a release, as a list of files that are made when they are written."""
+"""An exporter converts a release to a format: it lists the files, and makes each one when it is written."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from symolo.reader.run import Image
 
 @dataclass(frozen=True)
 class ExportedFile:
-    """One file of an export; the same bytes for the same release."""
+    """One file of an export; the same release gives the same bytes."""
 
     name: str
     """Path within the folder of the format."""
@@ -20,14 +20,14 @@ class ExportedFile:
     estimated_bytes: Callable[[], int] | None = None
     """Function that returns the approximate size, for a file that takes long to make."""
     exact_bytes: Callable[[], int] | None = None
-    """Function that returns the exact size, where it is known without the content."""
+    """Function that returns the exact size, if it is known without the content."""
 
     def size_bytes(self) -> int:
-        """Return the exact size; makes the file where nothing else gives it."""
+        """Return the exact size; if there is no other way to know it, make the file."""
         return self.exact_bytes() if self.exact_bytes else len(self.content())
 
     def room_bytes(self) -> int:
-        """Return the size, or the estimate where there is one."""
+        """Return the estimated size if there is one, otherwise the exact size."""
         return self.estimated_bytes() if self.estimated_bytes else self.size_bytes()
 
 
@@ -54,4 +54,4 @@ class Exporter:
     what: str
     """Description of the output in one line."""
     files: Callable[[Dataset, ExportSettings], Iterable[ExportedFile]]
-    """Lists every file before one is written; raises InputError for a release that lacks what the format needs."""
+    """Function that lists all files before one is written; it raises InputError if the release lacks what it needs."""

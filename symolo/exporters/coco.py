@@ -1,4 +1,4 @@
-"""Instances of each image with masks, boxes and key points, as COCO has them (https://cocodataset.org/#format-data)."""
+"""Instances of each image with masks, boxes and key points in COCO's format (https://cocodataset.org/#format-data)."""
 
 import json
 from collections.abc import Iterator
@@ -15,27 +15,27 @@ from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image, Run
 
 _CORNERS = tuple(f"corner_{number}" for number in range(8))
-"""Names of a box's corners: 0-3 at the foot, 4-7 above them, counter-clockwise, as the names of our key points end."""
+"""Names of a box's corners: 0-3 at the foot, 4-7 above them, counter-clockwise, as in our key points."""
 _EDGES = ((1, 2), (2, 3), (3, 4), (4, 1), (5, 6), (6, 7), (7, 8), (8, 5), (1, 5), (2, 6), (3, 7), (4, 8))
 """Edges of a box between its corners; COCO counts the points of a skeleton from 1."""
 _WITH_CORNERS = ("wall", "obstacle")
 """Categories whose instances have corners."""
 _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
-"""COCO's flag v of a key point; one outside of the image is not labelled."""
+"""COCO's flag v of a key point; a key point outside of the image is not labelled."""
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs:
         if "instance" not in run.annotation_kinds:
             what = f"run {run.name} has no images of its instances, from which the masks come"
-            cure = (
-                "release it with `--set render.annotations=[instance,boxes_2d,key_points]`, or leave it out by --runs"
-            )
+            settings = "render.annotations=[instance,boxes_2d,key_points]"
+            cure = f"release it with `--set {settings}`, or choose other runs with --runs"
             raise InputError(what, where=str(data.root), cure=cure)
     known = data.runs[0].annotations.categories
     for run in data.runs[1:]:
         if run.annotations.categories != known:
-            raise InputError("has other categories than the first run", where=str(run.folder), cure="use --runs")
+            what, cure = "has different categories than the first run", "export them separately with --runs"
+            raise InputError(what, where=str(run.folder), cure=cure)
     yield ExportedFile("annotations/instances.json", lambda: _document(data), lambda: _estimated_bytes(data))
     for run in data.runs:
         for image in run.images:
@@ -65,7 +65,7 @@ def _document(data: Dataset) -> bytes:
     metadata = data.metadata
     description = metadata.description or metadata.name if metadata else data.root.name
     content = {
-        # Without the year and the day that COCO has: a release has no date.
+        # COCO also has a year and a day, but a release has no date.
         "info": {"description": description, "version": "1"},
         "licenses": [{"id": 1, "name": metadata.licence if metadata else "", "url": ""}],
         "images": images,
@@ -76,7 +76,7 @@ def _document(data: Dataset) -> bytes:
 
 
 def _image(image: Image, number: int, run: Run) -> dict[str, object]:
-    """Return the entry of an image; `run`, `img`, `t_s` and `X_WC` are no keys of COCO."""
+    """Return the entry of an image; COCO does not have the keys `run`, `img`, `t_s` and `X_WC`."""
     return {
         "id": number,
         "file_name": _file_name(image),
@@ -91,7 +91,7 @@ def _image(image: Image, number: int, run: Run) -> dict[str, object]:
 
 
 def _categories(document: AnnotationDocument) -> list[dict[str, object]]:
-    """Return all categories but the sky: it has no instances, and many readers take its id 0 for "no category"."""
+    """Return all categories except the sky: it has no instances, and for many readers its id 0 means "no category"."""
     return [
         {"id": one.id, "name": one.name, "supercategory": "scene"}
         | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in _WITH_CORNERS else {})
@@ -124,7 +124,7 @@ class _Labels:
         self._entries = {(one.image_id, one.instance_id): one for one in document.annotations}
 
     def annotations(self, image: Image) -> Iterator[dict[str, object]]:
-        """Yield the annotation of each instance of which a pixel is seen."""
+        """Yield the annotation of each instance that has a visible pixel."""
         ids = image.annotation("instance")
         seen = set(np.unique(ids).tolist())
         for one in self._instances:
@@ -159,17 +159,17 @@ def _flagged(sighting: KeyPointSighting | None) -> tuple[float, float, int]:
 
 
 def _amodal(entry: AnnotationEntry | None) -> dict[str, object]:
-    """Return the numbers of `boxes_2d` that do not follow from the mask; COCO's readers ignore them."""
+    """Return the numbers of `boxes_2d` that cannot be computed from the mask; COCO's readers ignore them."""
     names = ("amodal_bbox", "amodal_area", "visible_fraction", "truncated")
     values = asdict(entry) if entry else {}
     return {name: values[name] for name in names if values.get(name) is not None}
 
 
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
-    """Return COCO's uncompressed RLE of a mask (H, W): lengths of runs down the columns, in turns of 0 and 1, 0 first.
+    """Return COCO's uncompressed RLE of a mask (H, W): lengths of runs along the columns, of 0 and 1 alternately.
 
-    pycocotools (2.0.11) writes only the compressed form, which is not readable, and would be a compiled package for
-    these few lines.
+    pycocotools (2.0.11) writes only the compressed form, which people cannot read, and it is a compiled package, which
+    these few lines do not justify.
     """
     pixels = mask.ravel(order="F")
     bounds = [0, *(np.flatnonzero(pixels[1:] != pixels[:-1]) + 1).tolist(), pixels.size]

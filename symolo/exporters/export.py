@@ -26,7 +26,7 @@ SOURCE = "export.json"
 
 @dataclass(frozen=True)
 class PlannedFormat:
-    """The files of a format, none of which is made yet."""
+    """The files of a format before any of them is made."""
 
     exporter: Exporter
     files: tuple[ExportedFile, ...]
@@ -47,18 +47,18 @@ def exporters_of(names: Sequence[str], where: str) -> tuple[Exporter, ...]:
 
 
 def open_release(root: Path, runs: str | None) -> Dataset:
-    """Return a release that is as it was released, or only the runs whose name matches a pattern.
+    """Return a release without damage, or only the runs of it whose name matches a pattern.
 
     Raises:
-        InputError: It is no release or a damaged one, or no run matches.
+        InputError: It is not a release, it is damaged, or no run matches.
     """
     data = load(root)
     if data.metadata is None and data.runs[0].is_rerendered:
-        what = "holds images of `symolo rerender`, which are no release: they have no specification and no checksums"
-        raise InputError(what, where=str(root), cure="export the release that their run belongs to")
+        what = "is the output of `symolo rerender` and not a release: it has no specification and no checksums"
+        raise InputError(what, where=str(root), cure="export the release whose run was rendered")
     if data.metadata is None:
-        cure = "name the folder of the release, and the run by --runs"
-        raise InputError("is one run, which has no checksums to rely on", where=str(root), cure=cure)
+        cure = "name the folder of the release, and choose the run with --runs"
+        raise InputError("is a single run, which has no checksums", where=str(root), cure=cure)
     Inventory.of_whole(data.root)
     if runs is None:
         return data
@@ -70,7 +70,7 @@ def open_release(root: Path, runs: str | None) -> Dataset:
 
 
 def plan(data: Dataset, exporters: Sequence[Exporter], settings: ExportSettings) -> tuple[PlannedFormat, ...]:
-    """Return the files of each format, none of which is made yet.
+    """Return the files of each format before any of them is made.
 
     Raises:
         InputError: The release lacks what a format needs.
@@ -79,17 +79,17 @@ def plan(data: Dataset, exporters: Sequence[Exporter], settings: ExportSettings)
 
 
 def check_room(planned: Sequence[PlannedFormat], out: Path) -> None:
-    """Raise EnvironmentLacking, with the needed and the free space, where the disk of `out` has too little room."""
+    """Raise EnvironmentLacking, with the needed and the free space, if the disk of `out` has too little space."""
     sizes = (file.room_bytes() for one in planned for file in one.files)
-    check_disk(out, sum(-(-size // _BLOCK_BYTES) * _BLOCK_BYTES for size in sizes), "choose runs by --runs")
+    check_disk(out, sum(-(-size // _BLOCK_BYTES) * _BLOCK_BYTES for size in sizes), "choose fewer runs with --runs")
 
 
 def export(data: Dataset, planned: Sequence[PlannedFormat], out: Path, report: Report) -> int:
-    """Write an export, which appears complete or not at all, and return the number of its bytes.
+    """Write an export completely or not at all, and return the number of its bytes.
 
     Args:
         data: The result of `open_release`.
-        planned: The result of `plan` for it.
+        planned: The result of `plan` for `data`.
         out: A new or empty folder.
         report: Receives the progress.
 
@@ -113,7 +113,7 @@ def export(data: Dataset, planned: Sequence[PlannedFormat], out: Path, report: R
 
 
 def _source(data: Dataset, planned: Sequence[PlannedFormat]) -> bytes:
-    """Return the content of export.json; the checksum of its manifest identifies the release."""
+    """Return the content of export.json, which identifies the release with the checksum of the manifest."""
     metadata = data.metadata
     return canonical_json(
         {

@@ -36,7 +36,7 @@ def value(kind: str) -> Feature:
 
 
 def column(values: np.ndarray) -> tuple[Feature, Any]:
-    """Return numbers or texts (N,) with their type."""
+    """Return the type of numbers or texts (N,), and the values."""
     return value("string" if values.dtype.kind in "OU" else str(values.dtype)), values
 
 
@@ -58,12 +58,12 @@ def image_file() -> Feature:
 def parquet_bytes(
     columns: Mapping[str, tuple[Feature, Sequence[Any]]], units: Mapping[str, str], *, rows_per_group: int | None = None
 ) -> bytes:
-    """Return a file with these columns; the unit of each stands in the metadata of its field.
+    """Return a file with these columns; the metadata of each field has the unit.
 
     Args:
         columns: Type and values of each column.
-        units: Units by the name of the column.
-        rows_per_group: Number of rows that a reader loads at once; the library's default if None.
+        units: Unit of each column, by its name.
+        rows_per_group: Number of rows that a reader loads together; None for the library's default.
     """
     arrow = optional_module("pyarrow")
     fields = [
@@ -79,7 +79,7 @@ def parquet_bytes(
 
 
 def stacked_bytes(data: Dataset, read: Callable[[Run], pd.DataFrame]) -> bytes:
-    """Return a file with the tables of all runs below each other and the name of the run in the first column."""
+    """Return a file with the rows of all runs, one run after the other; the first column is the name of the run."""
     tables = [read(run) for run in data.runs]
     columns = {RUN: column(np.repeat([run.name for run in data.runs], [len(table) for table in tables]))}
     columns |= {str(name): column(np.concatenate([table[name].to_numpy() for table in tables])) for name in tables[0]}

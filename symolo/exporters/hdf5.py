@@ -1,6 +1,6 @@
-"""A file for each image as BlenderProc writes them, and one with all tables.
+"""A file for each image in the format of BlenderProc, and one file with all tables.
 
-Keys and forms are those of its `write_hdf5` with colours, depth, normals, optical flow and a segmentation by
+Keys and types are those of its `write_hdf5` with colours, depth, normals, optical flow and a segmentation by
 `category_id`, `instance` and `name` (https://dlr-rm.github.io/BlenderProc, release 2.8).
 """
 
@@ -46,7 +46,7 @@ def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
 
 
 def _tables(h5py: ModuleType, data: Dataset) -> bytes:
-    """Return a file with a group for each run, a group in it for each table, and each column with its unit."""
+    """Return a file with a group for each run, in it a group for each table, and in that each column with its unit."""
 
     def fill(file: Any) -> None:  # noqa: ANN401 - of the library
         for run in data.runs:
@@ -78,7 +78,7 @@ def _frame(h5py: ModuleType, image: Image) -> bytes:
 
 
 def _pose(image: Image) -> bytes:
-    """Return the camera in OpenCV's convention, as BlenderProc writes it with `save_world2cam`."""
+    """Return the pose of the camera in OpenCV's convention, as BlenderProc writes it with `save_world2cam`."""
     X_CW = np.linalg.inv(image.X_WC)
     K = np.array(image.run.camera.K)
     pose = {"cam_K": K.ravel(), "cam_R_w2c": X_CW[:3, :3].ravel(), "cam_t_w2c": X_CW[:3, 3]}

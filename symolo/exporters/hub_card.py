@@ -1,4 +1,4 @@
-"""README.md of an export as the Hugging Face Hub reads it: front matter that names the files, and text for people."""
+"""README.md of an export for the Hugging Face Hub: front matter that names the files, and text for people."""
 
 from collections.abc import Sequence
 

@@ -1,7 +1,7 @@
-"""A folder that `datasets` loads (https://huggingface.co/docs/datasets): images with readings and poses, and rows.
+"""A folder that `datasets` can load (https://huggingface.co/docs/datasets): images with readings and poses, and rows.
 
-`load_dataset(folder)` gives a row for each image, decoded; `load_dataset(folder, "rows")` one for each control period.
-The Parquet files hold the image files byte by byte.
+`load_dataset(folder)` gives a row for each image, decoded; `load_dataset(folder, "rows")` gives a row for each control
+period. The Parquet files contain the unchanged bytes of the image files.
 """
 
 from collections.abc import Iterator, Sequence
@@ -35,8 +35,8 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     first = data.runs[0]
     for run in data.runs[1:]:
         if (run.side_names, run.annotation_kinds) != (first.side_names, first.annotation_kinds):
-            what = "has other side tables or annotations than the first run"
-            raise InputError(what, where=str(run.folder), cure="use --runs")
+            what = "has different side tables or annotations than the first run"
+            raise InputError(what, where=str(run.folder), cure="export them separately with --runs")
     yield ExportedFile("README.md", lambda: _card(data))
     shards = list(batches(data.images, _bytes, settings.shard_bytes))
     for number, images in enumerate(shards):
@@ -83,7 +83,7 @@ def _file(image: Image, path: Path) -> dict[str, object]:
 
 
 def _wide(run: Run) -> pd.DataFrame:
-    """Return data.csv with the columns of the side tables; the times of these are those of data.csv."""
+    """Return data.csv with the columns of the side tables, which have the same times."""
     sensors = {table.name for table in run.sensor_tables}
     tables, units = [run.rows], {}
     for name in run.side_names:

@@ -1,7 +1,7 @@
-"""Sequences in the form of the KITTI odometry benchmark: poses of the camera, times, calibration, images.
+"""Sequences in the format of the KITTI odometry benchmark: poses of the camera, times, calibration, images.
 
-`poses/NN.txt` has a line of 12 numbers for each image, the first three rows of X_C0C, the camera's pose in that of the
-first image; `sequences/NN/` has times.txt [s], calib.txt and image_0/
+`poses/NN.txt` has a line of 12 numbers for each image: the first three rows of X_C0C, the pose of the camera in C0, its
+frame at the first image; `sequences/NN/` has times.txt [s], calib.txt and image_0/
 (Geiger, Lenz, Urtasun, CVPR 2012; the benchmark's development kit).
 """
 
@@ -38,8 +38,8 @@ def _relative(X_WC: Array) -> Array:
 def _calibration(run: Run) -> bytes:
     """Return calib.txt with P0 = K (I | 0).
 
-    The benchmark has four cameras, so P1 to P3 repeat P0. Its Tr leads from the frame of a laser scanner to the camera;
-    here it leads from R.
+    The benchmark has four cameras, so P1 to P3 repeat P0. Its Tr transforms from the frame of a laser scanner to the
+    camera; here it transforms from R.
     """
     camera = run.camera
     P0 = np.column_stack((np.array(camera.K), np.zeros(3))).ravel()

@@ -1,7 +1,8 @@
-"""A dataset of LeRobot (https://huggingface.co/docs/lerobot/lerobot-dataset-v3): a run is an episode, an image a frame.
+"""A dataset of LeRobot (https://huggingface.co/docs/lerobot/lerobot-dataset-v3): one episode per run.
 
-Images are of the type `image`: the Parquet files hold the image files byte by byte. The writer of lerobot 0.4.4 is not
-used: it needs torch, diffusers, wandb and a rerun-sdk that needs numpy 2, beside which Blender's module does not load.
+Each image is a frame, of the type `image`: the Parquet files contain the unchanged bytes of the image files. The writer
+of lerobot 0.4.4 is not used: it needs torch, diffusers, wandb and a rerun-sdk that needs numpy 2, with which Blender's
+module does not load.
 """
 
 import io
@@ -28,7 +29,7 @@ from symolo.reader.run import Run
 
 _VERSION = "v3.0"
 _FRONT, _STATE, _ACTION, _POSE = "observation.images.front", "observation.state", "action", "pose"
-"""Names of features; the pose is no observation, since policies must not see the truth."""
+"""Names of features; the pose is not an observation, since policies must not see the true pose."""
 _STATE_NAMES = ("speed_right", "speed_left", "d_f", "d_l", "d_r", *(f"L{i}" for i in range(8)))
 _ACTION_NAMES = ("speed_right", "speed_left")
 _POSE_NAMES = ("x", "y", "theta")
@@ -64,7 +65,7 @@ class _Episode:
 
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
-        """All features but the images, (frames,) or (frames, components)."""
+        """All features except the images, (frames,) or (frames, components)."""
         at = [image.row for image in self.run.images]
         drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[at]
         table = self.run.table
@@ -90,12 +91,12 @@ class _Episode:
 
 @dataclass(frozen=True)
 class _Plan:
-    """Everything but the content of the images."""
+    """All contents of the export except the images."""
 
     data: Dataset
     tasks: tuple[str, ...]
     files: tuple[tuple[_Episode, ...], ...]
-    """Episodes of each file of frames; an episode lies in one file."""
+    """Episodes of each file of frames; each episode is in one file."""
     max_bytes: int
 
     @property
@@ -122,9 +123,11 @@ def _plan(data: Dataset, max_bytes: int) -> _Plan:
     first = data.runs[0].spec
     for run in data.runs:
         if not run.numbers:
-            raise InputError(f"run {run.name} has no images", where=str(data.root), cure="leave it out by --runs")
+            what, cure = f"run {run.name} has no images", "choose other runs with --runs"
+            raise InputError(what, where=str(data.root), cure=cure)
         if run.spec.rates.camera_hz != first.rates.camera_hz:
-            raise InputError("has another camera rate than the first run", where=str(run.folder), cure="use --runs")
+            what, cure = "has a different camera rate than the first run", "export them separately with --runs"
+            raise InputError(what, where=str(run.folder), cure=cure)
     names = tuple(dict.fromkeys(_task(run) for run in data.runs))
     starts = accumulate((len(run.numbers) for run in data.runs), initial=0)
     episodes = [
@@ -182,7 +185,7 @@ def _stats(episodes: Sequence[_Episode]) -> dict[str, Stats]:
 
 
 def _tasks(plan: _Plan) -> bytes:
-    """Return a table of pandas whose index is the text of the task, as LeRobot reads it."""
+    """Return a table of pandas whose index is the text of the task, as LeRobot expects it."""
     table = pd.DataFrame({"task_index": range(len(plan.tasks))}, index=pd.Index(plan.tasks, name="task"))
     file = io.BytesIO()
     table.to_parquet(file, engine="pyarrow")

@@ -1,4 +1,4 @@
-"""Statistics of features as LeRobot stores them for each episode and for all; policies are normalised with them."""
+"""Statistics of features for each episode and for all together, as in LeRobot, which normalises inputs with them."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ def vector_stats(values: np.ndarray) -> Stats:
 
 @dataclass(frozen=True)
 class Levels:
-    """Number of pixels with each level of each channel in some images; all statistics follow from it exactly."""
+    """Number of pixels with each level of each channel in some images; this determines all statistics exactly."""
 
     images: int
     counts: np.ndarray
@@ -38,7 +38,7 @@ class Levels:
         return Levels(self.images + other.images, self.counts + other.counts)
 
     def stats(self) -> Stats:
-        """Return the statistics of the channels in 0..1, each as (1, 1) for the rows and columns of an image."""
+        """Return the statistics of the channels, from 0 to 1, in the shape (3, 1, 1)."""
         level = np.arange(_LEVELS) / (_LEVELS - 1)
         share = self.counts / self.counts.sum(axis=1, keepdims=True)
         mean = share @ level

@@ -1,4 +1,4 @@
-"""A bag of ROS 2 for each run, in MCAP (https://mcap.dev/spec), as rosbag2 stores it; its content: `ros_messages`."""
+"""A bag of ROS 2 for each run, in MCAP (https://mcap.dev/spec) as from rosbag2; `ros_messages` makes the content."""
 
 from collections.abc import Iterator
 
@@ -17,9 +17,9 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
 
 
 def _bag(run: Run) -> bytes:
-    """Return the bag alone of the folder that the library writes; it holds the content of the other file too."""
+    """Return only the bag of the folder that the library writes; it also contains the content of the other file."""
     rosbag2, typesys = optional_module("rosbags.rosbag2"), optional_module("rosbags.typesys")
-    # sensor_msgs/Range of Jazzy has a field more than that of older releases. A reader that expects fewer fields can
+    # sensor_msgs/Range of Jazzy has one more field than that of older releases. A reader that expects fewer fields can
     # read such messages; a reader that expects more fields could not read the shorter ones.
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     name = run.folder.name

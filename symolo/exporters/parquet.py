@@ -1,4 +1,4 @@
-"""All tables of all runs as Apache Parquet, one file for each kind of table, images beside them.
+"""All tables of all runs as Apache Parquet, one file for each kind of table, and the images in a folder.
 
 Each column has its unit in the metadata of its field, under `unit` (https://parquet.apache.org/docs/file-format/).
 """
@@ -25,7 +25,8 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     names = data.runs[0].side_names
     for run in data.runs[1:]:
         if run.side_names != names:
-            raise InputError("has other side tables than the first run", where=str(run.folder), cure="use --runs")
+            what, cure = "has different side tables than the first run", "export them separately with --runs"
+            raise InputError(what, where=str(run.folder), cure=cure)
     readers: dict[str, Callable[[Run], pd.DataFrame]] = {"rows": lambda run: run.rows}
     readers |= {name: lambda run, name=name: run.side(name) for name in names if name != _CAMERA}
     for name, read in (readers | {"images": _images}).items():

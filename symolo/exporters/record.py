@@ -1,4 +1,4 @@
-"""Readings, pose and camera of an image, for formats that store them beside each image."""
+"""Readings, pose and camera of an image, for formats that store them with each image."""
 
 import json
 

@@ -21,7 +21,7 @@ from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
 _RIGHT_FORWARD_UP, _RIGHT_DOWN_FORWARD = (3, 5, 1), (3, 2, 5)
-"""Directions of x, y and z by Rerun's numbers: in the frame W of its default view, and in the camera's frame C."""
+"""Directions of x, y and z in Rerun's numbers, for the frame W of its default view and for the camera's frame C."""
 _CAMERA = "/world/camera"
 _RANGES = ("d_f", "d_l", "d_r")
 _IMAGE_PLANE_M = 0.15
@@ -84,7 +84,7 @@ def _robot(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
 
 
 def _camera(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
-    """Yield the camera's pose, its lens without the distortion, and the image files as they are."""
+    """Yield the camera's pose, its lens without the distortion, and the unchanged image files."""
     images = run.images
     if not images:
         return
@@ -109,7 +109,7 @@ def _camera(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
 
 
 def _plots(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
-    """Yield the readings of data.csv; ranges have gaps where no target was seen."""
+    """Yield the readings of data.csv; ranges have gaps if no target was seen."""
     table, no_target_m = run.table.table(), run.spec.robot.tof.no_target_m
     for column, values in zip(COLUMNS, table.T, strict=True):
         if column.name in {"t", "x", "y", "theta", "img"}:
@@ -155,7 +155,7 @@ class _Arrays:
         return self.arrow.FixedSizeListArray.from_arrays(flat, type=self._required(flat.type, values.shape[1]))
 
     def directions(self, axes: tuple[int, int, int]) -> Arrays:
-        """Return one triple of Rerun's numbers of directions."""
+        """Return three directions in Rerun's numbers."""
         return self.arrow.array([axes], self._required(self.arrow.uint8(), 3))
 
     def blobs(self, values: list[bytes]) -> Arrays:
@@ -171,7 +171,7 @@ class _Arrays:
         return self._lists(np.arange(len(values) + 1), values)
 
     def some(self, values: Array, seen: NDArray[np.bool_]) -> Arrays:
-        """Return a row for each number, with 64 bits; rows that are not `seen` are empty."""
+        """Return a row for each number of 64 bits; rows that are not `seen` are empty."""
         return self._lists(np.concatenate(([0], np.cumsum(seen))), self.arrow.array(values[seen]))
 
     def _lists(self, ends: NDArray[np.generic], values: Arrays, kind: Arrays | None = None) -> Arrays:
@@ -179,7 +179,7 @@ class _Arrays:
         return self.arrow.ListArray.from_arrays(self.arrow.array(ends.astype(np.int32)), values, type=kind)
 
     def _required(self, kind: Arrays, length: int = -1) -> Arrays:
-        """Return the type of lists without nulls; with a length, all lists have it."""
+        """Return the type of lists without nulls; if a length is given, all lists have it."""
         return self.arrow.list_(self.arrow.field("item", kind, nullable=False), length)
 
 

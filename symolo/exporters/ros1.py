@@ -1,4 +1,4 @@
-"""A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); its content: `ros_messages`."""
+"""A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); `ros_messages` makes the content."""
 
 from collections.abc import Iterator
 

@@ -1,7 +1,7 @@
-"""The content of a ROS bag of a run: one table of topics, for bags of ROS 1 and of ROS 2.
+"""The content of a ROS bag of a run: one table of topics for both ROS 1 and ROS 2.
 
-Frames are those of REP 103 and 105: `map` is W, `base_link` is R, `odom` is where the wheels' encoders begin to count.
-Axes of `camera_link` are those of a body, axes of `camera_optical_frame` those of an image.
+Frames are those of REP 103 and 105: `map` is W, `base_link` is R, `odom` has its origin at the start of the odometry.
+`camera_link` has the axes of a body (x forward), and `camera_optical_frame` those of an image (z forward).
 """
 
 import heapq
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 START_NS = 1_000_000_000
-"""Stamp of the first row; not 0, which ROS takes as no time and tf as the latest time."""
+"""Stamp of the first row; it is not 0, which means "no time" in ROS and "the latest time" in tf."""
 MAP, ODOM, BASE, CAMERA, OPTICAL = "map", "odom", "base_link", "camera_link", "camera_optical_frame"
 LINE_SENSOR = "line_sensor"
 WHEELS = ("wheel_right", "wheel_left")
 TOF = {"front": "f", "left": "l", "right": "r"}
-"""Names of the ToF sensors, and the ends of the names of their columns."""
+"""Names of the ToF sensors, and the last letters of their columns."""
 _INFRARED = 1
 Stamped = tuple[int, Any]
 """Stamp [ns] and message."""
@@ -40,13 +40,13 @@ Planar = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """Makes the messages of a version of ROS."""
+    """Function that makes the messages of one version of ROS."""
 
     store: "Typestore"
     version: int
 
     def __call__(self, name: str, *values: Any) -> Any:  # noqa: ANN401 - of the library, made at run time
-        """Return a message of a type such as `geometry_msgs/Point`; values are in the order of its definition."""
+        """Return a message of a type such as `geometry_msgs/Point`; values are in the order of the definition."""
         package, kind = name.split("/")
         return self.store.types[f"{package}/msg/{kind}"](*values)
 
@@ -69,7 +69,7 @@ class Vocabulary:
         return self("geometry_msgs/Twist", self.vector(v_m_s, 0, 0), self.vector(0, 0, w_rad_s))
 
     def on_floor(self, at_ns: int, frame: str, child: str, pose: Planar, number: int) -> Any:  # noqa: ANN401 - as above
-        """Return a transform between frames that stand on the floor."""
+        """Return a transform between frames whose origin is on the floor."""
         x_m, y_m, yaw_rad = pose
         transform = self("geometry_msgs/Transform", self.vector(x_m, y_m, 0), self.upright(yaw_rad))
         return self("geometry_msgs/TransformStamped", self.header(at_ns, frame, number), child, transform)
@@ -112,7 +112,7 @@ class Topic:
     name: str
     type: str
     messages: Callable[[Log, Vocabulary], Iterator[Stamped]]
-    """Yields the messages in the order of time."""
+    """Function that yields the messages in the order of time."""
     latched: bool = False
     """Whether a late subscriber gets the last message."""
 
@@ -127,7 +127,7 @@ def estimated_bytes(run: Run) -> int:
 
 
 def messages(run: Run, ros: Vocabulary) -> Iterator[tuple[Topic, int, Any]]:
-    """Yield the messages of a run in the order of time, those of one instant in the order of `topics`."""
+    """Yield the messages of a run in the order of time; messages of one instant are in the order of `topics`."""
     log, known = Log(run), topics(run)
 
     def numbered(number: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
@@ -182,7 +182,7 @@ def _odometry_frame(X_WR: Planar, X_OR: Planar) -> Planar:
 
 
 def _odometry(ros: Vocabulary, header: object, pose: Planar, twist: tuple[float, float]) -> Any:  # noqa: ANN401 - as above
-    """Return odometry without covariances: those of the truth are 0, those of the wheels are unknown."""
+    """Return odometry with covariances of 0: the true pose has no error, and those of the wheels are unknown."""
     pose_message = ros("geometry_msgs/Pose", ros.vector(pose[0], pose[1], 0, "Point"), ros.upright(pose[2]))
     return ros(
         "nav_msgs/Odometry",
@@ -199,7 +199,7 @@ def _truth(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
 
 
 def _wheel_odometry(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    """Yield the odometry with the twist by the measured speeds of the wheels (paper Eq. 1-5)."""
+    """Yield the odometry, with the twist from the measured speeds of the wheels (paper Eq. 1-5)."""
     drive = log.run.spec.robot.drive
     right_m_s, left_m_s = (0.5 * drive.wheel_diameter_m * log.wheels[f"speed_{wheel}"].to_numpy() for wheel in "rl")
     for number, at_ns, twist in log.rows(0.5 * (right_m_s + left_m_s), (right_m_s - left_m_s) / drive.track_m):
@@ -270,7 +270,7 @@ def _sensor(table: SideTable) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
 
 
 def _joints(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    """Yield angles by the encoders and measured speeds; the robot does not measure the torque of its motors."""
+    """Yield encoder angles and measured speeds; the robot does not measure the torque of its motors."""
     turn_rad = 2 * np.pi / log.run.spec.robot.encoder.counts_per_revolution
     counts, speeds = (
         np.ascontiguousarray(log.wheels[[f"{name}_r", f"{name}_l"]].to_numpy(dtype=np.float64))

@@ -1,12 +1,12 @@
-"""The file format of Rerun recordings, .rrd, written here because Rerun's own writer never gives the same bytes twice.
+"""The file format of Rerun recordings, .rrd, written here because Rerun's writer never gives the same bytes twice.
 
-We tried its writers on the same data. rerun-sdk 0.23.1, the last version for numpy 1, takes the ids of chunks and rows
-from the clock and a random generator, by `log` and by `send_columns`. rerun-sdk 0.41.0, which needs numpy 2 and Python
-3.11, accepts our ids in `Chunk.from_record_batch`, but `write_rrd` still stamps the message about the recording.
+We tried its writers on the same data. rerun-sdk 0.23.1, the last version for numpy 1, makes the ids of chunks and rows
+from the clock and a random generator, in `log` and in `send_columns`. rerun-sdk 0.41.0, which needs numpy 2 and Python
+3.11, accepts our ids in `Chunk.from_record_batch`, but `write_rrd` writes the time into the message on the recording.
 
-We write the format of Rerun 0.23 without compression, which later versions read: a head, then messages, each with its
-kind and length. A chunk is a table of Arrow in a message of Protobuf (crates re_log_encoding, re_protos and re_chunk
-of https://github.com/rerun-io/rerun/tree/0.23.1/crates/store).
+We write the format of Rerun 0.23 without compression, which later versions can read: a head, then messages, each with
+its kind and length. A chunk is a table of Arrow in a message of Protobuf (crates re_log_encoding, re_protos and
+re_chunk of https://github.com/rerun-io/rerun/tree/0.23.1/crates/store).
 """
 
 import struct
@@ -42,12 +42,12 @@ class Component:
     field: str
     name: str
     values: Arrays
-    """List array with one list for each row; an empty list removes the value of the rows before."""
+    """List array with one list for each row; an empty list removes the value of the previous rows."""
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """The components of an entity at some times, or for the whole recording."""
+    """The components of an entity, at given times or for the whole recording."""
 
     path: str
     """For example `/world/robot`."""
@@ -58,11 +58,11 @@ class Chunk:
 
 
 def rrd(arrow: ModuleType, recording: str, chunks: Sequence[Chunk]) -> bytes:
-    """Return the bytes of a file, the same for the same chunks.
+    """Return the bytes of a file; the same chunks give the same bytes.
 
     Args:
         arrow: The module pyarrow.
-        recording: Identity of the recording; the viewer shows files of one recording together.
+        recording: Identifier of the recording; the viewer shows files with the same identifier together.
         chunks: Chunks in their order in the file.
     """
     numbers = count(1)
@@ -79,7 +79,7 @@ def rrd(arrow: ModuleType, recording: str, chunks: Sequence[Chunk]) -> bytes:
 
 
 def _batch(arrow: ModuleType, chunk: Chunk, numbers: "count[int]") -> Arrays:
-    """Return the table of a chunk; chunk and rows get the next numbers where Rerun's writer has time and chance."""
+    """Return the table of a chunk; ids of chunk and rows are the next numbers; Rerun's writer uses time and chance."""
     rows = len(chunk.components[0].values)
     chunk_id = next(numbers)
     row_ids = arrow.array([struct.pack(">QQ", 1, next(numbers)) for _ in range(rows)], arrow.binary(16))
@@ -139,7 +139,7 @@ def _bytes(field: int, value: bytes) -> bytes:
 
 
 def _varint(value: int) -> bytes:
-    """Return a number in groups of 7 bits, the lowest first; bit 7 says that another group follows."""
+    """Return a number in groups of 7 bits, the lowest first; bit 7 shows that another group follows."""
     groups = bytearray()
     while value > 127:
         groups.append(value & 127 | 128)

@@ -1,6 +1,6 @@
-"""Trajectories in the form of the TUM RGB-D benchmark, which evo and other tools read.
+"""Trajectories in the format of the TUM RGB-D benchmark, which evo and other tools read.
 
-Each pose is a line `timestamp tx ty tz qx qy qz qw`, times in s, lengths in m, the quaternion's scalar last
+Each pose is a line `timestamp tx ty tz qx qy qz qw`, with times in s, lengths in m, and the scalar qw last
 (https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats).
 """
 
@@ -35,7 +35,7 @@ def _camera(run: Run) -> tuple[Array, Array]:
 
 
 def _odometry(run: Run) -> tuple[Array, Array]:
-    """Return the odometry from the true start on; in the file it counts from (0, 0, 0)."""
+    """Return the odometry with the true start pose; side/wheels.csv begins at (0, 0, 0)."""
     X_WS = pose_X_WR(*run.table.pose[0].tolist())
     poses = run.side("wheels")[_ODOMETRY].to_numpy().tolist()
     return run.t_s, np.array([X_WS @ pose_X_WR(*pose) for pose in poses])
@@ -44,7 +44,7 @@ def _odometry(run: Run) -> tuple[Array, Array]:
 def _text(t_s: Array, X: Array) -> bytes:
     """Return the file of poses (N, 4, 4) at times (N,)."""
     rotations = quaternions(X[:, :3, :3])
-    # A rotation has two quaternions, q and -q; we write the one that is nearer to that of the pose before, so that
+    # A rotation has two quaternions, q and -q. We write the one that is closer to the previous line, so that
     # a reader can interpolate between lines.
     signs = np.where(np.sum(rotations[1:] * rotations[:-1], axis=1) < 0, -1.0, 1.0)
     rotations[1:] *= np.cumprod(signs)[:, None]

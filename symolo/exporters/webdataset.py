@@ -1,4 +1,4 @@
-"""Tar shards of samples, one for each image, as WebDataset reads them (https://github.com/webdataset/webdataset).
+"""Tar shards for WebDataset (https://github.com/webdataset/webdataset), with one sample for each image.
 
 The files of a sample have the same name up to the first dot: `CW/test_1/000001.jpg`, `.json`, `.depth.png`...
 The writer of webdataset 1.0.2 is not used: it starts a new shard only after the limit is exceeded, it knows the size
@@ -15,7 +15,7 @@ from symolo.reader.run import Image
 
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
-    """Yield the shards, samples by name; only a shard of a single sample may be larger than the limit."""
+    """Yield the shards, with samples sorted by name; only a shard with a single sample may be larger than the limit."""
     samples = (_sample(image) for image in sorted(data.images, key=_key))
     for number, members in enumerate(shards(samples, settings.shard_bytes)):
         yield ExportedFile(

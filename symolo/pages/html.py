@@ -1,9 +1,11 @@
 """HTML pages from Jinja2 templates: every text is escaped, and a page needs no file beside itself."""
 
 import base64
-from functools import cache
+from functools import cache, partial
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+from symolo.core.progress import plural
 
 
 def render_page(package: str, **context: object) -> str:
@@ -28,18 +30,13 @@ def _environment(package: str) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"counted": counted, "data_url": _data_url, "grouped": grouped}
+    environment.filters |= {"data_url": _data_url, "grouped": grouped, "plural": partial(plural, digits=grouped)}
     return environment
 
 
 def grouped(number: int) -> str:
     """Return `12 345`, with spaces at which no line breaks."""
     return f"{number:,}".replace(",", "\N{NO-BREAK SPACE}")
-
-
-def counted(number: int, noun: str) -> str:
-    """Return `1 run` or `12 345 runs`."""
-    return f"{grouped(number)} {noun}" if number == 1 else f"{grouped(number)} {noun}s"
 
 
 def _data_url(data: bytes, media_type: str) -> str:

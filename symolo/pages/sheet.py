@@ -42,6 +42,12 @@ def stacked(rows: Sequence[Pixels]) -> Pixels:
     return np.concatenate([np.pad(row, ((0, 0), (0, widest - row.shape[1]), (0, 0))) for row in rows])
 
 
+def in_columns(cells: Sequence[Cell], columns: int) -> Pixels:
+    """Return cells as wide as the first one in rows of so many, (H, W, 3) BGR."""
+    width_px = cells[0].image.shape[1]
+    return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
+
+
 def check_side(which: str, length_px: int, smaller: str) -> None:
     """Raise InputError for a sheet that is too large for an image file; `smaller` names the option to reduce."""
     if length_px > MAX_SIDE_PX:

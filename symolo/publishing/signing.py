@@ -25,7 +25,7 @@ UNTRUSTED = "signature of a dataset by symolo; minisign verifies it too"
 
 
 @dataclass(frozen=True)
-class ReleaseFacts:
+class SignedFacts:
     """What the trusted comment of a signature states beside the name of the release."""
 
     version: str
@@ -58,7 +58,7 @@ def signing_time(text: str | None) -> datetime:
 def sign_release(
     root: Path,
     key: SecretKey,
-    facts: ReleaseFacts,
+    facts: SignedFacts,
     check_spec: SpecCheck = accepted,
     *,
     with_provenance: bool = False,

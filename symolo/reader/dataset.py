@@ -26,7 +26,7 @@ class Dataset:
     root: Path
     """The folder that holds metadata.json, or that of the one run."""
     metadata: Metadata | None
-    """None of a run that was named by its own folder."""
+    """Content of metadata.json; None for a run that was named by its own folder."""
     runs: tuple[Run, ...]
 
     def __getitem__(self, name: str) -> Run:

@@ -35,11 +35,11 @@ Pixels = NDArray[np.uint8]
 class Image:
     run: "Run"
     number: int
-    """As in the column `img` of data.csv, from 1."""
+    """Number in the column `img` of data.csv, from 1."""
     index: int
-    """Which of the run's images it is, from 0."""
+    """Place among the run's images, from 0."""
     row: int
-    """Which row of data.csv it was taken at, from 0; its stamp is that of the row."""
+    """Row of data.csv at which it was taken, from 0; its stamp is that of the row."""
 
     @property
     def t_s(self) -> float:
@@ -66,7 +66,7 @@ class Image:
         Raises:
             InputError: The file is missing or no image.
         """
-        pixels = _read(self.path)
+        pixels = self._decoded(self.path)
         if pixels.ndim != 3 or pixels.dtype != np.uint8:
             raise InputError("is no colour image with 8 bits", where=str(self.path), cure="make the run again")
         return pixels
@@ -86,7 +86,7 @@ class Image:
         path = self.run.annotation_path(kind, self.number)
         if kind == "flow" and not path.exists() and self.number == self.run.numbers[-1]:
             raise InputError(f"image {self.number} is the last, which has no flow", where=str(self.run.folder))
-        return _read(path)
+        return self._decoded(path)
 
     @property
     def annotation_files(self) -> dict[str, Path]:
@@ -112,6 +112,21 @@ class Image:
         if name in instances:
             return self.annotation("instance") == instances[name]
         raise _lacking(f"mask {name}", (*categories, *instances), name, str(self.run.folder))
+
+    def _decoded(self, path: Path) -> np.ndarray:
+        """Return the pixels of a file with the size of the run's images, in the file's own type, red first."""
+        try:
+            size = self.run.camera.width_px, self.run.camera.height_px
+        except InputError:  # such as of a dataset without side tables
+            size = None
+        try:
+            pixels = decoded(path, size)
+        except OSError as error:
+            raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
+        if pixels is None:
+            what = "is no image" + (f" of {size[0]} x {size[1]} px" if size else "") if path.exists() else "is missing"
+            raise InputError(what, where=str(path), cure="`symolo verify` and `symolo repair` take the whole release")
+        return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., ::-1])
 
 
 @dataclass(frozen=True)
@@ -325,14 +340,3 @@ class Run:
 def _lacking(what: str, known: tuple[str, ...], name: str, where: str) -> InputError:
     allowed = ", ".join(known) or "none: release it with `--set render.annotations=[instance,semantic]`"
     return InputError(f"has no {what}", where=where, allowed=allowed, nearest=nearest(name, known))
-
-
-def _read(path: Path) -> np.ndarray:
-    try:
-        pixels = decoded(path)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
-    if pixels is None:
-        what = "is no image" if path.exists() else "is missing"
-        raise InputError(what, where=str(path), cure="`symolo verify` and `symolo repair` take the whole release")
-    return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., ::-1])

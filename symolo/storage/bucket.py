@@ -4,6 +4,7 @@ The library signs requests, sends large files in parts, and tries again with gro
 environment only, and so do we: a key is never an argument and never part of a message.
 """
 
+import asyncio
 import contextlib
 import mimetypes
 import os
@@ -15,6 +16,7 @@ from typing import Any
 
 from symolo.core.errors import EnvironmentLacking, InputError, one_line
 from symolo.core.extras import how_to_install
+from symolo.core.files.plain_files import FileKind
 from symolo.storage.base import CHUNK_BYTES, LocalFile
 
 SHA256 = "sha256"
@@ -24,6 +26,12 @@ RETRIES = 12
 """Number of retries of a request, with pauses that double from 0.1 s up to 15 s."""
 TIMEOUT = "5m"
 """Longest time of a request with its body; a part of 8 MiB takes minutes on a slow line, the default is 30 s."""
+
+LIST_S = 600.0
+"""Longest time for a thousand entries of a listing; each answer is limited by `TIMEOUT`, but a row of them is not."""
+MAX_OBJECTS = 3_000_000
+"""Of one release; a list of checksums of the largest size that is read names about as many files."""
+MAX_OBJECT_BYTES = FileKind.ANY.max_bytes
 
 KEYS = {
     "s3": (
@@ -90,8 +98,18 @@ class Bucket:
 
     def sizes(self) -> dict[str, int]:
         with _plain_errors(self.url):
-            listing = self._obstore.list(self._store, chunk_size=1000)
-            return {entry["path"]: entry["size"] for part in listing for entry in part}
+            return asyncio.run(self._listed())
+
+    async def _listed(self) -> dict[str, int]:
+        """Return the sizes; a server that lists without end is given up, and the wait for it can be interrupted."""
+        sizes: dict[str, int] = {}
+        parts = aiter(self._obstore.list(self._store, chunk_size=1000))
+        while (part := await asyncio.wait_for(anext(parts, None), LIST_S)) is not None:
+            sizes |= {entry["path"]: entry["size"] for entry in part}
+            if len(sizes) > MAX_OBJECTS:
+                what = f"holds more than {MAX_OBJECTS} objects, as no release does"
+                raise InputError(what, where=self.url, cure="name the place of one release")
+        return sizes
 
     def digest(self, name: str) -> str:
         with _plain_errors(self.url):
@@ -115,7 +133,14 @@ class Bucket:
     def get(self, name: str) -> bytes | None:
         with _plain_errors(self.url):
             try:
-                return bytes(self._obstore.get(self._store, name).bytes())
+                answer = self._obstore.get(self._store, name)
+                # The library allocates the announced size at once, and ends the process where it gets no memory.
+                if answer.meta["size"] > MAX_OBJECT_BYTES:
+                    allowed = f"at most {MAX_OBJECT_BYTES} bytes"
+                    raise InputError(
+                        "is no file of a release", where=f"{self.url}: {name}", got=answer.meta["size"], allowed=allowed
+                    )
+                return bytes(answer.bytes())
             except FileNotFoundError:
                 return None
 
@@ -128,6 +153,9 @@ def _plain_errors(url: str) -> Iterator[None]:
         yield
     except FileNotFoundError as error:
         raise EnvironmentLacking(f"{url}: has changed meanwhile: {_short(error)}; run the same command again") from None
+    except asyncio.TimeoutError:
+        cure = "see that the address is that of a store"
+        raise EnvironmentLacking(f"{url}: has listed nothing more for {LIST_S:g} s; {cure}") from None
     except (errors.BaseError, NotImplementedError, ValueError) as error:
         if "<Code>NoSuchBucket<" in str(error):
             raise InputError("there is no such bucket", where=url, cure="make it by the tools of the store") from None

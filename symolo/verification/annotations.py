@@ -52,6 +52,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
     for name in sorted(there - expected):
         yield name, "is none of the annotations that metadata.json names"
     known = set(range(2**16))
+    size = record.image_width_px, record.image_height_px
     if DOCUMENT in expected & there:
         try:
             document = AnnotationDocument.from_json(read_file(folder / DOCUMENT, FileKind.ANNOTATIONS))
@@ -67,7 +68,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
             yield from strange
             if not strange:
                 category_of = {one.id: one.category_id for one in document.instances}
-                yield from _category_faults(folder, expected & there, category_of)
+                yield from _category_faults(folder, expected & there, category_of, size)
     for name in sorted((expected & there) - {DOCUMENT}):
         fault = _image_fault(folder / name, record, known)
         if fault:
@@ -116,10 +117,13 @@ def _camera_faults(document: AnnotationDocument, rows: Rows, spec: RunDocument) 
             yield DOCUMENT, f"t_s or X_WC of image {image.id} is not that of data.csv"
 
 
-def _category_faults(folder: Path, names: set[str], category_of: dict[int, int]) -> Iterator[Fault]:
+def _category_faults(
+    folder: Path, names: set[str], category_of: dict[int, int], size: tuple[int, int]
+) -> Iterator[Fault]:
     """Check that each pixel has the category of its instance or, without an image of instances, a known category."""
     for name in sorted(name for name in names if name.startswith("semantic/")):
-        semantic, instance = decoded(folder / name), decoded(folder / name.replace("semantic", "instance"))
+        semantic = decoded(folder / name, size)
+        instance = decoded(folder / name.replace("semantic", "instance"), size)
         if semantic is None or semantic.ndim != 2:
             continue  # `_image_fault` reports it
         if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
@@ -151,9 +155,10 @@ def _document_faults(document: AnnotationDocument, numbers: Sequence[int], known
 
 
 def _image_fault(path: Path, record: RunRecord, known: set[int]) -> str:
-    pixels = decoded(path)
+    size = record.image_width_px, record.image_height_px
+    pixels = decoded(path, size)
     if pixels is None:
-        return "cannot be decoded"
+        return f"is no image of {size[0]} x {size[1]} px"
     dtype, channels = _FORMS[path.parent.name]
     form = record.image_height_px, record.image_width_px
     if pixels.dtype != dtype or pixels.shape != (form if channels == 1 else (*form, channels)):

@@ -33,7 +33,7 @@ class Files:
     digests: Mapping[str, str]
     """SHA-256 by path."""
     strange: Mapping[str, str]
-    """What is wrong with an entry that cannot be hashed, by path: no regular file, or the disk does not give it."""
+    """Problem of each entry that cannot be hashed, by path: no regular file, or the disk does not give it."""
     empty_folders: frozenset[str] = frozenset()
 
     @classmethod

@@ -72,7 +72,9 @@ def _apply(folder: Path, kind: str, name: str, text: str) -> None:
 def walk(tmp_path):
     def follow(title: str) -> Walk:
         for package in PACKAGES:
-            shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+            # With the compiled files, which stay valid because a copy keeps the times of the sources, but without those
+            # that another process is about to rename.
+            shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.pyc.*"))
         section = _section(title)
         blocks = BLOCK.findall(section)
         assert blocks, f"CONTRIBUTING.md has no section {title!r} with blocks"

@@ -185,12 +185,15 @@ def test_the_specification_holds_the_arena_and_no_recipe():
     assert ArenaConfig.model_validate_json(json.dumps(stored)) == spec.arena
 
 
-@pytest.mark.parametrize("yaw_deg", [0, 90, -135])
-def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg):
-    start = f"{{x_m: {{normal: [1.0, 0.01]}}, y_m: -0.5, yaw_deg: {yaw_deg}}}"
-    loaded = load_scenario("random_arenas", [f"routes=[{{name: A, start: {start}}}]"])
-    first = draw_run(loaded, "A", 1).arena.line.pieces[0]
+@pytest.mark.parametrize(("yaw_deg", "around_deg"), [(0, [-9, 9]), (90, [80, 100]), (-135, [-137, -133])])
+def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg, around_deg):
+    """In the middle of what its start is drawn from, and the run starts off the line by what was drawn."""
+    ranges = f"x_m: {{uniform: [0.9, 1.1]}}, y_m: {{normal: [-0.5, 0.01]}}, yaw_deg: {{uniform: {around_deg}}}"
+    loaded = load_scenario("random_arenas", [f"routes=[{{name: A, start: {{{ranges}}}}}]"])
+    spec = draw_run(loaded, "A", 1)
+    first = spec.arena.line.pieces[0]
     assert isinstance(first, StraightPiece)
+    assert abs(spec.start.yaw_deg - yaw_deg) > 0.1
     along = np.subtract(first.end, first.start)
     assert math.atan2(along[1], along[0]) == pytest.approx(math.radians(yaw_deg))
     to_start = np.subtract((1.0, -0.5), first.start)
@@ -220,16 +223,16 @@ def test_ranges_that_make_no_sense_are_refused(setting, message):
     assert len(str(refusal.value).splitlines()) == 1
 
 
-def test_ranges_that_admit_no_arena_are_refused_with_the_reason():
+def test_ranges_for_which_no_arena_fits_are_refused_with_the_reason():
     loaded = load_scenario("random_arenas", ["arena.generate.radius_m=0.3", "arena.generate.corners=12"])
-    message = r"arena\.generate: no arena came out in 200 attempts, in \d+ of them because .*drawn for Lap run 1"
+    message = r"generate: none of 200 attempts at an arena succeeded; \d+ of them failed because .*drawn for Lap run 1"
     with pytest.raises(InputError, match=message):
         draw_run(loaded, "Lap", 1)
 
 
-def test_a_floor_too_small_is_told():
+def test_a_floor_that_is_too_small_is_refused():
     loaded = load_scenario("random_arenas", ["arena.floor.half_extent_m=0.6"])
-    with pytest.raises(InputError, match="because it reaches beyond the floor"):
+    with pytest.raises(InputError, match="because the line or a wall reaches beyond the floor"):
         draw_run(loaded, "Lap", 1)
 
 

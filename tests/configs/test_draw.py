@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from configs import validation
-from configs.draw import draw_all, draw_look, draw_run
+from configs.draw import draw_all, draw_look, draw_render, draw_robot, draw_run
 from configs.loader import LoadedScenario, load_scenario, load_section
 from configs.schema.scenario import RunSpec
 from symolo.core.errors import InputError
@@ -122,6 +122,17 @@ def test_a_look_drawn_alone_with_the_runs_key_is_the_look_of_the_run():
         look, drawn = draw_look(load_section("look", "classroom"), found.seed, spec.route, spec.run)
         assert look == spec.look
         assert drawn == {path: value for path, value in spec.drawn.items() if path.startswith("look.")}
+
+
+def test_image_settings_and_a_robot_drawn_alone_with_the_runs_key_are_those_of_the_run():
+    found = loaded(DRAWN, "render.samples={uniform: [10, 10000]}")
+    Path("drawn.yaml").write_text(yaml.safe_dump(yaml.safe_load(DRAWN)["robot"]))
+    for spec in draw_all(found):
+        key = (spec.route, spec.run)
+        assert draw_render(found, found.seed, *key) == spec.render
+        robot, drawn = draw_robot(load_section("robot", "drawn.yaml"), found.seed, *key)
+        assert robot == spec.robot
+        assert drawn == {path: value for path, value in spec.drawn.items() if path.startswith("robot.")}
 
 
 def test_a_draw_that_makes_an_impossible_world_is_refused_with_its_run():

@@ -9,6 +9,7 @@ import contextlib
 import dataclasses
 import json
 import os
+import resource
 import signal
 import sys
 import tempfile
@@ -57,6 +58,8 @@ class Order:
     """Seed of another order of the units and their frames."""
     recorded: bool = False
     """Whether every change of files is noted as `DiskRecorder` notes it."""
+    file_bytes: int | None = None
+    """Largest file that the system lets the command write."""
     any_disk: bool = False
     """Not to look first whether there is room; it may go while the command works."""
 
@@ -124,10 +127,13 @@ def _in_the_child(order: Order, log: int) -> None:
     operations = kind(order.root, order.at, order.error)
     if order.root:
         operations.install()
+    if order.file_bytes is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (order.file_bytes, resource.RLIM_INFINITY))
     code = 1
     try:
         code = _command(order)
     finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
         sys.stdout.flush()
         sys.stderr.flush()
         with contextlib.suppress(OSError):

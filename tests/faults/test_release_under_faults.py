@@ -5,6 +5,7 @@ release that nothing disturbed. The full forms have the marker `faults`.
 """
 
 import errno
+import re
 import shutil
 import signal
 import subprocess
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 KILL = -signal.SIGKILL  # as `FileOperations` has it
-ERRORS = (errno.EIO, errno.ENOSPC, errno.EACCES, errno.EMFILE)
+ERRORS = (errno.EIO, errno.ENOSPC, errno.EDQUOT, errno.EACCES, errno.EMFILE)
 DOCUMENTED = {2, 5}
 """Exit codes for an operation that failed: what was given cannot be used, or the machine lacks something."""
 
@@ -102,6 +103,34 @@ def _with_a_fault(at: int, error: int, server, whole, check, tmp_path) -> None:
     shutil.rmtree(out)
 
 
+def test_with_a_quota_that_is_used_up_it_says_so_and_ends_with_the_same_tree(server, whole, check, tmp_path):
+    writes = [at for at, (name, _) in enumerate(whole.operations, 1) if name == "write"]
+    done = server.release(tmp_path / "data", root=str(tmp_path), at=writes[len(writes) // 3], error=errno.EDQUOT)
+    assert done.status == 5, done.err
+    assert re.search(
+        r"^symolo: \[Errno 122\] Disk quota exceeded: '.*'; remove files of yours on that disk or get a larger quota,"
+        r" and run the same command again$",
+        done.err,
+        re.MULTILINE,
+    )
+    check(tmp_path / "data", "quota")
+
+
+@pytest.mark.parametrize("number_of_limits", [2, _full(60)])
+def test_with_a_limit_on_the_size_of_files_it_says_so_and_ends_with_the_same_tree(
+    number_of_limits, server, whole, check, tmp_path
+):
+    """Python ignores the signal that comes with it. Smaller ones than these stop the engine's own files as well."""
+    for limit in np.geomspace(3000, 0.9 * max(whole.sizes), number_of_limits).astype(int).tolist():
+        out = tmp_path / f"limit_{limit}"
+        done = server.release(out, file_bytes=limit)
+        assert done.status == 5, f"{limit} bytes: {done.err}"
+        _said(done, limit)
+        assert "File too large: '" in done.err
+        assert "; raise the limit on the size of files, such as by `ulimit -f unlimited`, and" in done.err
+        check(out, f"{limit} bytes")
+
+
 @pytest.mark.faults
 def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(server, whole, check, tmp_path):
     """Files on a disk of tmpfs take whole pages; the largest of the sizes hold the release. Only root can mount one."""
@@ -128,7 +157,7 @@ def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(serve
 
 
 def _mount(program: str, *arguments: object) -> None:
-    subprocess.run([shutil.which(program), *map(str, arguments)], check=True, capture_output=True)
+    subprocess.run([shutil.which(program) or program, *map(str, arguments)], check=True, capture_output=True)
 
 
 @pytest.mark.faults

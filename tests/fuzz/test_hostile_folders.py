@@ -5,12 +5,15 @@ import os
 import shutil
 import struct
 import time
+import zlib
+from typing import Any
 
 import pytest
 
 from symolo.core.errors import InputError
 from symolo.core.progress import LineReport
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
+from symolo.reader.dataset import load
 from symolo.storage.download import Remote, download
 from symolo.storage.folder import Folder
 from symolo.verification.verify import verify
@@ -35,7 +38,7 @@ def _limited():
 
 def fetched(digests, tmp_path):
     """Download a release of empty files under these names; return what lies in the folder afterwards."""
-    store = MemoryStore({MANIFEST: manifest(digests), TAG_MANIFEST: tag_manifest(digests)}, tuple(digests))
+    store: Any = MemoryStore({MANIFEST: manifest(digests), TAG_MANIFEST: tag_manifest(digests)}, tuple(digests))
     (tmp_path / "inner").mkdir()
     begin = time.process_time()
     try:
@@ -71,7 +74,7 @@ def test_a_path_of_millions_of_folders_takes_no_time(depth, tmp_path):
 def test_a_hundred_thousand_entries_of_a_list_are_looked_through_at_once():
     """None of them is there."""
     digests = {f"CW/test_{k}/data.csv": EMPTY for k in range(100_000)}
-    store = MemoryStore({MANIFEST: manifest(digests), TAG_MANIFEST: tag_manifest(digests)}, ())
+    store: Any = MemoryStore({MANIFEST: manifest(digests), TAG_MANIFEST: tag_manifest(digests)}, ())
     begin = time.process_time()
     with pytest.raises(InputError, match="is missing, and 99999 more"):
         Remote.of(store)
@@ -149,8 +152,9 @@ def test_a_deep_folder_is_a_fault_and_no_crash(folder):
     assert any("d" * 50 in line for line in found(root))
 
 
-def test_an_image_that_announces_another_size_than_the_run_is_not_decoded(tmp_path, monkeypatch):
-    """Its 758 bytes would take a second of every image, and 400 MB."""
+@pytest.fixture
+def of_another_size(tmp_path, monkeypatch):
+    """A dataset with one image and one annotation that announce another size than the run's; none may be decoded."""
     root = valid_copy("dataset", tmp_path)
     image = root / RUN / "images" / "000001.jpg"
     data = bytearray(image.read_bytes())
@@ -158,7 +162,35 @@ def test_an_image_that_announces_another_size_than_the_run_is_not_decoded(tmp_pa
     assert data[size_at : size_at + 4] == bytes([0, 16, 0, 24])
     data[size_at : size_at + 4] = struct.pack(">HH", 8192, 8191)
     image.write_bytes(data)
-    monkeypatch.setattr("symolo.verification.run_checks.decoded_bytes", lambda *_, **__: pytest.fail("was decoded"))
-    (root / RUN / "images" / "000002.jpg").unlink()
-    (root / RUN / "images" / "000003.jpg").unlink()
-    assert any("000001.jpg: is 8191 x 8192 px, metadata.json says 24 x 16" in line for line in found(root))
+    for number in (2, 3):
+        (root / RUN / "images" / f"{number:06d}.jpg").unlink()
+    for mask in (root / RUN / "annotations").glob("*/*.png"):
+        if mask.name == "000001.png":
+            mask.write_bytes(_grey_png(8191, 8192))
+        else:
+            mask.unlink()
+    monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("was decoded"))
+    return root
+
+
+def _grey_png(width, height):
+    """Of ISO/IEC 15948, with rows that are not there."""
+    png = b"\x89PNG\r\n\x1a\n"
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    for kind, content in ((b"IHDR", head), (b"IDAT", zlib.compress(b"")), (b"IEND", b"")):
+        png += struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+    return png
+
+
+def test_an_image_that_announces_another_size_than_the_run_is_not_decoded(of_another_size):
+    """Its 758 bytes would take a second of every image, and 400 MB; so would those of an annotation."""
+    lines = found(of_another_size)
+    assert any("000001.jpg: is 8191 x 8192 px, metadata.json says 24 x 16" in line for line in lines)
+    assert any("semantic/000001.png: is no image of 24 x 16 px" in line for line in lines)
+
+
+def test_a_reader_of_such_an_image_does_not_decode_it(of_another_size):
+    image = load(of_another_size)[RUN].image(1)
+    for read in (image.pixels, lambda: image.annotation("semantic")):
+        with pytest.raises(InputError, match=r"000001\.\w+: is no image of 24 x 16 px; `symolo verify`"):
+            read()

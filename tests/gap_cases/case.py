@@ -1,10 +1,12 @@
 """What a case is made of: simulated robots with or without effects, the data, and the truth behind them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .disturbances import Day
 
 Array = NDArray[np.float64]
 Value = float | str
@@ -42,7 +44,7 @@ class World:
 
     own: Mapping[str, float]
     effects: tuple[Effect, ...] = ()
-    outside: Outside | None = None
+    outsides: tuple[Outside, ...] = ()
 
     def value(self, effect: str, parameter: str, absent: float, word: str | None = None) -> float:
         """Of an effect, with that discrete parameter if it has one; `absent` where the world lacks it."""
@@ -53,9 +55,10 @@ class World:
 
     def beyond(self, name: str, parameter: str, absent: float = 0.0) -> float:
         """Of the outside effect of this name."""
-        if self.outside is None or self.outside.name != name:
-            return absent
-        return self.outside.parameters[parameter]
+        for each in self.outsides:
+            if each.name == name:
+                return each.parameters[parameter]
+        return absent
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,7 @@ class Case:
     columns: Of data.csv.
     blind: Inputs of the runs that nobody sees, by file name.
     world: The robot the data come from.
+    day: What the logger and the day did to them.
     """
 
     name: str
@@ -124,3 +128,9 @@ class Case:
     columns: Columns
     blind: Mapping[str, Columns]
     world: World
+    day: Day = field(default_factory=Day)
+
+    @property
+    def true_bench(self) -> Bench:
+        """The bench with the noise that the data have."""
+        return replace(self.bench, nominal=self.day.true(self.bench.nominal))

@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .case import Array, Bench, Columns, Effect, Frame, World
+from .disturbances import AS_STATED, Day
 from .drive_ranges import SENSORS, clear_of_corners, ranges
 from .drive_tour import drive
 from .drive_wheels import ROW_S, SIDES, Wheels, ground, kept, mean_speeds, radii, slope, turned
 from .motor_steady import motor
-from .noise import OUTLIER_SIGMAS, share, with_dropouts
+from .noise import OUTLIER_SIGMAS, share, white, with_dropouts
 from .sizes import NEEDS_VOLTAGES
 from .tof_bench import NO_TARGET_M
 
@@ -22,7 +23,7 @@ POSE = ("x_m", "y_m", "theta_rad")
 
 
 def draw(rng: np.random.Generator, rows: str) -> Bench:
-    trials, length = (2, 601) if rows == "few" else (4, 1201)
+    trials, length = {"few": (2, 601), "some": (3, 801), "usual": (4, 1201)}[rows]
     number = np.repeat(np.arange(1, trials + 1), length)
     time = np.tile(np.round(ROW_S * np.arange(length), 2), trials)
     apart = ROW_S * (length - 1) + BETWEEN_TRIALS_S
@@ -74,13 +75,16 @@ def _nominal(rng: np.random.Generator) -> dict:
     }
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, Mapping[str, Columns]]:
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
+    """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
     trials, begin, rows = _shape(bench.inputs)
     blind = next(iter(bench.blind.values()))
     begin = np.append(begin, blind["session_time_s"][0])
-    log = _logged(bench, world, begin, rows, rng)
+    log = _logged(bench, world, begin, rows, rng, day)
     columns = {**bench.inputs, **{name: values[:trials].ravel() for name, values in log.items()}}
-    columns |= _spoilt(bench, columns, rng)
+    columns |= _spoilt(bench, columns, rng, day)
     unseen = {name: values[trials, : len(blind["t_s"])] for name, values in log.items()}
     volts = {f"u_{side}_V": unseen[f"u_{side}_V"] for side in SIDES}
     start = {name: np.where(np.arange(len(blind["t_s"])) == 0, unseen[name], np.nan) for name in POSE}
@@ -100,7 +104,9 @@ def _shape(inputs: Columns) -> tuple[int, Array, int]:
     return trials, session[:, 0], session.shape[1]
 
 
-def _logged(bench: Bench, world: World, begin: Array, rows: int, rng: np.random.Generator) -> dict[str, Array]:
+def _logged(
+    bench: Bench, world: World, begin: Array, rows: int, rng: np.random.Generator, day: Day
+) -> dict[str, Array]:
     """Columns (N, rows) as a perfect logger would have them, with noise but nothing lost."""
     nominal, noise = bench.nominal, bench.nominal["noise"]
     driven = drive(nominal, world, begin, rows, rng)
@@ -115,39 +121,54 @@ def _logged(bench: Bench, world: World, begin: Array, rows: int, rng: np.random.
     logged[..., 0] += ahead * np.cos(logged[..., 2])
     logged[..., 1] += ahead * np.sin(logged[..., 2])
     sd = np.array([noise["pose_xy_m"], noise["pose_xy_m"], noise["pose_theta_rad"]])
-    logged = logged + sd * rng.standard_normal(logged.shape)
+    logged = logged + sd * white(rng, logged.shape, day.degrees)
     seen_from = at(time - world.value("tof_time_offset", "delay_s", 0.0))
     voltage = driven.voltage if np.isfinite(bench.inputs["logs_voltage"][0]) else np.full_like(driven.voltage, np.nan)
     found = {"v_cmd_m_s": driven.command[..., 0], "w_cmd_rad_s": driven.command[..., 1]}
     found |= {f"u_{side}_V": voltage[..., k] for k, side in enumerate(SIDES)}
     found |= {f"enc_{side}_ticks": driven.ticks[..., k] for k, side in enumerate(SIDES)}
     for sensor in SENSORS:
-        true = ranges(nominal, world, seen_from, sensor)
-        reading = np.round(true + reading_sd(true) * rng.standard_normal(true.shape), 3)
+        true = ranges(nominal, world, seen_from, sensor) + _jumped(world, sensor, begin[:, None] + time)
+        spread = reading_sd(true, noise["tof_polynomial_mm"])
+        good = white(rng, true.shape, day.degrees)
+        if f"tof_{sensor}_m" in day.wander:
+            session = begin[:, None] + time
+            trial = np.repeat(np.arange(len(begin)), rows)
+            good = good + np.reshape(day.zero(f"tof_{sensor}_m", trial, session.ravel()), good.shape)
+        reading = np.round(true + spread * good, 3)
         found[f"tof_{sensor}_m"] = np.where(reading > nominal["tof"]["max_range_m"], np.nan, np.maximum(reading, 0.0))
     return found | {name: logged[..., k] for k, name in enumerate(POSE)}
 
 
-def reading_sd(distance: Array) -> Array:
-    return 1e-3 * np.polynomial.polynomial.polyval(np.maximum(distance - ORIGIN_M, 0.0), POLYNOMIAL_MM)
+def _jumped(world: World, sensor: str, session_s: Array) -> Array:
+    """What a sensor that was moved once reads more, at (...) times."""
+    size = world.beyond("range_jump", "offset_m") if sensor == "front" else 0.0
+    return size * (session_s >= world.beyond("range_jump", "begins_s"))
 
 
-def _spoilt(bench: Bench, columns: Columns, rng: np.random.Generator) -> dict[str, Array]:
+def reading_sd(distance: Array, polynomial_mm: Sequence[float]) -> Array:
+    return 1e-3 * np.polynomial.polynomial.polyval(np.maximum(distance - ORIGIN_M, 0.0), polynomial_mm)
+
+
+def _spoilt(bench: Bench, columns: Columns, rng: np.random.Generator, day: Day) -> dict[str, Array]:
     """Ranges and poses with readings that are lost or bad."""
-    del bench
+    noise, struck = bench.nominal["noise"], day.struck(len(columns["trial"]))
     odd, lost, blinks = share(rng, 0.02), share(rng, 0.03), share(rng, 0.03)
     found = {}
     for sensor in SENSORS:
         reading = columns[f"tof_{sensor}_m"]
         hit = rng.random(len(reading))
         far = rng.uniform(*OUTLIER_SIGMAS, len(reading)) * rng.choice([-1.0, 1.0], len(reading))
-        worse = np.round(np.maximum(reading + far * reading_sd(reading), 0.0), 3)
-        reading = np.where(hit < 0.5 * odd, worse, reading)
+        far = struck.get(f"tof_{sensor}_m", np.where(hit < 0.5 * odd, far, 0.0))
+        worse = np.round(np.maximum(reading + far * reading_sd(reading, noise["tof_polynomial_mm"]), 0.0), 3)
+        reading = np.where(far != 0.0, worse, reading)
         reading = np.where((hit >= 0.5 * odd) & (hit < odd), NO_TARGET_M, reading)
         found[f"tof_{sensor}_m"] = with_dropouts(rng, reading, lost)
     gone = rng.random(len(columns["x_m"])) < blinks
     gone &= columns["t_s"] > 0.0
-    return found | {name: np.where(gone, np.nan, columns[name]) for name in POSE}
+    sd = {"x_m": noise["pose_xy_m"], "y_m": noise["pose_xy_m"], "theta_rad": noise["pose_theta_rad"]}
+    poses = {name: columns[name] + sd[name] * struck[name] if name in struck else columns[name] for name in POSE}
+    return found | {name: np.where(gone, np.nan, poses[name]) for name in POSE}
 
 
 def frame(bench: Bench, columns: Columns) -> Frame:
@@ -205,7 +226,7 @@ def _range_readings(bench: Bench, columns: Columns, poses: Array, sensor: str) -
     reading = columns[f"tof_{sensor}_m"].reshape(expected.shape)
     bad = (reading > NO_TARGET_M - 0.001) | (expected > nominal["tof"]["max_range_m"] - NEAR_LIMIT_M)
     bad |= ~clear_of_corners(nominal, book, poses, sensor)
-    variance = reading_sd(expected) ** 2
+    variance = reading_sd(expected, noise["tof_polynomial_mm"]) ** 2
     for k, sd in enumerate((noise["pose_xy_m"], noise["pose_xy_m"], noise["pose_theta_rad"])):
         nudged = poses + np.eye(3)[k] * 1e-4
         variance = variance + (sd * (ranges(nominal, book, nudged, sensor) - expected) / 1e-4) ** 2
@@ -250,7 +271,7 @@ def _wheel_stage(bench: Bench, columns: Columns, worlds: Sequence[World]) -> Arr
         bare = World(
             {name: value for name, value in world.own.items() if name in bench.nominal["motor"]},
             tuple(each for each in world.effects if each.name in NEEDS_VOLTAGES),
-            world.outside,
+            world.outsides,
         )
         key = (tuple(bare.own.values()), tuple(map(_key, bare.effects)), bare.beyond("session_change", "fraction"))
         if key not in alike:
@@ -310,7 +331,8 @@ def _pose_stage(bench: Bench, world: World, columns: Columns, turns: Array, pose
 
 def _increments(path: Array, heading: Array) -> Array:
     """Between neighbours of (N, n, 3) in the body frame of the first."""
-    step, at = np.diff(path, axis=1), heading[:, :-1]
+    step: Array = np.diff(path, axis=1)
+    at = heading[:, :-1]
     cos, sin = np.cos(at), np.sin(at)
     x = cos * step[..., 0] + sin * step[..., 1]
     y = -sin * step[..., 0] + cos * step[..., 1]
@@ -339,4 +361,6 @@ def _range_stage(bench: Bench, world: World, columns: Columns, poses: Array) -> 
         axle = np.where(np.isnan(poses), np.nan, np.array(shifted).swapaxes(1, 2))
     off = world.value("marker_offset", "offset_m", 0.0)
     axle = axle - off * np.stack([np.cos(axle[..., 2]), np.sin(axle[..., 2]), np.zeros((trials, rows))], axis=-1)
-    return np.stack([ranges(bench.nominal, world, axle, sensor) for sensor in SENSORS], axis=-1)
+    session = columns["session_time_s"].reshape(trials, rows)
+    seen = [ranges(bench.nominal, world, axle, sensor) + _jumped(world, sensor, session) for sensor in SENSORS]
+    return np.stack(seen, axis=-1)

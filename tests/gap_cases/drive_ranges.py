@@ -1,6 +1,9 @@
 """What range sensors of a robot see of the walls of an empty room."""
 
+from collections.abc import Mapping
+
 import numpy as np
+from numpy.typing import NDArray
 
 from .case import Array, World
 
@@ -9,7 +12,7 @@ CORNER_RAD = 0.05
 SENSORS = ("front", "left", "right")
 
 
-def walls(nominal: dict, world: World) -> Array:
+def walls(nominal: Mapping, world: World) -> Array:
     """x of the near and far wall, then y: (4,) in the room as it is."""
     moved = world.beyond("moved_wall", "moved_m")
     return np.array([0.0, nominal["world"]["room_x_m"] + moved, 0.0, nominal["world"]["room_y_m"]])
@@ -27,7 +30,7 @@ def cast(origin: Array, heading: Array, room: Array) -> tuple[Array, Array]:
     return np.where(np.isfinite(distance), distance, np.nan), first
 
 
-def rays(nominal: dict, world: World, pose: Array, sensor: str) -> tuple[Array, Array]:
+def rays(nominal: Mapping, world: World, pose: Array, sensor: str) -> tuple[Array, Array]:
     """Origins (..., 2) and headings (...) of a sensor at poses (..., 3) of the axle's middle."""
     mount = nominal["tof"]["mount"][sensor]
     x, y, theta = pose[..., 0], pose[..., 1], pose[..., 2]
@@ -37,7 +40,7 @@ def rays(nominal: dict, world: World, pose: Array, sensor: str) -> tuple[Array, 
     return np.stack(origin, axis=-1), heading
 
 
-def ranges(nominal: dict, world: World, pose: Array, sensor: str) -> Array:
+def ranges(nominal: Mapping, world: World, pose: Array, sensor: str) -> Array:
     """Readings (...) without noise, however far."""
     origin, heading = rays(nominal, world, pose, sensor)
     distance, wall = cast(origin, heading, walls(nominal, world))
@@ -48,7 +51,7 @@ def ranges(nominal: dict, world: World, pose: Array, sensor: str) -> Array:
     return world.value("tof_range_scale", "scale", 1.0) * distance + offset
 
 
-def clear_of_corners(nominal: dict, world: World, pose: Array, sensor: str) -> Array:
+def clear_of_corners(nominal: Mapping, world: World, pose: Array, sensor: str) -> NDArray[np.bool_]:
     """Whether a slightly different ray (...) would hit the same wall."""
     origin, heading = rays(nominal, world, pose, sensor)
     room = walls(nominal, world)

@@ -1,6 +1,6 @@
 """A robot that drives about a room under its own wheel-speed controller."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,7 +73,7 @@ class Driven:
     time_s: Array
 
 
-def drive(nominal: dict, world: World, begin_s: Array, rows: int, rng: np.random.Generator) -> Driven:
+def drive(nominal: Mapping, world: World, begin_s: Array, rows: int, rng: np.random.Generator) -> Driven:
     """Trials that begin at rest near the middle of the room at these session times."""
     trials = len(begin_s)
     room = (nominal["world"]["room_x_m"], nominal["world"]["room_y_m"])
@@ -102,7 +102,7 @@ def drive(nominal: dict, world: World, begin_s: Array, rows: int, rng: np.random
 class _Robot:
     """State of all trials."""
 
-    def __init__(self, nominal: dict, world: World, trials: int, rng: np.random.Generator) -> None:
+    def __init__(self, nominal: Mapping, world: World, trials: int, rng: np.random.Generator) -> None:
         self.world, self.rng = world, rng
         self.wheels = Wheels.of([world], nominal["motor"]["supply_voltage_V"])
         self.value = {name: leaf["value"] for name, leaf in nominal["motor"].items() if isinstance(leaf, dict)}
@@ -151,7 +151,7 @@ class _Robot:
         """Torques on the wheels with a short memory, (steps, N, 2)."""
         keep = np.exp(-STEP_S / DISTURBANCE_S)
         fresh = self.rng.standard_normal((steps, *self.angle.shape))
-        return lfilter([self.torque_sd * np.sqrt(1.0 - keep**2)], [1.0, -keep], fresh, axis=0)
+        return np.asarray(lfilter([self.torque_sd * np.sqrt(1.0 - keep**2)], [1.0, -keep], fresh, axis=0))
 
     def wheel_turns(self, voltage: Array, k: int, begin_s: Array, torque: Array) -> Iterator[Array]:
         """Angles (N, 2) by which the wheels turn in each piece of row k."""

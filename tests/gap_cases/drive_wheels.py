@@ -200,6 +200,12 @@ def ground(world: World, travel: Array, angle: Array, place: Array) -> Array:
         centre = np.array([world.beyond("slippery_patch", name) for name in ("x_m", "y_m")])
         inside = np.linalg.norm(place - centre, axis=-1) < world.beyond("slippery_patch", "radius_m")
         travel = travel * np.where(inside, 1.0 - slip, 1.0)[..., None]
+    slip = world.beyond("edge_on_the_floor", "share")
+    if slip:
+        centre = np.array([world.beyond("edge_on_the_floor", name) for name in ("x_m", "y_m")])
+        inside = np.linalg.norm(place - centre, axis=-1) < world.beyond("edge_on_the_floor", "radius_m")
+        shorter = np.where(inside, 1.0 - slip, 1.0)
+        travel = travel * np.stack([shorter, np.ones_like(shorter)], axis=-1)
     return travel
 
 

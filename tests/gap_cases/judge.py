@@ -4,6 +4,10 @@ An effect shows as far as the nominal model with its tolerances cannot imitate i
 |P W (mu_with - mu_without) / sigma|^2 over the rows that may be fitted, with W whitening the noise and P projecting out
 what deviations of the toleranced parameters can do, each at the price of its prior. The noise of a range sensor may be
 the effect; its drop is twice the expected gain in log-likelihood, sum(v - 1 - ln v) over ratios v of variances.
+
+Sigma is the true one, which anybody can learn from the data. Where stated noise and tolerances may be wrong, the judge
+knows by how much at most: a tolerance is taken as large as it may be, and a noise that the stated one times an allowed
+factor imitates shows nothing.
 """
 
 from collections.abc import Sequence
@@ -11,6 +15,7 @@ from dataclasses import dataclass, replace
 from types import ModuleType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import tof_bench
 from .case import Array, Bench, Case, Effect, Frame, World
@@ -31,6 +36,8 @@ SAME_DROP = 9.0
 """What is left of an effect after the best size of another may be noise: three standard deviations."""
 NUISANCE_STEP = 0.5
 """Tolerances."""
+CLEARLY_WRONG = 1.2
+"""Factor on the stated noise from which `noise_scale` is there to be reported."""
 WORST_SHARE = 0.03
 """Of residuals, left out of E."""
 
@@ -41,9 +48,10 @@ class Verdict:
 
     drops: Of each effect, the chi-square it is expected to take from the model with all the others.
     equivalent: Of each effect, the variants of names that these data cannot tell from it.
-    beyond: Drop of the outside effect, 0 without one.
+    beyond: Drop of the outside effects together, 0 without one.
     nameless: Of that, what no single name can take.
     gain: 1 - E(true model) / E(nominal) on the hold-out rows.
+    excused: Names of what the day did to the data: a report of one is neither right nor wrong.
     """
 
     drops: tuple[float, ...]
@@ -51,6 +59,7 @@ class Verdict:
     beyond: float
     nameless: float
     gain: float
+    excused: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -58,7 +67,7 @@ class _Space:
     """Differences of predictions in whitened sigmas, with the part that nuisances imitate taken out."""
 
     frame: Frame
-    rows: Array
+    rows: NDArray[np.bool_]
     correlation: Array
     basis: Array
     nuisances: int
@@ -73,15 +82,16 @@ class _Space:
 def judge(case: Case, *, with_rivals: bool = True) -> Verdict:
     """Drops, equivalents and gain; without rivals, nothing is equivalent and all of an outside effect is nameless."""
     kind, bench, world = KINDS[case.bench.kind], case.bench, case.world
-    frame = kind.frame(bench, case.columns)
-    hidden = [*world.effects, *([world.outside] if world.outside else [])]
+    frame = kind.frame(case.true_bench, case.columns)
+    stated = kind.frame(bench, case.columns)
+    hidden = [*world.effects, *([world.outsides] if world.outsides else [])]
     without = [_without(world, each) for each in hidden]
     others = rivals(bench) if with_rivals and hidden else []
     varied = [_nudged(bench, world, name) for name in bench.spreads()]
     worlds = [world, bench.textbook(), *varied, *without]
     means = kind.predict(bench, case.columns, worlds)
-    gain = 1.0 - error(frame, means[0]) / error(frame, means[1])
-    slopes = (means[2 : 2 + len(varied)] - means[0]) / NUISANCE_STEP
+    gain = 1.0 - error(stated, means[0]) / error(stated, means[1])
+    slopes = case.day.tolerance_limit * (means[2 : 2 + len(varied)] - means[0]) / NUISANCE_STEP
     drops, same, nameless = [], [], 0.0
     for k, each in enumerate(hidden):
         bare = means[2 + len(varied) + k]
@@ -90,18 +100,20 @@ def judge(case: Case, *, with_rivals: bool = True) -> Verdict:
         bent = kind.predict(bench, case.columns, free) - means[0] if free else np.zeros((0, len(bare)))
         space = _space(frame, means[0], slopes, bent)
         shape = space.projected((means[0] - bare)[None])[0]
-        drop = float(shape @ shape) + _of_spread(bench, case, without[k])
+        drop = float(shape @ shape) + _of_spread(case, without[k])
         drops.append(drop)
         taken = _rivals(case, kind, space, (without[k], bare), others, shape) if others else {}
         close = {name: (cosine, drop * (1.0 - cosine**2)) for name, cosine in taken.items()}
         if isinstance(each, Effect):
             like = [n for n, (cosine, left) in close.items() if cosine > SAME_COSINE and left < SAME_DROP]
-            noisy = _noise_rivals(bench, case, each, without[k], drop)
+            noisy = _noise_rivals(case, each, without[k], drop)
             same.append(tuple(sorted({*like, *noisy} - {each.variant, *(other.variant for other in rest)})))
         else:
             nameless = min((left for _, left in close.values()), default=drop)
     own = len(world.effects)
-    return Verdict(tuple(drops[:own]), tuple(same), drops[own] if world.outside else 0.0, nameless, gain)
+    return Verdict(
+        tuple(drops[:own]), tuple(same), drops[own] if world.outsides else 0.0, nameless, gain, _excused(case)
+    )
 
 
 def error(frame: Frame, predicted: Array) -> float:
@@ -134,7 +146,7 @@ def _space(frame: Frame, true: Array, slopes: Array, bent: Array) -> _Space:
     return _Space(frame, rows, correlation, basis, nuisances)
 
 
-def _white(values: Array, rows: Array, run: Array, correlation: Array) -> Array:
+def _white(values: Array, rows: NDArray[np.bool_], run: NDArray[np.int64], correlation: Array) -> Array:
     """(K, n) with the correlation of neighbours taken out, 0 outside `rows`."""
     follows = np.concatenate([[False], rows[1:] & rows[:-1] & (run[1:] == run[:-1])])
     rho = np.where(follows, correlation, 0.0)
@@ -182,10 +194,26 @@ def _resized(effect: Effect, factor: float) -> Effect:
     return Effect(effect.name, {**effect.parameters, name: max(value, 0.05) if neutral else value})
 
 
-def _of_spread(bench: Bench, case: Case, without: World) -> float:
-    if bench.kind != "tof_bench":
+def _of_spread(case: Case, without: World) -> float:
+    if case.bench.kind != "tof_bench":
         return 0.0
-    return _deviance(_spread(case, case.world) / _spread(case, without))
+    return _deviance(_unstated(case, _spread(case, case.world) / _spread(case, without)))
+
+
+def _unstated(case: Case, ratio: Array) -> Array:
+    """Ratios of true to stated spreads over the best factor that the stated noise may be wrong by."""
+    true = case.day.noise.get("polynomial_mm", 1.0) * ratio
+    return true / np.clip(np.sqrt(np.mean(true**2)), *case.day.noise_limits)
+
+
+def _excused(case: Case) -> tuple[str, ...]:
+    if case.bench.kind != "tof_bench":
+        return ()
+    found = []
+    if abs(np.log(case.day.noise.get("polynomial_mm", 1.0))) > np.log(CLEARLY_WRONG):
+        one_light = len(np.unique(np.round(case.columns["ambient_lux"], -2))) == 1
+        found += ["noise_scale", "ambient_noise"] if one_light else ["noise_scale"]
+    return (*found, "range_wander") if case.day.wander else tuple(found)
 
 
 def _spread(case: Case, world: World) -> Array:
@@ -198,16 +226,16 @@ def _deviance(ratio: Array) -> float:
     return float(np.sum(ratio**2 - 1.0 - 2.0 * np.log(ratio)))
 
 
-def _noise_rivals(bench: Bench, case: Case, effect: Effect, without: World, drop: float) -> list[str]:
+def _noise_rivals(case: Case, effect: Effect, without: World, drop: float) -> list[str]:
     """Which of the two effects on the noise of a range sensor does as well as the other."""
     keys = {"noise_scale": "scale", "ambient_noise": "coefficient_per_klux"}
-    if bench.kind != "tof_bench" or effect.name not in keys:
+    if case.bench.kind != "tof_bench" or effect.name not in keys:
         return []
     true, found = _spread(case, case.world), []
     for name, key in keys.items():
-        sizes = np.geomspace(0.02, 50.0, 200) if name == "ambient_noise" else np.geomspace(0.3, 4.0, 200)
+        sizes = np.geomspace(0.02, 50.0, 200) if name == "ambient_noise" else np.geomspace(0.15, 8.0, 300)
         worlds = [_with(without, Effect(name, {key: float(size)})) for size in sizes]
-        left = min(_deviance(true / _spread(case, each)) for each in worlds)
+        left = min(_deviance(_unstated(case, true / _spread(case, each))) for each in worlds)
         if left < SAME_DROP and left < (1.0 - SAME_COSINE**2) * drop:
             found.append(name)
     return found
@@ -222,8 +250,8 @@ def _with(world: World, effect: Effect) -> World:
 
 
 def _without(world: World, hidden: object) -> World:
-    if hidden is world.outside:
-        return replace(world, outside=None)
+    if hidden is world.outsides:
+        return replace(world, outsides=())
     return replace(world, effects=tuple(each for each in world.effects if each is not hidden))
 
 

@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .case import Array, Bench, Columns, Frame, World
+from .disturbances import AS_STATED, Day
 from .motor_law import Motors, column, steady_states
-from .noise import share, with_dropouts, with_outliers
+from .noise import share, white, with_dropouts, with_outliers
 
 SUPPLY_V = 7.4
 ROW_S = 3.0
@@ -16,13 +17,13 @@ BREAKAWAY = 2.2
 
 def draw(rng: np.random.Generator, rows: str) -> Bench:
     up = np.linspace(0.0, 5.0, 21)
-    sweeps = [up] if rows == "few" else [up, up[::-1], -up, -up[::-1]] * 2
+    sweeps = [up] if rows == "few" else [up, up[::-1], -up, -up[::-1]] * (2 if rows == "usual" else 1)
     voltage = np.concatenate(sweeps)
     n = len(voltage)
     if rows == "few":
         holdout = np.arange(n) % 4 == int(rng.integers(4))
     else:
-        holdout = np.isin(np.arange(n) // 21, rng.choice(8, 2, replace=False))
+        holdout = np.isin(np.arange(n) // 21, rng.choice(len(sweeps), len(sweeps) // 4, replace=False))
     inputs = {
         "row": np.arange(1, n + 1),
         "sweep": np.arange(n) // 21 + 1,
@@ -60,11 +61,11 @@ def mean(bench: Bench, inputs: Columns, worlds: Sequence[World]) -> tuple[Array,
     """Current and speed as the instruments would say them without noise, (V, rows) each."""
     motors = Motors.of(worlds, bench.nominal["motor"]["supply_voltage_V"])
     current, speed = steady_states(motors, inputs["u_cmd_V"], inputs["t_s"])
-    return instruments(worlds, current, speed)
+    return instruments(worlds, current, speed, inputs["t_s"])
 
 
-def instruments(worlds: Sequence[World], current: Array, speed: Array) -> tuple[Array, Array]:
-    """What current sensor and encoder make of (V, ...) true values."""
+def instruments(worlds: Sequence[World], current: Array, speed: Array, session_s: Array) -> tuple[Array, Array]:
+    """What current sensor and encoder make of (V, ...) true values at (...) times."""
 
     def effect(name: str, parameter: str, absent: float) -> Array:
         values = column([w.value(name, parameter, absent) for w in worlds])
@@ -74,22 +75,37 @@ def instruments(worlds: Sequence[World], current: Array, speed: Array) -> tuple[
     above = column([w.beyond("current_range_switch", "above_A", np.inf) for w in worlds])
     beyond, above = (each.reshape(-1, *[1] * (current.ndim - 1)) for each in (beyond, above))
     current = np.where(np.abs(current) > above, beyond * current, current)
+    if any(w.beyond("zero_jump", "offset_A") for w in worlds):
+        jump = [w.beyond("zero_jump", "offset_A") * (session_s >= w.beyond("zero_jump", "begins_s")) for w in worlds]
+        current = current + np.array(jump)
+    if any(w.beyond("speed_cycle", "amplitude_rad_s") for w in worlds):
+        cycle = [_cycle(w, each) for w, each in zip(worlds, speed, strict=True)]
+        speed = np.where(speed == 0.0, 0.0, speed + np.array(cycle))
     current = effect("current_sensor_gain", "gain", 1.0) * current + effect("current_sensor_offset", "offset_A", 0.0)
     return current, effect("speed_scale", "scale", 1.0) * speed
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, Mapping[str, Columns]]:
-    noise = bench.nominal["noise"]
+def _cycle(world: World, speed: Array) -> Array:
+    """Error of a speed that is periodic in the speed."""
+    turns = speed / world.beyond("speed_cycle", "period_rad_s", 1.0)
+    swing = np.sin(2.0 * np.pi * turns + world.beyond("speed_cycle", "phase_rad"))
+    return world.beyond("speed_cycle", "amplitude_rad_s") * swing
+
+
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
+    """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
+    noise, struck = bench.nominal["noise"], day.struck(len(bench.inputs["row"]))
     lost, odd = share(rng, 0.03), share(rng, 0.02)
     current, speed = (each[0] for each in mean(bench, bench.inputs, [world]))
     stuck = speed == 0.0
-    current = current + noise["current_A"] * rng.standard_normal(current.shape)
-    speed = np.where(stuck, 0.0, speed + noise["omega_rad_s"] * rng.standard_normal(speed.shape))
-    columns = {
-        **bench.inputs,
-        "current_A": with_dropouts(rng, with_outliers(rng, current, noise["current_A"], odd), lost),
-        "omega_rad_s": with_dropouts(rng, with_outliers(rng, speed, noise["omega_rad_s"], odd), lost),
-    }
+    zero = day.zero("current_A", bench.inputs["sweep"], bench.inputs["t_s"])
+    current = current + noise["current_A"] * (white(rng, current.shape, day.degrees) + zero)
+    speed = np.where(stuck, 0.0, speed + noise["omega_rad_s"] * white(rng, speed.shape, day.degrees))
+    columns = dict(bench.inputs)
+    for name, good in (("current_A", current), ("omega_rad_s", speed)):
+        columns[name] = with_dropouts(rng, with_outliers(rng, good, noise[name], odd, struck.get(name)), lost)
     return columns, bench.blind
 
 

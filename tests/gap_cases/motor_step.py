@@ -6,6 +6,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from .case import Array, Bench, Columns, Frame, World
+from .disturbances import AS_STATED, Day
 from .motor_law import Motors
 from .motor_motion import STEP_S, responses
 from .motor_steady import instruments, motor
@@ -20,7 +21,7 @@ RESOLUTION = {"current_A": 0.002, "omega_rad_s": 0.02}
 
 
 def draw(rng: np.random.Generator, rows: str) -> Bench:
-    trials, held = (3, 1) if rows == "few" else (6, 2)
+    trials, held = {"few": (3, 1), "some": (4, 1), "usual": (6, 2)}[rows]
     inputs = _runs(rng, trials, 0.0)
     holdout = rng.choice(np.arange(1, trials + 1), held, replace=False)
     inputs["split"] = np.where(np.isin(inputs["trial"], holdout), "holdout", "fit")
@@ -80,7 +81,8 @@ def mean(bench: Bench, inputs: Columns, worlds: Sequence[World]) -> tuple[Array,
     shares = (nominal["motor_side_inertia_fraction"], nominal["motor_side_friction_fraction"])
     current, fine, times = responses(motors, worlds, command, ROW_S, begin, shares)
     read = np.stack([_read_speed(w, fine[k], times, command) for k, w in enumerate(worlds)])
-    current, speed = instruments(worlds, current, read)
+    session = begin[:, None] + ROW_S * np.arange(1, command.shape[1] + 1)
+    current, speed = instruments(worlds, current, read, session)
     return current.reshape(len(worlds), -1), speed.reshape(len(worlds), -1)
 
 
@@ -103,7 +105,7 @@ def _first_order(values: Array, lag_s: float) -> Array:
     """Exact for values that are straight lines between steps, from rest."""
     keep = np.exp(-STEP_S / lag_s)
     slope = (1.0 - keep) * lag_s / STEP_S
-    return lfilter([1.0 - slope, slope - keep], [1.0, -keep], values, axis=1)
+    return np.asarray(lfilter([1.0 - slope, slope - keep], [1.0, -keep], values, axis=1))
 
 
 def _ringing(world: World, times: Array, command: Array) -> Array:
@@ -120,16 +122,30 @@ def _ringing(world: World, times: Array, command: Array) -> Array:
     return found
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, Mapping[str, Columns]]:
-    noise = bench.nominal["noise"]
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
+    """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
+    noise, struck = bench.nominal["noise"], day.struck(len(bench.inputs["trial"]))
     lost, odd = share(rng, 0.03), share(rng, 0.02)
     columns = dict(bench.inputs)
     for name, values in zip(RESOLUTION, mean(bench, bench.inputs, [world]), strict=True):
         per_trial = values[0].reshape(-1, TRIAL_ROWS)
-        good = per_trial + noise[name] * correlated(rng, per_trial.shape, noise["lag1_correlation"])
+        good = per_trial + noise[name] * correlated(rng, per_trial.shape, noise["lag1_correlation"], day.degrees)
+        zero = day.zero(name, bench.inputs["trial"], bench.inputs["session_time_s"])
+        good = good + noise[name] * np.reshape(zero, (-1, TRIAL_ROWS)) if name in day.wander else good
+        if day.clamp_is_last and name == "current_A":
+            good = np.clip(good, *_limits(world))
         good = RESOLUTION[name] * np.round(good / RESOLUTION[name])
-        columns[name] = with_dropouts(rng, with_outliers(rng, good, noise[name], odd), lost).ravel()
+        columns[name] = with_dropouts(rng, with_outliers(rng, good, noise[name], odd, struck.get(name)), lost).ravel()
     return columns, bench.blind
+
+
+def _limits(world: World) -> tuple[float, float]:
+    """What the ammeter reads at the limit of the current, in either direction."""
+    limit = world.value("current_limit", "limit_A", np.inf) * world.value("current_sensor_gain", "gain", 1.0)
+    offset = world.value("current_sensor_offset", "offset_A", 0.0)
+    return offset - limit, offset + limit
 
 
 def _glitched(world: World, speed: Array) -> Array:

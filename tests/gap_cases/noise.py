@@ -7,15 +7,29 @@ from .case import Array
 OUTLIER_SIGMAS = (6.0, 25.0)
 
 
-def correlated(rng: np.random.Generator, shape: tuple[int, ...], correlation: float) -> Array:
-    """Normal noise of unit variance, first-order autoregressive along the last axis."""
-    noise = rng.standard_normal(shape)
+def white(rng: np.random.Generator, shape: tuple[int, ...], degrees: float = np.inf) -> Array:
+    """Noise of unit variance; Student's t for finite degrees of freedom."""
+    if np.isinf(degrees):
+        return rng.standard_normal(shape)
+    return np.sqrt((degrees - 2.0) / degrees) * rng.standard_t(degrees, shape)
+
+
+def correlated(rng: np.random.Generator, shape: tuple[int, ...], correlation: float, degrees: float = np.inf) -> Array:
+    """Noise of unit variance, first-order autoregressive along the last axis."""
+    noise = white(rng, shape, degrees)
+    if correlation == 0.0:
+        return noise
     for k in range(1, shape[-1]):
         noise[..., k] = correlation * noise[..., k - 1] + np.sqrt(1.0 - correlation**2) * noise[..., k]
     return noise
 
 
-def with_outliers(rng: np.random.Generator, values: Array, sigma: Array | float, share: float) -> Array:
+def with_outliers(
+    rng: np.random.Generator, values: Array, sigma: Array | float, share: float, struck: Array | None = None
+) -> Array:
+    """Values with that share of outliers, or with those that are given in sigmas."""
+    if struck is not None:
+        return values + struck.reshape(values.shape) * sigma
     hit = rng.random(values.shape) < share
     size = rng.uniform(*OUTLIER_SIGMAS, values.shape) * rng.choice([-1.0, 1.0], values.shape)
     return np.where(hit, values + size * sigma, values)

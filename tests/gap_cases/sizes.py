@@ -148,6 +148,8 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "tof_time_offset": _positive("delay_s", 0.003, 0.1),
     },
 }
+WIDE_NOISE_SCALE = _factor("scale", 0.92, 1.8)
+"""Where the stated noise may be wrong by a factor of two, only what is beyond 2.5 is an effect."""
 SHAPES = 4
 """Sizes that are tried of an effect whose first number is not all there is to it."""
 WORDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
@@ -169,9 +171,12 @@ def names(bench: Bench) -> list[str]:
     return found
 
 
-def sample(name: str, bench: Bench, rng: np.random.Generator, word: str | None = None) -> Effect:
+def sample(
+    name: str, bench: Bench, rng: np.random.Generator, word: str | None = None, *, is_wide: bool = False
+) -> Effect:
     """One effect of that name, of a size by chance; the word too, where it has one."""
-    parameters = SIZES[bench.kind][name](rng, bench)
+    sampler = WIDE_NOISE_SCALE if is_wide and name == "noise_scale" else SIZES[bench.kind][name]
+    parameters = sampler(rng, bench)
     if name not in WORDS:
         return Effect(name, parameters)
     key, words = WORDS[name]

@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .case import Array, Bench, Columns, Frame, World
+from .disturbances import AS_STATED, Day
 from .motor_law import column
-from .noise import OUTLIER_SIGMAS, share
+from .noise import OUTLIER_SIGMAS, correlated, share
 
 NO_TARGET_M = 8.190
 ROW_S = 2.0
@@ -19,7 +20,7 @@ BLOCK = 10
 
 
 def draw(rng: np.random.Generator, rows: str) -> Bench:
-    n = 60 if rows == "few" else 400
+    n = {"few": 60, "some": 150, "usual": 400}[rows]
     inputs = _inputs(rng, rows, n)
     blocks = n // BLOCK
     held = rng.choice(blocks, max(1, round(0.25 * blocks)), replace=False)
@@ -106,27 +107,36 @@ def unlimited(inputs: Columns, worlds: Sequence[World]) -> Array:
     reading = reading + beyond("bumped", "offset_m") * (time >= beyond("bumped", "begins_s", np.inf))
     before = np.concatenate([distance[:1], distance[:-1]])
     reading = reading + beyond("memory", "share") * (before - distance)
+    reading = reading + beyond("mode_switch", "offset_m") * (distance >= beyond("mode_switch", "from_m", np.inf))
     local = (distance - beyond("local_bump", "distance_m")) / beyond("local_bump", "width_m", 1.0)
     return reading + beyond("local_bump", "amplitude_m") * np.exp(-(local**2))
 
 
-def sd(inputs: Columns, worlds: Sequence[World]) -> Array:
+def sd(inputs: Columns, worlds: Sequence[World], polynomial_mm: Sequence[float] = POLYNOMIAL_MM) -> Array:
     """Of the noise, (V, rows)."""
     beyond = np.maximum(inputs["distance_m"] - LOG_FROM_M, 0.0)
-    nominal = 1e-3 * sum(p * beyond**k for k, p in enumerate(POLYNOMIAL_MM))
+    nominal = 1e-3 * sum(p * beyond**k for k, p in enumerate(polynomial_mm))
     scale = column([w.value("noise_scale", "scale", 1.0) for w in worlds])
     light = column([w.value("ambient_noise", "coefficient_per_klux", 0.0) for w in worlds])
     return nominal * scale * np.sqrt(1.0 + light * inputs["ambient_lux"] / 1000.0)
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, Mapping[str, Columns]]:
+def observe(
+    bench: Bench, world: World, rng: np.random.Generator, day: Day = AS_STATED
+) -> tuple[Columns, Mapping[str, Columns]]:
+    """Columns of data.csv, and the inputs of unseen runs; the noise of the bench is the true one."""
     lost, odd = share(rng, 0.03), share(rng, 0.02)
-    spread = sd(bench.inputs, [world])[0]
-    reading = unlimited(bench.inputs, [world])[0] + spread * rng.standard_normal(len(spread))
-    reading = np.minimum(reading, limit_m(world))
+    noise = bench.nominal["noise"]
+    spread = sd(bench.inputs, [world], noise["polynomial_mm"])[0]
+    clamp_is_last = day.clamp_is_last is not False
+    reading = (unlimited if clamp_is_last else mean)(bench.inputs, [world])[0]
+    good = correlated(rng, (len(spread),), noise.get("lag1_correlation", 0.0), day.degrees)
+    reading = reading + spread * (good + day.zero("reading_m", bench.inputs["row"] * 0.0, bench.inputs["t_s"]))
+    reading = np.minimum(reading, limit_m(world)) if clamp_is_last else reading
     hit = rng.random(len(reading))
     far = rng.uniform(*OUTLIER_SIGMAS, len(reading)) * rng.choice([-1.0, 1.0], len(reading))
-    reading = np.where(hit < 0.5 * odd, reading + far * spread, reading)
+    struck = day.struck(len(reading)).get("reading_m", np.where(hit < 0.5 * odd, far, 0.0))
+    reading = reading + struck * spread
     reading = np.where((hit >= 0.5 * odd) & (hit < odd), NO_TARGET_M, reading)
     reading = np.where(rng.random(len(reading)) < lost, np.nan, np.round(np.maximum(reading, 0.0), 3))
     return {**bench.inputs, "reading_m": reading}, bench.blind
@@ -134,15 +144,15 @@ def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Colum
 
 def frame(bench: Bench, columns: Columns) -> Frame:
     n = len(columns["row"])
-    reading = columns["reading_m"]
+    reading, noise = columns["reading_m"], bench.nominal["noise"]
     zeros = np.zeros(n, dtype=np.int64)
     return Frame(
         measured=np.where(reading > NO_TARGET_M - 0.001, np.nan, reading),
-        sigma=sd(columns, [bench.textbook()])[0],
+        sigma=sd(columns, [bench.textbook()], noise["polynomial_mm"])[0],
         holdout=columns["split"] == "holdout",
         stage=zeros,
         run=zeros,
-        correlation=np.zeros(n),
+        correlation=np.full(n, noise.get("lag1_correlation", 0.0)),
         usable=np.ones(n, dtype=bool),
     )
 

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from physics.drivetrain.motor import MotorModel
+from configs.schema.robot import Motor
+from physics.drivetrain.motor import MotorModel, Motors
 
 MOTOR = MotorModel(
     resistance_ohm=2.85,
@@ -92,3 +93,20 @@ def test_the_exact_step_agrees_with_fine_integration(voltage, speed):
     found_speed, found_angle = MOTOR.step(voltage, speed, 0.2)
     assert found_speed == pytest.approx(expected_speed, abs=2e-4)
     assert found_angle == pytest.approx(expected_angle, abs=2e-4)
+
+
+def test_a_model_has_the_numbers_of_its_description():
+    config = Motor(
+        winding_resistance_ohm=2.85,
+        torque_constant_N_m_A=0.31,
+        viscous_friction_N_m_s_rad=0.0027,
+        coulomb_friction_N_m=0.0174,
+        rotor_inertia_kg_m2=1e-3,
+    )
+    assert MotorModel.from_config(config) == MOTOR
+
+
+def test_a_change_of_each_motor_keeps_right_and_left_apart():
+    weak = MotorModel(5.0, 0.1, 0.0, 0.0, 1e-3)
+    doubled = Motors(MOTOR, weak).each(lambda motor: MotorModel(2 * motor.resistance_ohm, 0.1, 0.0, 0.0, 1e-3))
+    assert (doubled.right.resistance_ohm, doubled.left.resistance_ohm) == (5.7, 10.0)

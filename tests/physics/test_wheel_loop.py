@@ -70,3 +70,51 @@ def test_the_measured_speed_is_quantised_by_the_encoder(robot):
     )
     loop.update(7, 1.0)
     assert loop.speed_rad_s == pytest.approx(7 * 2 * math.pi / 3840 * RATE_HZ)
+
+
+@pytest.fixture
+def by_hand(robot):
+    """A loop whose terms are round numbers: 1 count in 0.01 s is 1 rad/s, and the filter moves half of the way."""
+    gains = {
+        "speed_filter_s": 0.01,
+        "feedforward_V_s_rad": 0.5,
+        "feedforward_static_V": 0.25,
+        "proportional_V_s_rad": 0.1,
+        "integral_V_rad": 2.0,
+    }
+    power = robot.power.model_copy(update={"battery_voltage_V": 6.0})
+    loop = WheelSpeedLoop(robot.wheel_loop.model_copy(update=gains), robot.encoder, power, RATE_HZ)
+    loop._rad_s_per_count = 1.0
+    return loop
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_voltage_is_the_feed_forward_and_the_two_terms_of_the_error(by_hand, sign):
+    by_hand.restart(1000)
+    # Filtered speed 2, error 6 - 2 = 4: 0.5 * 6 + 0.25 + 0.1 * 4; then the integral is 2 * 4 * 0.01 = 0.08.
+    assert by_hand.update(1000 + sign * 4, sign * 6.0) == pytest.approx(sign * 3.65)
+    # Filtered speed 2 + (8 - 2) / 2 = 5, error 1.
+    assert by_hand.update(1000 + sign * 12, sign * 6.0) == pytest.approx(sign * (3.25 + 0.1 + 0.08))
+    # The wheel still turns at a set point of zero: no friction is fed forward. Speed 5 - 2, error -3, integral 0.1.
+    assert by_hand.update(1000 + sign * 13, 0.0) == pytest.approx(sign * (-0.3 + 0.1))
+    by_hand.restart(0)
+    assert by_hand.speed_rad_s == 0.0
+    assert by_hand.update(0, sign * 1.0) == pytest.approx(sign * (0.5 + 0.25 + 0.1))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_at_the_limit_the_integral_changes_only_away_from_it(by_hand, sign):
+    by_hand.restart(0)
+    assert by_hand.update(0, sign * 100.0) == sign * 6.0
+    assert by_hand._integral_V == 0.0
+    # 0.5 * 20 + 0.25 is beyond the limit, but the wheel turns at 40 rad/s, which is too fast by 20.
+    assert by_hand.update(sign * 80, sign * 20.0) == sign * 6.0
+    assert by_hand._integral_V == pytest.approx(sign * -20.0 * 2.0 * 0.01)
+
+
+def test_a_wheel_at_rest_that_shall_rest_gets_no_voltage_and_forgets_its_integral(by_hand):
+    by_hand.restart(0)
+    by_hand.update(0, 2.0)
+    assert by_hand._integral_V > 0.0
+    assert by_hand.update(0, 0.0) == 0.0
+    assert by_hand._integral_V == 0.0

@@ -89,6 +89,31 @@ def test_a_wall_out_of_range_is_no_target(robot, arena_of, plane_world, distance
     assert (reading, status) == (NO_TARGET_M, TofStatus.NO_TARGET)
 
 
+@pytest.mark.parametrize(
+    ("signal", "range_m", "is_target"),
+    [(0.02, 0.04, True), (0.0199, 0.04, False), (1.0, 0.0399, False), (0.02, 1.2, True), (1.0, 1.2001, False)],
+)
+def test_the_least_signal_and_both_ends_of_the_range_are_still_a_target(robot, arena_of, signal, range_m, is_target):
+    tof = sensors(robot, arena_of(), signal_threshold=0.02, min_range_m=0.04, max_range_m=1.2)
+    expected = (range_m, TofStatus.VALID) if is_target else (NO_TARGET_M, TofStatus.NO_TARGET)
+    assert tof._judged(signal, range_m) == expected
+
+
+def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, arena_of, plane_world):
+    """Against a quadrature over the cone, for a wall that the front sensor meets at 30 degrees."""
+    tof = sensors(robot, arena_of(), noise_scale=0.0, quantisation_m=0.0, rays=1000, field_of_view_deg=50.0)
+    mount, yaw = robot.tof.mounts.front, math.radians(30.0)
+    world = plane_world(wall_x_m=mount.x_m * math.cos(yaw) - mount.y_m * math.sin(yaw) + 0.3, at=(0.0, 0.0, yaw))
+    # Even in the square of the angle off the axis, as the spiral is, and in the angle around it.
+    angle = np.radians(25.0) * np.sqrt((np.arange(400) + 0.5) / 400)[:, None]
+    roll = np.arange(400) * 2.0 * np.pi / 400
+    beam = np.exp(-0.5 * (angle / np.radians(robot.tof.beam_sigma_deg)) ** 2)
+    cosine = np.cos(yaw) * np.cos(angle) - np.sin(yaw) * np.sin(angle) * np.cos(roll)
+    slant_m = np.average(0.3 / cosine, weights=beam * cosine)
+    head_on = np.average(np.cos(angle), weights=beam)
+    assert tof.sample(world)[FRONT, 0] == pytest.approx(slant_m * head_on + 0.00025, rel=2e-4)
+
+
 def test_side_sensors_look_45_degrees_to_their_side(robot, arena_of, plane_world):
     """Turned right by 45 degrees, the left sensor meets a wall ahead head-on, and the right one looks along it."""
     mount = robot.tof.mounts.left
@@ -108,6 +133,13 @@ def test_a_lost_update_keeps_the_value_before_and_says_so(robot, arena_of, plane
     assert (reading, status) == (good, TofStatus.HELD)
 
 
+def test_a_log_has_range_and_status_in_columns_of_their_own(robot, arena_of):
+    range_m, status = sensors(robot, arena_of()).recorded(np.array([[0.5, 0.0], [2.0, 1.0], [0.25, 2.0]]))
+    assert range_m.tolist() == [0.5, 2.0, 0.25]
+    assert status.tolist() == [TofStatus.VALID, TofStatus.NO_TARGET, TofStatus.HELD]
+    assert status.dtype == np.int64
+
+
 def test_90_rays_fill_a_cone_of_25_degrees_about_the_axis(robot):
     angle, roll = ray_pattern(90, math.radians(25.0))
     directions = ray_directions(robot.tof.mounts.left, angle, roll)
@@ -118,5 +150,7 @@ def test_90_rays_fill_a_cone_of_25_degrees_about_the_axis(robot):
     assert off_axis.max() <= 12.5
     assert off_axis.max() == pytest.approx(12.5, abs=0.1)
     assert directions.mean(axis=0) / np.linalg.norm(directions.mean(axis=0)) == pytest.approx(axis, abs=2e-3)
+    # Vogel, Math. Biosci. 44 (1979) 179-189: from one point of a sunflower to the next it is 137.508 degrees.
+    assert np.degrees(np.diff(roll)) == pytest.approx(137.508, abs=1e-3)
     # Even over the disc: half of the rays lie within 1 / sqrt(2) of the radius.
     assert np.count_nonzero(off_axis < 12.5 / math.sqrt(2)) == 45

@@ -1,4 +1,4 @@
-"""One panel of residuals along a covariate, and what all plots of the report share."""
+"""One panel of residuals along a covariate, and the parts that all plots of the report share."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +11,7 @@ from symolo.pages.plotting import BLACK, BLUE, GREY, ORANGE, PALE, VERMILION
 
 BEFORE, CALIBRATED, AFTER, MEASURED = VERMILION, ORANGE, BLUE, BLACK
 MAX_POINTS = 1000
-"""Points in a panel; of more, every nth is drawn."""
+"""Largest number of points in a panel; if there are more, every nth is drawn."""
 BINS = 20
 MIN_IN_BIN = 3
 MEDIAN_ERROR = 1.2533
@@ -19,7 +19,7 @@ MEDIAN_ERROR = 1.2533
 SHOWN_PERCENT = 97.0
 """Percentage of the residuals that determine the height of a panel; those beyond it are triangles at its edge."""
 MIN_REACH_SIGMA = 3.5
-"""Least height of a panel, so that noise looks like noise."""
+"""Smallest height of a panel, so that noise looks like noise."""
 
 
 def residual_panel(  # noqa: PLR0917 - an order that reads well: where, what, how
@@ -69,7 +69,7 @@ def reach_of(z: Array) -> float:
 
 
 def binned(covariate: Covariate, x: Array, z: Array) -> tuple[Array, Array, Array]:
-    """Return middle, median and the median's standard error, (k,) each, of categories or of bins of equal counts."""
+    """Return middle, median and standard error of the median, (k,) each, of categories or of bins with equal counts."""
     if covariate.shape is CovariateShape.CATEGORY:
         groups = [x == value for value in np.unique(x)]
     else:

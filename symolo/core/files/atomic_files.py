@@ -110,7 +110,7 @@ def _write_beside(beside: Path, chunks: Iterable[bytes], mode: int = 0o666) -> N
     descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS | getattr(os, "O_NOFOLLOW", 0), mode)
     try:
         for chunk in chunks:
-            _write_all(descriptor, chunk)
+            _write_all(descriptor, chunk, beside)
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
@@ -123,11 +123,15 @@ def _check_stored(beside: Path, data: bytes, path: Path) -> None:
         raise OSError(errno.EIO, problem, str(path))
 
 
-def _write_all(descriptor: int, data: bytes) -> None:
-    """Write all bytes: a write may accept fewer bytes, and only the next write says why."""
+def _write_all(descriptor: int, data: bytes, path: Path) -> None:
+    """Write all bytes: a write may accept fewer bytes, and only the next write says why. The error names the path."""
     left = memoryview(data)
     while left:
-        left = left[os.write(descriptor, left) :]
+        try:
+            left = left[os.write(descriptor, left) :]
+        except OSError as error:
+            error.filename = str(path)
+            raise
 
 
 def append_line(path: Path, line: bytes) -> None:
@@ -146,7 +150,7 @@ def append_line(path: Path, line: bytes) -> None:
         os.lseek(descriptor, max(end - 1, 0), os.SEEK_SET)  # what is written is appended wherever this stands
         cut = os.read(descriptor, 1) not in {b"", b"\n"}
         try:
-            _write_all(descriptor, b"\n" * cut + line + b"\n")
+            _write_all(descriptor, b"\n" * cut + line + b"\n", path)
             os.fsync(descriptor)
         except BaseException:
             with contextlib.suppress(OSError):

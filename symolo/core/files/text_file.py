@@ -19,7 +19,7 @@ class LineFault:
     message: str
     """Sentence without the place."""
     cure: str = ""
-    """What to do about it."""
+    """Advice to the user."""
 
     def error(self, path: Path) -> InputError:
         """Return the fault as an error that names file and row."""
@@ -37,7 +37,7 @@ class TextFile:
     is_whole: bool
     """Whether the last line has an end: one without may be cut off in the middle of a number."""
     notes: tuple[str, ...]
-    """What was unusual and read all the same, in one sentence each."""
+    """Unusual things that were read all the same, in one sentence each."""
 
 
 def read_text(path: Path) -> TextFile:

@@ -1,4 +1,4 @@
-"""side/intrinsics.json and side/camera.csv: all it takes to relate pixels and the world."""
+"""side/intrinsics.json and side/camera.csv: all data that relate pixels to the world."""
 
 import json
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ class CameraDocument(BaseModel):
 
     camera_model: str = "pinhole"
     distortion_model: str = "plumb_bob"
-    """ROS' name for D in OpenCV's order; all 0 is a pinhole without a lens."""
+    """ROS' name for D in OpenCV's order; if all values are 0, it is a pinhole camera without a lens."""
     width_px: int
     height_px: int
     K: tuple[Row3, Row3, Row3]
@@ -40,7 +40,7 @@ class CameraDocument(BaseModel):
     D: tuple[float, float, float, float, float] = Field(description="k1, k2, p1, p2, k3")
     exposure_s: float
     read_out_s: float
-    """From the exposure of the first row to that of the row after the last; 0 for a global shutter."""
+    """Time from the exposure of the first row to that of the row after the last; 0 for a global shutter."""
     X_RC: tuple[Row4, Row4, Row4, Row4]
     X_CB: tuple[Row4, Row4, Row4, Row4]
 
@@ -64,7 +64,7 @@ class CameraDocument(BaseModel):
 
 
 def read_camera_document(path: Path) -> CameraDocument:
-    """What `to_json` wrote.
+    """Return the document that `to_json` wrote.
 
     Raises:
         OSError: There is no such file.
@@ -78,7 +78,7 @@ def camera_files(imaging: object, rows: Rows) -> Iterator[tuple[str, bytes]]:
 
     Args:
         imaging: Any object with the sections of an `ImagingDocument`.
-        rows: Where the robot was.
+        rows: The rows of data.csv, with the poses of the robot.
     """
     yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(imaging, rows))
     yield f"{SIDE}/{INTRINSICS}", CameraDocument.of(imaging).to_json()

@@ -1,4 +1,4 @@
-"""Parts of a dataset's README.md that follow from its metadata, as Markdown."""
+"""Parts of a dataset's README.md that are made from its metadata, as Markdown."""
 
 import html
 import re
@@ -8,13 +8,13 @@ from symolo.core.errors import one_line
 from symolo.dataset.documents.metadata import Metadata
 
 _END_OF_LINK_TEXT = re.compile(r"\](?=[(:\[])")
-"""A bracket that would make a link of what follows, such as of `javascript:`."""
+"""A bracket that would turn the text after it into a link, such as `javascript:`."""
 
 
 def columns_part(metadata: Metadata) -> str:
     """Return the section on data.csv: its columns, the range of the sensors, the states."""
     rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
-    # In an order of their own, for metadata.json keeps none: from the file the same text must follow.
+    # Sorted, because metadata.json keeps no order, and the same file must give the same text.
     states = [(str(number), meaning) for number, meaning in sorted(metadata.states.items())]
     tof = metadata.runs[0]
     return (
@@ -56,6 +56,6 @@ def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def plain_text(text: str) -> str:
-    """Return text of a scenario file as plain text of a Markdown page, whatever it holds."""
+    """Return text of a scenario file as plain text of a Markdown page, whatever it contains."""
     escaped = html.escape(one_line(text), quote=False).replace("|", "\\|")
     return _END_OF_LINK_TEXT.sub(r"\\]", escaped)

@@ -1,4 +1,4 @@
-"""metadata.json: what it takes to understand the data and to make it again; the same bytes for the same data."""
+"""metadata.json: all that one needs to understand the data and to make it again; the same data give the same bytes."""
 
 import platform
 import re
@@ -25,7 +25,7 @@ from symolo.dataset.tables.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTa
 
 METADATA = "metadata.json"
 LOG_TAIL = "; the last lines of its log:"
-"""Text in an error of the renderer after which its log follows."""
+"""Text in an error of the renderer that comes before its log."""
 _FOLDERS = re.compile(r"""(?<=["'])/(?:[^/"'\n]+/)*(?=[^\s/"'])|(?<![\w.)"'])/(?:[^\s/"']+/)*(?=[^\s/"'])""")
 FORMAT_VERSION = 1
 
@@ -62,7 +62,7 @@ class StartRecord(Record):
 
 
 class RatesRecord(Record):
-    """Rates of a run; each slower one is a whole number of periods of the next faster one."""
+    """Rates of a run; each rate divided by the next slower one is a whole number."""
 
     physics_hz: int = Field(ge=1)
     wheel_loop_hz: int = Field(ge=1)
@@ -73,14 +73,14 @@ class RatesRecord(Record):
     @model_validator(mode="after")
     def _whole_multiples(self) -> "RatesRecord":
         if self.physics_hz % self.wheel_loop_hz or self.wheel_loop_hz % self.control_hz:
-            raise ValueError("control_hz is no whole fraction of wheel_loop_hz, or that none of physics_hz")
+            raise ValueError("physics_hz must be a multiple of wheel_loop_hz, and this a multiple of control_hz")
         if self.control_hz % self.camera_hz:
-            raise ValueError("camera_hz is no whole fraction of control_hz")
+            raise ValueError("control_hz must be a multiple of camera_hz")
         return self
 
 
 class BoardRecord(Record):
-    """The board that drove a run, and how the line to it did."""
+    """The board that drove a run, and the faults on the line to it."""
 
     kind: BoardKind
     framing: FramingName
@@ -98,33 +98,33 @@ class RunRecord(Record):
     """Facts of one released run."""
 
     run: str
-    """Its folder, for example `CW/test_1`."""
+    """Folder of the run, for example `CW/test_1`."""
     seed: int
     start: StartRecord
     rates: RatesRecord
     image_width_px: int
     image_height_px: int
     render_device: str = "CPU"
-    """As Cycles calls it: what the images were rendered on."""
+    """Name in Cycles of the device that rendered the images."""
     cpu_classes: tuple[str, ...] = Field(default=(), exclude_if=lambda classes: not classes)
-    """Classes of the processors that made its images and annotations, where they are several: low bits may differ."""
+    """Classes of the processors that made its images and annotations, if several: the last bits may differ."""
     rows: int
     images: int
     duration_s: float
     distance_m: float
     lap_time_s: float | None
     state_order: list[int]
-    """States in the order in which they followed each other."""
+    """States in the order in which they occurred."""
     tof_min_range_m: float
     tof_max_range_m: float
     tof_no_target_m: float
     warnings: list[str] = Field(default_factory=list)
-    """What a user of its images should know: many of them black or burnt."""
+    """Warnings for users of the images, for example that many are black or overexposed."""
     drawn: dict[str, float | int | str | bool]
     """Every value drawn for this run by its field path."""
     annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
     board: BoardRecord | None = Field(default=None, exclude_if=lambda board: board is None)
-    """None where the built-in controller drove."""
+    """Record of the controller board; None if the built-in controller drove."""
 
     @classmethod
     def of(
@@ -143,16 +143,16 @@ class RunRecord(Record):
         Args:
             specification: Any object with the fields of a `RunDocument`.
             rows: The content of data.csv.
-            lap_time_s: None where the run is no lap.
-            warnings: What a user of the images should know.
-            render_device: What the images were rendered on, as Cycles calls it.
+            lap_time_s: None if the run is not a lap.
+            warnings: Warnings for users of the images.
+            render_device: Device that rendered the images, in the words of Cycles.
             cpus: Classes of the processors that made images and annotations.
-            board: The board that drove, if any did.
+            board: The board that drove, if there was one.
         """
         spec = RunDocument.model_validate(specification)
         changes = np.flatnonzero(np.diff(rows.state)) + 1
         steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
-        # Limits may be drawn; data.csv holds them to the digits of its columns, and `verify` compares with these.
+        # Limits may be drawn; data.csv has them with the digits of its columns, and `verify` compares these.
         range_decimals = COLUMNS[HEADER.index("d_f")].decimals
         return cls(
             run=spec.key,
@@ -180,16 +180,16 @@ class RunRecord(Record):
 
 
 class FailedRun(Record):
-    """A run of the scenario that is not released, and why."""
+    """A run of the scenario that is not released, with the reason."""
 
     run: str
     stage: str
     problem: str
-    """One line; the dataset is the same bytes wherever it was made."""
+    """One line without paths, so that the dataset has the same bytes on every machine."""
 
     @classmethod
     def of(cls, run: str, stage: str, text: str) -> "FailedRun":
-        """From the text of an error, which may end with a log and name folders of this machine."""
+        """Return the record of an error, whose text may end with a log and name folders of this machine."""
         first = text.partition(LOG_TAIL)[0].strip().partition("\n")[0]
         return cls(run=run, stage=stage, problem=_FOLDERS.sub("", first))
 
@@ -199,7 +199,7 @@ class ColumnRecord(Record):
     unit: str
     meaning: str = ""
     decimals: int | None = Field(default=None, ge=0, exclude_if=lambda decimals: decimals is None)
-    """Digits after the point in the table of a sensor of `sensors`; a column of 0 digits holds whole numbers."""
+    """Digits after the point in the table of a sensor of `sensors`; a column of 0 digits has whole numbers."""
 
 
 class Metadata(Record):
@@ -254,7 +254,7 @@ class Metadata(Record):
 
 
 def side_tables(spec: RunDocument) -> tuple[SideTable, ...]:
-    """The tables that every run of the scenario has; which obstacles move is not drawn."""
+    """Return the tables that every run of the scenario has; all runs have the same moving obstacles."""
     obstacles = obstacle_table(Arena.from_config(spec.arena))
     return (WHEELS, TOF, CAMERA, *([BOARD] if spec.board else []), *([obstacles] if obstacles else []))
 
@@ -305,7 +305,7 @@ def describe(
 
 
 def read_metadata(root: Path) -> Metadata | None:
-    """Return what metadata.json of a folder holds; None where there is none, or none of this format."""
+    """Return the content of metadata.json of a folder; None if there is none, or if it has a different format."""
     try:
         return Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     except (*NOT_THERE, ValidationError):

@@ -8,8 +8,8 @@ from symolo.dataset.documents.metadata import METADATA, Metadata
 
 
 def metadata_json_schema() -> dict[str, Any]:
-    """The schema as plain data, draft 2020-12."""
+    """Return the schema as plain data, draft 2020-12."""
     schema = Metadata.model_json_schema(mode="validation")
-    # As JSON has no whole numbers for keys, the states' are texts.
+    # Keys of JSON cannot be numbers, so those of the states are texts.
     schema["properties"]["states"]["propertyNames"] = {"pattern": r"^\d+$"}
     return {"$schema": GenerateJsonSchema.schema_dialect, **schema, "title": METADATA}

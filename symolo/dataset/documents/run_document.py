@@ -1,7 +1,7 @@
-"""side/spec.json as a reader needs it: the fields that tables, cameras, maps and exports depend on, and no others.
+"""side/spec.json for readers: only the fields on which tables, cameras, maps and exports depend.
 
-The file holds every number that the run was made from. A section can also be filled from any object with the same
-attributes, so that the program that makes a run hands over its own specification.
+The file has every number that the run was made from. A section can also be made from any object with the same
+attributes, so that the program that makes a run can pass its specification.
 """
 
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 class SpecSection(BaseModel):
-    """A part of spec.json whose further fields are left out."""
+    """A part of spec.json; fields that are not listed here are ignored."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True, allow_inf_nan=False)
 
@@ -149,7 +149,7 @@ class CameraSection(SpecSection):
 
 
 def _as_mapping(sensors: object) -> object:
-    """Return the collection of a whole configuration, which yields names and settings, as a mapping."""
+    """Return the sensors of a complete config, which are pairs of name and settings, as a mapping."""
     return dict(sensors) if isinstance(sensors, Iterable) and not isinstance(sensors, str | list) else sensors
 
 
@@ -197,7 +197,7 @@ class BoardSection(SpecSection):
 
 
 class ImagingDocument(SpecSection):
-    """What decides how images are taken."""
+    """The sections on which the images depend."""
 
     robot: RobotSection
     look: LookSection

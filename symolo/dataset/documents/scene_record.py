@@ -1,4 +1,4 @@
-"""side/scene.json: what a run's scene has beyond its look, drawn by a seed of the run's own."""
+"""side/scene.json: the parts of a run's scene that are not in its look; they are drawn with the seed of the run."""
 
 import json
 from pathlib import Path
@@ -11,21 +11,21 @@ SCENE = "scene.json"
 
 
 class PieceRecord(Record):
-    """A piece of furniture; a piece for which there was no free place is left out."""
+    """A piece of furniture; pieces for which there was no free place are left out."""
 
     name: str
-    """Kind of the piece and its number among the kind's, from 0."""
+    """Kind of the piece, and its number among the pieces of this kind, from 0."""
     x_m: float
     y_m: float
-    """Middle of the ground that the piece covers; of a hanging piece, its middle on the wall's face."""
+    """Middle of the floor area that the piece covers; of a hanging piece, its middle on the face of the wall."""
     yaw_rad: float
-    """Angle from +x of W to the piece's width; its back is 90 deg further."""
+    """Angle from +x of W to the width of the piece; its back is 90 deg further."""
     size_m: tuple[float, float]
-    """Width and depth of that ground, as seen from the front; of a hanging piece, twice as deep as it protrudes."""
+    """Width and depth of that area, as seen from the front; a hanging piece counts as twice as deep as it is."""
     z_m: tuple[float, float]
     """Lowest and highest point."""
     numbers: dict[str, Any]
-    """What was drawn for the piece, by the names of its kind; a colour is reflectance, hue_deg, saturation."""
+    """Drawn values of the piece, by the names of its kind; a colour is reflectance, hue_deg, saturation."""
 
 
 class SceneRecord(Record):

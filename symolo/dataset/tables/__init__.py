@@ -1,1 +1,1 @@
-"""The tables of a run: data.csv and the tables beside it."""
+"""The tables of a run: data.csv and the side tables."""

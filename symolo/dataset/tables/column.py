@@ -1,4 +1,4 @@
-"""Columns of data.csv and of the tables in `side/`, and the series of a recording that they are written from."""
+"""Columns of data.csv and of the tables in `side/`, and the series of a recording from which they are written."""
 
 from dataclasses import dataclass
 
@@ -11,15 +11,15 @@ class Column:
     unit: str
     """For example `m` or `rad`; `-` for a number without a unit."""
     decimals: int
-    """Digits after the point in the file; a column of 0 digits holds whole numbers."""
+    """Digits after the point in the file; a column of 0 digits has whole numbers."""
     meaning: str = ""
 
 
 @dataclass(frozen=True)
 class Series:
-    """One series of a recording, with the columns that hold it in a dataset."""
+    """One series of a recording, with its columns in a dataset."""
 
     name: str
     unit: str
     columns: tuple[Column, ...] = ()
-    """One for each value of a row; empty for a series that no file of a dataset holds."""
+    """One column for each value of a row; empty for a series that is not in a dataset."""

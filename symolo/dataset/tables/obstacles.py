@@ -1,4 +1,4 @@
-"""Where each moving obstacle of a run was: the series of the recording, and side/obstacles.csv."""
+"""Poses of the moving obstacles of a run: the series of the recording, and side/obstacles.csv."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from symolo.dataset.tables.side_tables import SideTable
 
 SERIES = "obstacle_{name}"
 TOLERANCE = 1e-6
-"""Largest difference of a table from the path, twice the rounding of its digits [m, rad]."""
+"""Largest allowed difference between table and path: twice the rounding of the digits [m, rad]."""
 
 
 def obstacle_series(arena: Arena, t_s: Array) -> tuple[TimeSeries, ...]:
@@ -41,7 +41,7 @@ def obstacles_csv(table: SideTable, arena: Arena, recording: Recording) -> bytes
 
 
 def off_the_path(arena: Arena, table: Array, rows: Rows, row_hz: int) -> Iterator[tuple[str, list[int]]]:
-    """Yield the name of each obstacle whose poses in the table differ from its path, and the rows where they do."""
+    """Yield the name of each obstacle whose poses in the table differ from its path, and the rows that differ."""
     t_s = np.arange(len(rows.t_ms)) / row_hz
     for number, box in enumerate(arena.moving):
         pose = table[:, 1 + 3 * number : 4 + 3 * number]

@@ -25,7 +25,7 @@ STATES = tuple(state.value for state in State)
 WHOLE = frozenset({"state", "img"})
 """Columns of whole numbers."""
 _LARGEST = 2**53
-"""Largest reading: up to it a float holds every whole number, and no square overflows."""
+"""Largest reading: up to it a float can represent every whole number, and no square overflows."""
 
 
 RANGES = Series(
@@ -55,7 +55,7 @@ HEADER = tuple(column.name for column in COLUMNS)
 
 @dataclass(frozen=True)
 class Rows:
-    """The content of one data.csv, rounded to the digits of the file, so that images made from either are the same."""
+    """The content of one data.csv, rounded to the digits of the file, so that images made from both are the same."""
 
     t_ms: Ints
     """(N,), [ms], strictly increasing."""
@@ -90,7 +90,7 @@ class Rows:
 
     @classmethod
     def from_table(cls, table: Array) -> "Rows":
-        """From the columns of data.csv, (N, 19)."""
+        """Return the rows with the columns of data.csv, (N, 19)."""
         return cls(
             t_ms=np.rint(table[:, 0]).astype(np.int64),
             pose=table[:, 1:4].copy(),
@@ -102,12 +102,12 @@ class Rows:
         )
 
     def table(self) -> Array:
-        """(N, 19), the columns of data.csv."""
+        """Return the columns of data.csv, (N, 19)."""
         columns = (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image)
         return np.column_stack([column.astype(np.float64) for column in columns])
 
     def at(self, row: int) -> Array:
-        """(19,), one row of `table`."""
+        """Return one row of `table`, (19,)."""
         one = (self.pose, self.twist, self.tof_m, self.line)
         pose, twist, tof_m, line = (series[row] for series in one)
         return np.array([self.t_ms[row], *pose, self.state[row], *twist, *tof_m, *line, self.image[row]], np.float64)
@@ -122,14 +122,14 @@ def wrapped(yaw_rad: Array) -> Array:
 
 
 def heading(yaw_rad: Array, decimals: int) -> Array:
-    """Return the same directions, rounded; half a turn is positive, also if it results from rounding."""
+    """Return the same directions, rounded; half a turn is positive, even if it results from rounding."""
     half_turn = round(math.pi, decimals)
     rounded = np.array([round(yaw, decimals) for yaw in wrapped(yaw_rad).tolist()])
     return np.where(rounded <= -half_turn, half_turn, rounded)
 
 
 def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, separator: str = ",") -> bytes:
-    """Return a table as text, the same bytes for the same numbers: fixed decimals, no negative zero, one line end."""
+    """Return a table as text with fixed decimals and without negative zeros; the same numbers give the same bytes."""
     lines = [separator.join(header)]
     lines += [
         separator.join(f"{round(value, digits) + 0.0:.{digits}f}" for value, digits in zip(row, decimals, strict=True))
@@ -145,7 +145,7 @@ class Fault:
     line: int
     what: str
     cure: str = "repair or remove the row"
-    """What to do about it."""
+    """Advice to the user."""
     kind: Literal["form", "time", "state", "image"] = "form"
 
     def __str__(self) -> str:
@@ -170,7 +170,7 @@ def read_rows(path: Path) -> Rows:
 
 
 def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tuple[Array, list[Fault]]:
-    """Return the numbers of a table with exactly this header, (N, columns), and every fault of its form."""
+    """Return the numbers (N, columns) of a table with exactly this header, and every fault of its format."""
     text = decode_text(data, Path())
     if isinstance(text, LineFault):
         return _empty(header), [Fault(max(text.line, 1), text.message, text.cure)]
@@ -184,7 +184,7 @@ def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tup
 
 
 def semantic_faults(rows: Rows) -> list[Fault]:
-    """Rows whose time does not increase, whose state is unknown, or whose image number does not count up."""
+    """Return the rows whose time does not increase, whose state is unknown, or whose image number does not increase."""
     faults = [
         Fault(int(i) + 3, f"column t: {rows.t_ms[i + 1]} ms is not after {rows.t_ms[i]} ms", kind="time")
         for i in np.flatnonzero(np.diff(rows.t_ms) <= 0)

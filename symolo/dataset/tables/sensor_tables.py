@@ -1,4 +1,4 @@
-"""The table `side/<name>.csv` of each sensor that is part of `robot.sensors`; metadata.json describes its columns."""
+"""The table `side/<name>.csv` of each sensor in `robot.sensors`; metadata.json describes its columns."""
 
 from collections.abc import Iterator, Sequence
 
@@ -14,7 +14,7 @@ SERIES = "sensor_{name}"
 TIME = Column("t", "ms", 0)
 """First column of each table."""
 TAKEN_NAMES = frozenset({"wheels", "tof", "camera", "board", "obstacles", "intrinsics", "scene", "spec"})
-"""Names of files in `side/` that no sensor may have."""
+"""Names of files in `side/` that are not allowed for sensors."""
 SENSOR_NAME = r"^[a-z][a-z0-9_]{0,62}$"
 """Pattern of the name of a sensor, which is also the name of its file."""
 

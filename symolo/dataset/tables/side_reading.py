@@ -1,4 +1,4 @@
-"""Strict reading of the side files of a run; the times of tables must be those of data.csv."""
+"""Strict reading of the side files of a run; tables must have the times of data.csv."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -16,7 +16,7 @@ Record = TypeVar("Record", bound=BaseModel)
 
 
 def read_record(path: Path, kind: type[Record]) -> Record:
-    """A JSON file that holds one record.
+    """Return the record in a JSON file.
 
     Raises:
         OSError: There is no such file.
@@ -35,10 +35,10 @@ def first_fault(error: ValidationError) -> str:
 
 
 def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
-    """The numbers of a side table, (rows or images, columns), at the rows of data.csv or, of the camera, its images.
+    """Return the numbers of a side table, (rows, columns) for the rows of data.csv; for the camera, for its images.
 
     Raises:
-        InputError: It cannot be read, has another form, or is of other times or images.
+        InputError: It cannot be read, or its format, times or images are wrong.
     """
     try:
         data = read_file(path, FileKind.TABLE)

@@ -1,4 +1,4 @@
-"""Tables beside data.csv: image positions, drive, range statuses, camera poses."""
+"""Tables in addition to data.csv: image positions, drive, range statuses, camera poses."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from symolo.dataset.tables.rows import Numbers, Rows, csv_bytes, heading
 
 @dataclass(frozen=True)
 class SideTable:
-    """One file below `side/`, with what its columns mean."""
+    """One file in `side/`, with the meaning of its columns."""
 
     file: str
     meaning: str
@@ -87,7 +87,7 @@ BOARD = SideTable(
 
 
 def image_positions(rows: Rows) -> bytes:
-    """image_positions.txt: number of each image and the robot's pose at its shutter."""
+    """Return image_positions.txt: the number of each image and the pose of the robot at its exposure."""
     taken = rows.image > 0
     table = np.column_stack((rows.image[taken], rows.pose[taken]))
     return csv_bytes(POSITIONS_HEADER, POSITIONS_DECIMALS, table, separator=" ")

@@ -410,11 +410,11 @@ def looks(arena, robot, lights_of) -> dict[str, np.ndarray]:
         config, _ = draw_look(load_section("look", name, []), 7, "parts", 1)
         times = np.array([0.0, 0.5, 1.0])
         pose = np.column_stack([0.55 + 0 * times, -0.7 + 0.2 * times, 0.5 * np.pi + 0 * times])
-        path = RobotPath(times, pose, np.column_stack([0.2 + 0 * times, 0 * times]))
+        path = RobotPath(times, pose, np.array([[0.2, 0.0]] * 3))
         frame = FramePose(1, 0.5, 0.55, -0.6, 0.5 * np.pi)
         job = build_job(arena, robot, config, Render(width_px=32, height_px=24), [frame], seed=1, path=path)
         orders.append((replace(job, sampling=replace(job.sampling, hybrid=HybridSamples(1, 1, 4))), 2, [1]))
-    return dict(zip(LOOKS, lights_of(*orders, coarser=4), strict=True))
+    return dict(zip(LOOKS, lights_of(*orders, coarser=8), strict=True))
 
 
 @pytest.mark.parametrize("look", LOOKS)

@@ -46,7 +46,7 @@ def test_an_effect_is_told_with_value_cause_and_gain(files_of, diagnosis_of):
     assert named.name == "torque_constant_scale"
     assert "The real robot differs from the nominal one by torque_constant_scale." in text
     assert f"scale = {named.values['scale']:.4f} ± " in text
-    assert "Possible causes: another or an aged magnet, another gear ratio." in text
+    assert "Possible causes: a different or an aged magnet, a different gear ratio." in text
     assert "On the held-out rows the error falls from " in text
     assert "but parameters leave their tolerances" in text
 

@@ -24,7 +24,7 @@ def test_the_row_of_table_1_that_stands_still_and_rows_left_out(table_1):
     through the rows that move are 0.101 and 0.061 rad/s.
     """
     stuck, _, speed = list(row_sentences(table_1))
-    assert stuck.startswith("In row 2 the motor stands still at 0.25 V")
+    assert stuck.startswith("In row 2 the motor does not turn at 0.25 V")
     before, after = numbers(speed, "rad/s")
     assert before == pytest.approx(0.101, abs=0.006)
     assert after == pytest.approx(0.061, abs=0.006)

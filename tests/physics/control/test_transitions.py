@@ -2,7 +2,8 @@
 
 import pytest
 
-from physics.control.conditions import CONDITIONS
+from physics.control.base import ControlInput
+from physics.control.conditions import CONDITIONS, ControlView
 from physics.control.transitions import load_transitions
 from symolo.core.errors import InputError
 from symolo.dataset.codes import State
@@ -21,6 +22,15 @@ def test_the_shipped_table_leaves_and_enters_every_state_and_asks_every_conditio
     assert {state for row in rows for state in row.states} == set(State)
     assert {row.to for row in rows} == set(State)
     assert {row.condition for row in rows} == set(CONDITIONS)
+
+
+def test_a_row_is_taken_in_its_states_alone_and_only_if_its_condition_holds(tmp_path, robot):
+    (row,) = load(tmp_path, "{states: [LINE, LEFT_WALL], when: on_line, to: LEFT_WALL}")
+    seen = ControlInput((0.9,) * 8, 2.0, 2.0, 2.0, (0.0, 0.0, 0.0))
+    on_line, off_line = (ControlView(seen, robot.controller, e, None, State.LINE, None) for e in (0.5, None))
+    taken = {state for state in State if row.taken(state, on_line)}
+    assert taken == {State.LINE, State.LEFT_WALL}
+    assert not any(row.taken(state, off_line) for state in State)
 
 
 def test_rows_are_read_in_their_order(tmp_path):

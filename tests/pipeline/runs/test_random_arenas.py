@@ -1,4 +1,4 @@
-"""Laps in arenas drawn at random; `benchmarks/random_arenas.py` drives many more."""
+"""Laps in arenas drawn at random; `benchmarks/laps/random_arenas.py` drives many more."""
 
 import pytest
 

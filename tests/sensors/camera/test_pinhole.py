@@ -7,12 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from symolo.core.geometry.pinhole import (
+    Shutter,
     floor_points,
     horizontal_field_of_view_rad,
     intrinsics,
     matrix_K,
     pose_X_RC,
     project,
+    rays_of,
 )
 from symolo.core.geometry.poses import pose_X_WR
 
@@ -154,3 +156,23 @@ def test_a_camera_rolled_clockwise_sees_what_was_right_further_up(robot):
     size = float(np.hypot(*pixel(0.0)))
     assert pixel(0.0) == pytest.approx([size, 0.0], abs=1e-9)
     assert pixel(30.0) == pytest.approx([size * np.sqrt(0.75), -0.5 * size])
+
+
+def test_the_middle_of_the_middle_row_is_exposed_at_the_time_of_the_view():
+    shutter = Shutter(exposure_s=0.01, read_out_s=0.03)
+    # Three rows of 10 ms each, so that the exposures begin 15 ms early, 5 ms early, and 5 ms late.
+    assert [shutter.row_opens_s(row, 3) for row in range(3)] == pytest.approx([-0.015, -0.005, 0.005])
+
+
+def test_pixels_see_along_the_rays_of_opencv(robot):
+    for camera in (intrinsics(robot.camera, 160, 120), _behind_a_lens(robot)):
+        pixels = np.array([[3.0, 110.0], [84.5, 56.5], [150.0, 20.0]])
+        K, lens, until = matrix_K(camera), np.array(camera.distortion), (cv2.TERM_CRITERIA_COUNT, 200, 0.0)
+        expected = cv2.undistortPointsIter(pixels[:, None], K, lens, np.eye(3), np.eye(3), until)
+        assert rays_of(camera, pixels) == pytest.approx(expected[:, 0], abs=1e-6)
+
+
+def test_a_point_at_the_height_of_the_pinhole_has_no_pixel(robot):
+    pixel, depth = project(intrinsics(robot.camera, 160, 120), np.eye(4), np.array([[0.1, 0.1, 0.0]]))
+    assert np.isnan(pixel).all()
+    assert depth[0] == 0.0

@@ -30,7 +30,9 @@ def test_chunks_that_end_early_leave_what_was_there(tmp_path):
 
 def test_a_disk_that_does_not_give_back_what_it_took_is_found(tmp_path, monkeypatch):
     write_all = whole_files._write_all
-    monkeypatch.setattr(whole_files, "_write_all", lambda place, data: write_all(place, data.replace(b"w", b"x")))
+    monkeypatch.setattr(
+        whole_files, "_write_all", lambda place, data, path: write_all(place, data.replace(b"w", b"x"), path)
+    )
     with pytest.raises(OSError, match="is not what was written"):
         write_chunks(tmp_path / "file", (b"ne", b"w"))
     assert not list(tmp_path.iterdir())

@@ -69,7 +69,11 @@ def test_what_an_engine_prints_is_a_log_and_no_message(started):
 @pytest.mark.parametrize(
     ("work", "limits", "reason"),
     [
-        ("os.kill(os.getpid(), 9)", {}, "the child was ended by signal SIGKILL (out of memory?)"),
+        (
+            "os.kill(os.getpid(), 9)",
+            {},
+            "was ended by signal SIGKILL (too little memory? Take fewer --workers or smaller",
+        ),
         ("os._exit(3)", {}, "the child was ended by exit code 3"),
         ("os.kill(os.getpid(), 19)", {"silence_s": 0.5}, "it gave no sign of life for 0.5 s"),
         ("time.sleep(60)", {"patience_s": 0.5}, "it got no further in 0.5 s"),

@@ -1,8 +1,6 @@
 """data.csv as text: fixed digits, and strict reading."""
 
 import math
-from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -12,12 +10,35 @@ from hypothesis import strategies as st
 
 from pipeline.rerendering.rerender import image_numbers
 from symolo.core.errors import InputError
+from symolo.core.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import State
 from symolo.dataset.documents import metadata
 from symolo.dataset.manifest import manifest, read_manifest
-from symolo.dataset.tables.rows import HEADER, STATES, Rows, csv_bytes, heading, parse_table, read_rows, wrapped
+from symolo.dataset.tables.rows import (
+    HEADER,
+    STATES,
+    Rows,
+    csv_bytes,
+    heading,
+    parse_table,
+    read_rows,
+    semantic_faults,
+    wrapped,
+)
 
 NUMBERS = st.floats(-1e6, 1e6)
+
+
+def row(**cells):
+    values = {"t": "0", "x": "1.5", "img": "1", "state": "0"} | {k: str(v) for k, v in cells.items()}
+    return ",".join(values.get(name, "0.5") for name in HEADER)
+
+
+HEADER_LINE = ",".join(HEADER)
+
+
+def table(*rows, header=HEADER_LINE):
+    return "\n".join((header, *rows)) + "\n"
 
 
 def test_text_has_the_digits_asked_for_and_no_negative_zero():
@@ -50,43 +71,85 @@ def test_a_heading_just_above_minus_pi_is_written_as_plus_pi():
     np.testing.assert_array_equal(heading(angles, 6), [3.141593, -3.141592, 3.141593, 3.0, 3.141592])
 
 
-@dataclass(frozen=True)
-class Recorded:
-    """What the rows take from a recording."""
-
-    trajectory: SimpleNamespace
-    values: dict
-
-    def __getitem__(self, name):
-        return SimpleNamespace(values=self.values[name])
+def recording(t_s, pose, state, twist, **readings):
+    series = [TimeSeries(name, "", t_s, np.asarray(values)) for name, values in readings.items()]
+    return Recording(Trajectory(t_s, np.array(pose), np.array(twist), np.array(state)), tuple(series))
 
 
 def test_headings_in_the_rows_are_those_of_the_description():
-    trajectory = SimpleNamespace(
-        t_s=np.array([0.0, 0.05]),
-        pose=np.array([[0, 0, -math.pi + 1e-7], [0, 0, -math.pi + 1e-6]]),
-        state=np.zeros(2, dtype=np.int64),
-        twist=np.zeros((2, 2)),
+    pose, twist = [[0, 0, -math.pi + 1e-7], [0, 0, -math.pi + 1e-6]], np.zeros((2, 2))
+    readings = {"tof_m": np.ones((2, 3)), "line": np.ones((2, 8)), "image": [1, 0]}
+    rows = Rows.from_recording(recording(np.array([0.0, 0.05]), pose, [0, 0], twist, **readings))
+    np.testing.assert_array_equal(rows.pose[:, 2], [3.141593, -3.141592])
+
+
+def test_each_reading_of_a_recording_stands_in_its_column_with_its_digits():
+    pose = [[1.0000014, 2.0000006, 0.5], [-1e-9, 3.0, 0.2500011]]
+    readings = {
+        "tof_m": [[0.11111, 0.2, 0.3], [0.4, 0.5, 0.6]],
+        "line": np.arange(16.0).reshape(2, 8) / 16 + 0.000021,
+        "image": [1, 0],
+    }
+    twist = [[0.1, 0.2], [0.3, 0.4000006]]
+    rows = Rows.from_recording(recording(np.array([0.0, 0.0504]), pose, [0, 33], twist, **readings))
+    channels = [float(f"{i / 16:.4f}2") for i in range(16)]
+    first = [0, 1.000001, 2.000001, 0.5, 0, 0.1, 0.2, 0.1111, 0.2, 0.3, *channels[:8], 1]
+    second = [50, 0.0, 3.0, 0.250001, 33, 0.3, 0.400001, 0.4, 0.5, 0.6, *channels[8:], 0]
+    np.testing.assert_array_equal(rows.table(), [first, second])
+    assert rows.to_csv().decode().splitlines()[2] == (
+        "50,0.000000,3.000000,0.250001,33,0.300000,0.400001,0.4000,0.5000,0.6000,"
+        "0.50002,0.56252,0.62502,0.68752,0.75002,0.81252,0.87502,0.93752,0"
     )
-    values = {"tof_m": np.ones((2, 3)), "line": np.ones((2, 8)), "image": np.array([1, 0])}
-    np.testing.assert_array_equal(Rows.from_recording(Recorded(trajectory, values)).pose[:, 2], [3.141593, -3.141592])
+    assert [rows.at(0).tolist(), rows.at(1).tolist()] == rows.table().tolist()
+    assert rows.at(1).dtype == np.float64
+    assert not np.signbit(rows.pose[1, 0])
+
+
+def test_every_fault_of_meaning_is_found_with_its_line_and_kind_in_the_order_of_the_file():
+    cells = [
+        {},
+        {"t": 50, "img": 0, "state": 7},
+        {"t": 50, "img": 2},
+        {"t": 40, "img": 1},
+        {"t": 90, "img": 3, "L0": 1},
+    ]
+    numbers, faults = parse_table(table(*(row(**c) for c in cells)).encode(), HEADER)
+    assert faults == []
+    found = semantic_faults(Rows.from_table(numbers))
+    assert [(fault.line, fault.kind) for fault in found] == [(3, "state"), (4, "time"), (5, "time"), (5, "image")]
+    assert str(found[1]) == "line 4: column t: 50 ms is not after 50 ms"
+    assert found[3].what == "column img: 1 does not count up from 2"
+
+
+def test_a_state_that_is_not_known_is_no_reason_to_refuse_a_table(tmp_path):
+    """So that a dataset of a later version can be read; `verify` reports it."""
+    (tmp_path / "data.csv").write_text(table(row(state=7)))
+    assert read_rows(tmp_path / "data.csv").state.tolist() == [7]
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_numbers_up_to_those_that_a_float_holds_exactly_are_read(sign):
+    numbers, faults = parse_table(table(row(t=sign * 2**53)).encode(), HEADER)
+    assert (faults, numbers[0, 0]) == ([], sign * 2.0**53)
+    _, (fault,) = parse_table(table(row(t=sign * (2**53 + 2))).encode(), HEADER)
+    assert fault.line == 2
+
+
+def test_a_table_that_cannot_be_opened_is_refused_with_the_reason(tmp_path):
+    with pytest.raises(InputError, match=r"none\.csv: cannot be read: No such file or directory"):
+        read_rows(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize("text", ["", table(), table(row(), header="t,x")])
+def test_a_table_with_faults_has_no_rows_but_all_its_columns(text):
+    numbers, faults = parse_table(text.encode(), HEADER)
+    assert numbers.shape == (0, 19)
+    assert faults
 
 
 def test_every_state_of_the_controller_is_known_to_the_tables_and_has_a_meaning():
     assert set(STATES) == set(metadata.STATES) == set(State)
     assert all(metadata.STATES.values())
-
-
-def row(**cells):
-    values = {"t": "0", "x": "1.5", "img": "1", "state": "0"} | {k: str(v) for k, v in cells.items()}
-    return ",".join(values.get(name, "0.5") for name in HEADER)
-
-
-HEADER_LINE = ",".join(HEADER)
-
-
-def table(*rows, header=HEADER_LINE):
-    return "\n".join((header, *rows)) + "\n"
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
         ((root, "tum,", out), "names with commas between them"),
         ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
         ((damaged, "tum", out), "symolo repair"),
-        ((root / "CW/test_1", "tum", out), "is one run, which has no checksums to rely on"),
+        ((root / "CW/test_1", "tum", out), "is a single run, which has no checksums"),
         ((tmp_path / "taken", "tum", out), "neither a release nor a run"),
         ((root, "tum", taken), "is there already; name a folder that is new or empty"),
         ((root, "tum", root / "within"), "lies within the release"),
@@ -121,7 +121,7 @@ def test_a_disk_without_room_is_told_before_the_work_starts(random_release, tmp_
     refused = symolo("export", root, "--format", formats, "--out", tmp_path / "out")
     assert (refused.code, refused.err.count("\n")) == (5, 1)
     assert re.search(r"/out: about \d+ MB are needed and 0 MB are free", refused.err)
-    assert "another disk, or choose runs by --runs" in refused.err
+    assert "another disk, or choose fewer runs with --runs" in refused.err
     assert list(tmp_path.iterdir()) == []
     assert symolo("export", root, "--format", "tum", "--out", tmp_path / "out").code == 0
 

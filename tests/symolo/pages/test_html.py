@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from jinja2 import UndefinedError
 
-from symolo.pages.html import counted, grouped, render_page
+from symolo.core.progress import plural
+from symolo.pages.html import grouped, render_page
 
 HOSTILE = "<script>alert(1)</script>\"'&"
 TEMPLATE = """{% extends "base.html.j2" %}
@@ -49,7 +50,7 @@ def test_every_macro_escapes_its_texts(package):
 def test_a_page_forbids_scripts_and_whatever_is_not_part_of_it(package):
     root = ET.fromstring(render_page(package, title="t", text="x", data=b"png"))  # noqa: S314 - our own page
     (policy,) = (meta for meta in root.iter("meta") if meta.get("http-equiv") == "Content-Security-Policy")
-    allowed = dict(part.strip().split(" ", 1) for part in policy.get("content").split(";"))
+    allowed = dict(part.strip().split(" ", 1) for part in policy.attrib["content"].split(";"))
     assert allowed["default-src"] == "'none'"
     assert (allowed["img-src"], allowed["style-src"]) == ("data:", "'unsafe-inline'")
     assert "script-src" not in allowed
@@ -76,6 +77,7 @@ def test_every_template_is_package_data():
 
 
 def test_counts_have_a_plural_and_spaces_that_do_not_break():
-    assert counted(1, "run") == "1 run"
-    assert counted(0, "run") == "0 runs"
+    assert plural(1, "run") == "1 run"
+    assert plural(0, "run") == "0 runs"
+    assert plural(1234, "run", grouped) == "1\N{NO-BREAK SPACE}234 runs"
     assert grouped(1234567) == "1\N{NO-BREAK SPACE}234\N{NO-BREAK SPACE}567"

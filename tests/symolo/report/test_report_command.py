@@ -13,7 +13,7 @@ def test_what_cannot_be_done_is_refused_and_nothing_is_written(painted, copy_of,
     for folder, place, what in (
         (damaged, out, "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
         (damaged, out, "symolo repair"),
-        (root / "CW/test_1", out, "is one run, which has no checksums to rely on"),
+        (root / "CW/test_1", out, "is a single run, which has no checksums"),
         (tmp_path, out, "neither a release nor a run"),
         (root, root / "report.html", "lies within the release"),
         (root, root / "CW/report.html", "lies within the release"),

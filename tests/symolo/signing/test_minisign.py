@@ -98,12 +98,10 @@ def test_line_ends_of_windows_change_nothing():
     assert Signature.from_bytes(text).problem(PUBLIC, DATA) == ""
 
 
-def test_an_encrypted_secret_key_of_minisign_is_opened_by_its_passphrase_alone():
-    """It takes scrypt with 1 GiB of memory twice."""
+def test_an_encrypted_secret_key_of_minisign_is_opened_by_its_passphrase():
+    """It takes scrypt with 1 GiB of memory, so that a wrong passphrase is left to a key that takes less, below."""
     content = SecretKeyFile.from_text((MADE / "encrypted.key").read_text())
     assert content.opened("correct horse").public == PublicKey.from_text((MADE / "encrypted.pub").read_text())
-    with pytest.raises(ValueError, match="the passphrase is wrong"):
-        content.opened("correct horses")
 
 
 @pytest.mark.parametrize(

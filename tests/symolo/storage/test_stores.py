@@ -1,13 +1,17 @@
 """What every kind of store does."""
 
+import asyncio
 import hashlib
 import os
 
+import obstore
 import pytest
+from obstore.store import MemoryStore
 
-from symolo.core.errors import InputError
+from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.storage import base
 from symolo.storage.base import LocalFile
+from symolo.storage.bucket import Bucket
 from symolo.storage.folder import Folder
 
 OF_ABC = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
@@ -78,3 +82,43 @@ def test_a_folder_is_never_written_to_through_a_link(tmp_path):
     with pytest.raises(InputError, match="leads through a link"):
         Folder("file:///shelf", tmp_path / "shelf").put(local(tmp_path, b"abc"))
     assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
+@pytest.fixture
+def bucket():
+    bucket = Bucket("s3://bucket/data", MemoryStore())
+    for name in ("a", "b", "c"):
+        obstore.put(bucket._store, name, b"12345")
+    return bucket
+
+
+def test_an_object_that_announces_more_than_a_file_of_a_release_has_is_not_fetched(bucket, monkeypatch):
+    """The library would allocate as much, and end the process where it gets no memory."""
+    assert bucket.get("a") == b"12345"
+    monkeypatch.setattr("symolo.storage.bucket.MAX_OBJECT_BYTES", 4)
+    with pytest.raises(InputError, match=r"s3://bucket/data: a: is no file of a release: got 5, allowed: at most 4"):
+        bucket.get("a")
+
+
+def test_a_listing_of_more_objects_than_a_release_has_is_refused(bucket, monkeypatch):
+    assert bucket.sizes() == {"a": 5, "b": 5, "c": 5}
+    monkeypatch.setattr("symolo.storage.bucket.MAX_OBJECTS", 2)
+    with pytest.raises(InputError, match="s3://bucket/data: holds more than 2 objects, as no release does"):
+        bucket.sizes()
+
+
+def test_a_listing_that_gets_no_further_is_given_up(bucket, monkeypatch):
+    class Stuck:
+        def list(self, _store, **_):
+            return self
+
+        def __aiter__(self):
+            return self
+
+        async def __anext__(self):
+            await asyncio.sleep(60)
+
+    bucket._obstore = Stuck()
+    monkeypatch.setattr("symolo.storage.bucket.LIST_S", 0.05)
+    with pytest.raises(EnvironmentLacking, match=r"has listed nothing more for 0\.05 s; see that"):
+        bucket.sizes()

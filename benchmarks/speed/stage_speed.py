@@ -1,6 +1,6 @@
 """Time that the stages of a measured case take to predict it by many robots at once, on one core.
 
-    python benchmarks/stage_speed.py CASE... [--robots 20]
+    python benchmarks/speed/stage_speed.py CASE... [--robots 20]
 
 Of each stage, with the nominal robot's numbers varied by a per cent, bare and with one effect each that acts on it.
 """

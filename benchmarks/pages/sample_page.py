@@ -15,7 +15,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.surface import SurfaceName
 from symolo.arena.geometry import Arena
 from symolo.dataset.layout import frame_name
-from symolo.pages.sheet import Cell, row, save, stacked
+from symolo.pages.sheet import Cell, in_columns, save
 
 Image = NDArray[np.uint8]
 
@@ -54,5 +54,4 @@ def save_page(captioned: Mapping[str, Sequence[Image]], columns: int, path: Path
     if not captioned:
         raise SystemExit("no such caption")
     cells = [Cell(np.vstack(images), (caption,)) for caption, images in captioned.items()]
-    width_px = cells[0].image.shape[1]
-    save(stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)]), path)
+    save(in_columns(cells, columns), path)

@@ -5,21 +5,26 @@ import re
 from collections.abc import Iterable, Sequence
 
 _FOR_PROGRAMMERS = re.compile(r"^(?:Args|Attributes|Raises|Returns|Yields):$", re.MULTILINE)
-"""The first of the parts of a docstring that say how a function is called."""
+"""Headings in a docstring from which on the text is only for programmers."""
 
 
 def text(value: str) -> str:
-    """Running text in one line, with what Markdown would take for its own kept as it is."""
+    """Return running text as one line in which the special characters of Markdown are escaped."""
     joined = " ".join(value.split())
     parts = joined.split("`")
-    # Every second part stands between back-ticks, where nothing is special but the bar of a table.
+    # Every second part is between back-ticks, where only the bar of a table is special.
     parts[::2] = [part.replace("*", r"\*").replace("<", r"\<") for part in parts[::2]]
     return "`".join(parts).replace("|", r"\|")
 
 
 def about(documented: object) -> str:
-    """What the docstring of a module, class or function tells everybody."""
-    return _FOR_PROGRAMMERS.split(inspect.getdoc(documented) or "")[0].strip()
+    """Return the part of the docstring of a module, class or function that is for all readers.
+
+    The docstring of a function begins with "Return", which a reader of the page does not need.
+    """
+    described = _FOR_PROGRAMMERS.split(inspect.getdoc(documented) or "")[0].strip()
+    thing = described.removeprefix("Return ")
+    return described if thing == described else thing[:1].upper() + thing[1:]
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -33,6 +38,6 @@ def page(title: str, about: str, parts: Iterable[str]) -> str:
 
 
 def anchor(heading: str) -> str:
-    """How a link names a heading."""
+    """Return the part of a link that names a heading."""
     kept = (letter for letter in heading.lower() if letter.isalnum() or letter in " -_")
     return "#" + "".join(kept).replace(" ", "-")

@@ -1,6 +1,6 @@
 """How long the flat renderer takes: core-seconds of preparing a scene, of its light and of a whole image.
 
-python benchmarks/preview_speed.py
+python benchmarks/speed/preview_speed.py
 """
 
 import time

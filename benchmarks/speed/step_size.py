@@ -4,7 +4,7 @@ Twice: 10 s of starts, arcs, a turn on the spot and stops; and a whole lap, with
 in one. The reference is the smallest step. Every pose at the control rate is compared, so that no error hides in a
 lucky end.
 
-    python benchmarks/step_size.py [--scenario symolo] [--route CW]
+    python benchmarks/speed/step_size.py [--scenario symolo] [--route CW]
 """
 
 import argparse

@@ -3,7 +3,7 @@
 Runs `symolo simulate` on a scenario with so many runs, spread evenly over its routes, and watches the memory of the
 command and of its workers while it works. Give an --out to keep the runs; the same command again continues.
 
-    python benchmarks/many_laps.py [--scenario symolo] [--set robot=fleet] [--laps 500] [--workers 2] [--out DIR]
+    python benchmarks/laps/many_laps.py [--scenario symolo] [--set robot=fleet] [--laps 500] [--workers 2] [--out DIR]
 """
 
 import argparse

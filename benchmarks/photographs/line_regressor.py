@@ -1,6 +1,6 @@
 """Does a line-position regressor trained on rendered frames alone find the line in an unseen look and in photographs?
 
-python benchmarks/line_regressor.py FOLDER [--photographs DIR] [--scenes 30] [--threads 2]
+python benchmarks/photographs/line_regressor.py FOLDER [--photographs DIR] [--scenes 30] [--threads 2]
 
 Trains on frames of `lab` (narrow), of `extreme` (wide) and of `extreme` as the flat renderer sees it, all of the same
 lines, cameras and places; tests on `classroom` and `night`, and on the photographs labelled in camera_line_photos.csv.

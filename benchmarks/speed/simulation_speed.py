@@ -4,7 +4,7 @@ Both run in turns in one process on one core, for the same number of steps; the 
 pairs, which a machine that is busy with something else disturbs least. The cost of each sensor is taken in separate
 laps, because the clocks cost time too.
 
-    python benchmarks/simulation_speed.py [--scenario symolo] [--route CW] [--repeats 7]
+    python benchmarks/speed/simulation_speed.py [--scenario symolo] [--route CW] [--repeats 7]
 """
 
 import argparse

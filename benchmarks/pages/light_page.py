@@ -1,6 +1,6 @@
 """The same corner of one room under each kind of light: above across the room, below as the robot's camera sees it.
 
-python benchmarks/light_page.py FOLDER [--samples 16] [--only "tubes" "desk lamp" ...]
+python benchmarks/pages/light_page.py FOLDER [--samples 16] [--only "tubes" "desk lamp" ...]
 """
 
 import argparse

@@ -3,7 +3,7 @@
 The rays are those of one update of the three range sensors, from poses along the scenario's start line; both run
 in turns in one process on one core, and the ratio is the median over neighbouring pairs.
 
-    python benchmarks/ray_speed.py [--scenario symolo] [--repeats 15]
+    python benchmarks/speed/ray_speed.py [--scenario symolo] [--repeats 15]
 """
 
 import argparse

@@ -1,6 +1,7 @@
 """One image of each floor, kind of line, wall and obstacle, as the robot's camera sees them, side by side.
 
-python benchmarks/material_page.py FOLDER [--samples 4] [--only carpet brick ...] [--each docs/reference/materials]
+python benchmarks/pages/material_page.py FOLDER [--samples 4] [--only carpet brick ...]
+    [--each docs/reference/materials]
 """
 
 import argparse

@@ -3,7 +3,7 @@ stopped.
 
 Every arena has its own seed; a lap is driven again by the command that is printed with it.
 
-    python benchmarks/random_arenas.py [--arenas 100] [--first-seed 1] [--workers 2] [--plot arenas.png]
+    python benchmarks/laps/random_arenas.py [--arenas 100] [--first-seed 1] [--workers 2] [--plot arenas.png]
 """
 
 import argparse

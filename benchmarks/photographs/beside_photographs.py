@@ -1,6 +1,6 @@
 """Rendered frames beside the real photographs on one sheet, and the numbers of both.
 
-python benchmarks/beside_photographs.py PHOTOGRAPHS FOLDER [--threads 2]
+python benchmarks/photographs/beside_photographs.py PHOTOGRAPHS FOLDER [--threads 2]
 
 Frames of the same kind of view are rendered once and stay in FOLDER, which also gets beside_photographs.png and .json.
 """
@@ -14,7 +14,8 @@ import numpy as np
 from line_frames import Kind, frames
 from photograph_figures import ImageFigures, medians
 from photographs import photographs
-from sample_page import save_page
+
+from symolo.pages.sheet import Cell, in_columns, save
 
 SCENES = range(2000, 2008)
 SHIPPED = Kind("classroom")
@@ -63,12 +64,12 @@ def main() -> None:
         print(f"{figure:26}" + "".join(f"{f'{m:.2f} ({a:.2f} to {b:.2f})':>26}" for m, a, b in values))
     written = {name: [vars(f) for f in values] for name, values in figures.items()}
     (options.folder / "beside_photographs.json").write_text(json.dumps(written, indent=1).replace("NaN", "null"))
-    cells = {
-        f"{name} {n + 1}": [np.asarray(cv2.resize(image, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC), np.uint8)]
+    cells = [
+        Cell(np.asarray(cv2.resize(image, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC), np.uint8), (f"{name} {n}",))
         for name, labelled in rows.items()
-        for n, (image, _) in enumerate(labelled)
-    }
-    save_page(cells, len(real.names) // 2, options.folder / "beside_photographs.png")
+        for n, (image, _) in enumerate(labelled, start=1)
+    ]
+    save(in_columns(cells, len(real.names) // 2), options.folder / "beside_photographs.png")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ Both are timed in turns in one process on one core, without sensors; medians are
 batch over its trials, since a fit drives all trials of a log at once. Few trials of bare motors are stepped in plain
 numbers; with effects that look at the speed (robot `worn`) every step is one of arrays, and a trial alone gains little.
 
-    python benchmarks/twin_speed.py [--robot nominal] [--repeats 3]
+    python benchmarks/speed/twin_speed.py [--robot nominal] [--repeats 3]
 """
 
 import argparse

@@ -1,0 +1,71 @@
+"""A release whose processes may address little memory: one line that names memory, and the same command goes on."""
+
+import os
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from pipeline.cli import main
+
+MB = 1_000_000
+CURE = "run the same command again"
+SCENARIO = Path(__file__).with_name("bare.yaml")
+
+
+def limited(limit_mb, *arguments):
+    """Run a command whose processes may address that much memory; return its exit code and messages."""
+
+    def limit():
+        if limit_mb:
+            resource.setrlimit(resource.RLIMIT_AS, (limit_mb * MB, limit_mb * MB))
+
+    command = [
+        sys.executable,
+        "-c",
+        "import sys; from pipeline.cli import main; sys.exit(main())",
+        *map(str, arguments),
+    ]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600, preexec_fn=limit)
+    return ended.returncode, ended.stderr
+
+
+@pytest.mark.parametrize("limit_mb", [60, 350, 900])
+def test_a_limit_that_no_library_fits_in_is_refused_at_once(limit_mb):
+    """With 350 MB, OpenBLAS would ask for more without end while it is loaded, and heed no signal."""
+    begin = time.monotonic()
+    code, messages = limited(limit_mb, "plan", SCENARIO)
+    assert time.monotonic() - begin < 60
+    assert code == 5
+    assert messages.startswith("symolo: there is not enough memory")
+    assert messages.endswith(f"{CURE}\n")
+    assert len(messages.splitlines()) == 1
+
+
+def test_a_limit_in_which_the_libraries_fit_is_none(monkeypatch, capsys):
+    needed_mb = 1000 + 100 * (os.cpu_count() or 1)
+    for limit_mb, code in ((needed_mb, 0), (needed_mb - 1, 5)):
+        monkeypatch.setattr(resource, "getrlimit", lambda _, limit_mb=limit_mb: (limit_mb * MB, resource.RLIM_INFINITY))
+        assert main(["--version"]) == code
+    assert f"may address {needed_mb - 1} MB, and its libraries need up to {needed_mb} MB" in capsys.readouterr().err
+
+
+@pytest.mark.faults
+def test_with_any_limit_a_release_is_whole_or_names_the_memory_and_goes_on_without_the_limit(wrong, tree, tmp_path):
+    release = ["release", SCENARIO, "--workers", 1, "--out"]
+    assert limited(0, *release, tmp_path / "whole")[0] == 0
+    expected = tree(tmp_path / "whole")
+    codes = set()
+    for limit_mb in (1000, 1200, 1400, 1600, 1800, 2000, 2500, 3000):
+        out = tmp_path / str(limit_mb)
+        code, messages = limited(limit_mb, *release, out)
+        assert "Traceback" not in messages
+        assert (code, "memory" in messages) in {(0, False), (3, True), (5, True)}, messages
+        assert wrong(out, expected) == []
+        assert limited(0, *release, out)[0] == 0
+        assert tree(out) == expected
+        codes.add(code)
+    assert codes > {0}
