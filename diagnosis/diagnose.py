@@ -23,7 +23,7 @@ from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequa
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.inference.verdict import Conclusion, NameEvidence, WithheldName, cancel, conclusion, withheld
+from diagnosis.inference.verdict import SUBSTITUTE, Conclusion, NameEvidence, WithheldName, cancel, conclusion, withheld
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels
 from diagnosis.nominal_robot import nominal_robot
@@ -322,10 +322,20 @@ def _standing(
         ]
         if not failing:
             return model, tuple(withheld_names)
-        weakest, comparison = min(failing, key=lambda pair: pair[0].rise)
-        withheld_names.append(WithheldName(weakest.name, withheld(weakest)))
-        fit = without(evidence, model.fit, comparison.effect)
+        # Effects that cancel each other imitate the same thing, so they go together.
+        cancelling = [pair for pair in failing if pair[0].cancelled_by]
+        going = cancelling or [min(failing, key=lambda pair: pair[0].rise)]
+        withheld_names += [WithheldName(each.name, withheld(each)) for each, _ in going]
+        fit = model.fit
+        for _, comparison in going:
+            fit = without(evidence, fit, comparison.effect)
         left = adequacy(evidence, fit)
+        if left.has_cause and fit.hypothesis.effects:
+            kept = survivors(evidence, nominal, fit, left.worst)
+            substitutes = [effect for effect in fit.hypothesis.effects if effect not in kept]
+            withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
+            for effect in substitutes:
+                fit = without(evidence, fit, effect)
         comparisons = [compare_rivals(evidence, fit, effect, effects) for effect in fit.hypothesis.effects]
         model = _NamedModel(fit, comparisons, model.result if left.is_adequate else left)
 

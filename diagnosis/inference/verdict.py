@@ -29,6 +29,9 @@ CANCELLED = 0.5
 LEAST_WEIGHT = 0.1
 """Confidence below which a name is one of too many."""
 
+SUBSTITUTE = "only a substitute for what is unexplained"
+"""Reason of a name that is not needed beside a structure that has another cause."""
+
 
 class Conclusion(TextEnum):
     """What a diagnosis comes to."""

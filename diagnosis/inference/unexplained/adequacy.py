@@ -44,7 +44,7 @@ DRIFT = 1.0
 next. It is reported as unexplained, but does not speak against effects that do not depend on time."""
 SESSION = ("row", "session_time_s", "sweep", "trial")
 """Covariates that tell when a row was taken; `t_s` too, where a quantity has no time since the session began."""
-EXPLAINED = 0.8
+EXPLAINED = 0.9
 """Share of the explainable cost that the effects must explain to stay named."""
 
 
