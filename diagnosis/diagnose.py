@@ -18,6 +18,7 @@ from diagnosis.inference.fit import HypothesisFit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
+from diagnosis.inference.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.selection import Selection, is_at_bound, is_of_noise, rescued, select, without
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, change_by, survivors
 from diagnosis.inference.unexplained.change import change_in_time
@@ -49,10 +50,17 @@ class NamedEffect:
     values: dict[str, float]
     std: dict[str, float]
     comparison: RivalComparison
+    ranges: tuple[SeenRange, ...] = ()
+    """Range of each covariate over the rows in which the effect was seen."""
 
     @property
     def name(self) -> str:
         return self.effect.kind.name
+
+    @property
+    def seen_for(self) -> str:
+        """Conditions under which the effect was seen, as text; beyond them its law is a guess."""
+        return ", ".join(seen.text for seen in self.ranges)
 
     @property
     def parameters(self) -> dict[str, str | float]:
@@ -114,6 +122,7 @@ class Diagnosis:
                     "std": {name: std for name, std in named.std.items() if isfinite(std)},
                     "confidence": round(named.comparison.confidence, 4),
                     "ambiguous_with": list(named.comparison.ambiguous_with),
+                    "range": {seen.covariate: [seen.low, seen.high] for seen in named.ranges},
                 }
                 for named in self.named
             ],
@@ -180,7 +189,13 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         selection=selection,
         fit=fit,
         named=tuple(
-            NamedEffect(c.effect, dict(fit.hypothesis.values(c.effect, fit.x)), fit.std(c.effect), c)
+            NamedEffect(
+                c.effect,
+                dict(fit.hypothesis.values(c.effect, fit.x)),
+                fit.std(c.effect),
+                c,
+                seen_ranges(evidence, selection.nominal, fit, c.effect),
+            )
             for c in comparisons
         ),
         withheld=withheld_names,

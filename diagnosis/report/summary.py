@@ -74,6 +74,8 @@ def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequ
     yield from _entry("  meaning", meaning(named.effect.kind))
     yield from _entry("  possible causes", named.effect.kind.cause)
     yield from _entry("  confidence", certainty(named))
+    if named.ranges:
+        yield from _entry("  seen for", named.seen_for)
     for text in too_large(named):
         yield from _entry("  too large", text)
     yield from _entry("  without it", without_effect(ablation))

@@ -87,7 +87,7 @@ def test_markup_in_the_data_is_text(findings_of, files_of):
 def test_the_answer_is_that_of_the_format(files_of):
     answer = json.loads(files_of("weak")[ANSWER])
     (effect,) = answer["effects"]
-    assert effect.keys() == {"name", "parameters", "std", "confidence", "ambiguous_with"}
+    assert effect.keys() == {"name", "parameters", "std", "confidence", "ambiguous_with", "range"}
     assert effect["parameters"]["scale"] == pytest.approx(0.9, abs=3 * effect["std"]["scale"])
     assert answer["unexplained"] is False
     assert answer["heldout_gain_ci"][0] <= answer["heldout_gain"] <= answer["heldout_gain_ci"][1]
