@@ -19,7 +19,7 @@ from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.seen_range import SeenRange, seen_ranges
-from diagnosis.inference.selection import Selection, is_at_bound, is_of_noise, rescued, select, without
+from diagnosis.inference.selection import Selection, is_at_bound, is_of_noise, needed, rescued, select, without
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, change_by, survivors
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
@@ -378,6 +378,7 @@ def _name_evidence(
     return NameEvidence(
         name=effect.name,
         rise=base.cost - fit.cost,
+        needed=needed(effect),
         rise_of_prior=base.prior_cost - fit.prior_cost,
         heldout_rise=heldout_rise,
         is_at_bound=is_at_bound(fit, effect),

@@ -26,6 +26,9 @@ NEARLY = 10.0
 chance in a few cases of a hundred."""
 CANCELLED = 0.5
 """Ratio of the size of the sum of two changes to that of the smaller one, below which they cancel each other."""
+MARGIN = 2.0
+"""Fall of the cost beyond what the selection needs, from which a name stands: where tolerances and noise are not as
+stated, chance reaches a little more."""
 LEAST_WEIGHT = 0.1
 """Confidence below which a name is one of too many."""
 
@@ -55,6 +58,8 @@ class NameEvidence:
     name: str
     rise: float
     """Rise of the cost over the rows of the fit without the effect, everything else fitted again."""
+    needed: float
+    """Fall of the cost from which the selection accepts the effect."""
     rise_of_prior: float
     """Part of that rise from nominal parameters that leave their tolerances."""
     heldout_rise: float | None
@@ -96,6 +101,8 @@ def withheld(evidence: NameEvidence) -> str:
         return "the held-out rows are predicted as well without it"
     if evidence.closest_rival is not None and evidence.closest_rival[1] < -CHEAPER:
         return f"{evidence.closest_rival[0]} explains the data better"
+    if evidence.rise < evidence.needed + MARGIN:
+        return f"the cost falls by {evidence.rise:.1f} only, little more than by chance"
     if evidence.confidence < LEAST_WEIGHT:
         return f"its weight among the alternatives is only {100.0 * evidence.confidence:.2g} %"
     return ""

@@ -23,6 +23,7 @@ evidences = st.builds(
     NameEvidence,
     name=st.just("supply_sag"),
     rise=st.floats(0.0, 500.0),
+    needed=st.just(15.0),
     rise_of_prior=numbers,
     heldout_rise=st.none() | numbers,
     is_at_bound=st.booleans(),
@@ -41,6 +42,7 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
     assert not evidence.is_at_bound
     assert not evidence.cancelled_by
     assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
+    assert evidence.rise >= evidence.needed
     assert evidence.confidence >= LEAST_WEIGHT
     # Held-out rows become worse without it, unless parameters bent far out of their tolerances do its work there.
     assert evidence.heldout_rise is None or evidence.heldout_rise > 0.0 or evidence.rise_of_prior > 0.5 * evidence.rise
