@@ -4,10 +4,10 @@ The residuals of a fitted nominal model are smoother than the channel itself: wh
 slowly from row to row, and second differences remove it (`diagnosis.measured.noise`). With few rows only the level is
 estimated.
 
-If the source states the level, only the correlation is estimated; it is at least what the source states. The rows of a
-sweep are no series and have none. It follows from the sum of the autocorrelations of the residuals without their
-running mean, up to the first that is negligible (Geyer, Stat. Sci. 7 (1992) 473-483), and is expressed as the p of
-AR(1) noise with the same sum (1 + p)/(1 - p).
+If the source states the level but not the correlation, only the correlation is estimated: the sum of the
+autocorrelations of the residuals without their running mean, up to the first that is negligible (Geyer, Stat. Sci. 7
+(1992) 473-483), expressed as the p of AR(1) noise with the same sum (1 + p)/(1 - p). The rows of a sweep are no series
+and have no correlation.
 """
 
 from dataclasses import replace
@@ -35,8 +35,8 @@ MAX_CORRELATION = 0.9
 
 
 def is_open(quantity: Observed) -> bool:
-    """Return whether the noise of a quantity is estimated: in a series its correlation always is."""
-    return not quantity.noise_is_stated or quantity.is_series
+    """Return whether the source does not state all of a quantity's noise."""
+    return not quantity.noise_is_stated or quantity.correlation is None
 
 
 def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
@@ -57,7 +57,7 @@ def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
     """Return the noise of the residuals z (n,) in some rows (n,)."""
     if quantity.noise_is_stated:
         clipped = np.where(rows, np.clip(z, -CLIP, CLIP), np.nan)
-        return EstimatedNoise(1.0, max(quantity.correlation or 0.0, lasting(clipped, quantity.trial)))
+        return EstimatedNoise(1.0, lasting(clipped, quantity.trial))
     z, trial = z[rows], quantity.trial[rows]
     together = np.diff(trial) == 0
     noise = noise_of_differences(z, together)
