@@ -53,10 +53,14 @@ TESTS = {
     "physics/drivetrain/wheel_loop.py": ("tests/physics/test_wheel_loop.py",),
     "physics/control/following.py": ("tests/physics/control/test_following.py",),
     "physics/control/transitions.py": ("tests/physics/control/test_transitions.py",),
-    "physics/control/conditions.py": ("tests/physics/control/test_controller.py",),
+    "physics/control/conditions.py": (
+        "tests/physics/control/test_conditions.py",
+        "tests/physics/control/test_controller.py",
+    ),
     "symolo/dataset/tables/rows.py": ("tests/symolo/dataset/test_tables.py",),
     "symolo/core/distributions.py": ("tests/symolo/core/test_distributions.py", "tests/configs/test_bad_input.py"),
     "configs/checks.py": (
+        "tests/configs/test_limits.py",
         "tests/configs/test_bad_input.py",
         "tests/configs/test_draw.py",
         f"{ARENAS}::test_a_recipe_and_a_line_of_its_own_do_not_go_together",
@@ -70,7 +74,11 @@ TESTS = {
     "sensors/camera/response.py": ("tests/sensors/camera/test_response.py",),
     "symolo/core/geometry/pinhole.py": ("tests/sensors/camera/test_pinhole.py",),
     "diagnosis/inference/gain.py": (f"{INFERENCE}/test_gain.py",),
-    "diagnosis/inference/selection.py": (f"{INFERENCE}/test_selection.py", f"{INFERENCE}/test_at_bound.py"),
+    "diagnosis/inference/selection.py": (
+        f"{INFERENCE}/test_selection_steps.py",
+        f"{INFERENCE}/test_selection.py",
+        f"{INFERENCE}/test_at_bound.py",
+    ),
 }
 """Tests that judge the changes of a module: those of its own package that are about it."""
 KINDS = (
@@ -181,12 +189,13 @@ def _drawn(modules: Iterable[str], number: int, seed: int) -> Iterator[Mutation]
     places = defaultdict(list)
     for module in modules:
         text = (ROOT / module).read_text()
-        annotations = list(_annotations(text))
+        lines, annotations = text.splitlines(), list(_annotations(text))
         nodes = list(cosmic_ray.ast.ast_nodes(cosmic_ray.ast.get_ast(text)))
         for name, operator in operators.items():
             spans = [span for node in nodes for span in operator.mutation_positions(node)]
             for occurrence, (start, end) in enumerate(spans):
-                if not any(low <= start and end <= high for low, high in annotations):
+                is_separator = lines[start[0] - 1].startswith("*,", start[1])  # of arguments, and no product
+                if not is_separator and not any(low <= start and end <= high for low, high in annotations):
                     places[module, start, end].append((name, occurrence))
     draw = random.Random(seed)  # noqa: S311 - a sample, not a secret
     for module, start, end in draw.sample(sorted(places), min(number, len(places))):

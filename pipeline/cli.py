@@ -26,16 +26,20 @@ from symolo.core.os_errors import lacking
 EPILOG = """First steps:
 
 symolo doctor
-
 symolo release smoke --out data
-
 symolo verify data
-
 symolo rerender data/CW/test_1 --look lab --out lab
 
-Exit codes: 0 success; 1 a bug in symolo; 2 the input or an option is wrong, nothing was written; 3 a run failed, the
-others are finished; 4 a dataset has faults; 5 something is missing on this machine; 6 or 7 (compare) equal within the
-tolerance, or different; 130 interrupted.
+Exit codes:
+
+0: success
+1: a bug in symolo
+2: the input or an option is wrong, and nothing was written
+3: a run failed, and the others are finished
+4: a dataset has faults
+5: something is missing on this machine
+6, 7: `compare` found data that are equal within the tolerance, or different
+130: interrupted
 """
 
 CODE_OF = {InputError: BAD_INPUT, RunFailed: RUN_FAILED, EnvironmentLacking: MACHINE_LACKS}
@@ -76,12 +80,17 @@ def command_line() -> typer.Typer:
     app.callback()(_options)
     for panel, commands in PANELS.items():
         for command in commands:
-            app.command(rich_help_panel=panel)(command)
+            app.command(help=_joined(command), rich_help_panel=panel)(command)
     validation = typer.Typer(no_args_is_help=True)
     for command in validate.COMMANDS:
-        validation.command()(command)
+        validation.command(help=_joined(command))(command)
     app.add_typer(validation, name="validate", help=validate.HELP, rich_help_panel="Look at the robot's parts")
     return app
+
+
+def _joined(command: Callable[..., int | None]) -> str:
+    """Return the docstring with one line for each paragraph; Typer would keep the line breaks of the source."""
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in (command.__doc__ or "").split("\n\n"))
 
 
 def _print_version(requested: bool) -> None:  # noqa: FBT001 - what typer calls back with
@@ -99,11 +108,15 @@ def _options(
     ] = False,
     effect_file: Annotated[
         list[Path] | None,
-        typer.Option(envvar="SYMOLO_EFFECT_FILES", help="Python file with an effect of your own; may be repeated."),
+        typer.Option(
+            envvar="SYMOLO_EFFECT_FILES", metavar="FILE", help="Python file that defines an effect; may be repeated."
+        ),
     ] = None,
     sensor_file: Annotated[
         list[Path] | None,
-        typer.Option(envvar="SYMOLO_SENSOR_FILES", help="Python file with a sensor of your own; may be repeated."),
+        typer.Option(
+            envvar="SYMOLO_SENSOR_FILES", metavar="FILE", help="Python file that defines a sensor; may be repeated."
+        ),
     ] = None,
 ) -> None:
     del version  # its callback has printed it

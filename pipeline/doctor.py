@@ -92,7 +92,7 @@ def _package(package: str, locked: dict[str, str]) -> MachineCheck:
     if version is None:
         return MachineCheck(package, ok=False, result="not installed", cure=INSTALL)
     if wanted and version != wanted:
-        return MachineCheck(package, ok=False, result=f"{version}, the lock file says {wanted}", cure=INSTALL)
+        return MachineCheck(package, ok=False, result=f"{version}, but the lock file has {wanted}", cure=INSTALL)
     return MachineCheck(package, ok=True, result=version)
 
 
@@ -133,7 +133,7 @@ def _board() -> MachineCheck:
     """Check hardware in the loop, which is never missing: only `hil --simulated` and firmware builds need it."""
     ready, cure = (
         "simulated board and firmware can be built",
-        f"for `hil --simulated` apt-get install -y {HIL_PACKAGES}",
+        f"for `hil --simulated`, run apt-get install -y {HIL_PACKAGES}",
     )
     return MachineCheck("hardware in the loop", ok=True, result=ready if has_board() else f"not set up; {cure}")
 
@@ -155,7 +155,7 @@ def _machine(folder: Path) -> Iterator[MachineCheck]:
 
     free_mb = shutil.disk_usage(folder).free // 10**6
     yield MachineCheck(
-        "disk", free_mb >= MIN_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere"
+        "disk", free_mb >= MIN_DISK_MB, f"{free_mb} MB free in {folder}", "free some space, or work on a different disk"
     )
     yield MachineCheck("cores", ok=True, result=str(cores()))
     memory_mb = _memory_available_mb()

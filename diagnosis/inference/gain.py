@@ -111,7 +111,7 @@ def _blocks(evidence: Evidence) -> NDArray[np.int64]:
     t_s = np.concatenate([observed.t_s for observed in evidence.observed])
     steps = np.diff(t_s)
     usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 1.0
-    length_s = max(BLOCK_S, BLOCK_ROWS * usual) if usual < BLOCK_S else BLOCK_ROWS * usual
+    length_s = max(BLOCK_S, BLOCK_ROWS * usual)
     blocks = evidence.trial * 1_000_000 + np.floor(t_s / length_s).astype(np.int64)
     # With so few blocks a bootstrap over them has no spread, and single rows are drawn.
     few = len(np.unique(blocks[evidence.heldout])) < MIN_TRIALS

@@ -1,8 +1,8 @@
 """Estimates of the noise of a channel: standard deviation, and correlation of a sample with the next.
 
-There are two estimators, for two kinds of data. Both use a trimmed variance, so that a few wild samples count
-little: the mean of the smallest 80 % of the squares, over its expectation for a normal deviate. A wild sample spoils
-three second differences; one in twenty makes the standard deviation from differences about 30 % too large.
+There are two estimators, for two kinds of data. Both use a trimmed variance, so that a few outliers count little: the
+mean of the smallest 80 % of the squares, over its expectation for a normal deviate. An outlier affects three second
+differences. One outlier in twenty samples makes the standard deviation from differences about 30 % too large.
 
 *Differences*, for a smooth signal sampled often. With noise of variance s^2 whose correlation over k rows is p^k
 (AR(1)), the second difference over k rows, x[i-k] - 2 x[i] + x[i+k], has the variance s^2 (6 - 8 p^k + 2 p^2k), to
@@ -63,7 +63,7 @@ class Noise:
 
 
 def trimmed_variance(deviations: Array) -> float:
-    """Return the variance about zero of normal deviates with a few wild ones among them; NaN are left out."""
+    """Return the variance about zero of normal deviates with a few outliers among them; NaN are left out."""
     squares = np.sort(deviations[np.isfinite(deviations)] ** 2)
     if not len(squares):
         return float("nan")

@@ -16,7 +16,21 @@ NOT_NOTED = -1e9
 """Number that stands for a condition that was not logged, since NaN is not equal to itself."""
 MAX_TRIALS = 12
 """Largest number of trials that have a line each."""
-_HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild", "from", "to", "step", "noise", "known")
+_HEAD = (
+    "channel",
+    "unit",
+    "",
+    "rows",
+    "missing",
+    "no target",
+    "stale",
+    "outliers",
+    "from",
+    "to",
+    "step",
+    "noise",
+    "known",
+)
 
 
 def overview(measurement: Measurement) -> list[str]:
@@ -86,14 +100,14 @@ def _cells(measurement: Measurement, name: str) -> tuple[str, ...]:
     known = values[np.isfinite(values)]
     counts = [sum(channel.count(quality) for channel in across) for quality in _COUNTED]
     is_reading = first.role is Role.READING
-    wild = sum(int(np.count_nonzero(outliers)) for outliers in _wild(measurement, name)) if is_reading else 0
+    outliers = sum(int(np.count_nonzero(mask)) for mask in _outliers(measurement, name)) if is_reading else 0
     return (
         name,
         first.unit or "-",
         first.role,
         str(len(values)),
         *(str(count) if count else "-" for count in counts),
-        str(wild) if wild else "-",
+        str(outliers) if outliers else "-",
         f"{known.min():.4g}" if len(known) else "-",
         f"{known.max():.4g}" if len(known) else "-",
         f"{step:.2g}" if (step := resolution(values)) else "-",
@@ -105,7 +119,7 @@ def _cells(measurement: Measurement, name: str) -> tuple[str, ...]:
 _COUNTED = (SampleQuality.MISSING, SampleQuality.NO_TARGET, SampleQuality.STALE)
 
 
-def _wild(measurement: Measurement, name: str) -> Iterator[Mask]:
+def _outliers(measurement: Measurement, name: str) -> Iterator[Mask]:
     """Yield the outliers of each trial; on a bench of a range sensor, readings far from the known distance."""
     for trial in measurement.trials:
         channel = trial[name]

@@ -1,7 +1,7 @@
 """Checks whether a column can be in its unit, and in which other unit it is likely to be.
 
 A log in millimetres under a header in metres can be read without an error, and then every later result is wrong by a
-factor of a thousand. A single wild value is an outlier and stays; a column whose median is out of reach is refused.
+factor of a thousand. A single extreme value is an outlier and stays; a column whose median is out of reach is refused.
 """
 
 from dataclasses import dataclass

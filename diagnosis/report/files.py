@@ -33,7 +33,7 @@ def files(
 
     Args:
         diagnosis: The diagnosis of a measurement.
-        pybullet: Whether to simulate the robots with PyBullet as well, which takes up to minutes.
+        pybullet: Whether to simulate the robots with PyBullet too, which may take minutes.
         release: A dataset to compare with the measurement.
         unseen: Inputs of runs without readings, by file name; files with the extended robot's readings are added.
     """

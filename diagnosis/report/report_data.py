@@ -62,7 +62,7 @@ class ReportData:
     means: tuple[Array, Array, Array]
     """Predictions (N,) of the nominal robot, of the same with its nuisances fitted, and of the extended robot."""
     z: tuple[Array, Array, Array]
-    """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN where not usable."""
+    """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN if not usable."""
     row_sentences: tuple[str, ...] = ()
     """Sentences about single rows of a bench, or whole runs of a drive."""
     engines: EngineComparison | None = None
@@ -76,7 +76,7 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
 
     Args:
         diagnosis: The diagnosis of a measurement.
-        pybullet: Whether to simulate the robots with PyBullet as well, which takes up to minutes.
+        pybullet: Whether to simulate the robots with PyBullet too, which may take minutes.
         release: A dataset to compare with the measurement.
 
     Raises:

@@ -9,7 +9,7 @@ from blender_scenes.materials import FLOORS
 from blender_scenes.materials import SURFACES as SEEN
 from physics.arena.surfaces import SURFACES as RANGED
 
-PICTURES = "materials"
+IMAGES = "materials"
 """Made by `benchmarks/pages/material_page.py FOLDER --each docs/reference/materials`."""
 LINES = {
     "linoleum_floor": (
@@ -41,16 +41,16 @@ def _floors() -> Iterator[str]:
     yield "## Floors"
     yield """`look.floor.material` chooses the material of the floor. Each material has its own settings below
 `look.floor`. `dirt` and `stains` can be added to every material."""
-    yield _picture("stained_floor")
+    yield _image("stained_floor")
     yield "    --set look.floor.material=ceramic_tile --set look.floor.stains=0.8"
     for name, make in FLOORS.items():
         yield f"### {name} floor"
         yield text(f"{about(inspect.getmodule(make))} {about(make)}")
         if name != "image":  # an image of the user
-            yield _picture(f"{name}_floor")
+            yield _image(f"{name}_floor")
             yield f"    --set look.floor.material={name}"
         if name == "vinyl":
-            yield _picture("terrazzo_floor")
+            yield _image("terrazzo_floor")
             yield "    --set look.floor.material=vinyl --set look.floor.vinyl.print=terrazzo"
 
 
@@ -62,7 +62,7 @@ confirms this. The reflectance is that at 940 nm, the wavelength of the sensor."
     yield table(("surface", "mean at 100 mm [mm]", "sd [mm]", "reflectance"), _readings())
     for name in SEEN:
         yield f"### {name} wall"
-        yield _picture(f"{name}_wall")
+        yield _image(f"{name}_wall")
 
 
 def _readings() -> Iterator[tuple[str, ...]]:
@@ -76,8 +76,8 @@ def _lines() -> Iterator[str]:
     for file, (name, how) in LINES.items():
         yield f"### {name}"
         yield text(how)
-        yield _picture(file)
+        yield _image(file)
 
 
-def _picture(name: str) -> str:
-    return f"![{name.replace('_', ' ')}]({PICTURES}/{name}.jpg)"
+def _image(name: str) -> str:
+    return f"![{name.replace('_', ' ')}]({IMAGES}/{name}.jpg)"

@@ -33,7 +33,7 @@ Framing = Annotated[
     FramingChoice,
     typer.Option(
         "--framing",
-        help="Format on the serial line: framed has sequence numbers and checksums; simtwo is that of SimTwo.",
+        help="Format on the serial line: framed has sequence numbers and checksums; simtwo is the format of SimTwo.",
     ),
 ]
 Baud = Annotated[
@@ -70,7 +70,8 @@ def hil(
 
     Example: symolo hil smoke --simulated --out data
 
-    With a real board: symolo firmware --out lap, flash the sketch, then symolo hil smoke --port /dev/ttyACM0 --out data
+    For a real board, write a sketch with `symolo firmware` and upload it to the board. Then start the robot: symolo hil
+    smoke --port /dev/ttyACM0 --out data
 
     The same command continues after an interruption: finished runs are not driven again.
     """
@@ -115,7 +116,7 @@ def firmware(
         str | None,
         typer.Option(
             metavar="NAME,...",
-            help="Functions of student.c that students write, such as line_error,follow; `all` for every one.",
+            help="Functions of student.c that students will write, such as line_error,follow; all means all of them.",
         ),
     ] = None,
 ) -> None:

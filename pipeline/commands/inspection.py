@@ -29,7 +29,8 @@ def verify(
         str | None,
         typer.Option(
             metavar="KEY",
-            help="Public key of minisign, a file or its 56 characters: whoever owns it must have signed the dataset.",
+            help="Public key of minisign, as a file or its 56 characters; the dataset must be signed with its secret "
+            "key.",
         ),
     ] = None,
     reproduce: Annotated[
@@ -39,20 +40,22 @@ def verify(
             min=1,
             max=100_000,
             metavar="K",
-            help="Render K images that are drawn at random once more, and compare their bytes.",
+            help="Render K randomly chosen images again, and compare their bytes.",
         ),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(min=0, max=2**32 - 1, metavar="N", help="Seed of that draw; by default another one each time."),
+        typer.Option(
+            min=0, max=2**32 - 1, metavar="N", help="Seed of this random choice; by default a different one each time."
+        ),
     ] = None,
     workers: Workers = None,
 ) -> int:
     """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums, signature.
 
-    The command prints one line for each fault and ends with exit code 4 if there is any. It ends with 2 while another
-    command changes the dataset. With --reproduce, it ends with
-    5 if an image cannot be rendered here, or has other bytes on a machine that differs from that of the dataset.
+    The command prints one line for each fault, and ends with exit code 4 if there is any. If another command is
+    changing the dataset, it ends with exit code 2. With --reproduce, it ends with exit code 5 if an image cannot be
+    rendered here, or if its bytes differ on a machine that is not like that of the dataset.
 
     Example: symolo verify data
 
@@ -102,7 +105,7 @@ def _reproduce(folder: Path, count: int, seed: int | None, workers: int | None) 
     if not result.unequal:
         return 0
     if result.difference:
-        typer.echo(f"{folder}: other bytes prove no fault here: {result.difference}", err=True)
+        typer.echo(f"{folder}: different bytes are no proof of a fault here: {result.difference}", err=True)
     return MACHINE_LACKS if result.difference or all(image.is_missing for image in result.unequal) else FAULTS
 
 
@@ -112,7 +115,7 @@ def compare(
     ],
     b: Annotated[
         Path,
-        typer.Argument(metavar="B", callback=checked_input, help="The same from another time or machine."),
+        typer.Argument(metavar="B", callback=checked_input, help="The same kind of data, to be compared with A."),
     ],
     tolerance_db: Annotated[
         float,
@@ -130,7 +133,8 @@ def compare(
     """Compare two datasets, runs or folders of images, file by file.
 
     The command prints a line for each file whose bytes differ, a line for each program and processor that differs,
-    and a line with the conclusion. Exit code 0: identical; 6: equal within --tolerance-db; 7: different.
+    and a line with the conclusion. The exit code is 0 if all files are identical, 6 if they are equal within
+    --tolerance-db, and 7 if they differ.
 
     Example: symolo compare data data-of-another-machine --tolerance-db 60
     """
@@ -158,8 +162,10 @@ def contact_sheet(
         Path,
         typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
     ],
-    per_run: Annotated[int, typer.Option(min=1, max=100, help="Number of images of each run, evenly spaced.")] = 6,
-    width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image in pixels.")] = 240,
+    per_run: Annotated[
+        int, typer.Option(min=1, max=100, metavar="N", help="Number of images of each run, evenly spaced.")
+    ] = 6,
+    width_px: Annotated[int, typer.Option(min=16, max=4096, metavar="PX", help="Width of each image in pixels.")] = 240,
 ) -> None:
     """Put images of every run on one sheet, labelled with run, image number and state.
 
@@ -185,13 +191,13 @@ def report(
     runs: Runs = None,
     detail: Annotated[
         int,
-        typer.Option(min=0, max=200, metavar="N", help="Largest number of runs that have their own section."),
+        typer.Option(min=0, max=200, metavar="N", help="Maximum number of runs that have their own section."),
     ] = 12,
 ) -> None:
     """Make one HTML page about a release: content, paths, runs, images, random draws, warnings, provenance.
 
-    The page is one file that loads nothing from elsewhere. The release is checked first; a damaged one is refused. The
-    same release gives the same bytes.
+    The page is one file that needs no other files and no network. The release is checked first, and a damaged release
+    is refused. The same release gives the same bytes.
 
     Example: symolo report data --out report.html
     """
@@ -278,7 +284,7 @@ def schema(
         SchemaOf, typer.Option("--of", help="scenario: scenario files; metadata: metadata.json of a dataset.")
     ] = SchemaOf.SCENARIO,
 ) -> None:
-    """Print the JSON Schema of scenario files or of metadata.json; editors check and complete YAML with it.
+    """Print the JSON Schema of scenario files or of metadata.json, with which editors check and complete such files.
 
     Example: symolo schema > scenario.schema.json
 
@@ -296,7 +302,8 @@ def schema(
 def doctor() -> int:
     """Check this machine: Python, packages, system libraries, Blender, PyBullet, disk, cores, memory, graphics card.
 
-    For each missing thing the command prints the line that installs it, and ends with exit code 5.
+    For each missing item, the command prints the line that installs it. If anything is missing, it ends with exit code
+    5.
     """
     from pipeline.doctor import examine
 

@@ -13,15 +13,16 @@ def status(
     folder: Annotated[Path, typer.Argument(metavar="DIR", callback=checked_input, help="Output folder of a release.")],
     scenario: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENARIO]", help="Scenario that would be released next; by default the stored one."),
+        typer.Argument(metavar="SCENARIO", help="Scenario that would be released next; by default the stored one."),
     ] = None,
     *,
     settings: Settings = None,
     check: Annotated[bool, typer.Option("--check", help="Also hash every file, to detect damage.")] = False,
 ) -> None:
-    """Show what an output folder holds, what failed, and what the next release would do and why. Changes nothing.
+    """Show what an output folder contains, what failed, and what the next release would do and why.
 
-    The command also shows whether another command works in the folder, and how much disk space it uses.
+    The command also shows whether another command works in the folder, and how much disk space the folder uses. It
+    changes nothing.
 
     Example: symolo status data symolo --set look.sun.elevation_deg=60
     """
@@ -49,8 +50,9 @@ def repair(
     """Restore the damaged files of a dataset, and nothing else.
 
     Copies of a file elsewhere in the dataset or in .stages are used first. A run is simulated again only if its
-    trajectory is lost, and only damaged frames are rendered again. A file is put in place only if its SHA-256 is that
-    of the manifest. Exit code 0: every file is as it was released; 4: some are not, and each is named with the reason.
+    trajectory is lost, and only damaged frames are rendered again. A file is replaced only by one whose SHA-256 is
+    that of the manifest. The exit code is 0 if every file is as it was released, and 4 if some files are not; each of
+    them is named with the reason.
 
     Example: symolo repair data
     """

@@ -16,7 +16,7 @@ def model(
     ] = None,
     run: Annotated[int, typer.Option(min=1, max=100_000, metavar="N", help="Number of the run on that route.")] = 1,
     formats: Annotated[
-        str, typer.Option("--format", metavar="NAMES", help="urdf, sdf, or both with a comma between them.")
+        str, typer.Option("--format", metavar="NAMES", help="urdf, sdf, or both, separated by a comma.")
     ] = "urdf,sdf",
     settings: Settings = None,
 ) -> None:

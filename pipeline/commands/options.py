@@ -107,8 +107,8 @@ WorkerMemory = Annotated[
         min=0.5,
         max=10000,
         metavar="GB",
-        help="Largest memory of a worker and its Blender; by default nine tenths of the machine's. A worker that uses "
-        "more is ended, and its image or run is tried again, up to three times in all.",
+        help="Maximum memory of a worker with its Blender; by default nine tenths of the machine's memory. A worker "
+        "that uses more is stopped, and its image or run is tried again, up to three times in all.",
     ),
 ]
 Part = Annotated[
@@ -138,7 +138,7 @@ WorkedBy = Annotated[
 Address = Annotated[
     str,
     typer.Option(
-        metavar="HOST:PORT", help="Address of the Ray cluster; auto is the one that was started on this machine."
+        metavar="HOST:PORT", help="Address of the Ray cluster; auto means the cluster that was started on this machine."
     ),
 ]
 GpuShare = Annotated[
@@ -149,7 +149,7 @@ GpuShare = Annotated[
         max=1.0,
         metavar="SHARE",
         help="Share of a graphics card for each task on the Ray cluster, with --device auto or gpu; by default 0.5, "
-        "two tasks on a card.",
+        "so two tasks share a card.",
     ),
 ]
 Endpoint = Annotated[
@@ -176,7 +176,7 @@ OnDevice = Annotated[
     Device | None,
     typer.Option(
         "--device",
-        help="Device that renders: cpu gives the same bytes on processors of one class; auto takes a graphics card if "
+        help="Device that renders: cpu gives the same bytes on processors of one class; auto uses a graphics card if "
         "there is one (OptiX, CUDA, HIP, Metal, oneAPI); gpu requires one. Overrides render.device of the scenario.",
     ),
 ]
@@ -191,5 +191,5 @@ def names(text: str, where: str) -> tuple[str, ...]:
     """Return the names in a list with commas between them."""
     result = tuple(name.strip() for name in text.split(","))
     if not all(result):
-        raise InputError(where, got=text, allowed="names with commas between them, such as classroom,lab")
+        raise InputError(where, got=text, allowed="names separated by commas, such as classroom,lab")
     return result

@@ -42,23 +42,29 @@ def preview(
     look: Annotated[
         str | None,
         typer.Option(
-            "--look", "--looks", metavar="NAME,...", help="Looks to show in turn; by default that of the scenario."
+            "--look",
+            "--looks",
+            metavar="NAME,...",
+            help="Looks to show for each run; by default the look of the scenario.",
         ),
     ] = None,
     settings: Settings = None,
-    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDTH_PX, help="Width of each image in pixels.")] = 320,
-    columns: Annotated[int, typer.Option(min=1, max=100, help="Number of images in a row.")] = 6,
+    width_px: Annotated[
+        int, typer.Option(min=32, max=_MAX_WIDTH_PX, metavar="PX", help="Width of each image in pixels.")
+    ] = 320,
+    columns: Annotated[int, typer.Option(min=1, max=100, metavar="N", help="Number of images in a row.")] = 6,
     workers: Workers = None,
     device: OnDevice = None,
 ) -> int:
     """Show what the images of a scenario will look like, on one sheet, without a simulation.
 
-    Each image shows another run with the arena, robot and look that a release draws for it. Routes take turns. If the
-    scenario has fewer runs, further ones are drawn. With several looks, each run is shown under all of them.
+    Each image shows a different run, with the arena, robot and look that a release draws for it. The routes alternate
+    from run to run. If the scenario has fewer runs, further ones are drawn. With several looks, each run is shown under
+    all of them.
 
-    The robot stands on the line, or beside the walls that join its ends, and faces along it. The places are evenly
-    spaced around the arena, and not closer to an obstacle than the controller would drive. The exposure of each image
-    fits its light.
+    The robot stands on the line, or next to the walls that join the ends of the line, and faces along it. The places
+    are evenly spaced around the arena, and not closer to an obstacle than the controller would drive. The exposure of
+    each image is adjusted to its light.
 
     Example: symolo preview symolo -n 24
 

@@ -30,12 +30,13 @@ def rerender(
     *,
     look: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; its images are in DIR."),
+        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; the images are written into DIR."),
     ] = None,
     looks: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME,...", help="Several looks; the images of draw k of a look are in DIR/LOOK_k, k from 1."
+            metavar="NAME,...",
+            help="Several looks; the images of draw k of a look are written into DIR/LOOK_k, with k from 1.",
         ),
     ] = None,
     draws: Annotated[
@@ -46,7 +47,7 @@ def rerender(
             min=1,
             max=1000,
             metavar="N",
-            help="Random draws of each look; by default 1.",
+            help="Number of random draws of each look; by default 1.",
         ),
     ] = None,
     out: Annotated[
@@ -60,11 +61,13 @@ def rerender(
     ] = None,
     arena: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Shipped arena or YAML file; by default that of the run, or symolo."),
+        typer.Option(metavar="NAME", help="Shipped arena, or a YAML file; by default the arena of the run, or symolo."),
     ] = None,
     robot: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Shipped robot or YAML file; by default that of the run, or nominal."),
+        typer.Option(
+            metavar="NAME", help="Shipped robot, or a YAML file; by default the robot of the run, or nominal."
+        ),
     ] = None,
     camera_hz: Annotated[
         float | None,
@@ -89,7 +92,7 @@ def rerender(
 
     A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out images
 
-    The first draw of a look equals that of --look; the others have seeds of their own, which are in look.json.
+    The first draw of a look is the same as with --look; the others have different seeds, which are in look.json.
     """
     from pipeline.executors.local import Local
     from pipeline.rerendering.rerender import (
@@ -104,9 +107,9 @@ def rerender(
 
     option = "--look" if looks is None else "--looks"
     if (look is None) == (looks is None):
-        raise InputError(option, allowed="one look by --look, or several by --looks")
+        raise InputError(option, allowed="one look with --look, or several looks with --looks")
     if looks is None and draws is not None:
-        raise InputError("--draws", got=draws, cure="name the looks by --looks")
+        raise InputError("--draws", got=draws, cure="name the looks with --looks")
     chosen = names(looks, "--looks") if looks is not None else (str(look),)
     request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     trajectory, drawn = prepare(source, request)

@@ -15,7 +15,8 @@ _MEGABYTE = 1_000_000
 Url = Annotated[
     str,
     typer.Argument(
-        metavar="URL", help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, for this release alone."
+        metavar="URL",
+        help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, which must contain only this release.",
     ),
 ]
 
@@ -87,7 +88,7 @@ def pack(
 ) -> None:
     """Pack a release for Zenodo, the Hugging Face Hub or a similar archive: tar files and descriptions.
 
-    Unpacked, the tar files give the same release. Beside them are the tables of all runs as CSV, README.md (a dataset
+    The tar files contain the unchanged release. The folder also has the tables of all runs as CSV, README.md (a dataset
     card), CITATION.cff, croissant.json (MLCommons), datacite.json and SHA256SUMS. A damaged release is refused. The
     same release gives the same bytes.
 
@@ -138,8 +139,8 @@ def upload(
         bool,
         typer.Option(
             "--check",
-            help="Send nothing; list the files that are missing or different there, and if there are any, end with "
-            "exit code 4.",
+            help="Send nothing; list the files that are missing or different at the address, and end with exit code 4 "
+            "if there are any.",
         ),
     ] = False,
     dry_run: DryRun = False,
@@ -148,9 +149,9 @@ def upload(
 ) -> int:
     """Send a release to an object store or another folder. The same command continues after an interruption.
 
-    The release is verified first; a damaged one is refused. The lists of checksums are sent last: without them the
-    copy is not finished. If the destination holds another release, nothing is
-    sent. Access keys are read from the environment only.
+    The release is verified first, and a damaged release is refused. The lists of checksums are sent last; without them,
+    a copy does not count as finished. If the address holds a different release, nothing is sent. Access keys are read
+    from environment variables only.
 
     Example: symolo upload data file:///mnt/shelf/data
     """
@@ -174,7 +175,7 @@ def upload(
     size = sum(file.size_bytes for file in comparison.to_send) / _MEGABYTE
     done = "would be sent" if dry_run else "sent"
     count = plural(len(comparison.to_send), "file")
-    typer.echo(f"{store.url}: {count} {done}, {size:.1f} MB; {len(comparison.same)} were there")
+    typer.echo(f"{store.url}: {count} {done}, {size:.1f} MB; {len(comparison.same)} were already there")
     return 0
 
 
@@ -190,7 +191,7 @@ def download(
 ) -> None:
     """Fetch a release that `upload` or another tool has sent, and check all checksums.
 
-    The folder appears when it is complete. The same command continues after an interruption.
+    The output folder appears only when it is complete. The same command continues after an interruption.
 
     Example: symolo download file:///mnt/shelf/data --out fetched
     """

@@ -25,14 +25,14 @@ def sign(
     folder: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[DIR]", callback=if_given(checked_input), help="Dataset: the folder that holds metadata.json."
+            metavar="DIR", callback=if_given(checked_input), help="Dataset: the folder that holds metadata.json."
         ),
     ] = None,
     *,
     key: Annotated[
         Path | None,
         typer.Option(
-            "--key", metavar="FILE", callback=if_given(checked_input), help="Secret key of minisign or of --new-key."
+            "--key", metavar="FILE", callback=if_given(checked_input), help="Secret key, made by minisign or --new-key."
         ),
     ] = None,
     release_version: Annotated[
@@ -48,7 +48,9 @@ def sign(
     ] = None,
     provenance: Annotated[
         bool,
-        typer.Option("--provenance", help="Also write and sign provenance.intoto.json, which states how it was made."),
+        typer.Option(
+            "--provenance", help="Also write and sign provenance.intoto.json, which states how the data were made."
+        ),
     ] = False,
     new_key: Annotated[
         Path | None,
@@ -56,7 +58,7 @@ def sign(
             "--new-key",
             metavar="FILE",
             callback=if_given(_checked_new_key),
-            help="Make a pair of keys in place of a signature: FILE is secret, FILE with the suffix .pub is public.",
+            help="Make a pair of keys and sign nothing: FILE is the secret key, FILE with suffix .pub the public key.",
         ),
     ] = None,
     passphrase_file: Annotated[
@@ -85,7 +87,7 @@ def sign(
 
     if new_key is not None:
         if folder is not None or key is not None:
-            raise InputError("--new-key", cure="give it alone: a key is made first, and signs then")
+            raise InputError("--new-key", cure="give it alone: first make the keys, then sign with the secret one")
         _make_keys(new_key, passphrase_file, encrypted=not no_passphrase)
         return
     if folder is None or key is None:
@@ -124,8 +126,8 @@ def _make_keys(secret: Path, passphrase_file: Path | None, *, encrypted: bool) -
     from symolo.signing.key_files import public_key_path, write_new_keys
 
     public = write_new_keys(secret, _passphrase(passphrase_file, new=True) if encrypted else "")
-    typer.echo(f"{secret}: the secret key {public.name}; keep it to yourself, and a copy of it")
-    typer.echo(f"{public_key_path(secret)}: the public key; publish it in another place than your datasets")
+    typer.echo(f"{secret}: the secret key {public.name}; keep it secret, and keep a copy of it")
+    typer.echo(f"{public_key_path(secret)}: the public key; publish it, but not in the same place as your datasets")
 
 
 def _passphrase(file: Path | None, *, new: bool) -> str:
@@ -150,9 +152,11 @@ def _passphrase(file: Path | None, *, new: bool) -> str:
             "passphrase",
         )
     else:
-        cure = f"name it by --passphrase-file FILE or {PASSPHRASE_VARIABLE}"
+        cure = f"give it with --passphrase-file FILE or {PASSPHRASE_VARIABLE}"
         cure += ", or give --no-passphrase" if new else ""
         raise InputError("the key has a passphrase, and there is no terminal to ask for it", cure=cure)
     if not passphrase:
-        raise InputError("is empty", where=where, cure="give --no-passphrase for a key without" if new else "")
+        raise InputError(
+            "is empty", where=where, cure="give --no-passphrase for a key without a passphrase" if new else ""
+        )
     return passphrase

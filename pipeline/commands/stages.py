@@ -52,7 +52,7 @@ def plan(
     ] = None,
     device: OnDevice = None,
 ) -> None:
-    """Show what a scenario will produce, its size and how long it takes. Writes nothing.
+    """Show what a scenario will produce, its size and how long it takes. Nothing is written.
 
     Example: symolo plan symolo --set render.quality=high
 
@@ -84,7 +84,7 @@ def simulate(
     memory: WorkerMemory = None,
     part: Part = None,
 ) -> int:
-    """Stage 1: simulate every run in PyBullet and store its trajectory and sensor readings.
+    """Simulate every run in PyBullet, and store its trajectory and sensor readings.
 
     Example: symolo simulate smoke --out data
     """
@@ -103,11 +103,11 @@ def render(
     memory: WorkerMemory = None,
     part: Part = None,
 ) -> int:
-    """Stage 2: render the images of every simulated run in Blender, with the annotations of the scenario.
+    """Render the images of every simulated run in Blender, and make the annotations that the scenario names.
 
     Example: symolo render smoke --out data
 
-    One of ten jobs, each on another machine: symolo render smoke --out data --part 3/10
+    One of ten jobs on different machines: symolo render smoke --out data --part 3/10
     """
     from pipeline.executors import chosen
 
@@ -117,7 +117,7 @@ def render(
 def assemble(
     scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
 ) -> int:
-    """Stage 3: assemble the dataset with description, metadata and checksums.
+    """Assemble the dataset from the rendered runs, with description, metadata and checksums.
 
     Example: symolo assemble smoke --out data
     """
@@ -141,19 +141,19 @@ def release(
         str | None,
         typer.Option(
             metavar="URL",
-            help="Send each run there as soon as it is complete, and the lists of checksums at the end: "
+            help="Send each run to this address as soon as it is complete, and the lists of checksums at the end: "
             "s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER.",
         ),
     ] = None,
     endpoint: Endpoint = None,
     allow_http: AllowHttp = False,
 ) -> int:
-    """Make a dataset from a scenario: all three stages.
+    """Make a dataset from a scenario: simulate, render and assemble.
 
     Example: symolo release smoke --out data
 
     The same command continues after an interruption. It repeats only the work whose inputs have changed: after a change
-    of the look it renders again, but does not simulate again.
+    of the look, it renders again, but does not simulate again.
 
     On a cluster: symolo release symolo --out /shared/data --executor ray --address head:6379
 
@@ -163,7 +163,7 @@ def release(
         raise InputError("--workers", got=workers, cure="leave it out: the size of the cluster decides")
     if executor is not ExecutorName.RAY and gpu_share is not None:
         raise InputError(
-            "--gpu-share", got=gpu_share, cure="leave it out: without Ray, workers take the graphics cards in turn"
+            "--gpu-share", got=gpu_share, cure="leave it out: without Ray, workers use the graphics cards alternately"
         )
     from pipeline.executors import chosen
 
@@ -176,7 +176,7 @@ def release(
 def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
     if url is None:
         if endpoint or allow_http:
-            raise InputError("--endpoint" if endpoint else "--allow-http", cure="name the destination by --upload")
+            raise InputError("--endpoint" if endpoint else "--allow-http", cure="name the destination with --upload")
         return None
     from pipeline.stages.upload import Destination
     from symolo.storage.address import store_of

@@ -10,13 +10,13 @@ from pipeline.commands.options import Out, Robot, Seed, checked_input, if_given
 if TYPE_CHECKING:
     from diagnosis.validation.experiment import ValidatedPart
 
-HELP = "Compare a part of the simulated robot with closed forms, tables and recordings; write JSON files and figures."
+HELP = "Compare a part of the simulated robot with formulas, tables and recordings; write JSON files and figures."
 
 
 def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
     """Check motor and gearbox: Table 1 of the paper and its fits, step responses, stiction, energy.
 
-    Writes motor.json and motor.png.
+    The command writes motor.json and motor.png.
 
     Example: symolo validate motor --out validation
     """
@@ -28,7 +28,7 @@ def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
 def line_sensor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
     """Check the line sensor: readings across the tape at two heights, spread of the channels, converter, threshold.
 
-    Writes line-sensor.json and line-sensor.png.
+    The command writes line-sensor.json and line-sensor.png.
 
     Example: symolo validate line-sensor --out validation
     """
@@ -47,7 +47,7 @@ def range_sensor(
         typer.Option(
             metavar="DIR",
             callback=if_given(checked_input),
-            help="Folder of real scans over an edge, columns x, y, lidar.",
+            help="Folder of real scans across an edge, as tables with the columns x, y, lidar.",
         ),
     ] = None,
     static: Annotated[
@@ -68,8 +68,8 @@ def range_sensor(
 ) -> None:
     """Check the range sensor: experiments 1 to 5 of the paper, and real scans and recordings compared with the model.
 
-    Writes range-sensor.json and range-sensor.png; with --scan or --static also range-sensor-recordings.json and
-    range-sensor-recordings.png. Takes about two minutes.
+    The command writes range-sensor.json and range-sensor.png; with --scan or --static also range-sensor-recordings.json
+    and range-sensor-recordings.png. It takes about two minutes.
 
     Example: symolo validate range-sensor --out validation
     """

@@ -163,7 +163,7 @@ class _Tasks:
             self._lacking[unit.name] += 1
             if self._lacking.total() >= NODES_TRIED:
                 raise EnvironmentLacking(record.text)
-            self._on_event(unit, Retried(f"{unit.name}: {record.text}; trying again, maybe on another node"))
+            self._on_event(unit, Retried(f"{unit.name}: {record.text}; trying again, possibly on a different node"))
             self._waiting.insert(0, unit)
             return
         if record.error == "bug":
@@ -199,7 +199,7 @@ def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -
 def _check_cards(ray: ModuleType) -> None:
     """Check that there is a graphics card; Ray would wait for one for ever."""
     if not ray.cluster_resources().get("GPU", 0):
-        cure = "start nodes that have one by `ray start --num-gpus 1`, or give --device cpu"
+        cure = "start nodes that have one with `ray start --num-gpus 1`, or give --device cpu"
         raise EnvironmentLacking(f"no node of the cluster has a graphics card, as Ray counts them; {cure}")
 
 
@@ -214,7 +214,7 @@ def _ray() -> ModuleType:
 
 def _no_cluster(address: str, error: Exception) -> EnvironmentLacking:
     cause = (str(error).strip().splitlines() or [type(error).__name__])[0]
-    cure = "start a cluster by `ray start --head`, and name it as HOST:PORT"
+    cure = "start a cluster with `ray start --head`, and give its address as HOST:PORT"
     return EnvironmentLacking(f"--address {address}: no Ray cluster: {cause}; {cure}")
 
 

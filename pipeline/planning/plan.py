@@ -111,9 +111,9 @@ class ScenarioPlan:
             f"simulate   about {seconds(self.simulation_s)}",
             f"render     about {seconds(self.render_s)}",
             "",
-            f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds a second and"
-            f" core; {self._tracing()}{RENDER_FRAME_S:g} s an image"
-            f" on one core; {BYTES_PER_PIXEL:g} bytes a pixel{self._further()}"
+            f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds per second"
+            f" and core; {self._tracing()}{RENDER_FRAME_S:g} s per image"
+            f" on one core; {BYTES_PER_PIXEL:g} bytes per pixel{self._further()}"
             + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else "."),
         ]
         return "\n".join(lines)
@@ -123,23 +123,23 @@ class ScenarioPlan:
         costs = []
         if any(run.sampling.hybrid for run in self.runs):
             costs.append(
-                f"{HYBRID_FRAME_S:g} s and {1e6 * HYBRID_PIXEL_S:g} us a pixel for an image from hybrid rendering, "
+                f"{HYBRID_FRAME_S:g} s and {1e6 * HYBRID_PIXEL_S:g} us per pixel for an image from hybrid rendering, "
             )
         if any(not run.sampling.hybrid for run in self.runs):
             denoised = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
             times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted({DENOISE_S[each.prefilter] for each in denoised})]
-            denoising = f"{' or '.join(times_us)} us a pixel to denoise, and " if times_us else "and "
-            costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {denoising}")
+            denoising = f"{' or '.join(times_us)} us per pixel to denoise, and " if times_us else "and "
+            costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us per pixel and sample, {denoising}")
         return "".join(costs)
 
     def _further(self) -> str:
         """Return the assumptions about lenses and annotations, if there are any."""
         widest = max(run.margin for run in self.runs)
-        lens = f"; {widest:.2f} times the pixels traced, for the margin behind the lens" if widest > 1 else ""
+        lens = f"; {widest:.2f} times as many traced pixels, for the margin that the lens needs" if widest > 1 else ""
         if not any(run.annotated for run in self.runs):
             return lens
-        times = f"{1e6 * ANNOTATION_PIXEL_S:g} us a pixel and {RENDER_FRAME_S:g} s an image on one core"
-        return f"{lens}; all annotations {times}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes a pixel"
+        times = f"{1e6 * ANNOTATION_PIXEL_S:g} us per pixel and {RENDER_FRAME_S:g} s per image on one core"
+        return f"{lens}; all annotations {times}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes per pixel"
 
 
 def pixel_s(sampled: TracingSettings) -> float:
@@ -155,7 +155,7 @@ def _samples(sampled: TracingSettings) -> str:
         return (
             f"from hybrid rendering, {counts.near} and {counts.far} samples of light and {counts.surfaces} of surfaces"
         )
-    return f"{sampled.samples} samples a pixel"
+    return f"{sampled.samples} samples per pixel"
 
 
 def _planned(spec: RunSpec) -> PlannedRun:

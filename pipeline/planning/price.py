@@ -81,26 +81,26 @@ class Price:
         whole = bare + frames * self.annotation_bytes
         unit = "core" if self.device == "CPU" else f"{self.device}"
         alone = (simulate + render) * HOUR_S / cores() if self.device == "CPU" else render * HOUR_S
-        block = f"{self.start_s + self.first_s:.3g} s a block"
+        block = f"{self.start_s + self.first_s:.3g} s per block"
         lines = [
             f"{frames} images of {about}",
             "",
             f"simulate   {_hours(simulate)} core-hours",
-            f"render     {_hours(render)} {unit}-hours: {self.render_s:.3g} s an image, {block}",
-            f"annotate   {_hours(annotate)} {unit}-hours more for all annotations: {self.annotate_s:.3g} s an image",
+            f"render     {_hours(render)} {unit}-hours: {self.render_s:.3g} s per image, {block}",
+            f"annotate   {_hours(annotate)} {unit}-hours more for all annotations: {self.annotate_s:.3g} s per image",
             f"disk       {_bytes(bare)}, with all annotations {_bytes(whole)}; twice that while .stages is kept",
             f"shards     {_shards(bare)} of {SHARD_BYTES / 1e9:g} GB, with all annotations {_shards(whole)}",
             f"here       about {seconds(alone)} without annotations"
-            + (f", by {cores()} cores" if self.device == "CPU" else ""),
+            + (f", on {cores()} cores" if self.device == "CPU" else ""),
         ]
         lines += [
             "",
-            f"Measured on this machine, as busy as it is: {self.images} images of {RUNS} draws from the start of their",
-            f"runs, one at a time on one thread. Assumed: blocks of {BLOCK_FRAMES} images, a Blender for each,",
-            f"and {BYTES_PER_ROW} bytes a row of the tables. Other processors differ.",
+            f"Measured on this machine with its present load: {self.images} images of {RUNS} draws from the start of",
+            f"their runs, one at a time on one thread. Assumed: blocks of {BLOCK_FRAMES} images, each with a new start",
+            f"of Blender, and {BYTES_PER_ROW} bytes per row of the tables. Other processors need different times.",
         ]
         if self.device == "CPU":
-            lines += ["No graphics card was measured: --device gpu measures one where there is one."]
+            lines += ["No graphics card was measured; --device gpu measures one if there is one."]
         return "\n".join(lines)
 
 

@@ -73,7 +73,7 @@ def _cycles(
     """Render as in a release."""
     render = views[0].appearance.render
     each = image_bytes(1, render.width_px * render.height_px, annotated=False)
-    check_scratch(len(views) * each, "reduce the number of images by -n")
+    check_scratch(len(views) * each, "choose fewer images with -n")
     views = on_device(views)
     folders = {view.number: StageFolder(folder / str(view.number)) for view in views}
     orders = (

@@ -73,7 +73,7 @@ def views(
     """
     for text in overrides if looks else ():
         if replaced_section(text) == "look":
-            raise InputError("--set", got=text, cure="name it by --look")
+            raise InputError("--set", got=text, cure="name it with --look")
     for look in looks:
         locate("look", look, folder=Path(), what="--look")
     choices = [(f"look={look}",) for look in looks] or [()]

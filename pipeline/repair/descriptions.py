@@ -51,7 +51,12 @@ def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str
             try:
                 scenario = scenario or load_resolved(metadata.scenario, METADATA)
                 route, _, number = run.partition("/test_")
-                state.put(name, spec_text(draw_run(scenario, route, int(number))), "drawn again", "drawn otherwise")
+                state.put(
+                    name,
+                    spec_text(draw_run(scenario, route, int(number))),
+                    "drawn again",
+                    "drawn again, it is different",
+                )
             except (InputError, ValueError) as error:
                 state.tried[name] = f"cannot be drawn again: {error}"
         if name in state.wanted:
@@ -60,7 +65,7 @@ def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str
             try:
                 specs[run] = RunSpec.model_validate_json(data)
             except ValidationError:
-                state.tried[name] = "is of another version's form"
+                state.tried[name] = "has the format of a different version"
     return specs
 
 
@@ -114,7 +119,9 @@ def machine_differences(made_there: Mapping[str, str], cpus_there: Sequence[str]
     texts = []
     for program, version in made_there.items():
         if made_here.get(program) != version:
-            texts.append(f"the release was made with {program} {version}, here is {made_here.get(program, 'none')}")
+            texts.append(
+                f"the release was made with {program} {version}, here it is {made_here.get(program, 'missing')}"
+            )
     if cpus_there and tuple(cpus_there) != (cpu_class(),):
         texts.append(f"the release was made on {' and '.join(cpus_there)}, and this is {cpu_class()}")
     return "; ".join(texts)

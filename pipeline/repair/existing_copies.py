@@ -37,7 +37,7 @@ def put_back(state: RepairState, aside: Path) -> set[str]:
             with contextlib.suppress(OSError):
                 state.take_over(place, name)
                 copy = state.out / name
-        how = f"its content lay in {place}" if place else "an interrupted repair had laid it aside"
+        how = f"its content was in {place}" if place else "an interrupted repair had moved it aside"
         with contextlib.suppress(OSError):
             if state.put(name, read_file(copy, FileKind.ANY), how) and place in last:
                 moved.add(place)

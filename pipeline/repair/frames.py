@@ -100,7 +100,7 @@ def check_user_files(spec: RunSpec, folder: Path) -> None:
         InputError: One of them is missing or has changed.
     """
     if not holds(folder, {file.sha256: file.sha256 for file in spec.look.files}):
-        raise InputError("it shows your own images, and .stages/assets no longer holds them")
+        raise InputError("it shows your own images, and .stages/assets no longer contains them")
 
 
 def write_job(order: Order) -> None:

@@ -26,9 +26,7 @@ from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
 from symolo.verification.verify import verify
 
-FITS = (
-    "the file fits its checksum, and no other record has its content; `symolo release` with its scenario makes it again"
-)
+FITS = "the file matches its checksum, and no other copy exists; `symolo release` with its scenario makes it again"
 SCRATCH = "repair"
 """Temporary folder below the hidden stages."""
 ASIDE = "aside"
@@ -64,7 +62,7 @@ def repair(
     if (root / DECLARATION).is_file():
         raise InputError("is a bag", where=str(root), cure=f"repair the dataset in it: `symolo repair {root}/data`")
     if not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST, METADATA)):
-        raise InputError("is no dataset", where=str(root), cure=f"name the folder that holds {MANIFEST}")
+        raise InputError("is not a dataset", where=str(root), cure=f"name the folder that holds {MANIFEST}")
     workspace = Workspace(root.absolute())
     stages = workspace.out / STAGES
     with workspace.locked():
@@ -109,7 +107,7 @@ def _repair(
     descriptions.flip_back(state, (METADATA,))
     metadata = descriptions.read_metadata(state)
     difference = descriptions.differences(state, metadata, made_with())
-    descriptions.write_description(state, metadata, f"written again, the text differs; {difference}")
+    descriptions.write_description(state, metadata, f"written again, its text is different; {difference}")
     runs = metadata.runs if metadata else []
     devices: dict[str, DeviceKind] = {record.run: recorded_device(record.render_device) for record in runs}
     tools = RepairTools(scratch, workers, report, devices, difference)
@@ -167,7 +165,7 @@ def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repai
         why = state.tried.get(fault.file, "")
         if not why and fault.file in state.wanted:
             if fault.file == METADATA:
-                why = "nothing else holds it; `symolo release` with its scenario writes it again"
+                why = "there is no other copy of it; `symolo release` with its scenario writes it again"
             elif metadata is None:
                 why = f"{METADATA} is needed to make it again"
             else:

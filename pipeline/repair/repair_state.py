@@ -38,7 +38,7 @@ class RepairTools:
         """Return why the files of a run may have other bytes when they are made again."""
         device = self.devices.get(run, "CPU")
         where = "" if device == "CPU" else f" on {device}, which does not promise equal bytes,"
-        return f"made again{where} the file has other bytes; {self.difference}"
+        return f"made again{where} the file has different bytes; {self.difference}"
 
 
 @dataclass

@@ -133,8 +133,8 @@ def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *
         folder = out / draw.name if in_subfolders else out
         for name, wanted in ((DATA, source.data), (LOOK, draw.record)):
             if (folder / name).is_file() and read_file(folder / name, FileKind.ANY) != wanted:
-                what = "holds images of another trajectory or another draw of the look"
-                raise InputError(what, where=str(folder), cure="name a folder by --out")
+                what = "contains images of a different trajectory or a different draw of the look"
+                raise InputError(what, where=str(folder), cure="name a folder with --out")
 
 
 @contextlib.contextmanager
@@ -222,10 +222,13 @@ def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, t
     for text in request.overrides:
         if text.strip().partition("=")[0].partition(".")[0] not in SECTIONS:
             raise InputError(
-                "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate again for others"
+                "--set",
+                got=text,
+                allowed="fields of " + ", ".join(SECTIONS),
+                cure="to change other fields, simulate again",
             )
         if option := request.named_by(replaced_section(text)):
-            raise InputError("--set", got=text, cure=f"name it by {option}")
+            raise InputError("--set", got=text, cure=f"name it with {option}")
     trajectory = _timed(read_source(source), request.camera_hz)
     if trajectory.spec is None:
         check_radians(trajectory.rows, trajectory.at)
@@ -247,7 +250,7 @@ def read_source(path: Path) -> StoredTrajectory:
     data = path.resolve() if path.is_file() else folder / DATA  # only what the user names may be a link
     if not data.is_file():
         cure = "name a folder such as OUT/CW/test_1, or a data.csv"
-        raise InputError("is no run folder and no data.csv", where=str(path), cure=cure)
+        raise InputError("is neither a run folder nor a data.csv", where=str(path), cure=cure)
     side = folder / SIDE / SPEC
     spec = read_spec(side, cure) if data.name == DATA and side.is_file() else None
     return StoredTrajectory(read_rows(data), read_file(data, FileKind.TABLE), spec, data)
@@ -285,7 +288,7 @@ def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw
     render = _render(spec, request, seed, route, run)
     if problem := lens_problem(robot.camera, render.width_px, render.height_px):
         raise InputError(
-            f"robot.camera.distortion: {problem}", cure="take smaller coefficients or a longer focal length"
+            f"robot.camera.distortion: {problem}", cure="use smaller coefficients or a longer focal length"
         )
     draws, device = [], device_for(render.device)
     for name in request.looks:
@@ -298,7 +301,9 @@ def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw
             draws.append(LookDraw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
     names = [draw.name for draw in draws]
     if twice := sorted({name for name in names if names.count(name) > 1}):
-        raise InputError("--looks", got=twice[0].rpartition("_")[0], allowed="each look once, by a name of its own")
+        raise InputError(
+            "--looks", got=twice[0].rpartition("_")[0], allowed="each look once, and no two looks of the same name"
+        )
     return tuple(draws)
 
 

@@ -40,7 +40,7 @@ def check_radians(rows: Rows, at: Where) -> None:
     off_rad = _angle_to_path(rows.pose[ends, :2], yaw[ends])
     if off_rad > UNEXPLAINED_RAD and _angle_to_path(rows.pose[ends, :2], np.radians(yaw[ends])) < EXPLAINED_RAD:
         raise InputError(
-            "column theta: fits the path of x and y only if it is in degrees",
+            "column theta: agrees with the path of x and y only if it is in degrees",
             where=at(int(beyond[0])),
             got=round(float(yaw[beyond[0]]), 6),
             cure="give theta in radians",
@@ -61,9 +61,9 @@ def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) ->
     x, y = place[outside[0]].tolist()
     extent = ", ".join(f"{axis} = {a:.2f} to {b:.2f} m" for axis, a, b in zip("xy", low, high, strict=True))
     raise InputError(
-        f"x = {x:g}, y = {y:g} m is outside the room, whose floor goes from {extent}",
+        f"x = {x:g}, y = {y:g} m is outside the room, whose floor extends from {extent}",
         where=at(int(outside[0])),
-        cure="give x and y in metres, or name another --arena",
+        cure="give x and y in metres, or a different --arena",
     )
 
 

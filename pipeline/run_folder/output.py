@@ -37,18 +37,18 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
         raise InputError(f"belongs to the output of `symolo {MADE_BY[Kind.LOOKS]}`", where=where, cure=NEW_OR_EMPTY)
     nearest = nearest_existing(out)
     if not nearest.is_dir():
-        raise InputError(f"lies below the file {nearest}", where=where, cure=NEW_OR_EMPTY)
+        raise InputError(f"is below the file {nearest}", where=where, cure=NEW_OR_EMPTY)
     try:
         tempfile.TemporaryFile(dir=nearest).close()
     except OSError as error:
         what = f"cannot be written: {nearest}: {error.strerror}"
-        raise InputError(what, where=where, cure="name another folder") from None
+        raise InputError(what, where=where, cure="name a different folder") from None
 
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:
     if (out / STAGES).is_symlink():
         what = f"{STAGES} in it is a link to another folder"
-        raise InputError(what, where=where, cure="put the folder itself there, or name another --out")
+        raise InputError(what, where=where, cure="put the folder itself there, or give a different --out")
     there = kind_of(out)
     if there is None and not (out / STAGES).is_dir() and any(out.iterdir()):
         raise InputError("holds files that symolo did not make", where=where, cure=NEW_OR_EMPTY)

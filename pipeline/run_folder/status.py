@@ -67,7 +67,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     if not out.is_dir():
         raise InputError("no such folder", where=str(out), cure="name the folder that --out named")
     if (kind := kind_of(out)) is not Kind.DATASET:
-        what = f"holds what a command for {kind} made" if kind else "is no folder of a release"
+        what = f"contains the output of a command for {kind}" if kind else "is not an output folder of a release"
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
     check_tree(out, STAGES)
     workspace = Workspace(out.absolute())
@@ -143,7 +143,9 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
         return StageStatus("simulate", "done")
     changed = changes(stored, current, simulation=True)
     return StageStatus(
-        "simulate", "outdated", first_changes(changed) if changed else "programs of other versions made it"
+        "simulate",
+        "outdated",
+        first_changes(changed) if changed else "it was made with different versions of the programs",
     )
 
 
@@ -173,15 +175,15 @@ def _released(workspace: Workspace, run: str, *, pending: bool) -> StageStatus:
     done = workspace.assemble(run).done()
     there = (workspace.out / run).is_dir()
     if done is None:
-        return StageStatus("release", "there, of deleted stages" if there else "not there", "it was not assembled")
+        return StageStatus("release", "there, from deleted stages" if there else "not there", "it was not assembled")
     if not there:
         return StageStatus("release", "gone", "its folder is missing")
     if f"{SIDE}/{SCENE}" not in done.files:
         return StageStatus("release", "of an earlier version", f"{SIDE}/{SCENE} is not among its files")
     missing = [name for name in done.files if not (workspace.out / run / name).is_file()]
     if missing:
-        return StageStatus("release", f"without {missing[0]}", "files of it are missing")
-    return StageStatus("release", "done", "after the stages before it" if pending else "")
+        return StageStatus("release", f"without {missing[0]}", "some of its files are missing")
+    return StageStatus("release", "done", "after its other stages" if pending else "")
 
 
 def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec | None]:
@@ -210,15 +212,15 @@ def _working(workspace: Workspace) -> str:
         descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         if (workspace.out / STAGES).is_dir():
-            return "nobody works here now"
-        return "nobody works here; .stages is missing, so the next release makes everything again"
+            return "no command is working here now"
+        return "no command is working here; .stages is missing, so the next release makes everything again"
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         number = _holder(os.fstat(descriptor))
         return "a command is working here now" + (f", process {number}" if number else "")
     else:
-        return "nobody works here now"
+        return "no command is working here now"
     finally:
         os.close(descriptor)
 
@@ -237,9 +239,9 @@ def _holder(place: os.stat_result) -> int:
 def _release(workspace: Workspace, *, check: bool) -> str:
     lists = [name for name in (MANIFEST, TAG_MANIFEST) if not (workspace.out / name).is_file()]
     if lists:
-        return f"release: not finished, {' and '.join(lists)} not there"
+        return f"release: not finished, {' and '.join(lists)} missing"
     if not check:
-        return "release: its lists are there; --check looks at every file"
+        return "release: its lists of checksums are there; --check checks every file"
     faults = sum(1 for _ in Inventory.of(workspace.out).findings())
     if faults:
         return f"release: {plural(faults, 'fault')}; `symolo verify` lists them"
@@ -262,7 +264,7 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
     if not specs:
         return text
     planned = ScenarioPlan.of(specs, 1)
-    return f"{text}; planned were {planned.render_s / planned.images:.3g} each, with the starts of Blender"
+    return f"{text}; the plan was {planned.render_s / planned.images:.3g} each, including the starts of Blender"
 
 
 def _mixed(workspace: Workspace, runs: Sequence[str]) -> Iterator[str]:

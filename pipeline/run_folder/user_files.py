@@ -31,7 +31,7 @@ def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], fol
         try:
             data = read_named_file(places[digest], FileKind.ANY)
         except (KeyError, OSError):
-            raise InputError("is gone since it was read", where=where, cure="put it back") from None
+            raise InputError("has disappeared since it was read", where=where, cure="put it back") from None
         if sha256(data).hexdigest() != digest:
             raise InputError("has changed since it was read", where=where, cure="run the command again")
         make_folder(folder)

@@ -131,7 +131,7 @@ def prepare_boards(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
         if spec.board is None or workspace.simulate(spec.key).is_done(simulation_key(spec)):
             continue
         if spec.board.kind == "serial":
-            raise InputError("board.kind", got="serial", cure="drive its runs by `symolo hil --port PORT` first")
+            raise InputError("board.kind", got="serial", cure="drive its runs with `symolo hil --port PORT` first")
         build_for(spec.robot, spec.board)
 
 
@@ -174,7 +174,7 @@ def simulate_into(
         _publish(spec, simulate(spec, on_time, watch=watch), StageFolder(path), key)
         return
     if spec.board.kind == "serial" and not port:
-        raise RunFailed("a board at a serial port drives this run; `symolo hil --port PORT` reaches one")
+        raise RunFailed("a board at a serial port drives this run; use `symolo hil --port PORT`")
     with pilot_from_board(spec.robot, spec.board, spec.rates.control_hz, port) as pilot:
         outcome = simulate(spec, on_time, pilot, watch)
     _publish(spec, outcome, StageFolder(path), key, pilot)

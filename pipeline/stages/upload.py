@@ -70,7 +70,7 @@ def _listed(store: Store, tree: dict[str, Any], specs: Sequence[RunSpec]) -> dic
     runs = {spec.key for spec in specs}
     for name in sorted(sizes.keys() - AT_THE_TOP):
         if "/".join(PurePosixPath(name).parts[:2]) not in runs:
-            raise another_release(store, f"{name} belongs to no run of this scenario")
+            raise another_release(store, f"{name} does not belong to a run of this scenario")
     wanted = {f"{spec.key}/{SIDE}/{SPEC}": hashlib.sha256(spec_text(spec)).hexdigest() for spec in specs}
     there = [name for name in wanted if name in sizes]
     for name, digest in side_by_side(lambda name: digest_of(store, name), there):
@@ -87,9 +87,9 @@ def _check_metadata(store: Store, tree: dict[str, Any]) -> None:
     except ValidationError:
         raise another_release(store, f"{METADATA} is not of this version") from None
     if canonical_json(metadata.scenario) != canonical_json(tree):
-        raise another_release(store, f"{METADATA} names another scenario")
+        raise another_release(store, f"{METADATA} names a different scenario")
     if metadata.made_with != made_with():
-        raise another_release(store, "it was made with other versions")
+        raise another_release(store, "it was made with different versions")
 
 
 class Along:
@@ -128,7 +128,8 @@ class Along:
             future.result()
         url = self._to.store.url
         if not complete:
-            return f"{url}: not finished, for a run failed; the same command continues, or `{self._to.command}` ends it"
+            cure = f"the same command continues, or `{self._to.command}` sends the rest as it is"
+            return f"{url}: not finished, because a run failed; {cure}"
         with self._with_cure():
             files = released_files(self._workspace.out)
             comparison = send(files, self._to.store, self._report, self._known)
@@ -156,7 +157,7 @@ class Along:
             self._send_files(run, files, sizes)
         except (InputError, EnvironmentLacking, OSError) as error:
             self._over.set()
-            self._report.say(f"upload: {run}: {error}; the release goes on, and the rest is tried at its end")
+            self._report.say(f"upload: {run}: {error}; the release continues, and the rest is sent at its end")
 
     def _send_files(self, run: str, files: Sequence[LocalFile], sizes: Mapping[str, int]) -> None:
         store = self._to.store
@@ -170,7 +171,9 @@ class Along:
                 self._sent, done, size = self._sent + 1, done + 1, size + file.size_bytes
                 if self._over.is_set():
                     return
-        self._report.say(f"upload: {run}: {done} files sent, {size / 1e6:.1f} MB; {len(comparison.same)} were there")
+        self._report.say(
+            f"upload: {run}: {done} files sent, {size / 1e6:.1f} MB; {len(comparison.same)} were already there"
+        )
 
     @contextlib.contextmanager
     def _with_cure(self) -> Iterator[None]:

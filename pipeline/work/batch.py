@@ -144,7 +144,7 @@ class Batch:
 
     def _not_done(self, run: str, stage: str) -> InputError:
         return InputError(
-            f"run {run} of this scenario is not there from stage '{stage}'",
+            f"there is no finished stage '{stage}' of run {run} of this scenario",
             where=f"--out {self.workspace.out}",
             cure=f"run `symolo {stage}` with the same scenario first, or `symolo release` for all stages",
         )

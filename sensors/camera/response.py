@@ -161,16 +161,16 @@ def _noise(raw: FloatImage, response: CameraResponse, number: int) -> FloatImage
 def tone(linear: FloatImage, contrast: float) -> FloatImage:
     """Apply contrast about middle grey, a soft shoulder, and the transfer function of sRGB (IEC 61966-2-1)."""
     scaled = 0.18 * (linear / 0.18) ** np.float32(contrast)
-    over = np.maximum(scaled - np.float32(_KNEE), 0)
+    over = scaled - np.float32(_KNEE)
     rolled = np.where(over > 0, 1 - (1 - _KNEE) * np.exp(-over / (1 - _KNEE)), scaled)
-    return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(np.maximum(rolled, 1e-9), 1 / 2.4) - 0.055)
+    return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(rolled, 1 / 2.4) - 0.055)
 
 
 def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
     """Return the light whose `tone` are these values, 0 to 1; just below white the result is inaccurate."""
     low = coded / 12.92
     rolled = np.where(coded <= 0.04045, low, ((np.maximum(coded, 0.0) + 0.055) / 1.055) ** 2.4)
-    over = np.minimum(np.maximum(rolled - _KNEE, 0.0) / (1 - _KNEE), 1.0 - 1e-6)
+    over = np.minimum((rolled - _KNEE) / (1 - _KNEE), 1.0 - 1e-6)
     scaled = np.where(over > 0, _KNEE - (1 - _KNEE) * np.log1p(-over), rolled)
     return 0.18 * (np.maximum(scaled, 0.0) / 0.18) ** (1.0 / contrast)
 

@@ -13,7 +13,7 @@ MAX_PIXELS = 8192 * 8192
 
 
 def decoded(path: Path, size: tuple[int, int] | None = None) -> np.ndarray | None:
-    """Return the image (H, W) or (H, W, 3) in OpenCV's order of channels and the file's own type; None for no image.
+    """Return the image (H, W) or (H, W, 3) in OpenCV's channel order and the type of the file; None if not an image.
 
     Args:
         path: The file.
@@ -26,7 +26,7 @@ def decoded(path: Path, size: tuple[int, int] | None = None) -> np.ndarray | Non
 
 
 def decoded_bytes(data: bytes, *, in_colour: bool = False, size: tuple[int, int] | None = None) -> np.ndarray | None:
-    """Return the image that a file holds; None where it is no whole PNG or JPEG, or takes too long to decode.
+    """Return the image in a file; None if it is not a complete PNG or JPEG, or takes too long to decode.
 
     Args:
         data: Content of the file.

@@ -17,7 +17,7 @@ from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"
 FILE_NAME = "file_name"
-"""Column of images.parquet that holds the path of the image file, relative to the export."""
+"""Column of images.parquet with the path of the image file, relative to the export."""
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:

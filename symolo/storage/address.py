@@ -33,11 +33,11 @@ def store_of(url: str, endpoint: str | None = None, *, allow_http: bool = False)
     if url.startswith("file://"):
         path = Path(url.removeprefix("file://"))
         if not path.is_absolute() or ".." in path.parts or "%" in url:
-            allowed = "file:// and a whole path without .. and %, such as file:///mnt/data"
+            allowed = "file:// and an absolute path without .. and %, such as file:///mnt/data"
             raise InputError("URL", got=url, allowed=allowed)
         check_path(path, "URL")
         if path.exists() and not path.is_dir():
-            raise InputError("is no folder", where=url)
+            raise InputError("is not a folder", where=url)
         return Folder(url.rstrip("/"), path)
     if not BUCKET.fullmatch(url) or {".", ".."} & {*url.split("/")[3:]}:
         raise InputError("URL", got=url, allowed=ALLOWED)
@@ -52,8 +52,8 @@ def store_of(url: str, endpoint: str | None = None, *, allow_http: bool = False)
 
 def _check_secrets(where: str, text: str) -> None:
     if re.search(r"[@?#]", text):
-        what = "holds a name, a key or a query, which a log would keep"
-        raise InputError(what, where=where, cure="name keys by the environment alone, see docs/storage.md")
+        what = "contains a name, a key or a query, which could end up in a log"
+        raise InputError(what, where=where, cure="give keys only in environment variables, see docs/storage.md")
 
 
 def _check_endpoint(where: str, endpoint: str, *, allow_http: bool) -> None:
@@ -61,5 +61,5 @@ def _check_endpoint(where: str, endpoint: str, *, allow_http: bool) -> None:
     if not ENDPOINT.fullmatch(endpoint):
         raise InputError(where, got=endpoint, allowed="https://HOST or https://HOST:PORT")
     if endpoint.startswith("http:") and not allow_http:
-        cure = "name it by https://, or give --allow-http where the line is safe"
+        cure = "use https://, or give --allow-http if the connection is safe"
         raise InputError("sends everything unencrypted", where=f"{where} {endpoint}", cure=cure)

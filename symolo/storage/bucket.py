@@ -53,8 +53,8 @@ KEYS = {
 }
 """Variables of which at least one must be set; otherwise the library would request keys from an address of its own."""
 KEY_CURES = {
-    "s3": "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_SKIP_SIGNATURE=true where anybody may read",
-    "gs": "set GOOGLE_APPLICATION_CREDENTIALS to the key's file, or GOOGLE_SKIP_SIGNATURE=true where anybody may read",
+    "s3": "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_SKIP_SIGNATURE=true if the store is public",
+    "gs": "set GOOGLE_APPLICATION_CREDENTIALS to a key file, or GOOGLE_SKIP_SIGNATURE=true if the store is public",
 }
 
 
@@ -81,7 +81,7 @@ class Bucket:
         stores = _library().store
         kind = url.partition(":")[0]
         if not any(os.environ.get(name) for name in KEYS[kind]):
-            raise EnvironmentLacking(f"{url}: the environment holds no key to it; {KEY_CURES[kind]}")
+            raise EnvironmentLacking(f"{url}: no environment variable has a key for it; {KEY_CURES[kind]}")
         options = {"timeout": TIMEOUT, **({"allow_http": True} if allow_http else {})}
         chosen = {"endpoint": endpoint} if endpoint else {}
         store_class = stores.S3Store if kind == "s3" else stores.GCSStore
@@ -158,11 +158,11 @@ def _plain_errors(url: str) -> Iterator[None]:
         raise EnvironmentLacking(f"{url}: has listed nothing more for {LIST_S:g} s; {cure}") from None
     except (errors.BaseError, NotImplementedError, ValueError) as error:
         if "<Code>NoSuchBucket<" in str(error):
-            raise InputError("there is no such bucket", where=url, cure="make it by the tools of the store") from None
+            raise InputError("there is no such bucket", where=url, cure="make it with the tools of the store") from None
         refused = isinstance(error, errors.PermissionDeniedError | errors.UnauthenticatedError)
         if refused or re.search(r"status code: 40[13]\b", str(error)):  # a refused listing is of no class of its own
-            raise EnvironmentLacking(f"{url}: the store does not let us in: {_short(error)}; {key_cure}") from None
-        cure = "see that the address is right and the network is there, and run the same command again"
+            raise EnvironmentLacking(f"{url}: the store refuses access: {_short(error)}; {key_cure}") from None
+        cure = "check the address and the network, and run the same command again"
         raise EnvironmentLacking(f"{url}: {_short(error)}; {cure}") from None
 
 

@@ -35,7 +35,7 @@ class Comparison:
 
     def findings(self) -> Iterator[Finding]:
         problems = {file.name: "is missing" for file in self.missing} | dict(self.different)
-        problems |= dict.fromkeys(self.extra, "is no part of the release")
+        problems |= dict.fromkeys(self.extra, "is not part of the release")
         yield from (Finding(name, problems[name]) for name in sorted(problems))
 
 
@@ -95,7 +95,11 @@ def compare_listed(
     for file in same_size:
         digest = digests[file.name]
         if digest != file.digest:
-            what = "has another SHA-256" if digest else "bears no SHA-256, so that only a download would tell"
+            what = (
+                "has a different SHA-256"
+                if digest
+                else "has no SHA-256 in its metadata, so only a download could check it"
+            )
             different[file.name] = what
     extra = tuple(sorted(sizes.keys() - {file.name for file in files} - {*SEALS}))
     same = tuple(file for file in same_size if file.name not in different)

@@ -53,11 +53,11 @@ class Remote:
         """
         sizes = store.sizes()
         if sum(sizes.get(name, 0) for name in LISTS) > MAX_BYTES:
-            raise InputError("holds a list of checksums that no release has", where=store.url)
+            raise InputError("contains lists of checksums that are too large for a release", where=store.url)
         listed, tags = (store.get(name) if name in sizes else None for name in LISTS)
         if listed is None or tags is None:
             what = f"holds no finished release: there is no {MANIFEST if listed is None else TAG_MANIFEST}"
-            cure = "name the address that it was uploaded to, or upload it again to its end"
+            cure = "give the address to which it was uploaded, or upload it again completely"
             raise InputError(what, where=store.url, cure=cure)
         digests = _read(listed, tags, store.url)
         missing = [name for name in digests if name not in sizes]
@@ -84,7 +84,7 @@ def _read(listed: bytes, tags: bytes, url: str) -> dict[str, str]:
         parts = name.split("/")
         strange = not {"", ".", ".."}.isdisjoint(parts) or not name.isprintable() or len(name.encode()) > BELOW_CHARS
         if strange or name in folders or parts[0] == STAGES or name in {*LISTS, *SEALS}:
-            raise InputError(f"{MANIFEST} names what is no file of a release", where=url, got=name)
+            raise InputError(f"{MANIFEST} names something that is not a file of a release", where=url, got=name)
     return digests
 
 
@@ -158,7 +158,7 @@ class _Fetch:
     def __call__(self, name: str) -> None:
         data = self.store.get(name)
         if data is None or hashlib.sha256(data).hexdigest() != self.expected[name]:
-            what = "is missing" if data is None else f"is not what {MANIFEST} says"
-            cure = "remove it by the tools of the store, and upload the release again: only what is missing is sent"
+            what = "is missing" if data is None else f"does not match {MANIFEST}"
+            cure = "remove it with the tools of the store, and upload the release again: only what is missing is sent"
             raise InputError(what, where=f"{self.store.url}: {name}", cure=cure)
         write_file(self.folder / name, data)

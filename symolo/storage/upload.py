@@ -13,7 +13,7 @@ from symolo.storage.folder import Folder
 from symolo.storage.side_by_side import side_by_side
 from symolo.verification.inventory import LISTS
 
-ANOTHER_PLACE = "name another prefix, or remove what is there by the tools of the store"
+ANOTHER_PLACE = "give a different prefix, or remove these files with the tools of the store"
 
 
 def check_apart(root: Path, store: Store) -> None:
@@ -23,7 +23,7 @@ def check_apart(root: Path, store: Store) -> None:
     place, release = store.root.resolve(), root.resolve()
     if place.is_relative_to(release) or release.is_relative_to(place):
         how = "within" if place.is_relative_to(release) else "around"
-        raise InputError(f"lies {how} the release", where=store.url, cure="name a folder beside it")
+        raise InputError(f"lies {how} the release", where=store.url, cure="name a folder next to it")
     check_outside(store.root, store.url)
 
 
@@ -44,15 +44,17 @@ def planned(
 
 
 def another_release(store: Store, what: str = "") -> InputError:
-    """Return the error for a place that holds another release; `what` says how it differs."""
-    return InputError("holds another release" + (f": {what}" if what else ""), where=store.url, cure=ANOTHER_PLACE)
+    """Return the error for a place that holds a different release; `what` says how it differs."""
+    return InputError("holds a different release" + (f": {what}" if what else ""), where=store.url, cure=ANOTHER_PLACE)
 
 
 def refuse_extra(comparison: Comparison, store: Store) -> None:
     """Raise InputError where a place holds files that are no part of the release."""
     if comparison.extra:
         first, *others = comparison.extra
-        what = f"holds what is no part of this release: {first}" + (f" and {len(others)} more" if others else "")
+        what = f"contains files that are not part of this release: {first}" + (
+            f" and {len(others)} more" if others else ""
+        )
         raise InputError(what, where=store.url, cure=ANOTHER_PLACE)
 
 

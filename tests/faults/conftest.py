@@ -1,12 +1,14 @@
 """A small release made over and over under faults, and what its folder must look like whenever somebody looks."""
 
+import contextlib
 import dataclasses
 import hashlib
 import json
+import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -56,22 +58,26 @@ def wrong_in(out: Path, whole: dict[str, str]) -> list[str]:
 class Server:
     """`release_server.py` at the other end of two pipes."""
 
-    def __init__(self) -> None:
+    def __init__(self, **environment: str) -> None:
         command = [sys.executable, str(FOLDER / "release_server.py")]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        assert "ready\n" in iter(self._process.stdout.readline, "")  # an engine greets first
+        pipe, variables = subprocess.PIPE, {**os.environ, **environment}
+        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, env=variables)
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._orders, self._outcomes = self._process.stdin, self._process.stdout
+        assert "ready\n" in iter(self._outcomes.readline, "")  # an engine greets first
 
     def release(self, out: Path, workers: int = 1, **order: object) -> SimpleNamespace:
         """Do `symolo release` of the tiny scenario into a folder; `order` as `release_server.Order` has it."""
         order = {"arguments": [*TINY, "--out", str(out), "--workers", str(workers)], **order}
-        self._process.stdin.write(json.dumps(order) + "\n")
-        self._process.stdin.flush()
-        return SimpleNamespace(**json.loads(self._process.stdout.readline()))
+        self._orders.write(json.dumps(order) + "\n")
+        self._orders.flush()
+        return SimpleNamespace(**json.loads(self._outcomes.readline()))
 
     def close(self) -> None:
-        self._process.stdin.close()
+        self._orders.close()
         self._process.wait()
-        self._process.stdout.close()
+        self._outcomes.close()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -90,6 +96,19 @@ def server() -> Iterator[Server]:
     server = Server()
     yield server
     server.close()
+
+
+@pytest.fixture
+def server_with() -> Iterator[Callable[..., Server]]:
+    """Starts one with further environment variables."""
+    with contextlib.ExitStack() as stack:
+
+        def start(**environment: str) -> Server:
+            server = Server(**environment)
+            stack.callback(server.close)
+            return server
+
+        yield start
 
 
 @pytest.fixture(scope="session")

@@ -9,14 +9,16 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+from typer.main import get_command
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from pipeline.cli import INTERRUPTED_TWICE
+from pipeline.cli import INTERRUPTED_TWICE, command_line
 from pipeline.planning.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, ScenarioPlan, pixel_s
 from pipeline.work.supervisor import WorkerError, run_units
 from pipeline.work.units import SimulateUnit
@@ -67,8 +69,8 @@ BAD = {
     "assemble before render": (["assemble", "smoke", "--out", "OUT"], "symolo simulate"),
     "verify what is not there": (["verify", "OUT"], "no such folder"),
     "verify a file": (["verify", "HERE/data.csv"], "no such folder"),
-    "rerender what is not there": (["rerender", "OUT", "--look", "lab", "--out", "OUT2"], "no run folder"),
-    "rerender an empty folder": (["rerender", "HERE/empty", "--look", "lab", "--out", "OUT"], "no run folder"),
+    "rerender what is not there": (["rerender", "OUT", "--look", "lab", "--out", "OUT2"], "neither a run folder"),
+    "rerender an empty folder": (["rerender", "HERE/empty", "--look", "lab", "--out", "OUT"], "neither a run folder"),
     "rerender without a look": (["rerender", "HERE/data.csv", "--out", "OUT"], "--look"),
     "rerender under no such look": (
         ["rerender", "HERE/data.csv", "--look", "labb", "--out", "OUT"],
@@ -99,7 +101,7 @@ BAD = {
     ),
     "rerender several draws of one look": (
         ["rerender", "HERE/data.csv", "--look", "lab", "--draws", "3", "--out", "OUT"],
-        "--draws: got 3; name the looks by --looks",
+        "--draws: got 3; name the looks with --looks",
     ),
     "rerender under the same look twice": (
         ["rerender", "HERE/data.csv", "--looks", "lab,lab", "--out", "OUT"],
@@ -107,19 +109,19 @@ BAD = {
     ),
     "rerender under a look without a name": (
         ["rerender", "HERE/data.csv", "--looks", "lab,", "--out", "OUT"],
-        "names with commas",
+        "names separated by commas",
     ),
     "rerender under a look that --set replaces": (
         ["rerender", "HERE/data.csv", "--look", "lab", "--set", "look=night", "--out", "OUT"],
-        "--set: got 'look=night'; name it by --look",
+        "--set: got 'look=night'; name it with --look",
     ),
     "rerender under looks that --set replaces": (
         ["rerender", "HERE/data.csv", "--looks", "lab", "--set", "look={extends: night}", "--out", "OUT"],
-        "--set: got 'look={extends: night}'; name it by --looks",
+        "--set: got 'look={extends: night}'; name it with --looks",
     ),
     "rerender in an arena that --set replaces": (
         ["rerender", "HERE/data.csv", "--look", "lab", "--arena", "symolo", "--set", "arena=random", "--out", "OUT"],
-        "--set: got 'arena=random'; name it by --arena",
+        "--set: got 'arena=random'; name it with --arena",
     ),
     "rerender under looks, one misspelt": (
         ["rerender", "HERE/data.csv", "--looks", "classroom,labb", "--draws", "2", "--out", "OUT"],
@@ -132,7 +134,7 @@ BAD = {
     ),
     "preview under looks that --set replaces": (
         ["preview", "smoke", "--look", "lab,night", "--set", "look=classroom", "--out", "OUT.png"],
-        "--set: got 'look=classroom'; name it by --look",
+        "--set: got 'look=classroom'; name it with --look",
     ),
     "preview by no such engine": (["preview", "smoke", "--engine", "evee", "--out", "OUT.png"], "evee"),
     "preview of nothing": (["preview", "smoke", "-n", "0", "--out", "OUT.png"], "-n"),
@@ -253,7 +255,7 @@ def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tm
     units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
     ended = []
     with pytest.raises(WorkerError) as caught:
-        run_units(units, 1, lambda unit, event: ended.append((unit.name, event.kind)))
+        run_units(units, 1, lambda unit, event: ended.append((unit.name, getattr(event, "kind", ""))))
     assert ended == [("A/test_1", "failed"), ("A/test_2", "failed")]
     assert str(caught.value).count("ValidationError") == 2
 
@@ -329,9 +331,9 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
     # At each side come up to three spare pixels, and seven more make a multiple of eight: 13 of 820 and of 615.
     spare = times * ((1 + 13 / 820) * (1 + 13 / 615) - 1)
     assert 0 <= (wider.render_core_s - own.render_core_s) / traced_s - (times - 1) < spare
-    assert "times the pixels traced, for the margin behind the lens" in behind.text()
+    assert "times as many traced pixels, for the margin that the lens needs" in behind.text()
     assert "margin" not in plain.text()
-    assert "all annotations 1.5 us a pixel" in annotated.text()
+    assert "all annotations 1.5 us per pixel" in annotated.text()
     assert "annotations" not in plain.text()
     assert annotated.render_s > plain.render_s
 
@@ -345,7 +347,7 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
     traced_s, shared_s = 201 * 640 * 480 * RENDER_SAMPLE_S, RENDER_START_S + 201 * RENDER_FRAME_S
     assert fewer.render_s == pytest.approx(traced_s + shared_s)
     assert planned("render.quality=reference").render_s > 2048 * traced_s > 100 * plain.render_s
-    assert f"quality    standard, {plain.runs[0].sampling.samples} samples a pixel" in plain.text()
+    assert f"quality    standard, {plain.runs[0].sampling.samples} samples per pixel" in plain.text()
     assert "to denoise" in plain.text()
     assert "to denoise" not in fewer.text()
     parts = planned()
@@ -440,7 +442,7 @@ def test_doctor_compares_with_the_lock_file(symolo, monkeypatch):
     assert ended.code == 5
     (line,) = [line for line in ended.out.splitlines() if line.startswith("MISSING")]
     assert line.startswith("MISSING scipy: ")
-    assert "the lock file says 9.9" in line
+    assert "the lock file has 9.9" in line
 
 
 def test_help_of_every_command_gives_an_example(symolo):
@@ -450,6 +452,14 @@ def test_help_of_every_command_gives_an_example(symolo):
     for command in commands:
         assert command in listing
         assert f"Example: symolo {command}" in " ".join(symolo(command, "--help").out.split())
+
+
+def test_a_paragraph_of_the_help_has_no_line_breaks_of_the_source():
+    groups: list[Any] = [get_command(command_line())]
+    for group in groups:
+        for command in group.commands.values():
+            groups += [command] if hasattr(command, "commands") else []
+            assert "\n" not in command.help.replace("\n\n", ""), command.name
 
 
 def test_help_loads_no_engine_and_no_table_library():

@@ -113,7 +113,7 @@ def test_a_file_that_comes_out_otherwise_is_left_and_the_reason_reported(dataset
     assert ended.code == 4
     assert (root / "README.md").read_text() == "damaged"
     assert "not repaired: README.md: was changed" in ended.out
-    assert "the release was made with bpy 4.4.0, here is" in ended.out
+    assert "the release was made with bpy 4.4.0, here it is" in ended.out
 
 
 def test_a_link_in_place_of_a_run_is_found_and_not_followed(dataset, copy_of, tmp_path):
@@ -193,4 +193,4 @@ def test_pictures_of_the_users_own_are_needed_to_make_a_frame_again(tmp_path, ti
     picture.unlink()
     ended = symolo("repair", root)
     assert ended.code == 4
-    assert ".stages/assets no longer holds them" in ended.out + ended.err
+    assert ".stages/assets no longer contains them" in ended.out + ended.err

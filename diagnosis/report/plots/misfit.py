@@ -94,7 +94,7 @@ def _is_log(observed: Observed) -> bool:
 def _worst(observed: Observed, z: Array) -> int:
     """Return the trial with the largest mean square of its residuals."""
     trials = np.unique(observed.trial)
-    # Residuals are limited to 20 sigma, so that a single wild sample does not decide.
+    # Residuals are limited to 20 sigma, so that a single outlier does not decide.
     residuals = [np.clip(z[(observed.trial == trial) & np.isfinite(z)], -20.0, 20.0) for trial in trials]
     errors = [float(np.mean(of_trial**2)) if len(of_trial) else 0.0 for of_trial in residuals]
     return int(trials[int(np.argmax(errors))])

@@ -22,7 +22,7 @@ def check_new(out: Path, source: Path | None = None) -> None:
     if out.is_symlink() or (out.exists() and not (out.is_dir() and not any(out.iterdir()))):
         raise InputError("is there already", where=where, cure="name a folder that is new or empty")
     if source is not None and out.resolve().is_relative_to(source.resolve()):
-        raise InputError("lies within the release", where=where, cure="name a folder beside it")
+        raise InputError("lies within the release", where=where, cure="name a folder next to it")
 
 
 @contextmanager

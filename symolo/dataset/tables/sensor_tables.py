@@ -10,7 +10,7 @@ from symolo.dataset.tables.column import Column
 from symolo.dataset.tables.side_tables import SideTable
 
 SERIES = "sensor_{name}"
-"""Series of a recording that holds the readings of a sensor, (rows, columns)."""
+"""Series of a recording with the readings of a sensor, (rows, columns)."""
 TIME = Column("t", "ms", 0)
 """First column of each table."""
 TAKEN_NAMES = frozenset({"wheels", "tof", "camera", "board", "obstacles", "intrinsics", "scene", "spec"})

@@ -84,4 +84,4 @@ def test_a_cluster_without_a_card_is_told_before_ray_waits_for_one(pretended_ray
 
 def test_a_share_is_of_a_cluster_alone(symolo, tmp_path):
     ended = symolo("release", "smoke", "--out", tmp_path / "out", "--gpu-share", "0.5")
-    assert (ended.code, "workers take the graphics cards in turn" in ended.err) == (2, True)
+    assert (ended.code, "workers use the graphics cards alternately" in ended.err) == (2, True)

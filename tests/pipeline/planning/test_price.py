@@ -37,7 +37,7 @@ def test_a_million_images_cost_a_million_times_one_and_their_share_of_a_block():
 def test_what_a_first_image_takes_longer_counts_once_a_block_and_not_for_annotations():
     """90 s / 50 are half of 3.6 s."""
     text = replace(PRICE, first_s=90.0).text(1_000_000, "some")
-    assert "render     1,500 core-hours: 3.24 s an image, 108 s a block" in text
+    assert "render     1,500 core-hours: 3.24 s per image, 108 s per block" in text
     assert "annotate   200 core-hours" in text
 
 

@@ -61,7 +61,7 @@ def test_places_outside_the_room_are_one_clear_line(pose, where, tmp_path, symol
     ended = symolo("rerender", path, "--look", "lab", "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert f"{path}:2: {where} is outside the room" in ended.err
-    assert "floor goes from x = " in ended.err
+    assert "floor extends from x = " in ended.err
     assert "in metres" in ended.err
     assert "--arena" in ended.err
     assert list(tmp_path.iterdir()) == [path]

@@ -99,7 +99,10 @@ def test_a_folder_without_out_is_continued_but_not_replaced(run, tmp_path, symol
     before = {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
     ended = symolo(*command, "--seed", 77)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert "holds images of another trajectory or another draw of the look; name a folder by --out" in ended.err
+    assert (
+        "contains images of a different trajectory or a different draw of the look; name a folder with --out"
+        in ended.err
+    )
     assert before
     assert before == {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
 
@@ -135,7 +138,7 @@ def test_a_foreign_trajectory_has_one_arena_in_all_draws(run):
     """Though it is drawn itself, for which the seed of a look is not asked."""
     arguments = {"arena": "random", "camera_hz": 1.0}
     _, draws = prepare(run / "data.csv", RerenderRequest(("lab",), 3, **arguments))
-    assert len({draw.appearance.arena for draw in draws}) == 1
+    assert len({draw.appearance.arena for draw in draws}) == 1  # pyright: ignore[reportUnhashable] - it is frozen
 
 
 def test_more_draws_leave_the_first_ones_as_they_are(run):

@@ -17,7 +17,7 @@ def test_a_finished_release_is_up_to_date(out, symolo, tiny):
     ended = symolo("status", out, "smoke", *tiny, "--check")
     assert ended.code == 0
     assert ended.out.splitlines()[:4] == [
-        "nobody works here now",
+        "no command is working here now",
         "runs: 2 of 2 released and up to date",
         "CW/test_1: simulate done; render done, 6 images; release done",
         "CCW/test_1: simulate done; render done, 6 images; release done",
@@ -37,7 +37,7 @@ def test_what_images_cost_is_summed_over_their_journals_and_threads(out, symolo,
             lines.append({**lines[0], "frame": {**lines[0]["frame"], "seconds": 1.2, "threads": 1}})
         journal.write_text("".join(json.dumps(line) + "\n" for line in lines))
     assert "cost: 12 images took 0.00433 core-hours, 1.3 core-seconds each\n" in symolo("status", out).out
-    assert "each; planned were" in symolo("status", out, "smoke", *tiny).out
+    assert "each; the plan was" in symolo("status", out, "smoke", *tiny).out
 
 
 def test_a_folder_in_use_is_reported_with_the_process(out, symolo):

@@ -162,6 +162,7 @@ def test_the_middle_of_the_middle_row_is_exposed_at_the_time_of_the_view():
     shutter = Shutter(exposure_s=0.01, read_out_s=0.03)
     # Three rows of 10 ms each, so that the exposures begin 15 ms early, 5 ms early, and 5 ms late.
     assert [shutter.row_opens_s(row, 3) for row in range(3)] == pytest.approx([-0.015, -0.005, 0.005])
+    assert Shutter().row_opens_s(0, 480) == Shutter().row_opens_s(479, 480) == 0.0
 
 
 def test_pixels_see_along_the_rays_of_opencv(robot):

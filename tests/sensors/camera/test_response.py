@@ -1,5 +1,5 @@
 from dataclasses import replace
-from math import erf
+from math import erf, exp, sqrt
 
 import cv2
 import numpy as np
@@ -7,7 +7,15 @@ import pytest
 
 from configs.schema.look import CameraLook
 from sensors.camera.colour import light_rgb
-from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
+from sensors.camera.response import (
+    CameraResponse,
+    corner_share,
+    develop,
+    encode_jpeg,
+    median_luminance,
+    tone,
+    untoned,
+)
 
 PLAIN = CameraLook(
     contrast=1, saturation=1, vignetting=0, shot_noise=0, read_noise=0, brightness=0.18, white_balance_adaption=1
@@ -143,7 +151,9 @@ def test_a_black_image_is_an_error_that_names_the_remedy():
 
 def test_the_jpeg_holds_the_image():
     rng = np.random.default_rng(0)
-    image = cv2.resize(rng.integers(0, 255, (3, 4, 3), np.uint8), (64, 48), interpolation=cv2.INTER_CUBIC)
+    image = cv2.resize(rng.integers(0, 255, (3, 4, 3), np.uint8), (64, 48), interpolation=cv2.INTER_CUBIC).astype(
+        np.uint8
+    )
     back = cv2.imdecode(np.frombuffer(encode_jpeg(image, 98), np.uint8), cv2.IMREAD_COLOR)
     assert np.abs(cv2.cvtColor(back, cv2.COLOR_BGR2RGB).astype(int) - image).mean() < 2
 
@@ -161,3 +171,158 @@ def test_the_warmest_light_has_a_white_balance_too(adaption):
     gains = CameraResponse.from_look(look, light_rgb(1500), 1, jpeg_quality=92).white_balance
     assert np.all(np.isfinite(gains))
     assert gains[0] < 1 < gains[2] <= 50
+
+
+def decoded(pixels):
+    """Linear light of 8-bit values above 0.0031308, by IEC 61966-2-1."""
+    return ((np.asarray(pixels) / 255 + 0.055) / 1.055) ** 2.4
+
+
+@pytest.mark.parametrize(
+    ("linear", "coded"),
+    [
+        (0.0, 0.0),
+        (0.001, 0.01292),
+        (0.0031, 0.040052),
+        (0.0032, 1.055 * 0.0032 ** (1 / 2.4) - 0.055),
+        (0.5, 1.055 * 0.5 ** (1 / 2.4) - 0.055),
+        (0.6, 1.055 * 0.6 ** (1 / 2.4) - 0.055),
+        # Above 0.6 light approaches 1 with the same slope: 1 - 0.4 exp(-(x - 0.6) / 0.4).
+        (0.8, 1.055 * (1 - 0.4 * exp(-0.5)) ** (1 / 2.4) - 0.055),
+        (3.0, 1.055 * (1 - 0.4 * exp(-6.0)) ** (1 / 2.4) - 0.055),
+    ],
+)
+def test_the_tone_curve_is_that_of_srgb_with_a_shoulder(linear, coded):
+    assert tone(np.array([linear]), 1.0)[0] == pytest.approx(coded, abs=1e-6)
+
+
+def test_contrast_turns_the_logarithm_of_light_about_middle_grey():
+    for linear, power, same_as in ((0.18, 1.5, 0.18), (0.09, 2.0, 0.045), (0.36, 0.5, 0.18 * sqrt(2))):
+        assert tone(np.array([linear]), power) == pytest.approx(tone(np.array([same_as]), 1.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("contrast", [0.8, 1.0, 1.3])
+def test_the_light_of_a_tone_is_found_back(contrast):
+    light = np.array([0.0, 1e-4, 0.002, 0.0031, 0.004, 0.05, 0.18, 0.55, 0.65, 1.0, 2.0])
+    assert untoned(tone(light, contrast).astype(np.float64), contrast) == pytest.approx(light, rel=1e-4, abs=1e-9)
+
+
+def test_beyond_white_and_black_the_light_of_a_tone_is_a_number():
+    low, high = untoned(np.array([-0.1, 1.2]), 1.0)
+    assert low == 0.0
+    assert 5.0 < high < np.inf
+
+
+def test_corners_are_where_the_square_of_the_distance_is_1():
+    width, height = 640, 480
+    assert corner_share(np.array([-0.5, 639.5]), np.array([479.5, -0.5]), width, height) == pytest.approx([1.0, 1.0])
+    assert corner_share(np.array([319.5]), np.array([239.5]), width, height)[0] == 0.0
+    right, bottom = corner_share(np.array([639.5, 319.5]), np.array([239.5, 479.5]), width, height)
+    assert (right, bottom) == pytest.approx((640**2 / (640**2 + 480**2), 480**2 / (640**2 + 480**2)))
+
+
+def test_compensation_doubles_the_brightness_with_each_step():
+    for steps, factor in ((1.0, 2.0), (-2.0, 0.25)):
+        assert _response(PLAIN.model_copy(update={"compensation_ev": steps})).brightness == pytest.approx(0.18 * factor)
+
+
+def test_the_white_balance_goes_from_its_setting_to_the_light_by_ratios():
+    light = np.array(light_rgb(3200))
+    fixed = np.array(light_rgb(5500))
+    for share in (0.0, 0.3, 1.0):
+        look = PLAIN.model_copy(update={"white_balance_adaption": share, "white_balance_K": 5500.0})
+        expected = (fixed[1] / fixed) ** (1 - share) * (light[1] / light) ** share
+        assert _response(look, tuple(7.0 * light)).white_balance == pytest.approx(tuple(expected))
+    dark = _response(PLAIN.model_copy(update={"white_balance_K": 5500.0}), (0.0, 0.0, 0.0))
+    assert dark.white_balance == pytest.approx(tuple(fixed[1] / fixed))
+
+
+def test_light_without_blue_has_a_fiftieth_of_it():
+    gains = _response(PLAIN, (2.0, 1.0, 0.0)).white_balance
+    assert gains == pytest.approx((0.5, 1.0, 1.0 / 0.04))
+
+
+def test_light_is_metered_by_the_luminance_of_rec_709():
+    light = np.tile(np.array([1.0, 2.0, 3.0], np.float32), (3, 4, 1))
+    light[0, 0] = 100.0
+    assert median_luminance(light) == pytest.approx(0.2126 + 2 * 0.7152 + 3 * 0.0722, rel=1e-3)
+
+
+def test_the_exposure_is_a_mean_of_ratios_of_the_frame_and_the_run():
+    """A frame of 4 times the run's light: with half of the adaption it is twice as bright as middle grey."""
+    half = _response(PLAIN.model_copy(update={"exposure_adaption": 0.5}))
+    assert decoded(develop(4 * GREY, half, 3.0, 1)) == pytest.approx(0.36, abs=0.003)
+    quarter = _response(PLAIN.model_copy(update={"exposure_adaption": 0.25}))
+    assert decoded(develop(GREY / 16, quarter, 3.0, 1)) == pytest.approx(0.18 / 8, abs=0.001)
+
+
+def test_the_exposure_follows_a_frame_down_to_a_thousandth_of_the_run():
+    own = _response(PLAIN.model_copy(update={"exposure_adaption": 1.0}))
+    for factor, linear in ((2e-3, 0.18), (1e-4, 0.018)):
+        assert decoded(develop(factor * GREY, own, 3.0, 1)) == pytest.approx(linear, rel=0.03)
+
+
+@pytest.mark.parametrize(("columns", "linear"), [(3, 0.18), (5, 0.1 / 20.0)])
+def test_up_to_a_25th_of_the_frame_may_burn(columns, linear):
+    light = np.full((50, 100, 3), 0.1, np.float32)
+    light[:, :columns] = 20.0
+    pixels = develop(light, _response(), 0.1, 1)
+    assert decoded(pixels[:, columns:]) == pytest.approx(linear, rel=0.05)
+
+
+def test_read_noise_is_the_same_in_dark_and_bright_and_variances_add():
+    light = np.full((200, 300, 3), 0.5, np.float32)
+    light[:, 150:] = 2.0
+    for shot, read in ((0.0, 0.03), (0.04, 0.03)):
+        look = PLAIN.model_copy(update={"shot_noise": shot, "read_noise": read, "exposure_adaption": 0.0})
+        linear = decoded(develop(light, _response(look), 1.0, 1))[..., 1]
+        for half, level in ((linear[:, :148], 0.09), (linear[:, 152:], 0.36)):
+            assert half.mean() == pytest.approx(level, rel=0.01)
+            assert half.std() == pytest.approx(sqrt(shot**2 * level + read**2), rel=0.03)
+
+
+def test_noise_of_neighbours_is_alike_as_behind_a_colour_filter():
+    """A Gaussian of 0.6 pixels, cut to 3: neighbours share 2 a / (1 + 2 a^2) with a = exp(-1 / 0.72) beside 1."""
+    look = PLAIN.model_copy(update={"read_noise": 0.02})
+    linear = decoded(develop(np.full((240, 320, 3), 1.0, np.float32), _response(look), 1.0, 1))[..., 1]
+    noise, a = linear - linear.mean(), exp(-1 / 0.72)
+    assert np.mean(noise[:, 1:] * noise[:, :-1]) / noise.var() == pytest.approx(2 * a / (1 + 2 * a * a), abs=0.02)
+
+
+def test_saturation_stretches_colours_from_their_grey():
+    light = np.tile(np.array([0.20, 0.18, 0.12], np.float32), (8, 8, 1))
+    grey = 0.2126 * 0.20 + 0.7152 * 0.18 + 0.0722 * 0.12
+    for saturation in (0.0, 1.6):
+        look = PLAIN.model_copy(update={"saturation": saturation, "exposure_adaption": 0.0})
+        expected = 0.18 / grey * (grey + saturation * (np.array([0.20, 0.18, 0.12]) - grey))
+        assert decoded(develop(light, _response(look), grey, 1)[4, 4]) == pytest.approx(expected, rel=0.02)
+    wild = PLAIN.model_copy(update={"saturation": 6.0, "exposure_adaption": 0.0})
+    assert develop(light, _response(wild), grey, 1)[4, 4, 2] == 0
+
+
+def test_sharpening_sees_colours_by_the_weights_of_jpeg():
+    """An edge of one colour alone overshoots by its weight in BT.601, in all three channels."""
+    for channel, weight in enumerate((0.299, 0.587, 0.114)):
+        light = np.full((9, 64, 3), 0.18, np.float32)
+        light[:, 32:, channel] = 0.5
+        plain, sharp = (
+            develop(light, _response(PLAIN.model_copy(update={"exposure_adaption": 0.0, "sharpening": s})), 0.18, 1)
+            for s in (0.0, 2.0)
+        )
+        edge, other = plain[4, :, channel].astype(int), (channel + 1) % 3
+        differs = 0.5 - 0.5 * erf(0.5 / sqrt(2))
+        rise = 2.0 * weight * differs * (edge[-1] - edge[0])
+        assert sharp[4, 32, other].astype(int) - plain[4, 32, other] == pytest.approx(rise, abs=1.5)
+
+
+def test_a_lower_quality_makes_a_smaller_file():
+    noise = np.random.default_rng(0).integers(0, 255, (48, 64, 3), np.uint8)
+    assert len(encode_jpeg(noise, 30)) < len(encode_jpeg(noise, 60)) < len(encode_jpeg(noise, 95))
+
+
+def test_blur_and_sharpening_are_the_same_along_rows_and_columns():
+    light = np.random.default_rng(2).uniform(0.05, 0.4, (48, 48, 3)).astype(np.float32)
+    for changes in ({"lens_blur_px": 1.2}, {"sharpening": 1.0, "sharpening_radius_px": 1.5}):
+        response = _response(PLAIN.model_copy(update=changes))
+        turned = develop(np.ascontiguousarray(light.transpose(1, 0, 2)), response, 0.2, 1)
+        assert np.abs(turned.transpose(1, 0, 2).astype(int) - develop(light, response, 0.2, 1)).max() <= 1

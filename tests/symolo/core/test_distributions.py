@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform
+from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform, parse
+from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
+from symolo.core.yaml.tree import node_of
 
 DRAWS = 40_000
 
@@ -50,7 +52,7 @@ def test_each_option_and_each_whole_number_comes_equally_often():
     whole = [Uniform(3, 5).draw_integer(rng) for _ in range(DRAWS)]
     spread = 5 * math.sqrt(DRAWS * (1 / 3) * (2 / 3))
     for values, members in ((options, "abc"), (whole, (3, 4, 5))):
-        counts = [values.count(member) for member in members]
+        counts = [sum(value == member for value in values) for member in members]
         assert sum(counts) == DRAWS
         assert all(abs(count - DRAWS / 3) < spread for count in counts)
 
@@ -93,3 +95,92 @@ def test_a_draw_takes_one_number_from_its_stream(distribution: Distribution):
     distribution.draw(rng)
     other.random()
     assert rng.random() == other.random()
+
+
+class Fixed:
+    """A generator that gives one number."""
+
+    def __init__(self, number: float) -> None:
+        self.number = number
+
+    def random(self) -> float:
+        return self.number
+
+
+ALMOST_1 = 1.0 - 2.0**-53
+
+
+@pytest.mark.parametrize(
+    ("distribution", "drawn"),
+    [
+        (Uniform(2.0, 6.0), {0.0: 2.0, 0.25: 3.0}),
+        (LogUniform(1.0, 100.0), {0.0: 1.0, 0.5: 10.0, 0.75: math.sqrt(1000.0)}),
+        (Normal(5.0, 2.0), {0.5: 5.0, 0.0: -3.0}),
+        (Normal(5.0, 2.0, low=5.0), {0.5: 5.0 + 2.0 * stats.norm.ppf(0.75)}),
+        (Normal(0.0, 1.0, low=-50.0), {0.0: -50.0}),
+        (Choice(("a", "b", "c", "d")), {0.0: "a", 0.26: "b", 0.75: "d", ALMOST_1: "d"}),
+    ],
+)
+def test_a_draw_is_the_quantile_of_its_uniform_number(distribution: Distribution, drawn: dict):
+    for number, value in drawn.items():
+        expected = value if isinstance(value, str) else pytest.approx(value, rel=1e-4)
+        assert distribution.draw(Fixed(number)) == expected  # type: ignore[arg-type]
+
+
+def test_whole_numbers_share_the_uniform_numbers_equally_or_are_rounded():
+    drawn = [Uniform(3, 5).draw_integer(Fixed(u)) for u in (0.0, 0.33, 0.34, 0.66, 0.67, ALMOST_1)]  # type: ignore[arg-type]
+    assert drawn == [3, 3, 4, 4, 5, 5]
+    assert LogUniform(1, 100).draw_integer(Fixed(0.51)) == round(100**0.51)  # type: ignore[arg-type]
+    assert Normal(5.2, 1.0).draw_integer(Fixed(0.5)) == 5  # type: ignore[arg-type]
+
+
+def test_the_share_within_limits_is_that_of_the_gaussian():
+    assert Normal(3.0, 2.0, 1.0, 5.0).share_within() == pytest.approx(0.682689, abs=1e-6)
+    assert Normal(3.0, 2.0, low=3.0).share_within() == pytest.approx(0.5, abs=1e-4)
+    assert Normal(3.0, 0.0, 3.0, 3.0).share_within() == 1.0
+    assert Normal(3.0, 0.0, 3.5, 4.0).share_within() == Normal(3.0, 0.0, 2.0, 2.5).share_within() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("written", "distribution"),
+    [
+        ({"uniform": [1, 2.5]}, Uniform(1, 2.5)),
+        ({"uniform": [2, 2]}, Uniform(2, 2)),
+        ({"log_uniform": [1e-9, 1]}, LogUniform(1e-9, 1)),
+        ({"normal": [3, 0]}, Normal(3, 0)),
+        ({"normal": {"sd": 2, "mean": 3, "high": 7, "low": 1}}, Normal(3, 2, 1, 7)),
+        ({"normal": {"mean": 3, "sd": 2}}, Normal(3, 2)),
+        ({"normal": {"mean": 3, "sd": 0, "low": 3, "high": 3}}, Normal(3, 0, 3, 3)),
+        ({"normal": {"mean": 0, "sd": 1, "low": 3.0}}, Normal(0, 1, low=3.0)),
+        ({"choice": [0.5]}, Choice((0.5,))),
+        ({"choice": list(range(256))}, Choice(tuple(range(256)))),
+    ],
+)
+def test_a_distribution_is_read_as_written(written: dict, distribution: Distribution):
+    assert parse(node_of(written, "test"), ("a",)) == distribution
+
+
+@pytest.mark.parametrize(
+    ("written", "allowed"),
+    [
+        ({"uniform": [2, 1]}, "the lower end first"),
+        ({"log_uniform": [0, 1]}, "ends > 0"),
+        ({"log_uniform": [-1, 1]}, "ends > 0"),
+        ({"normal": [0, -1]}, "sd >= 0"),
+        ({"normal": [1e308, 5e307]}, "a computer can hold"),
+        ({"normal": [-1e308, 5e307]}, "a computer can hold"),
+        ({"normal": {"mean": 0, "sd": 1, "low": 3.2}}, "at least a thousandth"),
+        ({"normal": {"mean": 0, "sd": 1, "low": 2, "high": 1}}, "low below high"),
+        ({"normal": {"sd": 1, "low": 2}}, "mean and sd"),
+        ({"normal": {"mean": 1, "low": 2}}, "mean and sd"),
+        ({"choice": []}, "1 to 256 values"),
+        ({"choice": list(range(257))}, "1 to 256 values"),
+        ({"choice": [1, None]}, "numbers, names"),
+        ({"uniform": [True, 2]}, "2 numbers"),
+        ({"uniform": [1, "2"]}, "2 numbers"),
+        ({"uniform": [1]}, "2 numbers"),
+    ],
+)
+def test_a_distribution_that_makes_no_sense_is_refused(written: dict, allowed: str):
+    with pytest.raises(InputError, match=allowed):
+        parse(node_of(written, "test"), ("a",))

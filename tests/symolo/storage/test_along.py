@@ -63,7 +63,7 @@ def test_a_run_is_there_while_the_next_is_made_and_the_lists_come_last(
     assert release_of(shelf.root) == content
     assert sorted(shelf.names) == sorted(content)
     assert ended.out.splitlines()[1] == f"{shelf.url}: 25 files there, 25 sent now, 5 of them at the end"
-    assert "upload: CW/test_1: 10 files sent, 0.0 MB; 0 were there" in ended.err
+    assert "upload: CW/test_1: 10 files sent, 0.0 MB; 0 were already there" in ended.err
     assert "compare" not in ended.err  # this process has sent it all
     assert symolo("verify", shelf.root).code == 0
 
@@ -98,7 +98,7 @@ def test_a_network_that_is_gone_leaves_the_release_whole_and_names_the_command_t
     shelf.fails = lambda number: number >= 3
     ended = release()
     assert ended.code == 5
-    assert "the network is gone; the release goes on" in ended.err
+    assert "the network is gone; the release continues" in ended.err
     assert symolo("verify", tmp_path / "out").code == 0
     last = ended.err.splitlines()[-1]
     assert f"the release is complete in {tmp_path}/out" in last
@@ -120,7 +120,7 @@ def test_where_a_run_failed_the_place_is_not_finished(release, hands, shelf, tmp
     plain = hands.paint
     hands.paint = lambda unit: plain(unit, grey=0 if unit.name == "CW/test_1" else 128)
     ended = release()
-    assert (ended.code, "not finished, for a run failed" in ended.out) == (3, True)
+    assert (ended.code, "not finished, because a run failed" in ended.out) == (3, True)
     assert {name.split("/")[0] for name in shelf.names} == {"CCW"}
     assert (tmp_path / "out" / TAG_MANIFEST).is_file()
 
@@ -128,16 +128,16 @@ def test_where_a_run_failed_the_place_is_not_finished(release, hands, shelf, tmp
 def test_a_place_with_something_else_is_refused_before_anything_is_written(release, shelf, tmp_path, symolo):
     assert release(out=tmp_path / "first").code == 0
     names = [*shelf.names]
-    refusals = {("--set=seed=7",): "is not that of this scenario", ("--set=licence=MIT",): "names another scenario"}
+    refusals = {("--set=seed=7",): "is not that of this scenario", ("--set=licence=MIT",): "names a different scenario"}
     for settings, told in refusals.items():
         ended = release(*settings)
-        assert (ended.code, told in ended.err, "holds another release" in ended.err) == (2, True, True), ended.err
+        assert (ended.code, told in ended.err, "holds a different release" in ended.err) == (2, True, True), ended.err
     for name in LISTS:  # not finished either
         (shelf.root / name).unlink()
     assert release("--set=seed=7").code == 2
     (shelf.root / "CW/test_9").mkdir()
     (shelf.root / "CW/test_9/data.csv").write_bytes(b"")
-    assert "CW/test_9/data.csv belongs to no run of this scenario" in release().err
+    assert "CW/test_9/data.csv does not belong to a run of this scenario" in release().err
     for url, code in ((f"file://{tmp_path}/out/x", 2), (f"file://{tmp_path}", 2), ("s3://bucket/data", 5)):
         assert release("--upload", url).code == code
     assert symolo("release", "smoke", "--out", tmp_path / "out", "--allow-http").code == 2

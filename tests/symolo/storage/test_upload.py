@@ -36,7 +36,7 @@ def sent(release, release_of):
 def test_a_stranger_with_sha256sum_finds_every_file_right(release, tmp_path, symolo):
     shelf = tmp_path / "shelf/data"
     ended = symolo("upload", release(), f"file://{shelf}")
-    assert (ended.code, ended.out) == (0, f"file://{shelf}: 10 files sent, 0.0 MB; 0 were there\n")
+    assert (ended.code, ended.out) == (0, f"file://{shelf}: 10 files sent, 0.0 MB; 0 were already there\n")
     check = ["sha256sum", "--strict", "-c", TAG_MANIFEST, MANIFEST]
     assert subprocess.run(check, cwd=shelf, check=True, capture_output=True).stdout.count(b": OK\n") == FILES
 
@@ -81,7 +81,7 @@ def test_two_at_the_same_time_harm_nothing(sent):
 def test_another_release_stays_as_it_is(sent, release, store):
     upload(sent[0], store, LineReport())
     other = released_files(release("other", **{"README.md": b"# Another\n"}))
-    with pytest.raises(InputError, match="holds another release; name another prefix"):
+    with pytest.raises(InputError, match="holds a different release; give a different prefix"):
         upload(other, store, LineReport())
     assert held_by(store) == sent[1]
 
@@ -89,7 +89,7 @@ def test_another_release_stays_as_it_is(sent, release, store):
 def test_files_of_others_are_left_alone(sent, release, store):
     theirs = {file.name: file for file in released_files(release("other", **{"CW/theirs.txt": b"theirs"}))}
     store.put(theirs["CW/theirs.txt"])
-    with pytest.raises(InputError, match=r"no part of this release: CW/theirs\.txt"):
+    with pytest.raises(InputError, match=r"not part of this release: CW/theirs\.txt"):
         upload(sent[0], store, LineReport())
     assert held_by(store) == {"CW/theirs.txt": b"theirs"}
 
@@ -109,13 +109,15 @@ def test_check_names_what_is_missing_or_other_or_extra_and_upload_mends_it(relea
     assert ended.out.splitlines() == [
         "CW/test_1/data.csv: has 1 bytes in place of 8",
         "README.md: is missing",
-        "metadata.json: has another SHA-256",
-        "mine.txt: is no part of the release",
+        "metadata.json: has a different SHA-256",
+        "mine.txt: is not part of the release",
     ]
     (shelf / "mine.txt").unlink()
-    assert symolo("upload", root, url, "--dry-run").out == f"{url}: 3 files would be sent, 0.0 MB; 7 were there\n"
+    assert (
+        symolo("upload", root, url, "--dry-run").out == f"{url}: 3 files would be sent, 0.0 MB; 7 were already there\n"
+    )
     assert not (shelf / "README.md").exists()
-    assert symolo("upload", root, url).out == f"{url}: 3 files sent, 0.0 MB; 7 were there\n"
+    assert symolo("upload", root, url).out == f"{url}: 3 files sent, 0.0 MB; 7 were already there\n"
     assert release_of(shelf) == release_of(root)
 
 
@@ -126,7 +128,7 @@ def test_an_object_that_somebody_else_put_there_without_a_checksum_is_sent_again
     store = Bucket("s3://bucket/data", memory)
     found = planned(sent[0], store, LineReport())
     assert {file.name for file in found.to_send} == sent[1].keys() - {MANIFEST, TAG_MANIFEST}
-    assert set(found.different.values()) == {"bears no SHA-256, so that only a download would tell"}
+    assert set(found.different.values()) == {"has no SHA-256 in its metadata, so only a download could check it"}
 
 
 def test_a_damaged_release_is_not_sent(release, tmp_path, symolo):

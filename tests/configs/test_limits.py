@@ -1,0 +1,244 @@
+"""Limits between several fields: what lies at the limit is accepted or refused, and what lies just beyond is not."""
+
+import numpy as np
+import pytest
+
+from configs import checks
+from configs.draw import draw_look, draw_robot
+from configs.loader import load_section
+from configs.schema.arena import ArcPiece, ArenaConfig
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Rates, Route
+from symolo.core.yaml.tree import dotted
+
+LITTLE = 1e-6
+
+
+@pytest.fixture(scope="module")
+def robot() -> RobotConfig:
+    return draw_robot(load_section("robot", "nominal"), 1)[0]
+
+
+@pytest.fixture(scope="module")
+def look() -> LookConfig:
+    return draw_look(load_section("look", "classroom"), 1)[0]
+
+
+def changed(section, changes):
+    """The section with new values of its fields, given by their paths."""
+    for path, value in changes.items():
+        name, _, rest = path.partition(".")
+        section = section.model_copy(update={name: changed(getattr(section, name), {rest: value}) if rest else value})
+    return section
+
+
+def paths(faults) -> list[str]:
+    return [dotted(fault.path) for fault in faults]
+
+
+@pytest.mark.parametrize(
+    ("accepted", "refused", "path"),
+    [
+        ({"tof.min_range_m": 1.2 - LITTLE}, {"tof.min_range_m": 1.2}, "tof.min_range_m"),
+        ({"chassis.clearance_m": 0.05 - LITTLE}, {"chassis.clearance_m": 0.05}, "chassis.clearance_m"),
+        ({"tof.no_target_m": 0.04}, {"tof.no_target_m": 0.04 + LITTLE}, "tof.no_target_m"),
+        ({"tof.no_target_m": 1.2}, {"tof.no_target_m": 1.2 - LITTLE}, "tof.no_target_m"),
+        ({"drive.track_m": 0.17 - 0.02}, {"drive.track_m": 0.15 + LITTLE}, "drive.track_m"),
+        (
+            {"drive.wheel_diameter_m": 0.012 + LITTLE},
+            {"drive.wheel_diameter_m": 0.012},
+            "drive.wheel_diameter_m",
+        ),
+        ({"drive.wheel_diameter_m": 0.18}, {"drive.wheel_diameter_m": 0.18 + LITTLE}, "drive.wheel_diameter_m"),
+        ({"drive.caster_x_m": -0.09}, {"drive.caster_x_m": -0.09 - LITTLE}, "drive.caster_x_m"),
+        (
+            {"drive.caster_x_m": 0.09, "chassis.center_of_mass_x_m": 0.03},
+            {"drive.caster_x_m": 0.09 + LITTLE, "chassis.center_of_mass_x_m": 0.03},
+            "drive.caster_x_m",
+        ),
+        ({"chassis.center_of_mass_x_m": 0.0}, {"chassis.center_of_mass_x_m": LITTLE}, "chassis.center_of_mass_x_m"),
+        (
+            {"chassis.center_of_mass_x_m": -0.07},
+            {"chassis.center_of_mass_x_m": -0.07 - LITTLE},
+            "chassis.center_of_mass_x_m",
+        ),
+        (
+            {"drive.caster_x_m": -LITTLE, "chassis.center_of_mass_x_m": 0.0},
+            {"drive.caster_x_m": 0.0, "chassis.center_of_mass_x_m": 0.0},
+            "chassis.center_of_mass_x_m",
+        ),
+    ],
+)
+def test_a_robot_at_the_limit(robot, accepted, refused, path):
+    assert paths(checks.robot_faults(changed(robot, accepted), in_simulation=True)) == []
+    assert f"robot.{path}" in paths(checks.robot_faults(changed(robot, refused), in_simulation=True))
+
+
+@pytest.mark.parametrize(("battery_V", "limit_V"), [(6.0, 9.0), (9.0, 6.0)])
+def test_a_motor_must_overcome_its_friction_at_the_lower_of_both_voltages(robot, battery_V, limit_V):
+    """0.5 N m/A * 6 V / 3 ohm are 1 N m."""
+    power = {"power.battery_voltage_V": battery_V, "power.motor_voltage_limit_V": limit_V}
+    motor = {"motor.torque_constant_N_m_A": 0.5, "motor.winding_resistance_ohm": 3.0}
+    strong = changed(robot, power | motor | {"motor.coulomb_friction_N_m": 1.0 - LITTLE})
+    weak = changed(robot, power | motor | {"motor.coulomb_friction_N_m": 1.0})
+    assert paths(checks.robot_faults(strong, in_simulation=True)) == []
+    (fault,) = checks.robot_faults(weak, in_simulation=True)
+    assert fault.allowed == "less than 1, its torque at 6.0 V and 3.0 ohm"
+
+
+@pytest.mark.parametrize(
+    ("field", "steps", "write"),
+    [
+        ("period_s", 33.0, ""),
+        ("period_s", 1.0, ""),
+        ("period_s", 33.4, "0.033"),
+        ("period_s", 33.6, "0.034"),
+        ("period_s", 0.4, "0.001"),
+        ("period_s", 0.0, "0.001"),
+        ("delay_s", 0.0, ""),
+        ("delay_s", 0.4, "0"),
+        ("delay_s", 1.0, ""),
+    ],
+)
+@pytest.mark.parametrize("sensor", ["tof", "line_sensor", "encoder"])
+def test_times_of_sensors_are_whole_steps_and_a_period_is_at_least_one(robot, sensor, field, steps, write):
+    made = changed(robot, {f"{sensor}.{field}": steps / 1000})
+    faults = list(checks._period_faults(Rates(physics_hz=1000), made))
+    assert [(dotted(fault.path), fault.cure) for fault in faults] == (
+        [(f"robot.{sensor}.{field}", f"write {write}")] if write else []
+    )
+
+
+def arena(pieces=(), walls=(), obstacles=(), **fields) -> ArenaConfig:
+    return ArenaConfig.model_validate(
+        {"name": "made", "line": {"width_m": 0.1, "pieces": pieces}, "walls": walls, "obstacles": obstacles} | fields
+    )
+
+
+def straight(start, end):
+    return {"kind": "straight", "start": start, "end": end}
+
+
+def arc(start_deg, end_deg, radius_m=1.0, center=(0.0, 0.0)):
+    return {"kind": "arc", "center": center, "radius_m": radius_m, "start_deg": start_deg, "end_deg": end_deg}
+
+
+@pytest.mark.parametrize(
+    ("piece", "problems"),
+    [
+        (straight((0, 0), (0.001, 0)), []),
+        (straight((0, 0), (0.0009, 0)), ["a straight piece of no length"]),
+        (arc(0.0, 0.1), []),
+        (arc(0.09, 0.0), ["an arc of no length"]),
+        (arc(360, 0), []),
+        (arc(0, 360.01), ["the arc overlaps itself"]),
+        (arc(0, 90, radius_m=0.05 + LITTLE), []),
+        (arc(0, 90, radius_m=0.05), [""]),
+    ],
+)
+def test_a_piece_of_line_at_its_limits(piece, problems):
+    assert [fault.problem for fault in checks._arena_faults(arena([piece]))] == problems
+
+
+def test_a_wall_of_a_millimetre_is_one():
+    walls = [{"name": "A", "start": (0, 0), "end": (0, 0.001)}, {"name": "B", "start": (1, 0), "end": (1, 0.0009)}]
+    assert paths(checks._arena_faults(arena(walls=walls))) == ["arena.walls.1"]
+
+
+@pytest.mark.parametrize(
+    "turned", [lambda x, y: (x, y), lambda x, y: (-x, y), lambda x, y: (y, x), lambda x, y: (y, -x)]
+)
+def test_all_of_an_arena_lies_up_to_the_edge_of_the_floor(turned):
+    edge, beyond = turned(4.0, 1.0), turned(4.0 + LITTLE, 1.0)
+
+    def made(point):
+        walls = [{"name": "A", "start": point, "end": (0, 0)}, {"name": "B", "start": (0, 0), "end": point}]
+        pieces = [straight(point, (0, 0)), straight((0, 0), point)]
+        return arena(pieces, walls, [{"name": "C", "center": point}])
+
+    assert paths(checks._arena_faults(made(edge))) == []
+    assert paths(checks._arena_faults(made(beyond))) == [
+        "arena.line.pieces.0.start",
+        "arena.line.pieces.1.end",
+        "arena.walls.0.start",
+        "arena.walls.1.end",
+        "arena.obstacles.0.center",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("start_deg", "end_deg"), [(10, 80), (-80, 80), (80, -80), (100, 170), (-10, 190), (350, 370), (0, 360), (90, 180)]
+)
+def test_the_points_that_are_checked_of_an_arc_reach_as_far_as_all_of_it(start_deg, end_deg):
+    (piece,) = arena([arc(start_deg, end_deg, radius_m=2.0, center=(1.0, -3.0))]).line.pieces
+    assert isinstance(piece, ArcPiece)
+    swept = np.radians(np.linspace(start_deg, end_deg, 3601))
+    whole = np.stack([1.0 + 2.0 * np.cos(swept), -3.0 + 2.0 * np.sin(swept)], axis=1)
+    points = np.array(checks._outermost(piece))
+    assert points.min(axis=0) == pytest.approx(whole.min(axis=0), abs=1e-5)
+    assert points.max(axis=0) == pytest.approx(whole.max(axis=0), abs=1e-5)
+
+
+def start_faults(robot, made, x_m, y_m, yaw_deg):
+    route = Route.model_validate({"name": "A", "start": {"x_m": x_m, "y_m": y_m, "yaw_deg": yaw_deg}})
+    return [fault.problem for fault in checks._start_faults(made, robot, route, ("routes", 0, "start"))]
+
+
+@pytest.mark.parametrize(
+    ("axis", "yaw_deg", "half_m"), [((1, 0), 0, 0.09), ((-1, 0), 90, 0.085), ((0, 1), 90, 0.09), ((0, -1), 180, 0.085)]
+)
+def test_a_robot_starts_with_its_whole_body_on_the_floor(robot, axis, yaw_deg, half_m):
+    """0.18 m long and 0.17 m wide on a floor that ends at 4 m."""
+    for out_m, problems in ((-LITTLE, []), (LITTLE, ["the robot stands beyond the edge of the floor"])):
+        x_m, y_m = (unit * (4.0 - half_m + out_m) for unit in axis)
+        assert start_faults(robot, arena(), x_m, y_m, yaw_deg) == problems
+
+
+def test_a_robot_starts_beside_walls_and_obstacles_and_not_in_them(robot):
+    walls = [{"name": "W", "start": (0.5, -1), "end": (0.5, 1), "thickness_m": 0.02}]
+    made = arena(walls=walls, obstacles=[{"name": "O", "center": (-0.5, 0.0), "size": (0.2, 0.2, 0.1)}])
+    assert start_faults(robot, made, 0.5 - 0.09 - LITTLE, 0.0, 0) == []
+    assert start_faults(robot, made, -0.4 + 0.09 + LITTLE, 0.0, 0) == []
+    blocked = "the robot of route A would start inside"
+    assert start_faults(robot, made, 0.5 - 0.09 + LITTLE, 0.0, 0) == [f"{blocked} wall W"]
+    assert start_faults(robot, made, -0.4 + 0.09 - LITTLE, 0.0, 0) == [f"{blocked} obstacle O"]
+
+
+def test_a_window_leaves_a_lintel_of_10_cm_and_glass_of_20_cm(look):
+    top_m = look.room.height_m - 0.1 - 0.2
+    assert paths(checks._look_faults(changed(look, {"window.sill_m": top_m}))) == []
+    assert paths(checks._look_faults(changed(look, {"window.sill_m": top_m + LITTLE}))) == ["look.window.sill_m"]
+
+
+DARK = {
+    "lamps.rows": 0,
+    "lamps.flux_klm": 4.0,
+    "desk_lamps.count": 0,
+    "desk_lamps.flux_klm": 0.5,
+    "room.furniture.tables": 1,
+    "sun.illuminance_klx": 0.0,
+    "sky.luminance_kcd_m2": 0.0,
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "is_lit"),
+    [
+        ({}, False),
+        ({"lamps.rows": 1}, True),
+        ({"lamps.rows": 1, "lamps.flux_klm": 0.0}, False),
+        ({"desk_lamps.count": 1}, True),
+        ({"desk_lamps.count": 1, "desk_lamps.flux_klm": 0.0}, False),
+        ({"desk_lamps.count": 1, "room.furniture.tables": 0}, False),
+        ({"sun.illuminance_klx": 0.1}, True),
+        ({"sky.luminance_kcd_m2": 0.1}, True),
+    ],
+)
+def test_any_one_light_is_enough(look, changes, is_lit):
+    assert paths(checks._look_faults(changed(look, DARK | changes))) == ([] if is_lit else ["look.lamps"])
+
+
+def test_a_floor_that_is_an_image_needs_a_file(look):
+    assert paths(checks._look_faults(changed(look, {"floor.material": "image"}))) == ["look.floor.image.file"]
+    assert paths(checks._look_faults(changed(look, {"floor.material": "image", "floor.image.file": "a.png"}))) == []

@@ -1,0 +1,137 @@
+"""Single steps of the selection of effects: from which fall an effect is named, and what is compared with what."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from diagnosis.inference.fit import fits
+from diagnosis.inference.selection import (
+    _pruned,
+    _swapped,
+    is_negligible,
+    needed,
+    promising,
+    ranked,
+    refusal,
+    replaced,
+    rescued,
+    select,
+    without,
+)
+
+SD_A = 0.01
+X = np.linspace(-1.0, 1.0, 120)
+
+
+@pytest.fixture
+def fitted(hypothesis, effect):
+    """Fit the nominal bench with the named effects, from where they are absent."""
+
+    def fitted(evidence, *names):
+        model = hypothesis
+        for name in names:
+            model = model.with_effect(effect(name))
+        (fit,) = fits(evidence, [(model, model.null())])
+        return fit
+
+    return fitted
+
+
+@pytest.mark.parametrize(("fall", "is_named"), [(14.5, False), (15.5, True)])
+def test_an_effect_is_named_from_a_fall_of_15_on(evidence_of, hypothesis, effect, fall, is_named):
+    """An offset of z sigmas in n rows without noise lowers the sum of squares by n z^2; X is orthogonal to it."""
+    offset = SD_A * np.sqrt(fall / len(X))
+    selection = select(evidence_of(X, X + offset), hypothesis, [effect("current_sensor_offset")])
+    assert selection.names == (("current_sensor_offset",) if is_named else ())
+    (entry,) = selection.entries
+    assert entry.drop == pytest.approx(fall, rel=0.02)
+    assert entry.accepted is is_named
+
+
+def test_each_further_parameter_needs_3_more(effect):
+    assert needed(effect("current_sensor_offset")) == 15.0
+    assert needed(effect("friction_warmup")) == 18.0
+    assert needed(effect("friction_warmup"), 9.0) == 12.0
+
+
+def test_an_effect_is_replaced_by_all_others_beside_those_that_stay(evidence_of, fitted, effect):
+    gain, offset, scale = (effect(f) for f in ("current_sensor_gain", "current_sensor_offset", "torque_constant_scale"))
+    evidence = evidence_of(X, 1.4 * X + 0.05)
+    fit = fitted(evidence, gain.name, offset.name)
+    rivals = replaced(evidence, fit, gain, without(evidence, fit, gain), [gain, offset, scale])
+    assert [rival.hypothesis.effects for rival in rivals] == [(offset, scale)]
+
+
+@pytest.mark.parametrize("name", ["current_sensor_gain", "current_sensor_offset", "current_limit"])
+@pytest.mark.parametrize(("share", "expected"), [(0.0099, True), (0.0101, False), (-0.0099, True), (-0.0101, False)])
+def test_an_effect_counts_from_a_hundredth_of_the_way_from_none_to_its_start(
+    evidence_of, fitted, effect, name, share, expected
+):
+    """A limit is absent at its upper bound, others at a factor of 1 or at 0."""
+    fit, (c,) = fitted(evidence_of(X, X), name), effect(name).coordinates
+    at = replace(fit, x=np.array([0.3, c.null + share * (c.start - c.null)]))
+    assert is_negligible(at, effect(name)) is expected
+
+
+@pytest.mark.parametrize(
+    ("drops", "count"),
+    [
+        ([100.0, 80.0, 72.0, 71.0, 70.5, 70.0, 69.9, 5.0], 6),
+        ([20.0, 10.0, 6.0, 4.1, 4.1], 4),
+        ([20.0, 4.0, 3.0], 1),
+        ([], 0),
+    ],
+)
+def test_four_effects_are_tried_and_those_that_are_nearly_as_promising(drops, count):
+    prospects: Any = [SimpleNamespace(drop=drop) for drop in drops]
+    assert [prospect.drop for prospect in promising(prospects)] == drops[:count]
+
+
+def test_fits_are_ranked_by_their_cost_with_6_for_each_parameter_then_by_the_order_of_the_library(effect):
+    one, two = effect("current_sensor_gain"), effect("friction_warmup")
+    other = effect("current_sensor_offset")
+
+    def fit(cost, *effects) -> Any:
+        return SimpleNamespace(cost=cost, hypothesis=SimpleNamespace(effects=effects))
+
+    fits_by_cost = [fit(13.9, two), fit(20.0, one), fit(19.0, other), fit(14.1, two), fit(1.0, two, one)]
+    order = [f.cost for f in ranked(fits_by_cost, [one, two, other])]
+    assert order == [1.0, 19.0, 13.9, 20.0, 14.1]
+    equal = [fit(20.04, other), fit(20.0, one), fit(14.01, two)]
+    assert [f.cost for f in ranked(equal, [one, two, other])] == [20.0, 14.01, 20.04]
+
+
+@pytest.mark.parametrize(("rows", "reason"), [(7, "fewer than 8 samples"), (8, "")])
+def test_with_fewer_than_8_samples_nothing_is_named(evidence_of, fitted, effect, rows, reason):
+    x = np.linspace(-1.0, 1.0, rows)
+    evidence = evidence_of(x, x + 3.0 * SD_A)
+    before, after = fitted(evidence), fitted(evidence, "current_sensor_offset")
+    assert refusal(evidence, before, after, effect("current_sensor_offset")) == reason
+
+
+def test_an_effect_that_lowers_the_cost_too_little_is_taken_out_again(evidence_of, fitted):
+    both = ("current_sensor_gain", "current_sensor_offset")
+    needless = evidence_of(X, 1.4 * X)
+    assert _pruned(needless, fitted(needless, *both)).hypothesis.effects[0].name == both[0]
+    assert len(_pruned(needless, fitted(needless, *both)).hypothesis.effects) == 1
+    needful = evidence_of(X, 1.4 * X + 0.05)
+    assert len(_pruned(needful, fitted(needful, *both)).hypothesis.effects) == 2
+    assert len(_pruned(evidence_of(X, X), fitted(evidence_of(X, X), both[0])).hypothesis.effects) == 1
+
+
+def test_an_earlier_effect_gives_way_to_one_that_explains_more(evidence_of, fitted, effect):
+    """The limit of the current does nothing on this bench; the gain is what is hidden."""
+    names = ("current_limit", "current_sensor_offset", "current_sensor_gain")
+    evidence = evidence_of(X, 1.4 * X + 0.05)
+    swapped = _swapped(evidence, fitted(evidence, *names[:2]), [effect(name) for name in names])
+    assert [e.name for e in swapped.hypothesis.effects] == ["current_sensor_offset", "current_sensor_gain"]
+    alone = fitted(evidence, "current_limit")
+    assert _swapped(evidence, alone, [effect(name) for name in names]) is alone
+
+
+def test_no_fourth_effect_rescues_a_model(evidence_of, effect):
+    three: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3)))
+    assert rescued(evidence_of(X, X), three, [effect("current_sensor_gain")]) is None
