@@ -105,7 +105,14 @@ class Diagnosis:
             is_adequate=self.adequacy.is_adequate,
             chance=structures[0].p if structures else 1.0,
             nearly=max((entry.drop for entry in self.selection.refused), default=0.0),
+            scatter=max((level for _, level in self.scatters), default=1.0),
         )
+
+    @property
+    def scatters(self) -> tuple[tuple[str, float], ...]:
+        """Scatter of good readings relative to the stated noise, by quantity with a stated noise."""
+        levels = zip(self.evidence.observed, self.fit.noise.levels.tolist(), strict=True)
+        return tuple((observed.name, level) for observed, level in levels if observed.noise_is_stated)
 
     @property
     def extended(self) -> RobotConfig:

@@ -29,6 +29,9 @@ CANCELLED = 0.5
 MARGIN = 2.0
 """Fall of the cost beyond what the selection needs, from which a name stands: where tolerances and noise are not as
 stated, chance reaches a little more."""
+NOISY = 1.6
+"""Scatter of good readings relative to the stated noise, from which a model is no explanation. The statement may be
+wrong by a factor of two, but then it may as well be the model."""
 LEAST_WEIGHT = 0.1
 """Confidence below which a name is one of too many."""
 
@@ -109,7 +112,13 @@ def withheld(evidence: NameEvidence) -> str:
 
 
 def conclusion(
-    names: Sequence[str], withheld_names: Sequence[WithheldName], *, is_adequate: bool, chance: float, nearly: float
+    names: Sequence[str],
+    withheld_names: Sequence[WithheldName],
+    *,
+    is_adequate: bool,
+    chance: float,
+    nearly: float,
+    scatter: float,
 ) -> Conclusion:
     """Return the conclusion.
 
@@ -119,11 +128,12 @@ def conclusion(
         is_adequate: Whether the model with the names leaves no significant structure.
         chance: Probability of the strongest structure by chance, over all tests.
         nearly: Greatest fall of the cost by an effect that was not accepted.
+        scatter: Greatest scatter of good readings relative to the stated noise.
     """
     if not is_adequate:
         return Conclusion.NAMED_IN_PART if names else Conclusion.UNEXPLAINED
     if names:
         return Conclusion.NAMED
-    if withheld_names or chance < DOUBT or nearly >= NEARLY:
+    if withheld_names or chance < DOUBT or nearly >= NEARLY or scatter >= NOISY:
         return Conclusion.UNDECIDED
     return Conclusion.EXPLAINED

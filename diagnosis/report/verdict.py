@@ -10,7 +10,7 @@ from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.selection import needed
 from diagnosis.inference.unexplained.adequacy import Structure
-from diagnosis.inference.verdict import DOUBT, NEARLY, Conclusion
+from diagnosis.inference.verdict import DOUBT, NEARLY, NOISY, Conclusion
 from diagnosis.report.quantities import (
     along,
     confidence,
@@ -55,6 +55,9 @@ def _open(diagnosis: Diagnosis) -> str:
     first = next(iter(diagnosis.adequacy.structures), None)
     if first is not None and first.p < DOUBT:
         parts.append(f"the residuals of {first.observed} may depend on {along(first.covariate)} (p = {first.p:.2g})")
+    parts += [
+        f"{name} scatters {level:.1f} times as much as stated" for name, level in diagnosis.scatters if level >= NOISY
+    ]
     return "; ".join(parts)
 
 

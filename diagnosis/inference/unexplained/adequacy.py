@@ -37,8 +37,9 @@ less than what the functions explain, else the effect may be a part of the unkno
 AS_MUCH = 0.8
 """Share of what another covariate explains, from which two covariates count as equal."""
 MATERIAL = 9.0
-"""Least fall of the cost for a structure, however significant it is. If readings scatter as stated, chance alone
-reaches as much. It matters if they scatter far less, as in a simulated log, where integration errors would show."""
+"""Least fall of the cost for a structure, by the stated noise, however significant it is. If readings scatter as
+stated, chance alone reaches as much. It matters if they scatter far less, as in a simulated log, where integration
+errors would show."""
 DRIFT = 1.0
 """Root mean square in sigmas up to which the zero of an instrument may drift, within a session and from one to the
 next. It is reported as unexplained, but does not speak against effects that do not depend on time."""
@@ -104,7 +105,7 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
     """Test the residuals of a fit; `beside` are columns (N, k) in sigmas whose multiples are fitted in addition."""
     tangents = _Tangents(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
     structures: list[Structure] = []
-    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+    for quantity, place, level in zip(evidence.observed, evidence.places, fit.noise.levels.tolist(), strict=True):
         rows = evidence.fit[place]
         if np.count_nonzero(rows) < 8:
             continue
@@ -120,7 +121,7 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
             best: Structure | None = None
             for basis in functions:
                 p, gain = tangents.test(inside, basis)
-                p = min(1.0, p * basis.tries) if gain >= MATERIAL else 1.0
+                p = min(1.0, p * basis.tries) if gain * level**2 >= MATERIAL else 1.0
                 if best is None or p < best.p:
                     names = (quantity.name, quantity.channel, covariate.name)
                     columns = np.zeros((len(evidence.values), basis.columns.shape[1]))

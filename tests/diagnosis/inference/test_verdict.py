@@ -10,6 +10,7 @@ from diagnosis.inference.verdict import (
     DOUBT,
     LEAST_WEIGHT,
     NEARLY,
+    NOISY,
     Conclusion,
     NameEvidence,
     WithheldName,
@@ -61,24 +62,31 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
         assert evidence.heldout_rise <= 0.0
 
 
-@given(names, withheld_names, st.booleans(), st.floats(0.0, 1.0), st.floats(0.0, 15.0))
-def test_the_conclusion_never_contradicts_the_evidence(standing, not_standing, is_adequate, chance, nearly):
-    found = conclusion(standing, not_standing, is_adequate=is_adequate, chance=chance, nearly=nearly)
+doubts = st.fixed_dictionaries(
+    {"chance": st.floats(0.0, 1.0), "nearly": st.floats(0.0, 15.0), "scatter": st.floats(0.5, 2.0)}
+)
+
+
+@given(names, withheld_names, st.booleans(), doubts)
+def test_the_conclusion_never_contradicts_the_evidence(standing, not_standing, is_adequate, doubt):
+    found = conclusion(standing, not_standing, is_adequate=is_adequate, **doubt)
     assert (found in {Conclusion.NAMED, Conclusion.NAMED_IN_PART}) == bool(standing)
     assert (found in {Conclusion.NAMED_IN_PART, Conclusion.UNEXPLAINED}) == (not is_adequate)
     if found is Conclusion.EXPLAINED:
-        assert chance >= DOUBT
-        assert nearly < NEARLY
+        assert doubt["chance"] >= DOUBT
+        assert doubt["nearly"] < NEARLY
+        assert doubt["scatter"] < NOISY
         assert not not_standing
 
 
-@given(st.floats(0.0, 1.0), st.floats(0.0, 15.0))
-def test_more_doubt_never_makes_a_model_an_explanation(chance, nearly):
-    def explained(p, fall):
-        return conclusion([], [], is_adequate=True, chance=p, nearly=fall) is Conclusion.EXPLAINED
+@given(doubts)
+def test_more_doubt_never_makes_a_model_an_explanation(doubt):
+    def explained(**more):
+        return conclusion([], [], is_adequate=True, **{**doubt, **more}) is Conclusion.EXPLAINED
 
-    assert explained(0.5 * chance, nearly) <= explained(chance, nearly)
-    assert explained(chance, nearly + 1.0) <= explained(chance, nearly)
+    assert explained(chance=0.5 * doubt["chance"]) <= explained()
+    assert explained(nearly=doubt["nearly"] + 1.0) <= explained()
+    assert explained(scatter=doubt["scatter"] * 1.2) <= explained()
 
 
 @pytest.mark.parametrize(("factor", "cancels"), [(-1.0, True), (-0.8, True), (-0.4, False), (1.0, False)])
