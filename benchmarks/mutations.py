@@ -30,7 +30,7 @@ import sys
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -69,7 +69,7 @@ TESTS = {
         "tests/configs/test_draw.py",
         f"{ARENAS}::test_the_specification_holds_the_arena_and_no_recipe",
         f"{ARENAS}::test_the_line_lies_where_the_route_starts_whatever_the_scenario",
-        f"{ARENAS}::test_ranges_that_admit_no_arena_are_refused_with_the_reason",
+        f"{ARENAS}::test_ranges_for_which_no_arena_fits_are_refused_with_the_reason",
     ),
     "sensors/camera/response.py": ("tests/sensors/camera/test_response.py",),
     "symolo/core/geometry/pinhole.py": ("tests/sensors/camera/test_pinhole.py",),
@@ -123,9 +123,6 @@ class Mutation:
     """Number of the place among those of the operator in the module."""
     source: str
     """Short hash of the module's text."""
-    before: str
-    """The line."""
-    after: str
 
 
 TYPES = {str: str, int: int, float: float}
@@ -135,6 +132,9 @@ TYPES = {str: str, int: int, float: float}
 class Row(Mutation):
     """One line of the table."""
 
+    before: str
+    """The line."""
+    after: str
     outcome: str
     seconds: float
 
@@ -151,10 +151,14 @@ def main() -> int:
     failed = 0
     with tempfile.TemporaryDirectory(prefix="symolo-mutations-") as folder:
         tree = _copy(Path(folder))
+        sys.path.insert(0, str(tree))
+        graph = grimp.build_graph(*PACKAGES, cache_dir=None)
         for module in TESTS:
             left = [mutation for mutation in drawn if mutation.module == module and mutation not in judged]
             if left:
-                failed |= _forked(lambda module=module, left=left: _judge_module(tree, module, left, options.table))
+                failed |= _forked(
+                    lambda module=module, left=left: _judge_module(tree, graph, module, left, options.table)
+                )
     if failed:
         return 1
     rows = {row.mutation: row for row in _read(options.table)}
@@ -186,9 +190,10 @@ def _operators() -> dict[str, Operator]:
 def _drawn(modules: Iterable[str], number: int, seed: int) -> Iterator[Mutation]:
     """Yield one change each of randomly drawn places."""
     operators = _operators()
-    places = defaultdict(list)
+    places, sources = defaultdict(list), {}
     for module in modules:
         text = (ROOT / module).read_text()
+        sources[module] = hashlib.sha256(text.encode()).hexdigest()[:12]
         lines, annotations = text.splitlines(), list(_annotations(text))
         nodes = list(cosmic_ray.ast.ast_nodes(cosmic_ray.ast.get_ast(text)))
         for name, operator in operators.items():
@@ -200,7 +205,7 @@ def _drawn(modules: Iterable[str], number: int, seed: int) -> Iterator[Mutation]
     draw = random.Random(seed)  # noqa: S311 - a sample, not a secret
     for module, start, end in draw.sample(sorted(places), min(number, len(places))):
         name, occurrence = draw.choice(places[module, start, end])
-        yield _mutation(module, name, occurrence, operators[name])
+        yield Mutation(module, start[0], name, occurrence, sources[module])
 
 
 def _annotations(text: str) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
@@ -210,12 +215,10 @@ def _annotations(text: str) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]
                 yield (part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)
 
 
-def _mutation(module: str, name: str, occurrence: int, operator: Operator) -> Mutation:
-    text = (ROOT / module).read_text()
-    source = hashlib.sha256(text.encode()).hexdigest()[:12]
-    before, after = text.splitlines(), (mutate_code(text, operator, occurrence) or text).splitlines()
-    line = next((k for k, (old, new) in enumerate(zip(before, after, strict=False)) if old != new), 0)
-    return Mutation(module, line + 1, name, occurrence, source, before[line].strip(), after[line].strip())
+def _difference(text: str, changed: str) -> tuple[str, str]:
+    """Return the first line that differs, before and after the change."""
+    both = ([line.strip() for line in lines.splitlines() if line.strip()] for lines in (text, changed))
+    return next((pair for pair in zip(*both, strict=False) if pair[0] != pair[1]), ("", ""))
 
 
 def _copy(folder: Path) -> Path:
@@ -235,21 +238,21 @@ def _copy(folder: Path) -> Path:
     return tree
 
 
-def _judge_module(tree: Path, module: str, mutations: list[Mutation], table: Path) -> int:
+def _judge_module(tree: Path, graph: grimp.ImportGraph, module: str, mutations: list[Mutation], table: Path) -> int:
     """Judge changes of one module, in a process of its own, and append them to the table."""
     os.chdir(tree)
-    sys.path[0] = str(tree)
     os.environ |= {"PYTHONPATH": str(tree), "TMPDIR": str(tree.parent / "tmp"), "PYTHONDONTWRITEBYTECODE": "1"}
     name = module.removesuffix(".py").replace("/", ".")
     loaded, durations = tree.parent / "loaded", tree.parent / f"{name}.json"
-    first = _forked(lambda: _tests(module, durations, loaded), 600.0)
+    collected = not _forked(lambda: _collect(module, loaded), 600.0)
     sys.dont_write_bytecode = True
     for stale in (tree / module).parent.glob(f"__pycache__/{Path(module).stem}.*"):
         stale.unlink()
-    _preload(name, loaded.read_text().split() if not first else [])
+    if collected:
+        _preload(loaded.read_text().split(), {name, *graph.find_downstream_modules(name)})
     begin = time.monotonic()
-    if first or _forked(lambda: _tests(module, durations), 600.0):
-        print(f"{module}: its tests fail before any change", file=sys.stderr)
+    if not collected or name in sys.modules or _forked(lambda: _tests(module, durations), 600.0):
+        print(f"{module}: its tests cannot be collected, or fail before any change", file=sys.stderr)
         return 1
     seconds = time.monotonic() - begin
     gc.freeze()  # a collection in a child would copy all of it
@@ -257,13 +260,16 @@ def _judge_module(tree: Path, module: str, mutations: list[Mutation], table: Pat
     operators = _operators()
     for mutation in mutations:
         begin = time.monotonic()
-        (tree / module).write_text(mutate_code(text, operators[mutation.operator], mutation.occurrence) or text)
+        changed = mutate_code(text, operators[mutation.operator], mutation.occurrence) or text
+        (tree / module).write_text(changed)
         if _forked(lambda: importlib.import_module(name) is None, SPARE_SECONDS):
             outcome = UNIMPORTABLE
         else:
             code = _forked(lambda: _tests(module, durations), SPARE_SECONDS + 3 * seconds)
             outcome = {0: SURVIVED, -signal.SIGKILL: ENDLESS}.get(code, CAUGHT)
-        _append(table, Row(**asdict(mutation), outcome=outcome, seconds=round(time.monotonic() - begin, 1)))
+        before, after = _difference(text, changed)
+        took = round(time.monotonic() - begin, 1)
+        _append(table, Row(**asdict(mutation), before=before, after=after, outcome=outcome, seconds=took))
     (tree / module).write_text(text)
     return 0
 
@@ -286,22 +292,28 @@ class QuickestFirst:
             self._path.write_text(json.dumps(self._seconds))
 
 
-def _tests(module: str, seconds: Path, loaded: Path | None = None) -> int:
-    import pytest  # noqa: PLC0415 - not needed to draw
-
-    # pytest warns that it can no longer rewrite plugins that are loaded, and a warning is an error here.
-    settings = ["-q", "-x", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
-    settings += ["-p", "no:tests.release_fixtures", f"--basetemp={os.environ['TMPDIR']}/t"]
-    code = int(pytest.main([*settings, *TESTS[module]], plugins=[QuickestFirst(seconds)]))
-    if loaded is not None:
-        loaded.write_text("\n".join(sys.modules))
+def _collect(module: str, loaded: Path) -> int:
+    """Collect the tests of a module, and write the names of all that was imported."""
+    code = _pytest(["--collect-only", *TESTS[module]])
+    loaded.write_text("\n".join(sys.modules))
     return code
 
 
-def _preload(changed: str, names: list[str]) -> None:
+def _tests(module: str, seconds: Path) -> int:
+    return _pytest(["-x", *TESTS[module]], [QuickestFirst(seconds)])
+
+
+def _pytest(arguments: list[str], plugins: Sequence[object] = ()) -> int:
+    import pytest  # noqa: PLC0415 - not needed to draw
+
+    # pytest warns that it can no longer rewrite plugins that are loaded, and a warning is an error here.
+    settings = ["-q", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    settings += ["-p", "no:tests.release_fixtures", f"--basetemp={os.environ['TMPDIR']}/t"]
+    return int(pytest.main([*settings, *arguments], plugins=plugins))
+
+
+def _preload(names: list[str], later: set[str]) -> None:
     """Import what the tests import, except the changed module and all that import it."""
-    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
-    later = {changed, *graph.find_downstream_modules(changed)}
     for name in names:
         is_ours = name.partition(".")[0] in PACKAGES
         if name not in later and (is_ours or not name.startswith(("tests", "conftest", "test_", "__"))):
@@ -309,8 +321,6 @@ def _preload(changed: str, names: list[str]) -> None:
                 importlib.import_module(name)
             except Exception:  # noqa: BLE001, S112 - some modules can be imported by their library alone
                 continue
-    if changed in sys.modules:
-        raise RuntimeError(f"{changed} was imported before it was changed")
 
 
 def _forked(work: Callable[[], int], limit_s: float = float("inf")) -> int:

@@ -30,6 +30,8 @@ BANNED_CALLS = {
     "os.fork": "engines do not survive it",
     "yaml.load": "builds any object; symolo.core.yaml.reader reads strictly",
     "tempfile.mktemp": "races",
+    "tarfile.open": "reads what a stranger packed; archives are written here and never unpacked",
+    "shutil.unpack_archive": "unpacks what a stranger packed",
     "np.random.default_rng": "seeds by order or by chance; symolo.core.random_streams keys by path",
 }
 ALLOWED_RANDOM = {"np.random.Generator", "np.random.PCG64", "numpy.random.Generator"}
@@ -41,11 +43,9 @@ def name_of(path):
 
 def banned_imports(tree):
     for node in ast.walk(tree):
-        names = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            names = [node.module or ""]
+        if not isinstance(node, ast.Import | ast.ImportFrom):
+            continue
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
         for name in names:
             if name.split(".")[0] in BANNED_IMPORTS:
                 yield f"line {node.lineno}: {name} {BANNED_IMPORTS[name.split('.')[0]]}"

@@ -7,6 +7,7 @@ import resource
 import shutil
 import signal
 import socket
+import tarfile
 import tempfile
 import time
 from pathlib import Path
@@ -175,6 +176,45 @@ def test_a_link_in_the_stages_is_refused(command, name, trap, capsys):
     assert main([command, str(data)]) == 2
     assert f"{name}: is a symbolic link, and a dataset holds plain folders" in "".join(capsys.readouterr())
     assert (data / name).is_symlink()
+
+
+def hostile_archive(path: Path, outside: Path) -> None:
+    """Write a tar whose members lead out of its folder, are no files, are huge, or have headers of megabytes."""
+    members = {
+        "absolute": {"name": str(outside / "absolute")},
+        "above": {"name": "../above"},
+        "link": {"name": "link", "type": tarfile.SYMTYPE, "linkname": "/etc"},
+        "hard link": {"name": "hard", "type": tarfile.LNKTYPE, "linkname": "/etc/passwd"},
+        "device": {"name": "zero", "type": tarfile.CHRTYPE, "devmajor": 1, "devminor": 5},
+        "pipe": {"name": "pipe", "type": tarfile.FIFOTYPE},
+        "sparse": {"name": "sparse", "pax_headers": {"GNU.sparse.major": "1", "GNU.sparse.realsize": str(1 << 40)}},
+        "giant header": {"name": "giant", "pax_headers": {"comment": "a" * 3_000_000}},
+        "other encoding": {"name": "\udce9\udcff"},
+        **{f"tiny {number}": {"name": f"{number}"} for number in range(3000)},
+    }
+    with tarfile.open(path, "w", format=tarfile.PAX_FORMAT, errors="surrogateescape") as archive:
+        for fields in members.values():
+            info = tarfile.TarInfo()
+            for field, value in fields.items():
+                setattr(info, field, value)
+            archive.addfile(info)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        name if name in ("verify", "inspect", "export") else pytest.param(name, marks=pytest.mark.faults)
+        for name in COMMANDS
+    ],
+)
+def test_an_archive_is_no_dataset_and_is_never_unpacked(command, trap, tmp_path):
+    """In the place of the dataset, and of a file in it."""
+    data, ends = trap
+    shutil.rmtree(data)
+    hostile_archive(data, tmp_path)
+    wrong = [what for what in ends(command, "metadata.json") if not what.startswith("exit code 2")]
+    assert wrong == []
+    assert {path.name for path in tmp_path.iterdir()} == {"data", "about.yaml", "secret"}
 
 
 @pytest.mark.faults

@@ -140,6 +140,74 @@ def test_a_log_has_range_and_status_in_columns_of_their_own(robot, arena_of):
     assert status.dtype == np.int64
 
 
+class Draws:
+    """A generator that gives these uniform numbers, and no noise."""
+
+    def __init__(self, numbers):
+        self.numbers = np.array(numbers)
+
+    def random(self, size):
+        assert size == len(self.numbers)
+        return self.numbers
+
+    def standard_normal(self, size):
+        return np.zeros(size)
+
+
+def test_an_update_is_lost_where_its_number_is_below_the_probability(robot, arena_of, plane_world, monkeypatch):
+    """Before the first update there is no target, so that this is what is held."""
+    tof = sensors(robot, arena_of(), dropout_probability=0.3)
+    monkeypatch.setattr(tof, "_rng", Draws([0.299, 0.3, 0.301]))
+    readings = tof.sample(wall_ahead(plane_world, robot, 0.1))
+    assert readings[0].tolist() == [NO_TARGET_M, TofStatus.HELD]
+    assert TofStatus.HELD not in readings[1:, 1]
+
+
+def test_a_share_of_equation_24_is_added_to_the_range(robot, arena_of, plane_world):
+    tof = sensors(robot, arena_of(), error_scale=0.3, noise_scale=0.0)
+    reading = tof.sample(wall_ahead(plane_world, robot, 0.6))[FRONT, 0]
+    assert reading == pytest.approx(0.60025 + 0.3 * 0.05977 * math.log(0.6 / 0.18), abs=0.0005001)
+
+
+def test_the_floor_has_no_offset_and_the_noise_of_equation_23(robot, arena_of, plane_world):
+    """A sensor that looks straight down reads its height."""
+    front = robot.tof.mounts.front.model_copy(update={"pitch_up_deg": -90.0})
+    mounts = robot.tof.mounts.model_copy(update={"front": front})
+    world = plane_world(floor=True)
+    still = sensors(robot, arena_of("metal"), mounts=mounts, noise_scale=0.0, quantisation_m=0.0)
+    assert still.sample(world)[FRONT, 0] == pytest.approx(front.z_m, rel=1e-6)
+    noisy = sensors(robot, arena_of("metal"), mounts=mounts, quantisation_m=0.0)
+    readings_mm = 1e3 * np.array([noisy.sample(world)[FRONT, 0] for _ in range(1000)])
+    assert readings_mm.std() == pytest.approx(1.41, rel=0.1)
+
+
+def test_rays_end_a_quarter_beyond_the_largest_range(robot, arena_of, plane_world):
+    world, lengths_m = plane_world(), []
+
+    class Watched:
+        pose, encoder_counts = world.pose, world.encoder_counts
+        time_s = 0.0
+
+        def cast(self, origins, ends):
+            lengths_m.extend(np.linalg.norm(ends - origins, axis=1))
+            return world.cast(origins, ends)
+
+    sensors(robot, arena_of(), max_range_m=1.2).sample(Watched())
+    assert lengths_m == pytest.approx([1.5] * 270)
+
+
+def test_a_mount_turns_its_axis_up_and_then_to_the_left(robot):
+    mount = robot.tof.mounts.left.model_copy(update={"pitch_up_deg": 30.0, "yaw_deg": 60.0})
+    (axis,) = ray_directions(mount, np.zeros(1), np.zeros(1))
+    assert axis == pytest.approx([math.sqrt(3) / 4, 0.75, 0.5])
+    # Off the axis by 90 degrees: a roll of 0 is the left of the mount, one of 90 degrees its top.
+    sides = ray_directions(mount, np.full(2, np.pi / 2), np.array([0.0, np.pi / 2]))
+    assert sides[0] == pytest.approx([-math.sqrt(3) / 2, 0.5, 0.0])
+    assert sides[1] == pytest.approx([-0.25, -math.sqrt(3) / 4, math.sqrt(3) / 2])
+    (further,) = ray_directions(mount, np.zeros(1), np.zeros(1), np.radians(30.0))
+    assert further == pytest.approx([0.0, math.sqrt(3) / 2, 0.5])
+
+
 def test_90_rays_fill_a_cone_of_25_degrees_about_the_axis(robot):
     angle, roll = ray_pattern(90, math.radians(25.0))
     directions = ray_directions(robot.tof.mounts.left, angle, roll)

@@ -104,8 +104,8 @@ def test_fits_are_ranked_by_their_cost_with_6_for_each_parameter_then_by_the_ord
     fits_by_cost = [fit(13.9, two), fit(20.0, one), fit(19.0, other), fit(14.1, two), fit(1.0, two, one)]
     order = [f.cost for f in ranked(fits_by_cost, [one, two, other])]
     assert order == [1.0, 19.0, 13.9, 20.0, 14.1]
-    equal = [fit(20.04, other), fit(20.0, one), fit(14.01, two)]
-    assert [f.cost for f in ranked(equal, [one, two, other])] == [20.0, 14.01, 20.04]
+    equal = [fit(20.0, other), fit(20.04, one), fit(14.01, two)]
+    assert [f.cost for f in ranked(equal, [one, two, other])] == [20.04, 14.01, 20.0]
 
 
 @pytest.mark.parametrize(("rows", "reason"), [(7, "fewer than 8 samples"), (8, "")])
@@ -114,6 +114,20 @@ def test_with_fewer_than_8_samples_nothing_is_named(evidence_of, fitted, effect,
     evidence = evidence_of(x, x + 3.0 * SD_A)
     before, after = fitted(evidence), fitted(evidence, "current_sensor_offset")
     assert refusal(evidence, before, after, effect("current_sensor_offset")) == reason
+
+
+@pytest.mark.parametrize(("heldout", "is_refused"), [(3, False), (5, True)])
+def test_held_out_rows_speak_against_an_effect_from_two_standard_deviations_on(
+    evidence_of, fitted, effect, heldout, is_refused
+):
+    """In n held-out rows without the offset the cost rises by n z^2, which is sqrt(n) times the root of n z^4."""
+    x = np.concatenate([X, np.zeros(heldout)])
+    readings = np.concatenate([X + SD_A, np.zeros(heldout)])
+    evidence = evidence_of(x, readings, heldout=heldout)
+    before, after = fitted(evidence), fitted(evidence, "current_sensor_offset")
+    reason = refusal(evidence, before, after, effect("current_sensor_offset"))
+    assert reason.startswith("the cost of the held-out rows rises by") is is_refused
+    assert bool(reason) is is_refused
 
 
 def test_an_effect_that_lowers_the_cost_too_little_is_taken_out_again(evidence_of, fitted):

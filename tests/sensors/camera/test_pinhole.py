@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from symolo.core.geometry.pinhole import (
     Shutter,
@@ -89,6 +90,7 @@ def test_a_point_behind_the_camera_has_negative_depth(robot):
     assert depth[0] < 0
 
 
+TURNS = (("z", 20.0), ("y", 30.0), ("z", 10.0))
 LENS = (-0.3, 0.1, 0.001, -0.002, -0.01)
 
 
@@ -138,6 +140,13 @@ def test_a_point_far_beyond_the_lens_fold_has_no_pixel_either(robot, x_m):
     camera = replace(intrinsics(robot.camera, 160, 120), distortion=(-0.12, 0.0, 0.0, 0.0, 0.0))
     pixels, _ = project(camera, np.eye(4), np.array([[x_m, 0.0, 1.0]]))
     assert np.isnan(pixels).all()
+
+
+def test_pitch_yaw_and_roll_are_turns_about_left_up_and_the_axis(robot):
+    turned = robot.camera.model_copy(update={"pitch_down_deg": 30.0, "yaw_left_deg": 20.0, "roll_deg": 10.0})
+    level = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    about_up, about_left, about_axis = (Rotation.from_euler(*turn, degrees=True).as_matrix() for turn in TURNS)
+    assert pose_X_RC(turned, 0.05)[:3, :3] == pytest.approx(about_up @ about_left @ level @ about_axis)
 
 
 def test_a_camera_turned_to_the_left_looks_there(robot):
