@@ -18,11 +18,13 @@ from diagnosis.inference.fit import HypothesisFit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
-from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
-from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
+from diagnosis.inference.seen_range import SeenRange, seen_ranges
+from diagnosis.inference.selection import Selection, is_at_bound, is_of_noise, needed, rescued, select, without
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, change_by, survivors
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
+from diagnosis.inference.verdict import SUBSTITUTE, Conclusion, NameEvidence, WithheldName, cancel, conclusion, withheld
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels
 from diagnosis.nominal_robot import nominal_robot
@@ -48,10 +50,17 @@ class NamedEffect:
     values: dict[str, float]
     std: dict[str, float]
     comparison: RivalComparison
+    ranges: tuple[SeenRange, ...] = ()
+    """Range of each covariate over the rows in which the effect was seen."""
 
     @property
     def name(self) -> str:
         return self.effect.kind.name
+
+    @property
+    def seen_for(self) -> str:
+        """Conditions under which the effect was seen, as text; beyond them its law is a guess."""
+        return ", ".join(seen.text for seen in self.ranges)
 
     @property
     def parameters(self) -> dict[str, str | float]:
@@ -71,10 +80,12 @@ class Diagnosis:
     fit: HypothesisFit
     """The fit with the named effects."""
     named: tuple[NamedEffect, ...]
+    withheld: tuple[WithheldName, ...]
+    """Names that were selected, but do not stand by themselves."""
     withdrawn: tuple[str, ...]
     """Names of effects that were selected and then withdrawn, since structure remains that they do not explain."""
     adequacy: Adequacy
-    """Test of the selected model, before anything was withdrawn."""
+    """Test of the selected model, before anything was withdrawn, or of the model without the names withheld."""
     gain: Gain | None
     """Gain of the extended model over the nominal one."""
     calibrated: Gain | None
@@ -84,6 +95,24 @@ class Diagnosis:
     def unexplained(self) -> Structure | None:
         """The structure that no effect explains; None if there is none."""
         return None if self.adequacy.is_adequate else self.adequacy.worst
+
+    @property
+    def conclusion(self) -> Conclusion:
+        structures = self.adequacy.structures
+        return conclusion(
+            [named.name for named in self.named],
+            self.withheld,
+            is_adequate=self.adequacy.is_adequate,
+            chance=structures[0].p if structures else 1.0,
+            nearly=max((entry.drop for entry in self.selection.refused), default=0.0),
+            scatter=max((level for _, level in self.scatters), default=1.0),
+        )
+
+    @property
+    def scatters(self) -> tuple[tuple[str, float], ...]:
+        """Scatter of good readings relative to the stated noise, by quantity with a stated noise."""
+        levels = zip(self.evidence.observed, self.fit.noise.levels.tolist(), strict=True)
+        return tuple((observed.name, level) for observed, level in levels if observed.noise_is_stated)
 
     @property
     def extended(self) -> RobotConfig:
@@ -100,6 +129,7 @@ class Diagnosis:
                     "std": {name: std for name, std in named.std.items() if isfinite(std)},
                     "confidence": round(named.comparison.confidence, 4),
                     "ambiguous_with": list(named.comparison.ambiguous_with),
+                    "range": {seen.covariate: [seen.low, seen.high] for seen in named.ranges},
                 }
                 for named in self.named
             ],
@@ -150,8 +180,12 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
     if result.is_adequate:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
+    model, withheld_names = _standing(
+        evidence, selection.nominal, _NamedModel(fit, comparisons, result), library.testable
+    )
+    fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
-    names = {effect.name for effect in fit.hypothesis.effects}
+    names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
     # The remembered fits with their slopes need much memory and are not used again.
     evidence.known.clear()
     return Diagnosis(
@@ -162,9 +196,16 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         selection=selection,
         fit=fit,
         named=tuple(
-            NamedEffect(c.effect, dict(fit.hypothesis.values(c.effect, fit.x)), fit.std(c.effect), c)
+            NamedEffect(
+                c.effect,
+                dict(fit.hypothesis.values(c.effect, fit.x)),
+                fit.std(c.effect),
+                c,
+                seen_ranges(evidence, selection.nominal, fit, c.effect),
+            )
             for c in comparisons
         ),
+        withheld=withheld_names,
         withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
         adequacy=result,
         gain=gain(evidence, robot, fit.robot),
@@ -229,7 +270,13 @@ def _without_stand_ins(evidence: Evidence, selection: Selection, result: Adequac
     Effects of the noise are removed first: wider noise can replace any structure of the mean and hides its size.
     """
     fit = selection.fit
-    mean_effects = [effect for effect in fit.hypothesis.effects if not is_of_noise(fit, effect)]
+    noise_effects = [effect for effect in fit.hypothesis.effects if is_of_noise(fit, effect)]
+    if not result.has_cause:
+        # A drift adds little to the noise, so that it cannot stand behind an effect of the noise.
+        return _with_only(
+            evidence, selection, fit, [*noise_effects, *survivors(evidence, selection.nominal, fit, result.worst)]
+        )
+    mean_effects = [effect for effect in fit.hypothesis.effects if effect not in noise_effects]
     if len(mean_effects) < len(fit.hypothesis.effects):
         fit = _with_only(evidence, selection, fit, mean_effects)
         result = _structures_of(evidence, replace(selection, fit=fit), adequacy(evidence, fit))
@@ -271,3 +318,78 @@ def _best_named(
         return fit, comparisons
     best = min(better, key=lambda rival: rival.worse).fit
     return best, [compare_rivals(evidence, best, effect, effects) for effect in best.hypothesis.effects]
+
+
+@dataclass(frozen=True)
+class _NamedModel:
+    """A fit with the rivals of each of its names, and the test of its residuals."""
+
+    fit: HypothesisFit
+    comparisons: Sequence[RivalComparison]
+    result: Adequacy
+
+
+def _standing(
+    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, effects: Sequence[CandidateEffect]
+) -> tuple[_NamedModel, tuple[WithheldName, ...]]:
+    """Return the model with only those names that stand, and the names withheld.
+
+    Names are withheld one at a time, the weakest first, since the others may stand without it.
+    """
+    withheld_names: list[WithheldName] = []
+    while True:
+        found = [_name_evidence(evidence, nominal, model, comparison) for comparison in model.comparisons]
+        failing = [
+            (each, comparison) for each, comparison in zip(found, model.comparisons, strict=True) if withheld(each)
+        ]
+        if not failing:
+            return model, tuple(withheld_names)
+        # Effects that cancel each other imitate the same thing, so they go together.
+        cancelling = [pair for pair in failing if pair[0].cancelled_by]
+        going = cancelling or [min(failing, key=lambda pair: pair[0].rise)]
+        withheld_names += [WithheldName(each.name, withheld(each)) for each, _ in going]
+        fit = model.fit
+        for _, comparison in going:
+            fit = without(evidence, fit, comparison.effect)
+        left = adequacy(evidence, fit)
+        if left.has_cause and fit.hypothesis.effects:
+            kept = survivors(evidence, nominal, fit, left.worst)
+            substitutes = [effect for effect in fit.hypothesis.effects if effect not in kept]
+            withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
+            for effect in substitutes:
+                fit = without(evidence, fit, effect)
+        comparisons = [compare_rivals(evidence, fit, effect, effects) for effect in fit.hypothesis.effects]
+        model = _NamedModel(fit, comparisons, model.result if left.is_adequate else left)
+
+
+def _cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> str:
+    """Return the name of another effect of a fit that undoes what this one does; empty if there is none."""
+    others = [other for other in fit.hypothesis.effects if other != effect]
+    if not others:
+        return ""
+    change = change_by(evidence, nominal, fit, effect)
+    return next((other.name for other in others if cancel(change, change_by(evidence, nominal, fit, other))), "")
+
+
+def _name_evidence(
+    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, comparison: RivalComparison
+) -> NameEvidence:
+    """Return what the data say of one name of a model, which leaves an unexplained structure or none.
+
+    Beside such a structure a rival may win by taking over a part of it, so rivals count only without.
+    """
+    fit, effect, has_rest = model.fit, comparison.effect, not model.result.is_adequate
+    base = without(evidence, fit, effect)
+    heldout_rise = float((base.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None
+    rival = None if has_rest else next((rival for rival in comparison.rivals if not rival.refused), None)
+    return NameEvidence(
+        name=effect.name,
+        rise=base.cost - fit.cost,
+        needed=needed(effect),
+        rise_of_prior=base.prior_cost - fit.prior_cost,
+        heldout_rise=heldout_rise,
+        is_at_bound=is_at_bound(fit, effect),
+        cancelled_by=_cancelled_by(evidence, nominal, fit, effect),
+        closest_rival=None if rival is None else (rival.effect.name, rival.worse),
+        confidence=1.0 if has_rest else comparison.confidence,
+    )

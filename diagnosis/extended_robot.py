@@ -196,7 +196,8 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
         for name in named.effect.kind.parameters():
             error = named.std[name]
             known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not determined by these data"
-            comments["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}"
+            seen = f"; seen for {named.seen_for}" if named.ranges else ""
+            comments["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}{seen}"
         for name, _ in named.effect.choices:
             comments["effects", named.effect.kind.name, name] = "named by the diagnosis"
     comments["chassis", "width_m"] = "widened to cover the wheels"

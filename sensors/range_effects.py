@@ -48,13 +48,12 @@ class RangeEffects:
     def expected(self, reading_m: Array, sd_m: Array, view: RangeView, resolution_m: float) -> tuple[Array, Array]:
         """Return mean and standard deviation [m] of readings that are rounded to a resolution.
 
-        Rounding adds the variance resolution^2 / 12 of a uniform error. A limit is not linear, so the mean and the
-        variance after it are integrals over the Gaussian noise, which are computed by Gauss-Hermite quadrature.
+        Rounding adds the variance resolution^2 / 12 of a uniform error. A limit is not linear, so the mean after it is
+        an integral over the normal noise, computed by Gauss-Hermite quadrature. The standard deviation is that before
+        the limit: a device may limit what it measures before the noise, so readings at the limit can scatter as others.
         """
         mean, sd = self.seen(reading_m, sd_m, view)
         if self.limit:
-            drawn = [self.limited(mean + node * sd) for node in NODES]
+            drawn = (self.limited(mean + node * sd) for node in NODES)
             mean = sum((weight * value for weight, value in zip(WEIGHTS, drawn, strict=True)), np.zeros(()))
-            squares = (weight * (value - mean) ** 2 for weight, value in zip(WEIGHTS, drawn, strict=True))
-            sd = np.sqrt(sum(squares, np.zeros(())))
         return mean, np.sqrt(sd**2 + resolution_m**2 / 12.0)

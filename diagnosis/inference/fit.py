@@ -12,11 +12,22 @@ from functools import cached_property
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
-from diagnosis.inference.likelihood import SPREAD, cost, residuals, robust_weight
+from diagnosis.inference.likelihood import (
+    NoiseFit,
+    cost,
+    costs_of_residuals,
+    fitted_noise,
+    residuals,
+    robust_weight,
+    stated_noise,
+    weights,
+)
+from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
 DAMPINGS = ((0.0, 1.0), (0.0, 0.4), (0.0, 0.1), (0.03, 1.0), (1.0, 1.0))
@@ -30,6 +41,8 @@ FAR = 40.0
 needed."""
 STRETCHES = (0.4, 0.7, 0.85, 1.2, 1.4, 2.2)
 """Factors on the size of an effect that are tried where no step lowers the cost any more."""
+EVEN = 0.7
+"""Ratio of the least to the greatest change of log sd by an effect, from which it scales the noise as a whole."""
 NUISANCE_STEP = 0.05
 """Step of a derivative by a nuisance, in standard deviations of its tolerance."""
 
@@ -38,6 +51,7 @@ NUISANCE_STEP = 0.05
 class HypothesisFit:
     """A hypothesis with its coordinates, and all that the tests of the residuals need."""
 
+    evidence: Evidence
     hypothesis: Hypothesis
     x: Array
     """(P,), coordinates."""
@@ -46,7 +60,9 @@ class HypothesisFit:
     z: Array
     """(N,), standardised residuals at x, including held-out rows."""
     sd: Array
-    """(N,), standard deviation of the noise at x."""
+    """(N,), standard deviation of the fitted noise of a good reading at x."""
+    noise: NoiseFit
+    """Levels, which are part of `sd`, and shares of outliers."""
     slopes: Array
     """(P, N), derivatives of the mean by the coordinates, in sigmas."""
     spreads: Array
@@ -64,6 +80,20 @@ class HypothesisFit:
     @property
     def prior_cost(self) -> float:
         return float((self.hypothesis.prior(self.x) ** 2).sum())
+
+    @property
+    def costs(self) -> Array:
+        """Return the cost of each sample, (N,), including held-out rows."""
+        return costs_of_residuals(self.evidence, self.z, self.sd, self.noise)
+
+    def root_weights(self, z: Array | None = None) -> Array:
+        """Return the roots of the weights (N,) of samples in a linear test; 0 outside the rows of the fit.
+
+        Args:
+            z: (N,), residuals in sigmas; those of the fit by default.
+        """
+        weight = robust_weight(self.z if z is None else z)
+        return np.where(self.evidence.fit, np.sqrt(self.evidence.weight * weight), 0.0)
 
     def tangents(self, root: Array) -> Array:
         """Return the tangents of all coordinates (N + P, P): samples weighted with `root` (N,), then the priors."""
@@ -99,6 +129,8 @@ class _State:
     cost: float = np.inf
     fit: HypothesisFit | None = None
     """The fit at x; None until its slopes are known."""
+    noise: NoiseFit | None = None
+    """Noise of the last fit; None before the first one."""
 
     @property
     def around(self) -> tuple[Hypothesis, Array]:
@@ -148,8 +180,7 @@ def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[Hypothesis
     """Return residuals and derivatives of each state at its coordinates; they are predicted if not known yet."""
     unknown = [state for state in states if state.fit is None]
     for state, prediction in zip(unknown, _predicted(evidence, [state.around for state in unknown]), strict=True):
-        state.fit = _fit(evidence, state.hypothesis, state.x, prediction)
-        state.cost = state.fit.cost
+        _fit(evidence, state, prediction)
     return [state.fit for state in states if state.fit is not None]
 
 
@@ -162,11 +193,12 @@ def _stepped(evidence: Evidence, states: Sequence[_State], known: Sequence[Hypot
     ]
     falls = []
     for state, tried, prediction in zip(states, trials, _predicted(evidence, requests), strict=True):
+        before = state.cost
         best, fall = _take_best(evidence, state, tried, prediction.some(slice(len(tried))))
         if fall > 0.0 and best == 0:
             beside = prediction.some([0, *range(len(tried), len(prediction.mean))])
-            state.fit = _fit(evidence, state.hypothesis, state.x, beside)
-        falls.append(fall)
+            _fit(evidence, state, beside)
+        falls.append(before - state.cost)
     return falls
 
 
@@ -184,7 +216,7 @@ def _stretched(evidence: Evidence, states: Sequence[_State], settled: Sequence[b
         if is_settled:
             fall = _take_best(evidence, state, _stretches(state.hypothesis, state.x), next(predictions))[1]
         elif state.fit is None:
-            state.fit = _fit(evidence, state.hypothesis, state.x, next(predictions))
+            _fit(evidence, state, next(predictions))
         falls.append(fall)
     return falls
 
@@ -193,7 +225,8 @@ def _take_best(evidence: Evidence, state: _State, tried: Array, prediction: Pred
     """Take the best of coordinates (M, P) if the cost falls; return its index and the fall of the cost."""
     if not len(tried):
         return -1, 0.0
-    costs = cost(evidence, prediction, state.hypothesis.prior(tried), evidence.fit)
+    noise = state.noise or stated_noise(evidence)
+    costs = cost(evidence, prediction, state.hypothesis.prior(tried), evidence.fit, noise)
     best = int(np.argmin(costs))
     fall = state.cost - float(costs[best])
     if fall > 0.0:
@@ -221,33 +254,56 @@ def _offsets(hypothesis: Hypothesis, x: Array) -> Array:
     return np.where(x + steps > hypothesis.bounds[1], -steps, steps)
 
 
-def _fit(evidence: Evidence, hypothesis: Hypothesis, x: Array, prediction: Prediction) -> HypothesisFit:
-    """Return the fit at coordinates (P,), from the predictions around them."""
+def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
+    """Fit the noise of a state at its coordinates, and the fit with its slopes from the predictions around them."""
+    hypothesis, x = state.hypothesis, state.x
     offsets = _offsets(hypothesis, x)[:, None]
     here = prediction.some(slice(1))
-    z = residuals(evidence, here)[0]
-    slopes = (prediction.mean[1:] - prediction.mean[0]) / (prediction.sd[0] * offsets)
     spreads = np.log(prediction.sd[1:] / prediction.sd[0]) / offsets
-    slopes, spreads = (np.where(np.isfinite(d), d, 0.0) for d in (slopes, spreads))
+    spreads = np.where(np.isfinite(spreads), spreads, 0.0)
+    start = stated_noise(evidence)
+    z = residuals(evidence, here, start)[0]
+    noise = fitted_noise(
+        evidence, z, prediction.sd[0], state.noise or start, _with_own_level(evidence, hypothesis, spreads)
+    )
+    level = noise.levels[evidence.quantity]
+    z, sd = z / level, prediction.sd[0] * level
+    slopes = (prediction.mean[1:] - prediction.mean[0]) / (sd * offsets)
+    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
     rows = evidence.fit
-    weight = evidence.weight[rows]
-    weighted = slopes[:, rows] * (weight * robust_weight(z[rows]))
-    # The information of reweighted least squares is positive semidefinite, unlike the second derivatives of the loss. A
-    # normal sample has an information of 2 about its log sd, which the robust loss lowers to 2 SPREAD.
-    information = weighted @ slopes[:, rows].T + 2.0 * SPREAD * (spreads[:, rows] * weight) @ spreads[:, rows].T
+    weight, is_good = (evidence.weight[rows] * w[rows] for w in weights(evidence, z, sd, noise))
+    # The information of reweighted least squares is positive semidefinite, unlike the second derivatives of the cost. A
+    # good reading has an information of 2 about its log sd.
+    information = (slopes[:, rows] * weight) @ slopes[:, rows].T + 2.0 * (spreads[:, rows] * is_good) @ spreads[
+        :, rows
+    ].T
     nuisances = len(hypothesis.nuisances)
     information[range(nuisances), range(nuisances)] += 1.0
-    total = float(cost(evidence, here, hypothesis.prior(x)[None], rows)[0])
-    return HypothesisFit(hypothesis, x.copy(), total, z, prediction.sd[0], slopes, spreads, information)
+    state.cost = float(cost(evidence, here, hypothesis.prior(x)[None], rows, noise)[0])
+    state.noise = noise
+    state.fit = HypothesisFit(evidence, hypothesis, x.copy(), state.cost, z, sd, noise, slopes, spreads, information)
+
+
+def _with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
+    """Return the quantities (Q,) whose noise an effect scales as a whole, so that it has the place of the level."""
+    held = np.zeros(len(evidence.observed), dtype=bool)
+    for effect in hypothesis.effects:
+        if effect.kind.slot is not Slot.RANGE_NOISE:
+            continue
+        change = np.abs(spreads[hypothesis.parameters(effect)]).sum(axis=0)
+        for k, place in enumerate(evidence.places):
+            inside = change[place][evidence.fit[place]]
+            held[k] |= bool(len(inside) and inside.min() > EVEN * inside.max())
+    return held
 
 
 def _steps(evidence: Evidence, fit: HypothesisFit) -> Array:
     """Return the coordinates (len(DAMPINGS), P) to try next."""
     rows, hypothesis, x = evidence.fit, fit.hypothesis, fit.x
-    z, weight = fit.z[rows], evidence.weight[rows]
+    z = fit.z[rows]
+    weight, is_good = (evidence.weight[rows] * w[rows] for w in weights(evidence, fit.z, fit.sd, fit.noise))
     # Half the negative gradient of the cost by the mean and by log sd.
-    pull = robust_weight(z) * z
-    downhill = fit.slopes[:, rows] @ (weight * pull) + fit.spreads[:, rows] @ (weight * (pull * z - SPREAD))
+    downhill = fit.slopes[:, rows] @ (weight * z) + fit.spreads[:, rows] @ (is_good * (z**2 - 1.0))
     nuisances = len(hypothesis.nuisances)
     downhill[:nuisances] -= hypothesis.prior(x)
     low, high = hypothesis.bounds

@@ -2,10 +2,7 @@
 
 A standard error describes a parabola. Where the cost rises faster on one side, as near a bound or along a bent valley,
 the interval holds the values whose cost, minimised over everything else, rises by no more than a quantile of
-chi-squared with one degree of freedom (Venzon and Moolgavkar, Appl. Statist. 37 (1988) 87-94). The cost is a robust
-one; for M-estimators the rise is distributed as chi-squared times E psi^2 / E psi' (Heritier and Ronchetti, J. Am.
-Stat. Assoc. 89 (1994) 897-904), here over standard normal residuals. The rise of the priors, which are squares, is not
-scaled.
+chi-squared with one degree of freedom (Venzon and Moolgavkar, Appl. Statist. 37 (1988) 87-94).
 """
 
 from collections.abc import Sequence
@@ -18,7 +15,6 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.hypothesis import Hypothesis
-from diagnosis.inference.likelihood import CORNER, mean_over_normal
 from symolo.core.arrays import Array
 
 LEVELS = (0.68, 0.95)
@@ -28,12 +24,6 @@ TOLERANCE = 0.05
 """Share of the rise to which an end is determined: a fortieth of the interval's half width."""
 MAX_FACTOR = 3.0
 """Largest change of an end from one fit to the next, as a factor."""
-
-
-ROBUST: float = mean_over_normal(lambda z: (z / (1.0 + (z / CORNER) ** 2)) ** 2) / mean_over_normal(
-    lambda z: (1.0 - (z / CORNER) ** 2) / (1.0 + (z / CORNER) ** 2) ** 2
-)
-"""E psi^2 / E psi' of the Cauchy loss."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +80,7 @@ def profiles(evidence: Evidence, fit: HypothesisFit) -> dict[str, dict[str, tupl
             break
         held_fits = fits(evidence, [_start(fit, end) for end in open_ends])
         for end, held in zip(open_ends, held_fits, strict=True):
-            end.update(_rise(held, fit))
+            end.update(held.cost - fit.cost)
     intervals: dict[str, dict[str, tuple[Interval, ...]]] = {}
     for place, (effect, coordinate) in places.items():
         if both_ends := [end for end in ends if end.place == place]:
@@ -120,12 +110,6 @@ def _start(fit: HypothesisFit, end: _End) -> tuple[Hypothesis, Array]:
     step = end.direction * end.reach
     x = fit.x + covariance[end.place] / covariance[end.place, end.place] * step
     return fit.hypothesis.with_held(end.place, float(fit.x[end.place] + step)), x
-
-
-def _rise(held: HypothesisFit, fit: HypothesisFit) -> float:
-    """Return the rise of the cost, scaled to be distributed as chi-squared."""
-    prior_rise = held.prior_cost - fit.prior_cost
-    return (held.cost - fit.cost - prior_rise) / ROBUST + prior_rise
 
 
 def _intervals(fit: HypothesisFit, coordinate: Coordinate, ends: Sequence[_End]) -> list[Interval]:

@@ -16,7 +16,7 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
-from diagnosis.inference.likelihood import costs_of_residuals, root_weights, sample_costs
+from diagnosis.inference.likelihood import sample_costs
 from diagnosis.inference.projection import orthonormal
 from symolo.core.arrays import Array
 
@@ -58,13 +58,13 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
         x[hypotheses[effect].parameters(effect)] = numbers
         starts.append(x)
     robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
-    costs_before = costs_of_residuals(evidence, fit.z, fit.sd)
+    costs_before = fit.costs
     predictions = evidence.predicted(robots)
     drops, sizes = _along_lines(evidence, fit, predictions.mean)
     best: dict[CandidateEffect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
         single = Prediction(predictions.mean[k : k + 1], predictions.sd[k : k + 1])
-        immediate = float((costs_before - sample_costs(evidence, single)[0])[evidence.fit].sum())
+        immediate = float((costs_before - sample_costs(evidence, single, fit.noise)[0])[evidence.fit].sum())
         prospect = Prospect(effect, x, immediate)
         if (drop := float(drops[k])) > immediate:
             prospect = Prospect(effect, hypotheses[effect].scaled(effect, x, float(sizes[k])), drop)
@@ -84,7 +84,7 @@ def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[
     Returns:
         The falls and the multiples, (M,) each.
     """
-    root = root_weights(evidence, fit.z)
+    root = fit.root_weights()
     rows = np.flatnonzero(evidence.fit)
     changes = root[rows] * ((means - evidence.values + fit.z * fit.sd) / fit.sd)[:, rows]
     changes = np.where(np.isfinite(changes), changes, 0.0)

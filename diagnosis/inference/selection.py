@@ -22,7 +22,6 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.likelihood import costs_of_residuals
 from diagnosis.inference.scan import Prospect, scan
 from diagnosis.inference.unexplained.adequacy import adequacy
 
@@ -88,6 +87,12 @@ class Selection:
     def names(self) -> tuple[str, ...]:
         """Names of the selected effects."""
         return tuple(effect.name for effect in self.fit.hypothesis.effects)
+
+    @property
+    def refused(self) -> tuple[Entry, ...]:
+        """Steps in addition to the selected effects, none of which was accepted."""
+        last = max((k for k, entry in enumerate(self.entries) if entry.accepted), default=-1)
+        return self.entries[last + 1 :]
 
 
 def needed(effect: CandidateEffect, threshold: float = THRESHOLD) -> float:
@@ -185,8 +190,10 @@ def _fitted(
 
 def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
     """Return fits by cost and number of parameters; equal ones by the order of their effects in the library."""
-    # The cost is rounded, so that equal fits keep their order on every machine.
-    order = {effect: k for k, effect in enumerate(effects)}
+    # The cost is rounded, so that equal fits keep their order on every machine. An effect on everything comes before
+    # one on a single material, sensor or side, which is a more special claim.
+    general = sorted(effects, key=lambda effect: bool(effect.choices))
+    order = {effect: k for k, effect in enumerate(general)}
     last = [max(order.get(effect, -1) for effect in fit.hypothesis.effects) for fit in candidates]
     return [
         fit
@@ -226,15 +233,14 @@ def refusal(
         return "its size would exceed its bounds"
     if pushed := [e.name for e in before.hypothesis.effects if is_at_bound(after, e) and not is_at_bound(before, e)]:
         return f"the size of {pushed[0]} would then exceed its bounds"
-    costs_before, costs_after = (costs_of_residuals(evidence, fit.z, fit.sd) for fit in (before, after))
-    falls = costs_before - costs_after
+    falls = before.costs - after.costs
     if np.count_nonzero(evidence.fit) < MIN_SAMPLES:
         return f"fewer than {MIN_SAMPLES} samples"
     # A nuisance had left its tolerance to imitate the effect and now returns. It imitated the effect in all rows, so
     # the samples fall by little, and no count of them says anything against the effect.
     if before.prior_cost - after.prior_cost > 0.5 * drop:
         return ""
-    if is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
+    if is_of_noise(after, effect) and adequacy(evidence, before).has_cause:
         return "the mean has structure, which must be explained before the noise"
     heldout_falls, fit_falls = falls[evidence.heldout], np.maximum(falls[evidence.fit], 0.0)
     rise = -float(heldout_falls.sum())
@@ -260,11 +266,14 @@ def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
 
 
 def is_at_bound(fit: HypothesisFit, effect: CandidateEffect) -> bool:
-    """Return whether an amplitude is at its bound, as if the effect imitates another one."""
+    """Return whether an amplitude or a shape is at its bound, as if the effect imitates another one."""
     places = fit.hypothesis.parameters(effect)
     errors = np.sqrt(np.diag(fit.covariance)[places])
     margins = np.where(np.isfinite(errors), NEAR * errors, 0.0).tolist()
     for x, c, margin in zip(fit.x[places].tolist(), effect.coordinates, margins, strict=True):
+        # A shape may be near a bound because the data hardly determine it, so only the bound itself counts.
+        if c.null is None and not c.is_ceiling and (x >= c.high or x <= c.low):
+            return True
         if c.null is not None and not c.is_ceiling and (x + margin >= c.high > c.null or x - margin <= c.low < c.null):
             return True
     return False

@@ -83,6 +83,9 @@ class Observed:
     """Step to which the values are rounded, in their unit; 0 if it is not known."""
     noise_is_stated: bool = True
     """Whether the source states `sd`; else it is a guess, and the noise is estimated from the residuals."""
+    is_series: bool = True
+    """Whether successive rows follow each other in time. The rows of a sweep are separate states: what neighbours have
+    in common is misfit, and never correlated noise."""
 
     def __post_init__(self) -> None:
         rows = len(self.values)

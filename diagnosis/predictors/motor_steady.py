@@ -1,6 +1,7 @@
 """Voltage -> current and speed of a motor in steady state, as the instruments of the bench measure them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -54,7 +55,8 @@ class MotorSteady:
             Covariate("sweep", trial_of_rows(measurement).astype(float), CovariateShape.CATEGORY),
         )
         self.observed: tuple[Observed, ...] = tuple(
-            observed_channel(measurement, name, clear, covariates) for name in ("current_A", "omega_rad_s")
+            replace(observed_channel(measurement, name, clear, covariates), is_series=False)
+            for name in ("current_A", "omega_rad_s")
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:

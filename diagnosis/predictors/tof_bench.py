@@ -71,7 +71,8 @@ class TofBenchStage:
         reading = observed_channel(measurement, "reading_m", predictable, offered)
         sd = self._expected([nominal])[1][0]
         known_sd = np.where(np.isfinite(distance_m), sd, reading.sd)
-        self.observed: tuple[Observed, ...] = (replace(reading, sd=known_sd, resolution=nominal.tof.quantisation_m),)
+        reading = replace(reading, sd=known_sd, resolution=nominal.tof.quantisation_m, is_series=False)
+        self.observed: tuple[Observed, ...] = (reading,)
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         return (Predicted(*self._expected(robots)),)

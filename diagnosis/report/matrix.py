@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isfinite, isinf, log10
 
-from diagnosis.inference.likelihood import SPREAD
 from diagnosis.report.quantities import meaning
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.signatures import STILL, EffectSignature
@@ -41,7 +40,7 @@ def _cell(moved: float, spread: float) -> tuple[str, float]:
     if moved >= STILL:
         return f"{moved:.2g}" if moved < 10.0 else f"{moved:.0f}", _opacity(moved)
     if abs(spread - 1.0) > STILL:
-        return f"× {spread:.2f}", _opacity(SPREAD * abs(spread - 1.0))
+        return f"× {spread:.2f}", _opacity(abs(spread - 1.0))
     return "·", 0.0
 
 

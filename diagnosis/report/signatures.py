@@ -19,7 +19,6 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.likelihood import SPREAD
 from diagnosis.inference.selection import needed
 from symolo.core.arrays import Array
 
@@ -74,9 +73,7 @@ def signatures(evidence: Evidence, nominal: HypothesisFit, effects: Sequence[Can
         mean = (prediction.mean[k] - prediction.mean[0]) / prediction.sd[0]
         log_spread = np.log(prediction.sd[k] / prediction.sd[0])
         mean, log_spread = (np.where(evidence.fit & np.isfinite(x), x, 0.0) for x in (mean, log_spread))
-        direction = np.concatenate(
-            [projection.project(mean), sqrt(2.0 * SPREAD) * np.sqrt(evidence.weight) * log_spread]
-        )
+        direction = np.concatenate([projection.project(mean), sqrt(2.0) * np.sqrt(evidence.weight) * log_spread])
         significance = float(np.linalg.norm(direction))
         counts = [max(1, np.count_nonzero(evidence.fit[place])) for place in evidence.places]
         moves = tuple(

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
-from diagnosis.diagnose import NamedEffect
+from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import LEVEL
@@ -35,13 +35,7 @@ def summary(data: ReportData) -> list[str]:
     lines = [summary_line(diagnosis.measurement), "", *wrap(headline(diagnosis), WIDTH)]
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
         lines += ["", *_effect(named, ablation, data.intervals.get(named.name, {}))]
-    if diagnosis.unexplained is not None:
-        lines += ["", *_entry("unexplained", unexplained_sentence(diagnosis.unexplained))]
-    if diagnosis.withdrawn:
-        lines += _entry("withdrawn", f"{', '.join(diagnosis.withdrawn)}: only a substitute for what is unexplained")
-    for name, drop, times in hints(diagnosis):
-        text = f"{name}, too weak to be named (the cost falls by {drop:.1f}); {times:.1f} times the rows would decide"
-        lines += _entry("hint", text)
+    lines += _not_named(diagnosis)
     lines += ["", *(line for text in (*gain_sentences(data), *data.row_sentences) for line in wrap(text, WIDTH))]
     if data.dataset is not None:
         first, *rest = verdict(data.dataset)
@@ -57,6 +51,21 @@ def summary(data: ReportData) -> list[str]:
     return lines
 
 
+def _not_named(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield what is unexplained, and which effects were considered and are not named."""
+    if diagnosis.unexplained is not None:
+        yield ""
+        yield from _entry("unexplained", unexplained_sentence(diagnosis.unexplained))
+    if diagnosis.withdrawn:
+        names = ", ".join(diagnosis.withdrawn)
+        yield from _entry("withdrawn", f"{names}: only a substitute for what is unexplained")
+    for each in diagnosis.withheld:
+        yield from _entry("withheld", f"{each.name}: {each.reason}")
+    for name, drop, times in hints(diagnosis):
+        text = f"{name}, too weak to be named (the cost falls by {drop:.1f}); {times:.1f} times the rows would decide"
+        yield from _entry("hint", text)
+
+
 def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequence[Interval]]) -> Iterator[str]:
     yield named.effect.name
     for name, value in named.values.items():
@@ -65,6 +74,8 @@ def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequ
     yield from _entry("  meaning", meaning(named.effect.kind))
     yield from _entry("  possible causes", named.effect.kind.cause)
     yield from _entry("  confidence", certainty(named))
+    if named.ranges:
+        yield from _entry("  seen for", named.seen_for)
     for text in too_large(named):
         yield from _entry("  too large", text)
     yield from _entry("  without it", without_effect(ablation))

@@ -10,6 +10,7 @@ from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.selection import needed
 from diagnosis.inference.unexplained.adequacy import Structure
+from diagnosis.inference.verdict import DOUBT, NEARLY, NOISY, Conclusion
 from diagnosis.report.quantities import (
     along,
     confidence,
@@ -22,9 +23,6 @@ from diagnosis.report.quantities import (
 )
 from diagnosis.report.report_data import Ablation, ReportData
 
-MIN_HINT = 10.0
-"""Fall of the cost from which an effect that is too weak to be named is mentioned. The best of many effects often
-reaches less where nothing is hidden."""
 MIN_BENT = 4.0
 """Deviation in tolerances from which a nominal parameter is mentioned."""
 _MIN_SURE = 0.9
@@ -36,13 +34,31 @@ def headline(diagnosis: Diagnosis) -> str:
     names = [named.effect.name for named in diagnosis.named]
     structure = diagnosis.unexplained
     if structure is None:
-        if not names:
-            return "The nominal simulation explains these data, within the tolerances of its parameters."
-        return f"The real robot differs from the nominal one by {listed(names)}."
+        if names:
+            return f"The real robot differs from the nominal one by {listed(names)}."
+        if diagnosis.conclusion is Conclusion.UNDECIDED:
+            return f"These data neither confirm the nominal simulation nor name what differs: {_open(diagnosis)}."
+        return "The nominal simulation explains these data, within the tolerances of its parameters."
     where = f"{structure.channel} depends on {along(structure.covariate)}, and no known effect explains this"
     if not names:
         return f"The simulation is wrong in a way that has no name here: {where}."
     return f"The real robot differs from the nominal one by {listed(names)}; in addition, {where}."
+
+
+def _open(diagnosis: Diagnosis) -> str:
+    """Return what suggests that something differs, as a clause."""
+    parts = [f"{each.name} was considered, but {each.reason}" for each in diagnosis.withheld]
+    parts += [
+        f"{name} would lower the cost by {fall:.1f}, where a name needs {fall * times:.0f}"
+        for name, fall, times in hints(diagnosis)
+    ]
+    first = next(iter(diagnosis.adequacy.structures), None)
+    if first is not None and first.p < DOUBT:
+        parts.append(f"the residuals of {first.observed} may depend on {along(first.covariate)} (p = {first.p:.2g})")
+    parts += [
+        f"{name} scatters {level:.1f} times as much as stated" for name, level in diagnosis.scatters if level >= NOISY
+    ]
+    return "; ".join(parts)
 
 
 def listed(names: Sequence[str]) -> str:
@@ -121,11 +137,9 @@ def unexplained_sentence(structure: Structure) -> str:
 
 def hints(diagnosis: Diagnosis) -> Iterator[tuple[str, float, float]]:
     """Yield effects that are too weak to be named: name, fall of the cost, and the factor of rows that would decide."""
-    entries = diagnosis.selection.entries
-    last = max((k for k, entry in enumerate(entries) if entry.accepted), default=-1)
-    for entry in entries[last + 1 :]:  # those that were tried in addition to the final model
+    for entry in diagnosis.selection.refused:
         threshold = needed(entry.effect)
-        if MIN_HINT <= entry.drop < threshold:
+        if NEARLY <= entry.drop < threshold:
             yield entry.effect.name, entry.drop, threshold / entry.drop
 
 

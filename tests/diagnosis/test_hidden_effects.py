@@ -51,7 +51,7 @@ def names(answer):
         ("tof_bench", "material_bias", {"material": "black_card", "offset_m": -0.012}),
         ("tof_bench", "temperature_drift", {"coefficient_m_per_K": 8e-4}),
         ("tof_bench", "range_saturation", {"saturation_m": 0.9}),
-        ("tof_bench", "noise_scale", {"scale": 2.0}),
+        ("tof_bench", "noise_scale", {"scale": 3.0}),
         ("motor_step", "rotor_inertia_scale", {"scale": 1.4}),
         ("motor_step", "input_delay", {"delay_s": 0.003}),
     ],

@@ -6,7 +6,8 @@ estimated.
 
 If the source states the level but not the correlation, only the correlation is estimated: the sum of the
 autocorrelations of the residuals without their running mean, up to the first that is negligible (Geyer, Stat. Sci. 7
-(1992) 473-483), expressed as the p of AR(1) noise with the same sum (1 + p)/(1 - p).
+(1992) 473-483), expressed as the p of AR(1) noise with the same sum (1 + p)/(1 - p). The rows of a sweep are no series
+and have no correlation.
 """
 
 from dataclasses import replace
@@ -41,12 +42,12 @@ def is_open(quantity: Observed) -> bool:
 def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
     """Return the evidence with the noise of each quantity whose source does not state all of it, from a fit."""
     noises: dict[str, EstimatedNoise] = {}
-    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+    for k, (quantity, place) in enumerate(zip(evidence.observed, evidence.places, strict=True)):
         rows = evidence.fit[place]
         if not is_open(quantity) or np.count_nonzero(rows) < MIN_ROWS:
             continue
-        noise = _estimated(quantity, rows, fit.z[place])
-        # The residuals are in sigmas of the noise that was estimated before.
+        # Residuals in sigmas of the noise that was estimated before, without the level that the fit found.
+        noise = _estimated(quantity, rows, fit.z[place] * fit.noise.levels[k])
         before = evidence.noises.get(quantity.name, EstimatedNoise(1.0, 0.0))
         noises[quantity.name] = replace(noise, factor=noise.factor * before.factor)
     return Evidence(evidence.stages, noises)
@@ -60,7 +61,7 @@ def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
     z, trial = z[rows], quantity.trial[rows]
     together = np.diff(trial) == 0
     noise = noise_of_differences(z, together)
-    if noise is not None and len(z) >= ROWS_FOR_CORRELATION and noise.sd > 0.0:
+    if quantity.is_series and noise is not None and len(z) >= ROWS_FOR_CORRELATION and noise.sd > 0.0:
         return EstimatedNoise(noise.sd, max(noise.correlation, 0.0))
     bends = (z[2:] - 2.0 * z[1:-1] + z[:-2])[together[1:] & together[:-1]]
     # The variance of second differences of white noise is 1 + 4 + 1 times its own.

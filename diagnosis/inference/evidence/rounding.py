@@ -11,7 +11,6 @@ import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.likelihood import root_weights
 
 DITHERED = 0.3
 """Noise in steps from which rounding errors are independent."""
@@ -24,7 +23,7 @@ def with_shared_rounding(evidence: Evidence, fit: HypothesisFit) -> HypothesisFi
     rows = np.flatnonzero(evidence.fit & (step > 0.0) & (fit.sd**2 < step**2 * (1.0 / 12.0 + DITHERED**2)))
     if not len(rows):
         return fit
-    root = root_weights(evidence, fit.z)
+    root = fit.root_weights()
     covariance = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
     # The change of the coordinates for a change of each reading.
     pull = covariance @ (fit.slopes[:, rows] * root[rows] ** 2 / fit.sd[rows])

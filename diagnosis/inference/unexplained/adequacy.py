@@ -20,7 +20,6 @@ from scipy.special import fdtrc
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
-from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
 from diagnosis.predictors.base import ROW_TIME
@@ -38,9 +37,15 @@ less than what the functions explain, else the effect may be a part of the unkno
 AS_MUCH = 0.8
 """Share of what another covariate explains, from which two covariates count as equal."""
 MATERIAL = 9.0
-"""Least fall of the cost for a structure, however significant it is. If readings scatter as stated, chance alone
-reaches as much. It matters if they scatter far less, as in a simulated log, where integration errors would show."""
-EXPLAINED = 0.8
+"""Least fall of the cost for a structure, by the stated noise, however significant it is. If readings scatter as
+stated, chance alone reaches as much. It matters if they scatter far less, as in a simulated log, where integration
+errors would show."""
+DRIFT = 1.0
+"""Root mean square in sigmas up to which the zero of an instrument may drift, within a session and from one to the
+next. It is reported as unexplained, but does not speak against effects that do not depend on time."""
+SESSION = ("row", "session_time_s", "sweep", "trial")
+"""Covariates that tell when a row was taken; `t_s` too, where a quantity has no time since the session began."""
+EXPLAINED = 0.9
 """Share of the explainable cost that the effects must explain to stay named."""
 
 
@@ -60,6 +65,15 @@ class Structure:
     """Index of the covariate in the list of its quantity."""
     basis: Array
     """(N, k), the functions over all samples; 0 outside the quantity and the rows of the fit."""
+    size: float
+    """Root mean square of the structure [sigma], over the rows of the fit of its quantity."""
+    is_over_time: bool
+    """Whether the covariate tells only when a row was taken in a measurement."""
+
+    @property
+    def is_drift(self) -> bool:
+        """Return whether the structure may be the slow drift that every zero has, and need not have a cause."""
+        return self.is_over_time and self.size < DRIFT
 
 
 @dataclass(frozen=True)
@@ -74,6 +88,11 @@ class Adequacy:
         return not self.structures or self.structures[0].p >= LEVEL
 
     @property
+    def has_cause(self) -> bool:
+        """Return whether there is a significant structure that is no mere drift."""
+        return any(s.p < LEVEL and not s.is_drift for s in self.structures)
+
+    @property
     def worst(self) -> Structure:
         """The most significant structure; of covariates that explain a quantity equally well, the first."""
         top = self.structures[0]
@@ -86,11 +105,12 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
     """Test the residuals of a fit; `beside` are columns (N, k) in sigmas whose multiples are fitted in addition."""
     tangents = _Tangents(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
     structures: list[Structure] = []
-    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+    for quantity, place, level in zip(evidence.observed, evidence.places, fit.noise.levels.tolist(), strict=True):
         rows = evidence.fit[place]
         if np.count_nonzero(rows) < 8:
             continue
         inside = np.arange(place.start, place.stop)[rows]
+        session = any(covariate.name == "session_time_s" for covariate in quantity.covariates)
         along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
         along += [
             (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows]))
@@ -101,12 +121,16 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
             best: Structure | None = None
             for basis in functions:
                 p, gain = tangents.test(inside, basis)
-                p = min(1.0, p * basis.tries) if gain >= MATERIAL else 1.0
+                p = min(1.0, p * basis.tries) if gain * level**2 >= MATERIAL else 1.0
                 if best is None or p < best.p:
                     names = (quantity.name, quantity.channel, covariate.name)
                     columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
                     columns[inside] = basis.columns
-                    best = Structure(*names, basis.what, p, gain, rank, columns)
+                    rows_worth = float(evidence.weight[inside].sum())
+                    over_time = covariate.name in SESSION or (covariate.name == ROW_TIME and not session)
+                    best = Structure(
+                        *names, basis.what, p, gain, rank, columns, float(np.sqrt(gain / rows_worth)), over_time
+                    )
             if best is not None:
                 structures.append(best)
     # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
@@ -123,7 +147,7 @@ class _Tangents:
     def __init__(self, evidence: Evidence, fit: HypothesisFit, beside: Array) -> None:
         self._evidence = evidence
         self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
-        z, x = _moved_beside(evidence, fit, beside)
+        z, x = _moved_beside(fit, beside)
         padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
         self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
         residuals = replace(fit, x=x).weighted_residuals(np.clip(z, -CLIP, CLIP), self._root)
@@ -162,7 +186,7 @@ def f_test(explained: float, level: float, functions: int, degrees: float) -> fl
     return float(fdtrc(functions, degrees, explained / functions / max(level, 1e-12)))
 
 
-def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
+def _moved_beside(fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
     """Return residuals (N,) and coordinates (P,) of a fit after a joint linear fit of columns (N, k) and coordinates.
 
     Outliers are reweighted.
@@ -170,7 +194,7 @@ def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tup
     z, x = fit.z, fit.x
     # With the columns, samples that were outliers may fit, and others may become outliers.
     for _ in range(REWEIGHTINGS if columns.shape[1] else 0):
-        root = root_weights(evidence, z)
+        root = fit.root_weights(z)
         padded = np.concatenate([columns * root[:, None], np.zeros((len(fit.x), columns.shape[1]))])
         both = np.concatenate([padded, fit.tangents(root)], axis=1)
         solved = np.linalg.lstsq(both, fit.weighted_residuals(fit.z, root), rcond=1e-10)[0]
@@ -196,13 +220,16 @@ def survivors(
     """
     # Effects that explain much less than what stays unexplained are probably parts of the unknown cause.
     drop = nominal.cost - fit.cost
-    if drop < EXPLAINED * (drop + structure.explainable):
+    if drop < EXPLAINED * (drop + structure.explainable) and not structure.is_drift:
         return []
-    root = root_weights(evidence, fit.z)
+    min_fall = NEEDED if structure.is_drift else max(NEEDED, structure.explainable)
+    root = fit.root_weights()
     size = nominal.hypothesis.size
-    functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
-    flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
-    taken = [nominal.tangents(root), flexible]
+    # A drift is slow: any function of time could also imitate what a sweep does from row to row.
+    flexible = [] if structure.is_drift else [_functions(evidence, structure)]
+    functions = np.concatenate([structure.basis, *flexible], axis=1)
+    taken_functions = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
+    taken = [nominal.tangents(root), taken_functions]
     residual = nominal.weighted_residuals(nominal.z, root)
     needed: list[CandidateEffect] = []
     priors = np.zeros(size)
@@ -214,7 +241,7 @@ def survivors(
         basis = orthonormal(np.concatenate(taken, axis=1))
         falls = {effect: _fall(residual, change, basis) for effect, change in changes.items()}
         best = max(falls, key=lambda effect: falls[effect])
-        if falls[best] < max(NEEDED, structure.explainable):
+        if falls[best] < min_fall:
             break
         needed.append(best)
         taken.append(changes.pop(best)[:, None])

@@ -12,7 +12,6 @@ import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.selection import TOLL, is_of_noise
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
@@ -34,7 +33,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     """Return a jump that explains more than the effects of a fit; None if there is none, or the fit has no effects."""
     if not fit.hypothesis.effects:
         return None
-    root = root_weights(evidence, fit.z)
+    root = fit.root_weights()
     rest = fit.weighted_residuals(fit.z * fit.sd / nominal.sd, root)
     numbers = fit.hypothesis.size - nominal.hypothesis.size
     # Both models are compared with the nominal noise. If an effect changes the noise, its level scales the squares.
@@ -77,6 +76,8 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         explainable=named - squares + TOLL * (numbers + columns.shape[1]),
         rank=rank,
         basis=columns,
+        size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),
+        is_over_time=True,
     )
 
 

@@ -18,7 +18,8 @@ def ridge(readings):
 
 
 def test_a_fit_is_the_closed_form_of_min_squares_with_a_prior(evidence_of, hypothesis, effect):
-    readings = X * 1.01 + 0.003
+    # Residuals of one sigma, so that the fitted noise is the stated one.
+    readings = X * 1.01 + 0.003 + SD_A * (-1.0) ** np.arange(40)
     offset = effect("current_sensor_offset")
     model = hypothesis.with_effect(offset)
     (fit,) = fits(evidence_of(X, readings), [(model, model.null())])
@@ -46,7 +47,7 @@ def test_a_wild_reading_moves_the_fit_by_no_more_than_its_corner_allows(evidence
 
 
 def test_many_fits_side_by_side_are_each_alone(evidence_of, hypothesis, effect):
-    evidence = evidence_of(X, X * 0.97 + 0.02)
+    evidence = evidence_of(X, X * 0.98 + 0.015 + SD_A * (-1.0) ** np.arange(40))
     models = [
         hypothesis,
         *(hypothesis.with_effect(effect(n)) for n in ("current_sensor_offset", "current_sensor_gain")),

@@ -28,14 +28,15 @@ def offset_of(evidence_of, hypothesis, effect):
 def test_where_the_fit_goes_by_a_logarithm_and_readings_by_the_gain_the_interval_is_as_wide_on_both_sides(
     evidence_of, hypothesis, effect
 ):
-    """Six readings of a hundredth of an ampere hold a gain to a fifth; exp(+-0.39) would lie about 1.08."""
+    """Six readings of a hundredth of an ampere determine a gain to a fifth; exp(+-0.39) would lie about 1.08."""
     model = hypothesis.with_effect(effect("current_sensor_gain"))
     x = np.full(6, 0.02)
-    evidence = evidence_of(x, x)
+    evidence = evidence_of(x, x + SD_A * (-1.0) ** np.arange(6))
     (fit,) = fits(evidence, [(model, model.null())])
     _, wide = profiles(evidence, fit)["current_sensor_gain"]["gain"]
     assert wide.low + wide.high == pytest.approx(2.0, abs=0.04)
-    assert 0.3 < wide.high - 1.0 < 0.42
+    # 1.96 standard errors of 0.01 / 0.02 / sqrt(6).
+    assert wide.high - 1.0 == pytest.approx(0.40, rel=0.15)
 
 
 def test_of_a_straight_model_an_interval_is_as_wide_as_its_standard_error_says(offset_of):

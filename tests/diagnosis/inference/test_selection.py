@@ -34,7 +34,7 @@ def test_the_hidden_effect_is_named_with_its_size(evidence_of, hypothesis, effec
     assert offset.name == "current_sensor_offset"
     value, std = found.fit.hypothesis.values(offset, found.fit.x)["offset_A"], found.fit.std(offset)["offset_A"]
     assert abs(value - 0.02) < 3.0 * std
-    design = np.stack([0.02 * X[:90], np.ones(90)], axis=1) / SD_A
+    design = np.stack([0.02 * X[:90], np.ones(90)], axis=1) / (SD_A * found.fit.noise.levels[0])
     covariance = np.linalg.inv(design.T @ design + np.diag([1.0, 0.0]))
     assert std == pytest.approx(np.sqrt(covariance[1, 1]), rel=0.1)
 
@@ -76,7 +76,7 @@ def test_the_look_ahead_foresees_the_fall_of_a_linear_effect(evidence_of, hypoth
     prospect = next(p for p in scan(evidence, base, effects) if p.effect.name == "current_sensor_offset")
     model = hypothesis.with_effect(prospect.effect)
     (fit,) = fits(evidence, [(model, prospect.start)])
-    assert prospect.drop == pytest.approx(base.cost - fit.cost, rel=0.02)
+    assert prospect.drop == pytest.approx(base.cost - fit.cost, rel=0.1)
 
 
 def test_a_rival_that_does_the_same_is_told(evidence_of, hypothesis, effect):

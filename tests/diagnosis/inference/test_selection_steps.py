@@ -40,14 +40,18 @@ def fitted(hypothesis, effect):
     return fitted
 
 
-@pytest.mark.parametrize(("fall", "is_named"), [(14.5, False), (15.5, True)])
-def test_an_effect_is_named_from_a_fall_of_15_on(evidence_of, hypothesis, effect, fall, is_named):
-    """An offset of z sigmas in n rows without noise lowers the sum of squares by n z^2; X is orthogonal to it."""
-    offset = SD_A * np.sqrt(fall / len(X))
-    selection = select(evidence_of(X, X + offset), hypothesis, [effect("current_sensor_offset")])
+@pytest.mark.parametrize(("squares", "is_named"), [(14.5, False), (19.0, True)])
+def test_an_effect_is_named_from_a_fall_of_15_on(evidence_of, hypothesis, effect, squares, is_named):
+    """An offset of z sigmas in n rows of unit noise lowers the sum of squares n + n z^2 to n; X is orthogonal to it.
+
+    With the level of the noise fitted, the fall is n times the logarithm of the ratio of both sums.
+    """
+    offset = SD_A * np.sqrt(squares / len(X))
+    readings = X + offset + SD_A * (-1.0) ** np.arange(len(X))
+    selection = select(evidence_of(X, readings), hypothesis, [effect("current_sensor_offset")])
     assert selection.names == (("current_sensor_offset",) if is_named else ())
     (entry,) = selection.entries
-    assert entry.drop == pytest.approx(fall, rel=0.02)
+    assert entry.drop == pytest.approx(len(X) * np.log1p(squares / len(X)), rel=0.12)
     assert entry.accepted is is_named
 
 

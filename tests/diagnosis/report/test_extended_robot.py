@@ -15,6 +15,7 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.likelihood import stated_noise
 from diagnosis.inference.rivals import RivalComparison
 from physics.drivetrain.motor_bench import steady_states
 from physics.effects.torque_constant_scale import TorqueConstantScale
@@ -42,7 +43,9 @@ def with_effect(diagnosis, name, choices=(), **values):
     hypothesis = Hypothesis(diagnosis.nominal, (), (effect,))
     x = np.array([c.coordinate(values[c.name]) for c in effect.coordinates])
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
-    fit = HypothesisFit(hypothesis, x, 0.0, nothing[0], nothing[0] + 1.0, nothing, nothing, 1e4 * np.eye(len(x)))
+    evidence = diagnosis.evidence
+    noise, sd, information = stated_noise(evidence), nothing[0] + 1.0, 1e4 * np.eye(len(x))
+    fit = HypothesisFit(evidence, hypothesis, x, 0.0, nothing[0], sd, noise, nothing, nothing, information)
     named = NamedEffect(effect, dict(hypothesis.values(effect, x)), fit.std(effect), RivalComparison(effect, 0.9, ()))
     return replace(diagnosis, fit=fit, named=(named,))
 

@@ -1,0 +1,67 @@
+"""The range in which an effect was seen: where its law is an observation, and not an extrapolation.
+
+A law that fits slow arcs may be wrong in fast ones. Every named effect therefore carries the range of each covariate
+over the rows of the fit in which it matters.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.unexplained.adequacy import change_by
+from diagnosis.predictors.base import CovariateShape, Observed
+from symolo.core.arrays import Array
+
+MATTERS = 0.1
+"""Change of a prediction in sigmas from which an effect matters in a row."""
+_ORDER_OF_ROWS = ("row", "previous_distance_m", "session_time_s")
+"""Smooth covariates that are no condition of a measurement."""
+
+
+@dataclass(frozen=True)
+class SeenRange:
+    """Range of one covariate over the rows in which an effect matters."""
+
+    covariate: str
+    low: float
+    high: float
+
+    @property
+    def text(self) -> str:
+        return f"{self.covariate} from {self.low:.3g} to {self.high:.3g}"
+
+
+def seen_ranges(
+    evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect
+) -> tuple[SeenRange, ...]:
+    """Return the range of each smooth covariate over the rows of the fit in which an effect matters.
+
+    Args:
+        evidence: The observations.
+        nominal: The fit without effects.
+        fit: The fit with the effect.
+        effect: One of the effects of `fit`.
+    """
+    spread = np.abs(fit.spreads[fit.hypothesis.parameters(effect)]).max(axis=0)
+    matters = (np.abs(change_by(evidence, nominal, fit, effect)) > MATTERS) | (evidence.fit & (spread > 0.0))
+    ranges: dict[str, SeenRange] = {}
+    for observed, place in zip(evidence.observed, evidence.places, strict=True):
+        for name, values in _conditions(observed):
+            inside = values[matters[place] & np.isfinite(values)]
+            if not len(inside):
+                continue
+            low, high = float(inside.min()), float(inside.max())
+            before = ranges.get(name, SeenRange(name, low, high))
+            ranges[name] = SeenRange(name, min(low, before.low), max(high, before.high))
+    return tuple(ranges.values())
+
+
+def _conditions(observed: Observed) -> Iterator[tuple[str, Array]]:
+    for covariate in observed.covariates:
+        is_number = covariate.shape is CovariateShape.SMOOTH and covariate.second is None
+        if is_number and covariate.name not in _ORDER_OF_ROWS:
+            yield covariate.name, covariate.values

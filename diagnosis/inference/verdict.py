@@ -1,0 +1,139 @@
+"""From the evidence to the verdict, by rules that cannot contradict each other.
+
+The selection proposes names; here each of them must stand alone. A name is withheld if its number lies at a bound, if
+held-out rows do not become worse without it, or if another effect explains the data better. What remains decides the
+conclusion: a model may only be called an explanation if no test of the residuals and no effect in addition is anywhere
+near significance. Between explanation and discovery lies what the data leave open.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symolo.core.arrays import Array
+from symolo.core.text_enum import TextEnum
+
+CHEAPER = 0.5
+"""Fall of the cost by which a rival explains the data better."""
+MOST_BY_PRIOR = 0.5
+"""Share of the rise of the cost without a name, above which it comes from parameters that leave their tolerances. Then
+these imitate the effect in held-out rows too, which therefore cannot say anything."""
+DOUBT = 0.05
+"""Probability of the strongest structure in the residuals by chance, below which a model is no explanation."""
+NEARLY = 10.0
+"""Fall of the cost by one more effect, from which a model is no explanation; the best of some twenty reaches it by
+chance in a few cases of a hundred."""
+CANCELLED = 0.5
+"""Ratio of the size of the sum of two changes to that of the smaller one, below which they cancel each other."""
+MARGIN = 2.0
+"""Fall of the cost beyond what the selection needs, from which a name stands: where tolerances and noise are not as
+stated, chance reaches a little more."""
+NOISY = 1.6
+"""Scatter of good readings relative to the stated noise, from which a model is no explanation. The statement may be
+wrong by a factor of two, but then it may as well be the model."""
+LEAST_WEIGHT = 0.1
+"""Confidence below which a name is one of too many."""
+
+SUBSTITUTE = "only a substitute for what is unexplained"
+"""Reason of a name that is not needed beside a structure that has another cause."""
+
+
+class Conclusion(TextEnum):
+    """What a diagnosis comes to."""
+
+    EXPLAINED = "explained"
+    """The nominal simulation explains the data, and nothing suggests otherwise."""
+    UNDECIDED = "undecided"
+    """Nothing is certain: something may differ, but these data do not suffice to name it."""
+    NAMED = "named"
+    """The named effects explain the data."""
+    NAMED_IN_PART = "named in part"
+    """Effects are named, and structure remains that they do not explain."""
+    UNEXPLAINED = "unexplained"
+    """The data differ from the simulation, and no listed effect explains it."""
+
+
+@dataclass(frozen=True)
+class NameEvidence:
+    """What the data say of one name."""
+
+    name: str
+    rise: float
+    """Rise of the cost over the rows of the fit without the effect, everything else fitted again."""
+    needed: float
+    """Fall of the cost from which the selection accepts the effect."""
+    rise_of_prior: float
+    """Part of that rise from nominal parameters that leave their tolerances."""
+    heldout_rise: float | None
+    """Rise of the cost of the held-out rows; None if none are held out."""
+    is_at_bound: bool
+    """Whether one of its numbers lies at a bound of its range."""
+    cancelled_by: str
+    """Name of another effect of the model that undoes nearly all that this one does; empty if there is none."""
+    closest_rival: tuple[str, float] | None
+    """Name of the closest accepted rival and the rise of the cost with it; None if there is none."""
+    confidence: float
+
+
+@dataclass(frozen=True)
+class WithheldName:
+    """A name that the selection proposed and the verdict withholds."""
+
+    name: str
+    reason: str
+
+
+def cancel(change: Array, other: Array) -> bool:
+    """Return whether two changes (N,) of a prediction nearly undo each other."""
+    size = min(float(np.linalg.norm(change)), float(np.linalg.norm(other)))
+    return float(np.linalg.norm(change + other)) < CANCELLED * size
+
+
+def withheld(evidence: NameEvidence) -> str:
+    """Return why a name is withheld; empty if it stands."""
+    if evidence.is_at_bound:
+        return "its size lies at the end of the possible range"
+    if evidence.cancelled_by:
+        return f"it and {evidence.cancelled_by} cancel each other, as if both imitate something else"
+    if (
+        evidence.heldout_rise is not None
+        and evidence.heldout_rise <= 0.0
+        and evidence.rise_of_prior <= MOST_BY_PRIOR * evidence.rise
+    ):
+        return "the held-out rows are predicted as well without it"
+    if evidence.closest_rival is not None and evidence.closest_rival[1] < -CHEAPER:
+        return f"{evidence.closest_rival[0]} explains the data better"
+    if evidence.rise < evidence.needed + MARGIN:
+        return f"the cost falls by {evidence.rise:.1f} only, little more than by chance"
+    if evidence.confidence < LEAST_WEIGHT:
+        return f"its weight among the alternatives is only {100.0 * evidence.confidence:.2g} %"
+    return ""
+
+
+def conclusion(
+    names: Sequence[str],
+    withheld_names: Sequence[WithheldName],
+    *,
+    is_adequate: bool,
+    chance: float,
+    nearly: float,
+    scatter: float,
+) -> Conclusion:
+    """Return the conclusion.
+
+    Args:
+        names: Names that stand.
+        withheld_names: Names that were proposed and do not.
+        is_adequate: Whether the model with the names leaves no significant structure.
+        chance: Probability of the strongest structure by chance, over all tests.
+        nearly: Greatest fall of the cost by an effect that was not accepted.
+        scatter: Greatest scatter of good readings relative to the stated noise.
+    """
+    if not is_adequate:
+        return Conclusion.NAMED_IN_PART if names else Conclusion.UNEXPLAINED
+    if names:
+        return Conclusion.NAMED
+    if withheld_names or chance < DOUBT or nearly >= NEARLY or scatter >= NOISY:
+        return Conclusion.UNDECIDED
+    return Conclusion.EXPLAINED

@@ -1,0 +1,100 @@
+"""The rules from evidence to verdict, for any evidence: they must never contradict each other."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from diagnosis.inference.verdict import (
+    CHEAPER,
+    DOUBT,
+    LEAST_WEIGHT,
+    NEARLY,
+    NOISY,
+    Conclusion,
+    NameEvidence,
+    WithheldName,
+    cancel,
+    conclusion,
+    withheld,
+)
+
+numbers = st.floats(-200.0, 200.0)
+evidences = st.builds(
+    NameEvidence,
+    name=st.just("supply_sag"),
+    rise=st.floats(0.0, 500.0),
+    needed=st.just(15.0),
+    rise_of_prior=numbers,
+    heldout_rise=st.none() | numbers,
+    is_at_bound=st.booleans(),
+    cancelled_by=st.sampled_from(["", "range_offset"]),
+    closest_rival=st.none() | st.tuples(st.just("speed_scale"), numbers),
+    confidence=st.floats(0.0, 1.0),
+)
+names = st.lists(st.sampled_from(["supply_sag", "range_offset"]), max_size=2, unique=True)
+withheld_names = st.lists(st.just(WithheldName("speed_scale", "reason")), max_size=1)
+
+
+@given(evidences)
+def test_a_name_that_stands_has_nothing_against_it(evidence):
+    if withheld(evidence):
+        return
+    assert not evidence.is_at_bound
+    assert not evidence.cancelled_by
+    assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
+    assert evidence.rise >= evidence.needed
+    assert evidence.confidence >= LEAST_WEIGHT
+    # Held-out rows become worse without it, unless parameters bent far out of their tolerances do its work there.
+    assert evidence.heldout_rise is None or evidence.heldout_rise > 0.0 or evidence.rise_of_prior > 0.5 * evidence.rise
+
+
+@given(evidences.filter(lambda evidence: bool(withheld(evidence))))
+def test_a_withheld_name_has_a_reason_that_is_true(evidence):
+    reason = withheld(evidence)
+    assert ("end of the possible range" in reason) <= evidence.is_at_bound
+    assert ("cancel" in reason) <= bool(evidence.cancelled_by)
+    if "explains the data better" in reason:
+        assert evidence.closest_rival is not None
+        assert evidence.closest_rival[1] < 0.0
+    if "held-out" in reason:
+        assert evidence.heldout_rise is not None
+        assert evidence.heldout_rise <= 0.0
+
+
+doubts = st.fixed_dictionaries(
+    {"chance": st.floats(0.0, 1.0), "nearly": st.floats(0.0, 15.0), "scatter": st.floats(0.5, 2.0)}
+)
+
+
+@given(names, withheld_names, st.booleans(), doubts)
+def test_the_conclusion_never_contradicts_the_evidence(standing, not_standing, is_adequate, doubt):
+    found = conclusion(standing, not_standing, is_adequate=is_adequate, **doubt)
+    assert (found in {Conclusion.NAMED, Conclusion.NAMED_IN_PART}) == bool(standing)
+    assert (found in {Conclusion.NAMED_IN_PART, Conclusion.UNEXPLAINED}) == (not is_adequate)
+    if found is Conclusion.EXPLAINED:
+        assert doubt["chance"] >= DOUBT
+        assert doubt["nearly"] < NEARLY
+        assert doubt["scatter"] < NOISY
+        assert not not_standing
+
+
+@given(doubts)
+def test_more_doubt_never_makes_a_model_an_explanation(doubt):
+    def explained(**more):
+        return conclusion([], [], is_adequate=True, **{**doubt, **more}) is Conclusion.EXPLAINED
+
+    assert explained(chance=0.5 * doubt["chance"]) <= explained()
+    assert explained(nearly=doubt["nearly"] + 1.0) <= explained()
+    assert explained(scatter=doubt["scatter"] * 1.2) <= explained()
+
+
+@pytest.mark.parametrize(("factor", "cancels"), [(-1.0, True), (-0.8, True), (-0.4, False), (1.0, False)])
+def test_changes_cancel_that_are_nearly_opposite_and_equally_large(factor, cancels):
+    change = np.linspace(-1.0, 2.0, 50)
+    assert cancel(change, factor * change) is cancels
+
+
+def test_changes_of_different_shape_do_not_cancel():
+    x = np.linspace(0.0, 1.0, 50)
+    assert not cancel(np.ones(50), -2.0 * x)
