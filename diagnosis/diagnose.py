@@ -24,7 +24,7 @@ from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequa
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.inference.verdict import SUBSTITUTE, Conclusion, NameEvidence, WithheldName, cancel, conclusion, withheld
+from diagnosis.inference.verdict import SUBSTITUTE, NameEvidence, Verdict, WithheldName, cancel, conclusion, withheld
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels
 from diagnosis.nominal_robot import nominal_robot
@@ -97,7 +97,7 @@ class Diagnosis:
         return None if self.adequacy.is_adequate else self.adequacy.worst
 
     @property
-    def conclusion(self) -> Conclusion:
+    def conclusion(self) -> Verdict:
         structures = self.adequacy.structures
         return conclusion(
             [named.name for named in self.named],

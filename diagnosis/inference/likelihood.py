@@ -9,8 +9,8 @@ data finds its way.
 Two numbers of each observed quantity are nuisances, and each fit finds its own: the share of outliers, and the level of
 the noise relative to what is stated. Without the share, one reading in twenty that is wild looks like larger noise;
 without the level, a stated noise that is too small makes every chance pattern significant. The share has an exponential
-prior, the level a log-normal one within a factor of two (GAP_FORMAT: the stated noise may be wrong by that). Both are
-found by expectation maximisation (Dempster, Laird and Rubin, J. Royal Statist. Soc. B 39 (1977) 1-38).
+prior, the level a log-normal one. Both are found by expectation maximisation (Dempster, Laird and Rubin, J. Royal
+Statist. Soc. B 39 (1977) 1-38).
 """
 
 from dataclasses import dataclass
@@ -32,8 +32,10 @@ SHARES = (0.002, 0.1)
 """Least and greatest share of outliers; more of them are no outliers."""
 LEVEL_SD = 0.4
 """Standard deviation of the prior of the logarithm of the level; a uniform one within a factor of two has the same."""
-MAX_LEVEL = 2.0
-"""Greatest level, and the inverse of the least."""
+LEVELS = (0.7, 2.0)
+"""Least and greatest level. A source may state half or twice the noise (GAP_FORMAT). The least level is nearer to 1 all
+the same, and it is 1 where the noise is not stated but estimated: readings that scatter far less than stated may be
+simulated, and then errors of the integration would become significant."""
 MAX_ROUNDS = 30
 """Limit for the rounds of expectation and maximisation; with a start nearby two or three are enough."""
 SETTLED = 1e-3
@@ -131,6 +133,7 @@ def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, held:
     ratio = sd[rows] / evidence.sd[rows]
     outlier = _PEAK / (1.0 + square * (ratio / WIDTH) ** 2)
     total = _sums(quantity, weight, count)
+    lowest = np.array([LEVELS[0] if observed.noise_is_stated else 1.0 for observed in evidence.observed])
     level, share = np.where(held, 1.0, start.levels), start.shares
     for _ in range(MAX_ROUNDS):
         inverse = 1.0 / level[quantity]
@@ -139,7 +142,7 @@ def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, held:
         readings = _sums(quantity, is_good, count)
         squares = _sums(quantity, is_good * square, count)
         new_share = _share(total - readings, readings)
-        new_level = np.where(held, 1.0, _level(readings, squares, level))
+        new_level = np.where(held, 1.0, np.maximum(_level(readings, squares, level), lowest))
         change = max(np.abs(new_share - share).max(initial=0.0), np.abs(np.log(new_level / level)).max(initial=0.0))
         level, share = new_level, new_share
         if change < SETTLED:
@@ -174,7 +177,5 @@ def _level(good: Array, squares: Array, level: Array) -> Array:
     for _ in range(3):
         scaled = squares * np.exp(-2.0 * x)
         slope = scaled - good - x / LEVEL_SD**2
-        x = np.clip(
-            x + slope / (2.0 * np.maximum(scaled, 0.5 * good) + LEVEL_SD**-2), -np.log(MAX_LEVEL), np.log(MAX_LEVEL)
-        )
+        x = np.clip(x + slope / (2.0 * np.maximum(scaled, 0.5 * good) + LEVEL_SD**-2), *np.log(LEVELS))
     return np.exp(x)

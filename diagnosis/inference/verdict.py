@@ -39,7 +39,7 @@ SUBSTITUTE = "only a substitute for what is unexplained"
 """Reason of a name that is not needed beside a structure that has another cause."""
 
 
-class Conclusion(TextEnum):
+class Verdict(TextEnum):
     """What a diagnosis comes to."""
 
     EXPLAINED = "explained"
@@ -119,7 +119,7 @@ def conclusion(
     chance: float,
     nearly: float,
     scatter: float,
-) -> Conclusion:
+) -> Verdict:
     """Return the conclusion.
 
     Args:
@@ -131,9 +131,9 @@ def conclusion(
         scatter: Greatest scatter of good readings relative to the stated noise.
     """
     if not is_adequate:
-        return Conclusion.NAMED_IN_PART if names else Conclusion.UNEXPLAINED
+        return Verdict.NAMED_IN_PART if names else Verdict.UNEXPLAINED
     if names:
-        return Conclusion.NAMED
+        return Verdict.NAMED
     if withheld_names or chance < DOUBT or nearly >= NEARLY or scatter >= NOISY:
-        return Conclusion.UNDECIDED
-    return Conclusion.EXPLAINED
+        return Verdict.UNDECIDED
+    return Verdict.EXPLAINED

@@ -6,8 +6,8 @@ from diagnosis.report.report_data import ReportData
 
 
 def answer(data: ReportData) -> dict[str, object]:
-    """Return the answer in GAP_FORMAT, with `intervals` and `without` if effects are named, ready for JSON."""
-    result = data.diagnosis.answer()
+    """Return the answer in GAP_FORMAT, with the conclusion, and `intervals` and `without` if effects are named."""
+    result = data.diagnosis.answer() | {"conclusion": str(data.diagnosis.conclusion)}
     if data.intervals:
         result["intervals"] = {
             effect: {

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 from diagnosis.inference.likelihood import (
     LEVEL_SD,
-    MAX_LEVEL,
+    LEVELS,
     MEAN_SHARE,
     WIDTH,
     NoiseFit,
@@ -19,14 +19,14 @@ from diagnosis.inference.likelihood import (
 )
 
 
-def evidence_of(n, quantities=1):
+def evidence_of(n, quantities=1, *, is_stated=True):
     """Observations of n samples with a noise of 1, in equal parts of each quantity."""
     return SimpleNamespace(
         values=np.zeros(n),
         sd=np.ones(n),
         weight=np.ones(n),
         fit=np.ones(n, dtype=bool),
-        observed=range(quantities),
+        observed=[SimpleNamespace(noise_is_stated=is_stated)] * quantities,
         quantity=np.repeat(np.arange(quantities), n // quantities),
     )
 
@@ -73,7 +73,7 @@ def noise_of(errors, *, held=False):
     return fitted_noise(evidence, errors, np.ones(len(errors)), stated_noise(evidence), np.array([held]))
 
 
-@pytest.mark.parametrize(("level", "share"), [(1.0, 0.0), (1.0, 0.05), (0.6, 0.05), (1.7, 0.03)])
+@pytest.mark.parametrize(("level", "share"), [(1.0, 0.0), (1.0, 0.05), (0.8, 0.05), (1.7, 0.03)])
 def test_level_and_share_are_those_that_were_drawn(level, share):
     rng = np.random.default_rng(4)
     errors = np.where(rng.random(4000) < share, WIDTH * rng.standard_cauchy(4000), level * rng.standard_normal(4000))
@@ -103,7 +103,14 @@ def test_the_fitted_noise_has_the_least_cost():
 
 def test_more_than_twice_the_stated_noise_is_no_error_of_the_statement():
     noise = noise_of(3.0 * np.random.default_rng(2).standard_normal(500))
-    assert noise.levels[0] == pytest.approx(MAX_LEVEL)
+    assert noise.levels[0] == pytest.approx(LEVELS[1])
+
+
+def test_a_noise_that_is_not_stated_is_no_smaller_than_it_was_estimated():
+    evidence = evidence_of(500, is_stated=False)
+    errors = 0.3 * np.random.default_rng(2).standard_normal(500)
+    noise = fitted_noise(evidence, errors, np.ones(500), stated_noise(evidence), np.array([False]))
+    assert noise.levels[0] == 1.0
 
 
 def test_where_an_effect_has_the_place_of_the_level_the_level_stays_as_stated():

@@ -11,8 +11,8 @@ from diagnosis.inference.verdict import (
     LEAST_WEIGHT,
     NEARLY,
     NOISY,
-    Conclusion,
     NameEvidence,
+    Verdict,
     WithheldName,
     cancel,
     conclusion,
@@ -70,9 +70,9 @@ doubts = st.fixed_dictionaries(
 @given(names, withheld_names, st.booleans(), doubts)
 def test_the_conclusion_never_contradicts_the_evidence(standing, not_standing, is_adequate, doubt):
     found = conclusion(standing, not_standing, is_adequate=is_adequate, **doubt)
-    assert (found in {Conclusion.NAMED, Conclusion.NAMED_IN_PART}) == bool(standing)
-    assert (found in {Conclusion.NAMED_IN_PART, Conclusion.UNEXPLAINED}) == (not is_adequate)
-    if found is Conclusion.EXPLAINED:
+    assert (found in {Verdict.NAMED, Verdict.NAMED_IN_PART}) == bool(standing)
+    assert (found in {Verdict.NAMED_IN_PART, Verdict.UNEXPLAINED}) == (not is_adequate)
+    if found is Verdict.EXPLAINED:
         assert doubt["chance"] >= DOUBT
         assert doubt["nearly"] < NEARLY
         assert doubt["scatter"] < NOISY
@@ -82,7 +82,7 @@ def test_the_conclusion_never_contradicts_the_evidence(standing, not_standing, i
 @given(doubts)
 def test_more_doubt_never_makes_a_model_an_explanation(doubt):
     def explained(**more):
-        return conclusion([], [], is_adequate=True, **{**doubt, **more}) is Conclusion.EXPLAINED
+        return conclusion([], [], is_adequate=True, **{**doubt, **more}) is Verdict.EXPLAINED
 
     assert explained(chance=0.5 * doubt["chance"]) <= explained()
     assert explained(nearly=doubt["nearly"] + 1.0) <= explained()
