@@ -20,7 +20,7 @@ from pipeline.commands.preview import preview
 from pipeline.commands.rerender import rerender
 from pipeline.commands.sign import sign
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
-from symolo.core.extras import EXTRA_OF, extra_is_missing
+from symolo.core.extras import extra_lacking
 from symolo.core.os_errors import lacking
 
 EPILOG = """First steps:
@@ -150,17 +150,11 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
             return _interrupted()
-        if problem := _missing_on_machine(error):
+        if problem := extra_lacking(error) or lacking(error):
             return _fail(MACHINE_LACKS, one_line(problem))
         traceback.print_exc()
         return _fail(BUG, "this is a bug in symolo; please report it with the lines above")
     return _interrupted() if code == INTERRUPTED else int(code or 0)
-
-
-def _missing_on_machine(error: Exception) -> str:
-    """Return what the machine lacks and what to do about it; empty where the error is not the machine's."""
-    package = (error.name or "").partition(".")[0] if isinstance(error, ModuleNotFoundError) else ""
-    return str(extra_is_missing(package)) if package in EXTRA_OF else lacking(error)
 
 
 @contextmanager

@@ -26,6 +26,7 @@ from pipeline.commands.options import (
     with_device,
 )
 from symolo.core.errors import InputError
+from symolo.core.extras import check_installed
 
 if TYPE_CHECKING:
     from pipeline.executors import Executor
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from symolo.dataset.documents.metadata import FailedRun
 
 STAGES = ("simulate", "render", "assemble")
+ENGINE_OF = {"simulate": "pybullet", "render": "bpy"}
+"""Package by the stage that needs it; it is looked for before anything is written."""
 
 
 def plan(
@@ -203,6 +206,9 @@ def _make(
 
     command = stages[0] if len(stages) == 1 else "release"
     report = report_here()
+    for stage in stages:
+        if stage in ENGINE_OF:
+            check_installed(ENGINE_OF[stage])
     batch = Batch.open(scenario, overrides, out, executor, report, renders=command != "simulate")
     failures = batch.simulated() if "simulate" not in stages else []
     if command == "assemble":

@@ -13,6 +13,7 @@ from pipeline.work.processors import cpu_class
 from pipeline.work.units import UNITS, AnyUnit, DiagnoseUnit, Progress, RenderUnit, SimulateUnit
 from symolo.core.child_process import ErrorKind, Failed, Finished, Owner
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
+from symolo.core.extras import extra_lacking
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.os_errors import lacking
 
@@ -117,7 +118,7 @@ def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:
         for error_class, kind in KIND_OF.items():
             if isinstance(error, error_class):
                 return Failed(error=kind, text=str(error))
-        if cause := lacking(error):
+        if cause := extra_lacking(error) or lacking(error):
             return Failed(error="environment", text=cause)
         return Failed(error="bug", text=traceback.format_exc())
     return Finished()

@@ -1,6 +1,7 @@
 """Packages that not every installation has: which extra of symolo brings each, and how to install it."""
 
 from importlib import import_module
+from importlib.util import find_spec
 from types import ModuleType
 
 from symolo.core.errors import EnvironmentLacking
@@ -32,6 +33,22 @@ def how_to_install(extra: str) -> str:
 def extra_is_missing(package: str) -> EnvironmentLacking:
     """Return the error for a package of an extra that is not installed."""
     return EnvironmentLacking(f"the package {package} is missing; {how_to_install(EXTRA_OF[package])}")
+
+
+def check_installed(package: str) -> None:
+    """Check that a package of an extra is installed, without loading it.
+
+    Raises:
+        EnvironmentLacking: It is not.
+    """
+    if find_spec(package) is None:
+        raise extra_is_missing(package)
+
+
+def extra_lacking(error: BaseException) -> str:
+    """Return which extra to install where an import failed for the lack of it; empty for every other error."""
+    package = (error.name or "").partition(".")[0] if isinstance(error, ModuleNotFoundError) else ""
+    return str(extra_is_missing(package)) if package in EXTRA_OF else ""
 
 
 def optional_module(module: str) -> ModuleType:
