@@ -20,6 +20,7 @@ from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.selection import Selection, is_at_bound, is_of_noise, needed, rescued, select, without
+from diagnosis.inference.transfer import Group, contradiction, groups, supports
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, change_by, survivors
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
@@ -180,8 +181,9 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
     if result.is_adequate:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
+    parts = groups(evidence, [trial.name for trial in measurement.trials])
     model, withheld_names = _standing(
-        evidence, selection.nominal, _NamedModel(fit, comparisons, result), library.testable
+        evidence, selection.nominal, _NamedModel(fit, comparisons, result), library.testable, parts
     )
     fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
@@ -330,7 +332,11 @@ class _NamedModel:
 
 
 def _standing(
-    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, effects: Sequence[CandidateEffect]
+    evidence: Evidence,
+    nominal: HypothesisFit,
+    model: _NamedModel,
+    effects: Sequence[CandidateEffect],
+    parts: Sequence[Group],
 ) -> tuple[_NamedModel, tuple[WithheldName, ...]]:
     """Return the model with only those names that stand, and the names withheld.
 
@@ -338,7 +344,13 @@ def _standing(
     """
     withheld_names: list[WithheldName] = []
     while True:
-        found = [_name_evidence(evidence, nominal, model, comparison) for comparison in model.comparisons]
+        bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
+        found = [
+            _name_evidence(evidence, nominal, model, comparison, base, contradiction(each))
+            for comparison, base, each in zip(
+                model.comparisons, bases, supports(evidence, model.fit, bases, parts), strict=True
+            )
+        ]
         failing = [
             (each, comparison) for each, comparison in zip(found, model.comparisons, strict=True) if withheld(each)
         ]
@@ -371,15 +383,19 @@ def _cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit
     return next((other.name for other in others if cancel(change, change_by(evidence, nominal, fit, other))), "")
 
 
-def _name_evidence(
-    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, comparison: RivalComparison
+def _name_evidence(  # noqa: PLR0917 - all that is known of a name
+    evidence: Evidence,
+    nominal: HypothesisFit,
+    model: _NamedModel,
+    comparison: RivalComparison,
+    base: HypothesisFit,
+    contradicted_by: str,
 ) -> NameEvidence:
     """Return what the data say of one name of a model, which leaves an unexplained structure or none.
 
     Beside such a structure a rival may win by taking over a part of it, so rivals count only without.
     """
     fit, effect, has_rest = model.fit, comparison.effect, not model.result.is_adequate
-    base = without(evidence, fit, effect)
     heldout_rise = float((base.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None
     rival = None if has_rest else next((rival for rival in comparison.rivals if not rival.refused), None)
     return NameEvidence(
@@ -389,6 +405,7 @@ def _name_evidence(
         rise_of_prior=base.prior_cost - fit.prior_cost,
         heldout_rise=heldout_rise,
         is_at_bound=is_at_bound(fit, effect),
+        contradicted_by=contradicted_by,
         cancelled_by=_cancelled_by(evidence, nominal, fit, effect),
         closest_rival=None if rival is None else (rival.effect.name, rival.worse),
         confidence=1.0 if has_rest else comparison.confidence,
