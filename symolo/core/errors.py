@@ -2,7 +2,8 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 _LONGEST_VALUE = 60
 _LONGEST_WHAT = 300
@@ -36,6 +37,45 @@ class InputError(Exception):
             head += f"{';' if got is ... else ','} allowed: {allowed}"
         tail = [f"did you mean {nearest}"] if nearest else []
         super().__init__(one_line("; ".join([head, *tail, *([cure] if cure else [])])))
+
+
+class FaultsError(InputError):
+    """Several faults of what the user gave, in a text of one line each.
+
+    Args:
+        faults: At least two.
+    """
+
+    def __init__(self, faults: Sequence[InputError]) -> None:
+        self.faults = tuple(faults)
+        Exception.__init__(self, "\n".join([f"{len(faults)} faults:", *(f"  {fault}" for fault in faults)]))
+
+
+class FaultList:
+    """Faults that are collected, so that the user sees all of them at once."""
+
+    def __init__(self) -> None:
+        self.faults: list[InputError] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Collect the InputError of a block, which ends there, in place of raising it."""
+        try:
+            yield
+        except FaultsError as several:
+            self.faults += several.faults
+        except InputError as error:
+            self.faults.append(error)
+
+    def check(self) -> None:
+        """Raise InputError if there is a fault."""
+        if self.faults:
+            raise together(self.faults)
+
+
+def together(faults: Sequence[InputError]) -> InputError:
+    """Return one error with all of these faults, at least one."""
+    return faults[0] if len(faults) == 1 else FaultsError(faults)
 
 
 class RunFailed(Exception):  # noqa: N818 - a run that fails is an outcome with a name, and the name is the contract's
