@@ -77,9 +77,11 @@ class Mount(Section):
 
 
 class Mounts(Section):
-    front: Mount
-    left: Mount
-    right: Mount
+    """Range sensors of the robot; one that is left out is not on it, and its readings are not compared."""
+
+    front: Mount | None = None
+    left: Mount | None = None
+    right: Mount | None = None
 
 
 class DriveTof(Section):
@@ -171,10 +173,12 @@ class NominalTof(Section):
 
 class NominalDrive(Section):
     kind: Literal["drive_log"]
-    motor: NominalMovingMotor
+    motor: NominalMovingMotor | None = None
+    """Motors; without them, speeds are not predicted from voltages."""
     robot: NominalRobot
-    tof: DriveTof
-    world: KnownRoom
+    tof: DriveTof | None = None
+    """Range sensors; without them or the room, ranges are not predicted."""
+    world: KnownRoom | None = None
     noise: DriveNoise
 
 

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 _LONGEST_VALUE = 60
 _LONGEST_WHAT = 300
+_MAX_LISTED = 20
+"""Number of faults that are listed; a damaged file may have thousands."""
 _UNPRINTABLE = re.compile(
     r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff"
     r"\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]+"  # those that turn the direction of what follows
@@ -48,7 +50,13 @@ class FaultsError(InputError):
 
     def __init__(self, faults: Sequence[InputError]) -> None:
         self.faults = tuple(faults)
-        Exception.__init__(self, "\n".join([f"{len(faults)} faults:", *(f"  {fault}" for fault in faults)]))
+        lines = [f"{len(faults)} faults:", *(f"  {fault}" for fault in faults[:_MAX_LISTED])]
+        more = len(faults) - _MAX_LISTED
+        Exception.__init__(self, "\n".join([*lines, *([f"  and {more} more"] if more > 0 else [])]))
+
+    def __reduce__(self) -> tuple[type["FaultsError"], tuple[tuple[InputError, ...]]]:
+        """Come out of a worker process unchanged."""
+        return FaultsError, (self.faults,)
 
 
 class FaultList:

@@ -426,3 +426,16 @@ def test_digits_beyond_the_usual_ones_come_back_from_what_was_written(case, text
     np.testing.assert_array_equal(after.t_s, before.t_s)
     for channel in before.channels:
         np.testing.assert_array_equal(after[channel.name].values, channel.values)
+
+
+def test_sections_of_a_drive_may_be_left_out_and_what_is_not_compared_is_noted(case):
+    tree = yaml.safe_load((case("drive_log") / "nominal.yaml").read_text())
+    del tree["tof"]["mount"]["left"]
+    measurement = read(case("drive_log", nominal=yaml.safe_dump(tree)))
+    assert measurement.notes == ("nominal.yaml has no tof.mount.left: the ranges tof_left_m are not compared",)
+    del tree["motor"], tree["world"]
+    measurement = read(case("drive_log", nominal=yaml.safe_dump(tree)))
+    assert measurement.notes == (
+        "nominal.yaml has no section motor: speeds are not compared with voltages",
+        "nominal.yaml has no section world: ranges are not compared",
+    )
