@@ -203,12 +203,14 @@ def _cell_faults(
     cells: Sequence[str], numbers: Sequence[tuple[NumberColumn, int]], words: Sequence[tuple[WordColumn, int]]
 ) -> Iterator[InputError]:
     """Yield the fault of each cell of a row that has one."""
-    for columns, read in ((numbers, _number), (words, lambda cell, column: _word(cell.strip(), column))):
-        for column, place in columns:
-            try:
-                read(cells[place], column)
-            except InputError as error:
-                yield error
+    for column, place in (*numbers, *words):
+        try:
+            if isinstance(column, NumberColumn):
+                _number(cells[place], column)
+            else:
+                _word(cells[place].strip(), column)
+        except InputError as error:
+            yield error
 
 
 def _width_fault(row: int, count: int, width: int) -> LineFault:
