@@ -131,6 +131,8 @@ class Ranges:
             view = RangeView(
                 distance_m=seen.distance_m,
                 incidence_rad=seen.incidence_rad,
+                tilt_forward_rad=np.zeros(len(SENSORS)),
+                tilt_sideways_rad=seen.tilt_rad,
                 reflectance=np.full(len(SENSORS), WALL_REFLECTANCE),
                 material_share={},
                 temperature_C=tof.temperature_C,
