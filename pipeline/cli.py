@@ -38,7 +38,8 @@ Exit codes:
 3: a run failed, and the others are finished
 4: a dataset has faults
 5: something is missing on this machine
-6, 7: `compare` found data that are equal within the tolerance, or different
+6: `compare`: the data are equal within the tolerance
+7: `compare`: the data are different
 130: interrupted
 """
 

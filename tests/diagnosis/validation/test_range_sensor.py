@@ -28,6 +28,7 @@ from diagnosis.validation.range_sensor.recordings.static import (
 from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board, target
 from physics.bullet.ray_oracle import EngineRays
 from sensors.effects.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.tilt_asymmetry import TiltAsymmetry
 from sensors.tof import ray_pattern
 from symolo.core.errors import InputError
 
@@ -163,6 +164,18 @@ def test_tilt_up_and_to_the_side_read_alike(mounted):
     aside = still.facing(target(0.2), "test").reading_mm(yaw_deg=17.0)
     up = still.facing(target(0.2), "test", pitch_up_deg=17.0).reading_mm()
     assert up == pytest.approx(aside, abs=0.2)
+
+
+@pytest.mark.parametrize("coefficient", [-0.02, 0.02])
+def test_a_sensor_with_a_tilt_asymmetry_leans_about_its_axis_alone(mounted, coefficient):
+    """By twice the coefficient times 25 degrees; the other axis is symmetric."""
+    effects = RobotEffects((TiltAsymmetry(axis="forward", coefficient_m_per_rad=coefficient),))
+    leaning = replace(mounted.without_noise(), effects=effects)
+    up_and_down, sideways = (tilt.curve(leaning, axis, 100.0, 3) for axis in ("up_and_down", "sideways"))
+    lean_mm = up_and_down["noiseless_mm"][-1] - up_and_down["noiseless_mm"][0]
+    assert lean_mm == pytest.approx(2e3 * coefficient * math.radians(25.0), abs=0.2)
+    assert sideways["noiseless_asymmetry_mm"] < 0.2
+    assert max(c["largest_asymmetry_mm"] for c in (up_and_down, sideways)) < 0.2
 
 
 def test_the_tilt_check_sees_a_curve_that_leans(mounted):
@@ -312,8 +325,8 @@ def test_planted_drift_shows_in_a_record_at_rest(mounted, monkeypatch):
     # times that of the white part at 194; a third of an octave lies between two lengths.
     assert measured["drifts_from_s"] == pytest.approx(194 / 50.0, rel=0.35)
     assert 97 / 50.0 < measured["lowest_at_s"] < 310 / 50.0
-    assert not any("NOT IN THE MODEL" in note for note in still.notes)
-    assert any("NOT IN THE MODEL: its noise is white" in note for note in drifting.notes)
+    assert not any("NOT IN THIS ROBOT" in note for note in still.notes)
+    assert any("NOT IN THIS ROBOT: without range_wander" in note for note in drifting.notes)
     assert any("would match" in note for note in drifting.notes)
     assert not any("would match" in note for note in notes(measured, 0.0))
 
