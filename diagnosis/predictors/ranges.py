@@ -46,7 +46,9 @@ class Ranges:
     at_once = 48
 
     def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
-        self._case = nominal_case
+        if nominal_case.tof is None or nominal_case.world is None:
+            raise ValueError("a case without range sensors or a room has no such stage")
+        self._case, self._room, self._mounts = nominal_case, nominal_case.world, nominal_case.tof.mount
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
@@ -58,7 +60,7 @@ class Ranges:
         self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
         mean, sd = self._expected([nominal])
         in_reach = seen.distance_m <= nominal_case.tof.max_range_m - END_M
-        clear = in_reach & ~near_corner(nominal_case.world, seen, CORNER_M, CORNER_RAD)
+        clear = in_reach & ~near_corner(self._room, seen, CORNER_M, CORNER_RAD)
         clear &= np.isfinite(log).all(axis=-1, keepdims=True)
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(measurement, k, seen, Predicted(mean[0][:, k], sd[0][:, k]), clear[:, k])
@@ -75,7 +77,7 @@ class Ranges:
     ) -> Observed:
         name = f"tof_{SENSORS[k]}_m"
         values = good_values(measurement, name)
-        usable = clear & np.isfinite(values)
+        usable = clear & np.isfinite(values) & (getattr(self._mounts, SENSORS[k]) is not None)
         covariates = (
             Covariate("distance_m", nominal.mean),
             Covariate("incidence_rad", seen.incidence_rad[:, k]),
@@ -108,7 +110,7 @@ class Ranges:
             _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
         )
         askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
-        return room_ranges(self._case.world, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
+        return room_ranges(self._room, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
