@@ -4,12 +4,13 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from configs.schema.base import FromList, Section
-from configs.validation import validated
+from configs.schema_faults import all_explained
+from configs.shapes import Shape
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError, nearest
+from symolo.core.errors import InputError, nearest, together
 from symolo.core.yaml.reader import read_yaml
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -76,9 +77,11 @@ class Mount(Section):
 
 
 class Mounts(Section):
-    front: Mount
-    left: Mount
-    right: Mount
+    """Range sensors of the robot; one that is left out is not on it, and its readings are not compared."""
+
+    front: Mount | None = None
+    left: Mount | None = None
+    right: Mount | None = None
 
 
 class DriveTof(Section):
@@ -170,10 +173,12 @@ class NominalTof(Section):
 
 class NominalDrive(Section):
     kind: Literal["drive_log"]
-    motor: NominalMovingMotor
+    motor: NominalMovingMotor | None = None
+    """Motors; without them, speeds are not predicted from voltages."""
     robot: NominalRobot
-    tof: DriveTof
-    world: KnownRoom
+    tof: DriveTof | None = None
+    """Range sensors; without them or the room, ranges are not predicted."""
+    world: KnownRoom | None = None
     noise: DriveNoise
 
 
@@ -218,7 +223,8 @@ def read_nominal(path: Path) -> NominalCase:
     """Return the parameters of one case.
 
     Raises:
-        InputError: The file is not strict YAML or breaks the format; the message names file, line and field.
+        InputError: The file is not strict YAML or breaks the format; the message names file, line and field of every
+            fault.
     """
     root = read_yaml(path).root
     kind = root.child("kind")
@@ -227,4 +233,8 @@ def read_nominal(path: Path) -> NominalCase:
         allowed = f"one of {', '.join(MODELS)}"
         where = kind.where if kind else root.where
         raise InputError("kind", where=where, got=name, allowed=allowed, nearest=nearest(name, MODELS))
-    return validated(root, MODELS[name], {})
+    model = MODELS[name]
+    try:
+        return model.model_validate(root.plain())
+    except ValidationError as error:
+        raise together(all_explained(error, root, Shape.of(model))) from None

@@ -46,7 +46,9 @@ class Ranges:
     at_once = 48
 
     def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
-        self._case = nominal_case
+        if nominal_case.tof is None or nominal_case.world is None:
+            raise ValueError("a case without range sensors or a room has no such stage")
+        self._case, self._room, self._mounts = nominal_case, nominal_case.world, nominal_case.tof.mount
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
@@ -58,7 +60,7 @@ class Ranges:
         self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
         mean, sd = self._expected([nominal])
         in_reach = seen.distance_m <= nominal_case.tof.max_range_m - END_M
-        clear = in_reach & ~near_corner(nominal_case.world, seen, CORNER_M, CORNER_RAD)
+        clear = in_reach & ~near_corner(self._room, seen, CORNER_M, CORNER_RAD)
         clear &= np.isfinite(log).all(axis=-1, keepdims=True)
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(measurement, k, seen, Predicted(mean[0][:, k], sd[0][:, k]), clear[:, k])
@@ -75,7 +77,7 @@ class Ranges:
     ) -> Observed:
         name = f"tof_{SENSORS[k]}_m"
         values = good_values(measurement, name)
-        usable = clear & np.isfinite(values)
+        usable = clear & np.isfinite(values) & (getattr(self._mounts, SENSORS[k]) is not None)
         covariates = (
             Covariate("distance_m", nominal.mean),
             Covariate("incidence_rad", seen.incidence_rad[:, k]),
@@ -108,19 +110,20 @@ class Ranges:
             _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
         )
         askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
-        return room_ranges(self._case.world, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
+        return room_ranges(self._room, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
         effects = stacked_effects(robots, axes=1)
-        range_delay_s, pose_delay_s = (
-            through(effects.functions(slot), 0.0) for slot in (Slot.RANGE_DELAY, Slot.POSE_DELAY)
-        )
+        range_delay_s = through(effects.functions(Slot.RANGE_DELAY), 0.0)
+        pose_delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s)
         # The logged pose is older than its row by the pose delay, the reading by the range delay.
         tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
-        # The effect shifts the axle by a vector that depends on the yaw only; the point minus that vector is the axle.
-        return 2.0 * tracked - through(point, tracked)
+        # The effects turn every axle by the same angle and shift it by a vector that depends on its yaw only. So one
+        # step back from the tracked pose gives the yaw of the axle, and a second one its place.
+        axle = 2.0 * tracked - through(point, tracked)
+        return axle + (tracked - through(point, axle))
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Return mean and standard deviation, (M, n, 3) each."""
@@ -131,6 +134,8 @@ class Ranges:
             view = RangeView(
                 distance_m=seen.distance_m,
                 incidence_rad=seen.incidence_rad,
+                tilt_forward_rad=np.zeros(len(SENSORS)),
+                tilt_sideways_rad=seen.tilt_rad,
                 reflectance=np.full(len(SENSORS), WALL_REFLECTANCE),
                 material_share={},
                 temperature_C=tof.temperature_C,
