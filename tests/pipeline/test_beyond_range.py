@@ -58,3 +58,9 @@ def test_an_effect_that_the_robot_does_not_have_needs_no_range():
 
 def test_a_range_sensor_without_a_target_measures_nothing():
     assert range_warnings(robot(("turn_slip", "tof_m", 0.1, 1.0)), recording()) == ()
+
+
+def test_a_run_begins_at_rest_and_may_come_too_near_to_a_wall():
+    ranges = (("turn_slip", "v_m_s", 0.1, 0.3), ("turn_slip", "tof_m", 0.2, 1.0))
+    (warning,) = range_warnings(robot(*ranges), recording(v_m_s=0.0, tof_m=(0.05, 8.19)))
+    assert "for tof_m from 0.2 to 1, and 100 % of this run is outside" in warning
