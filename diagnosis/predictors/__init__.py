@@ -8,6 +8,7 @@ from diagnosis.predictors.base import Binder, only_stage
 from diagnosis.predictors.drive_log import drive_log_stages
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
+from diagnosis.predictors.symolo_csv import symolo_csv_stages
 from diagnosis.predictors.tof_bench import TofBenchStage
 
 STAGES: Mapping[CaseKind, Binder] = MappingProxyType(
@@ -16,6 +17,7 @@ STAGES: Mapping[CaseKind, Binder] = MappingProxyType(
         CaseKind.MOTOR_STEP: only_stage(MotorStep),
         CaseKind.TOF_BENCH: only_stage(TofBenchStage),
         CaseKind.DRIVE_LOG: drive_log_stages,
+        CaseKind.SYMOLO_CSV: symolo_csv_stages,
     }
 )
 """Stages of each kind of measurement that can be predicted."""

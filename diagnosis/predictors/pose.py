@@ -15,7 +15,7 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import KnownWheels, NominalDrive
+from diagnosis.measured.nominal import KnownWheels, NominalDrive, NominalLog
 from diagnosis.measured.screening import noise_of
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
@@ -42,6 +42,8 @@ LEVER_M = 0.12
 PARTS = ("drive", "encoder")
 SLOTS = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.ENCODER, Slot.COUNTING, Slot.POSE_POINT, Slot.POSE_DELAY})
 """Slots of the effects between the counts and the logged poses."""
+MIN_NOISE = 1e-6
+"""Noise of a pose [m, rad] that is stated as exact: it is rounded all the same."""
 UNSTATED_SLIP = 1e-3
 """Noise of the travelled distance [m / sqrt m] if it is not stated: a millimetre per metre."""
 SIDES = ("right", "left")
@@ -62,6 +64,9 @@ class PoseNoise:
         if isinstance(measurement.nominal, NominalDrive):
             noise = measurement.nominal.noise
             return cls(noise.pose_xy_m, noise.pose_theta_rad, noise.travel_m_per_sqrt_m)
+        if isinstance(measurement.nominal, NominalLog):
+            noise = measurement.nominal.noise
+            return cls(max(noise.pose_xy_m, MIN_NOISE), max(noise.pose_theta_rad, MIN_NOISE), UNSTATED_SLIP)
         xy_m, theta_rad = (_camera_noise(measurement, name) for name in ("x_m", "theta_rad"))
         return cls(xy_m, theta_rad, UNSTATED_SLIP)
 
@@ -71,11 +76,15 @@ class Pose:
 
     name = "pose"
     at_once = 48
+    parts, slots = PARTS, SLOTS
+    """Parts of the robot, and slots of the effects, that act on the stage."""
+    channels = ("pose_increment",) * len(COMPONENTS)
+    """Name of each component in an answer."""
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
-        ticks = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+        ticks = self._counts(measurement, nominal)
         whole = np.isfinite(ticks).all(axis=-1)
         self._ticks = bridged(ticks, self._t_s, self._trials)
         self._steps_s = np.maximum(np.diff(self._t_s, prepend=self._t_s[0]), 0.0)
@@ -88,7 +97,7 @@ class Pose:
         self.observed: tuple[Observed, ...] = self._observed(measurement, nominal)
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        distinct_robots, which = distinct(robots, PARTS, SLOTS)
+        distinct_robots, which = distinct(robots, self.parts, self.slots)
         increments = np.empty((len(distinct_robots), len(self._first), 3))
         for group in alike(distinct_robots):
             path, seen = self._paths([distinct_robots[k] for k in group])
@@ -122,17 +131,36 @@ class Pose:
             pose[..., part, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
             pose[..., part, 2] = yaw
         effects = stacked_effects(robots, axes=1)
-        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0)
+        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0) - self._age_s(robots)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         return pose, through(point, pose)
+
+    def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
+        """Return the counts of the right and the left wheel in all rows, (n, 2); NaN where missing."""
+        del nominal
+        return np.stack([good_values(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+
+    def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
+        """Return the age of the counts when their row is logged, one or (M, 1)."""
+        del robots
+        return 0.0
+
+    def _added_variance(self, measurement: Measurement) -> tuple[float | Array, float | Array]:
+        """Return the variance of distance [m2] and turn [rad2] of each window by noise of the log, one or (m,)."""
+        del measurement
+        return 0.0, 0.0
+
+    def _turned(self, model: RobotModel, counted: Array) -> Array:
+        """Return the angles [rad] by which the wheels turned, (n, 2) or (M, n, 2), for counts (n, 2) of each row."""
+        return uncounted(model, 2.0 * pi / model.counts_per_revolution * counted, self._steps_s[:, None])
 
     def _steps(self, robots: Sequence[RobotConfig]) -> Array:
         """Return distance forward [m] and turn [rad] of each row since the previous one, (n, 2) or (M, n, 2)."""
         model = RobotModel.from_config(stacked(robots, axes=2))
         counted = np.diff(self._ticks, axis=0, prepend=self._ticks[:1])
         counted[self._starts] = 0.0
-        turned = uncounted(model, 2.0 * pi / model.counts_per_revolution * counted, self._steps_s[:, None])
+        turned = self._turned(model, counted)
         geometry = model.geometry
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
@@ -172,7 +200,7 @@ class Pose:
         return tuple(
             Observed(
                 name=name,
-                channel="pose_increment",
+                channel=self.channels[k],
                 unit=unit,
                 values=np.where(usable, values[:, k], np.nan),
                 sd=sds[k],
@@ -193,7 +221,8 @@ class Pose:
         turned[self._starts] = 0.0
         travel_m = np.cumsum(radius_m * turned.mean(axis=-1))
         q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
-        slip_place, slip_heading = 0.5 * q, 2.0 * q / nominal.drive.track_m**2
+        by_log = self._added_variance(measurement)
+        slip_place, slip_heading = 0.5 * q + by_log[0], 2.0 * q / nominal.drive.track_m**2 + by_log[1]
         place = 2.0 * noise.xy_m**2 + (LEVER_M * noise.theta_rad) ** 2 + slip_place
         heading = 2.0 * noise.theta_rad**2 + slip_heading
         # Half of the travel of a window, and so of its slip, belongs to the next window too.
@@ -219,19 +248,21 @@ def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Arr
         pose: Poses of all trials.
         t_s: (n,), times of the rows.
         trials: Number of rows of each trial; outside a trial its first or last pose is used.
-        delay_s: One delay, or (M, 1).
+        delay_s: One delay, one for each row (n,), or (M, 1) or (M, n).
     """
     if np.all(np.equal(delay_s, 0.0)):
         return pose
+    wanted = t_s - delay_s
     parts, begin = [], 0
     for rows in trials:
-        times, poses = t_s[begin : begin + rows], pose[..., begin : begin + rows, :]
+        part = slice(begin, begin + rows)
+        times, poses, wanted_s = t_s[part], pose[..., part, :], wanted[..., part]
         begin += rows
         if rows < 2:
             parts.append(poses)
             continue
         # One delay gives times (n,) for all robots, M delays give (M, n); poses and times are broadcast to each other.
-        wanted_s = np.clip(times - delay_s, times[0], times[-1])
+        wanted_s = np.clip(wanted_s, times[0], times[-1])
         after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
         share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
         shape = np.broadcast_shapes(poses.shape[:-1], after.shape)
