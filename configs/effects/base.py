@@ -67,8 +67,14 @@ class Slot(TextEnum):
     """delay [s] -> delay [s]."""
     RANGE_MOUNT = "range mount"
     """yaw of the three sensors [rad] (3,) -> yaw."""
+    RAY_WEIGHT = "ray weight"
+    """weight of each ray (..., rays), distance along it [m] -> weight. Only the ratios of the weights matter."""
+    RANGE_GATHERING = "range gathering"
+    """time over which light is gathered [s] -> time [s]."""
     RANGE = "range"
     """reading [m], `RangeView` -> reading [m]."""
+    RANGE_WANDER = "range wander"
+    """slow error [m], duration since it had this value [s], standard normal deviates -> slow error [m]."""
     RANGE_NOISE = "range noise"
     """standard deviation [m], `RangeView` -> standard deviation [m]."""
     RANGE_LIMIT = "range limit"
@@ -78,10 +84,13 @@ class Slot(TextEnum):
 
 
 class Setup(TextEnum):
-    """The object of a measurement: a motor alone, a range sensor alone, or a robot that drives."""
+    """The object of a measurement: a motor alone, a range sensor before one target at a time, a range sensor that is
+    moved past an object, or a robot that drives.
+    """
 
     MOTOR_BENCH = "motor bench"
     RANGE_BENCH = "range bench"
+    RANGE_SCAN = "range scan"
     DRIVE = "drive"
 
 

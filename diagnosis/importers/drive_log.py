@@ -1,6 +1,7 @@
 """Voltages, encoder counts, ranges and camera pose of a driving robot (a measured case)."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultList, InputError
 from symolo.core.table import CsvTable
 
 ROW_S = 0.05
@@ -30,11 +31,35 @@ def _noise(nominal: NominalDrive, table: CsvTable, name: str) -> KnownNoise | No
 
 
 def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
-    check_rate(measurement, ROW_S)
-    _check_heading(measurement)
-    distance_m = np.linspace(0.0, nominal.tof.max_range_m, 1000)
-    nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
-    return _travel_notes(nominal, measurement)
+    faults = FaultList()
+    with faults.noted():
+        check_rate(measurement, ROW_S)
+    with faults.noted():
+        _check_heading(measurement)
+    distance_m = np.linspace(0.0, nominal.tof.max_range_m if nominal.tof else 0.0, 1000)
+    with faults.noted():
+        nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
+    faults.check()
+    return [*_left_out(nominal, measurement), *_travel_notes(nominal, measurement)]
+
+
+def _left_out(nominal: NominalDrive, measurement: Measurement) -> list[str]:
+    """Return a note for each stage that is not compared because nominal.yaml lacks a section."""
+
+    def has(name: str) -> bool:
+        return any(channel.is_offered for channel in measurement.across(name))
+
+    notes = []
+    if nominal.motor is None and has("u_left_V"):
+        notes.append("nominal.yaml has no section motor: speeds are not compared with voltages")
+    ranges = [side for side in ("front", "left", "right") if has(f"tof_{side}_m")]
+    lacking = [name for name, section in (("tof", nominal.tof), ("world", nominal.world)) if section is None]
+    if ranges and lacking:
+        notes.append(f"nominal.yaml has no section {' and '.join(lacking)}: ranges are not compared")
+    elif nominal.tof is not None:
+        without = [side for side in ranges if getattr(nominal.tof.mount, side) is None]
+        notes += [f"nominal.yaml has no tof.mount.{side}: the ranges tof_{side}_m are not compared" for side in without]
+    return notes
 
 
 def _check_heading(measurement: Measurement) -> None:
@@ -64,20 +89,37 @@ def _travel_notes(nominal: NominalDrive, measurement: Measurement) -> list[str]:
     """Return a note if the pose travels or turns so much more than the wheels that it looks like another unit."""
     robot = nominal.robot
     per_tick = 2.0 * np.pi * robot.wheel_radius_m.value / robot.encoder_ticks_per_revolution
-    by_pose, by_wheels = np.zeros(2), np.zeros(2)
+    moved = motion(measurement)
+    return [
+        *scale_note(moved.m_per_tick / per_tick, "x_m and y_m", "m", "the wheels' travel"),
+        *scale_note(
+            moved.rad_per_tick * robot.wheel_separation_m.value / per_tick, "theta_rad", "rad", "the wheels' turn"
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How far the pose moved for each tick of the encoders; NaN if it was not logged or nothing moved."""
+
+    m_per_tick: float
+    """Path of the pose over the mean ticks of both wheels."""
+    rad_per_tick: float
+    """Turn of the pose over the difference of the ticks, right minus left."""
+
+
+def motion(measurement: Measurement) -> Motion:
+    """Return the sums over all half seconds, in which noise is small beside the motion."""
+    by_pose, by_ticks = np.zeros(2), np.zeros(2)
     for trial in measurement.trials:
-        left, right = (per_tick * _net(trial, f"enc_{side}_ticks") for side in ("left", "right"))
-        turned = np.abs(right - left) / robot.wheel_separation_m.value
+        left, right = (_net(trial, f"enc_{side}_ticks") for side in ("left", "right"))
         x, y, theta = (_net(trial, name) for name in ("x_m", "y_m", "theta_rad"))
         both = np.isfinite(x + y + left + right)
-        by_pose += np.hypot(x, y)[both].sum(), np.abs(theta)[both & np.isfinite(theta)].sum()
-        by_wheels += np.abs(left + right)[both].sum() / 2.0, turned[both & np.isfinite(theta)].sum()
+        turning = both & np.isfinite(theta)
+        by_pose += np.hypot(x, y)[both].sum(), np.abs(theta)[turning].sum()
+        by_ticks += np.abs(left + right)[both].sum() / 2.0, np.abs(right - left)[turning].sum()
     with np.errstate(divide="ignore", invalid="ignore"):
-        travel, turn = (by_pose / by_wheels).tolist()
-    return [
-        *scale_note(travel, "x_m and y_m", "m", "the wheels' travel"),
-        *scale_note(turn, "theta_rad", "rad", "the wheels' turn"),
-    ]
+        return Motion(*(by_pose / by_ticks).tolist())
 
 
 def _net(trial: Trial, name: str) -> Array:

@@ -20,6 +20,7 @@ SETUPS = {
     CaseKind.MOTOR_STEADY: Setup.MOTOR_BENCH,
     CaseKind.MOTOR_STEP: Setup.MOTOR_BENCH,
     CaseKind.TOF_BENCH: Setup.RANGE_BENCH,
+    CaseKind.RANGE_SCAN: Setup.RANGE_SCAN,
     CaseKind.DRIVE_LOG: Setup.DRIVE,
     CaseKind.SYMOLO_CSV: Setup.DRIVE,
 }

@@ -20,6 +20,8 @@ class CaseKind(TextEnum):
     """Voltage, current and speed of a motor against time."""
     TOF_BENCH = "tof_bench"
     """Readings of a range sensor at known distances."""
+    RANGE_SCAN = "range_scan"
+    """Readings of a range sensor that was moved past an object."""
     DRIVE_LOG = "drive_log"
     """Voltages, encoder counts, ranges and pose of a robot with two driven wheels."""
     SYMOLO_CSV = "symolo_csv"

@@ -4,16 +4,17 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from configs.references import SECTIONS, resolve_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import FromList, Section
 from configs.schema.robot import RobotConfig
+from configs.schema_faults import all_explained
 from configs.shapes import Shape, with_defaults
-from configs.validation import distributions_of, validated
+from configs.validation import distributions_of
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError, nearest
+from symolo.core.errors import InputError, nearest, together
 from symolo.core.yaml.reader import read_yaml
 from symolo.core.yaml.tree import Node, dotted
 
@@ -81,9 +82,11 @@ class Mount(Section):
 
 
 class Mounts(Section):
-    front: Mount
-    left: Mount
-    right: Mount
+    """Range sensors of the robot; one that is left out is not on it, and its readings are not compared."""
+
+    front: Mount | None = None
+    left: Mount | None = None
+    right: Mount | None = None
 
 
 class DriveTof(Section):
@@ -175,10 +178,12 @@ class NominalTof(Section):
 
 class NominalDrive(Section):
     kind: Literal["drive_log"]
-    motor: NominalMovingMotor
+    motor: NominalMovingMotor | None = None
+    """Motors; without them, speeds are not predicted from voltages."""
     robot: NominalRobot
-    tof: DriveTof
-    world: KnownRoom
+    tof: DriveTof | None = None
+    """Range sensors; without them or the room, ranges are not predicted."""
+    world: KnownRoom | None = None
     noise: DriveNoise
 
 
@@ -250,7 +255,8 @@ def read_nominal(path: Path) -> NominalCase:
     """Return the parameters of one case.
 
     Raises:
-        InputError: The file is not strict YAML or breaks the format; the message names file, line and field.
+        InputError: The file is not strict YAML or breaks the format; the message names file, line and field of every
+            fault.
     """
     root = read_yaml(path).root
     kind = root.child("kind")
@@ -262,7 +268,10 @@ def read_nominal(path: Path) -> NominalCase:
     model = MODELS[name]
     if model is NominalLog:
         root = _with_sections(root, path.parent)
-    return validated(root, model, {})
+    try:
+        return model.model_validate(root.plain())
+    except ValidationError as error:
+        raise together(all_explained(error, root, Shape.of(model))) from None
 
 
 def _with_sections(root: Node, folder: Path) -> Node:

@@ -16,15 +16,17 @@ POSE = ("x_m", "y_m", "theta_rad")
 def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
     """Return wheels if there are voltages, pose if there are ticks, and ranges if there are poses and a known room.
 
-    The readings may be missing, as in unseen runs; then they are predicted and nothing is observed.
+    A stage is left out if nominal.yaml has no section for it. The readings may be missing, as in unseen runs; then they
+    are predicted and nothing is observed.
     """
     stages: list[Stage] = []
-    if offers(measurement, VOLTAGES):
+    case = measurement.nominal if isinstance(measurement.nominal, NominalDrive) else None
+    if offers(measurement, VOLTAGES) and (case is None or case.motor is not None):
         stages.append(Wheels(measurement, nominal))
     if offers(measurement, TICKS):
         stages.append(Pose(measurement, nominal))
-    if isinstance(measurement.nominal, NominalDrive) and offers(measurement, POSE):
-        stages.append(RangesInRoom(measurement, measurement.nominal, nominal))
+    if case is not None and case.tof is not None and case.world is not None and offers(measurement, POSE):
+        stages.append(RangesInRoom(measurement, case, nominal))
     return tuple(stage for stage in stages if all(len(observed.values) for observed in stage.observed))
 
 

@@ -48,6 +48,8 @@ class Sight:
     sd_m: Array
     """Standard deviation of its noise before the effects."""
     incidence_rad: Array
+    tilt_rad: Array
+    """Incidence with a sign: positive where the left side of the beam is further away."""
     reflectance: Array
     material_share: Mapping[str, Array]
     pose_variance: Array

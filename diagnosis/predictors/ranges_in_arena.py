@@ -23,7 +23,7 @@ from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, SENSORS, Ra
 from physics.arena.rays import RayScene
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
-from sensors.tof import log_error_m, noise_sd_m, ray_directions, ray_pattern
+from sensors.tof import beam_profile, head_on_factor, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
@@ -50,15 +50,14 @@ class _Cone:
     profile: Array
     """(rays,), weight of each ray."""
 
+    head_on: float
+    """Factor from the mean length of the rays to a wall head-on to its distance."""
+
     @classmethod
     def of(cls, robot: RobotConfig) -> "_Cone":
         angle, roll = ray_pattern(robot.tof.rays, np.radians(robot.tof.field_of_view_deg))
-        return cls(angle, roll, np.exp(-0.5 * (angle / np.radians(robot.tof.beam_sigma_deg)) ** 2))
-
-    @property
-    def head_on(self) -> float:
-        """Return the factor from the mean length of the rays to a wall head-on to its distance."""
-        return float(np.sum(self.profile * np.cos(self.angle_rad)) / np.sum(self.profile))
+        profile = beam_profile(robot.tof, angle)
+        return cls(angle, roll, profile, head_on_factor(profile, angle))
 
 
 @dataclass(frozen=True)
@@ -71,6 +70,8 @@ class _View:
     by_edge: Array
     """Change of the distance by a turn, as far as light moves from one surface to another [m/rad]."""
     incidence_rad: Array
+    is_left_further: Mask
+    """Whether the distance grows with a turn to the left."""
     shares: Array
     """(n, surfaces), share of the returned light that comes from each surface."""
     has_target: Mask
@@ -146,7 +147,7 @@ class RangesInArena(Ranges):
         for m, robot in enumerate(robots):
             for k, rows in enumerate(self._rows):
                 seen[:, m, rows, k] = self._seen(k, robot)
-        distance, incidence, variance, *shares = seen
+        distance, tilt, variance, *shares = seen
         by_surface = np.stack(shares)
         return Sight(
             distance_m=distance,
@@ -154,7 +155,8 @@ class RangesInArena(Ranges):
             + np.tensordot(self._offset_m, by_surface, 1)
             + self._tof.error_scale * log_error_m(distance),
             sd_m=self._sd_m(distance),
-            incidence_rad=incidence,
+            incidence_rad=np.abs(tilt),
+            tilt_rad=tilt,
             reflectance=np.tensordot(self._reflectance, by_surface, 1) + (1.0 - by_surface.sum(axis=0)),
             material_share={
                 name: by_surface[[other == name for other in self._materials]].sum(axis=0)
@@ -169,7 +171,7 @@ class RangesInArena(Ranges):
         return np.hypot(self._noise.d_m, growth)
 
     def _seen(self, k: int, robot: RobotConfig) -> Array:
-        """Return distance, incidence, variance and shares of the surfaces in the rows that count, (F, n)."""
+        """Return distance, tilt, variance and shares of the surfaces in the rows that count, (F, n)."""
         corners: list[tuple[float, tuple[Effect, ...]]] = [(1.0, ())]
         for effect in robot.effects.in_slots(MOVING):
             if effect.slot is Slot.RANGE_MOUNT and not effect.apply(np.zeros(len(SENSORS)))[k]:
@@ -189,7 +191,14 @@ class RangesInArena(Ranges):
             askew = float(through(there.effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))[k])
             view = self._cast(k, path[self._rows[k]], askew)
             variance = view.variance(self._noise, moved)
-            self._known[key] = np.stack([view.distance_m, view.incidence_rad, variance, *view.shares.T])
+            self._known[key] = np.stack(
+                [
+                    view.distance_m,
+                    np.where(view.is_left_further, view.incidence_rad, -view.incidence_rad),
+                    variance,
+                    *view.shares.T,
+                ]
+            )
         return self._known[key]
 
     def _speed(self, path: Array) -> Array:
@@ -232,6 +241,7 @@ class RangesInArena(Ranges):
             distance_m=distance,
             by_pose=cone.head_on * np.stack([by_x, by_y, by_yaw], axis=-1),
             by_edge=by_edge,
+            is_left_further=by_turn > 0.0,
             incidence_rad=np.arccos(facing),
             shares=shares,
             has_target=signal >= self._tof.signal_threshold,

@@ -24,15 +24,18 @@ class RangesInRoom(Ranges):
     channels = MappingProxyType({f"tof_{sensor}_m": "tof_m" for sensor in SENSORS})
 
     def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
-        self._case = nominal_case
+        if nominal_case.tof is None or nominal_case.world is None:
+            raise ValueError("a case without range sensors or a room has no such stage")
+        self._noise, self._room, self._range = nominal_case.noise, nominal_case.world, nominal_case.tof
         super().__init__(measurement, nominal)
 
     def _around(self, nominal: RobotConfig) -> Surroundings:
-        seen, noise = self._seen([nominal]), self._case.noise
+        seen, noise = self._seen([nominal]), self._noise
         self._pose_variance = (seen.by_x**2 + seen.by_y**2) * noise.pose_xy_m**2
         self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
-        in_reach = seen.distance_m <= self._case.tof.max_range_m - END_M
-        clear = in_reach & ~near_corner(self._case.world, seen, CORNER_M, CORNER_RAD)
+        in_reach = seen.distance_m <= self._range.max_range_m - END_M
+        clear = in_reach & ~near_corner(self._room, seen, CORNER_M, CORNER_RAD)
+        clear &= [getattr(self._range.mount, sensor) is not None for sensor in SENSORS]
         return Surroundings(clear, seen.wall.astype(float), WALLS)
 
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
@@ -40,8 +43,9 @@ class RangesInRoom(Ranges):
         return Sight(
             distance_m=seen.distance_m,
             reading_m=seen.distance_m,
-            sd_m=self._case.noise.tof.sd_m(seen.distance_m) * robots[0].tof.noise_scale,
+            sd_m=self._noise.tof.sd_m(seen.distance_m) * robots[0].tof.noise_scale,
             incidence_rad=seen.incidence_rad,
+            tilt_rad=seen.tilt_rad,
             reflectance=np.full(len(SENSORS), WALL_REFLECTANCE),
             material_share={},
             pose_variance=self._pose_variance,
@@ -55,7 +59,7 @@ class RangesInRoom(Ranges):
             _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
         )
         askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
-        return room_ranges(self._case.world, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
+        return room_ranges(self._room, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
 
 
 def _side_by_side(values: Sequence[float | Array]) -> Array:

@@ -13,7 +13,7 @@ from configs.loader import load_scenario, load_section
 from pipeline.cli import command_line, main
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = ROOT / "tests/fixtures/gap_examples"
+EXAMPLES = ROOT / "diagnosis/examples"
 PAGES = [
     ROOT / "README.md",
     *sorted((ROOT / "docs").glob("*.md")),

@@ -247,6 +247,8 @@ ROWS = {
         ("log_range_error", {"coefficient_m": 0.01}, [0.0, 0.01 * np.log(2), 0.01 * np.log(5)]),
         ("temperature_drift", {"coefficient_m_per_K": 1e-3}, [0.0, 0.01, -0.01]),
         ("material_bias", {"material": "black_card", "offset_m": 0.004}, [0.0, 0.004, 0.0]),
+        ("material_slope", {"material": "wood", "coefficient": 0.05}, [0.004, 0.0, 0.04]),
+        ("tilt_asymmetry", {"axis": "forward", "coefficient_m_per_rad": 0.06}, [0.0, 0.01 * np.pi, 0.0]),
         ("incidence_bias", {"coefficient": 0.1}, [0.0, 0.1 * 0.36 / 4, 0.0]),
         ("near_field_error", {"amplitude_m": 0.01, "decay_length_m": 0.18}, 0.01 * np.exp([-1.0, -2.0, -5.0])),
         ("warmup_drift", {"amplitude_m": 0.01, "time_constant_s": 60.0}, 0.01 * np.exp([0.0, -1.0, -2.0])),

@@ -120,7 +120,9 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "log_range_error": _either("coefficient_m", 0.003, 0.015),
         "temperature_drift": _either("coefficient_m_per_K", 1e-4, 1e-3),
         "material_bias": _either("offset_m", 0.003, 0.015),
+        "material_slope": _either("coefficient", 0.01, 0.06),
         "incidence_bias": _either("coefficient", 0.01, 0.1),
+        "tilt_asymmetry": _either("coefficient_m_per_rad", 0.005, 0.04),
         "cover_crosstalk": _crosstalk,
         "near_field_error": _both(_either("amplitude_m", 0.004, 0.025), _positive("decay_length_m", 0.02, 0.08)),
         "range_saturation": _positive("saturation_m", 0.6, 0.95),
@@ -154,6 +156,8 @@ SHAPES = 4
 """Sizes that are tried of an effect whose first number is not all there is to it."""
 WORDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "material_bias": ("material", tuple(REFLECTANCE)),
+    "material_slope": ("material", tuple(REFLECTANCE)),
+    "tilt_asymmetry": ("axis", ("forward", "sideways")),
     "encoder_missed_ticks": ("side", SIDES),
     "tof_range_offset": ("sensor", SENSORS),
     "tof_mount_yaw": ("sensor", SENSORS),
@@ -168,6 +172,8 @@ def names(bench: Bench) -> list[str]:
     found = list(SIZES[bench.kind])
     if bench.kind == "drive_log" and not np.isfinite(bench.inputs["logs_voltage"]).all():
         found = [name for name in found if name not in NEEDS_VOLTAGES]
+    if bench.kind == "tof_bench" and (bench.inputs["incidence_rad"] >= 0.0).all():
+        found.remove("tilt_asymmetry")
     return found
 
 
@@ -180,7 +186,7 @@ def sample(
     if name not in WORDS:
         return Effect(name, parameters)
     key, words = WORDS[name]
-    if name == "material_bias" and word is None:
+    if key == "material" and word is None:
         words = tuple(sorted(set(bench.inputs["material"])))
     return Effect(name, {key: word or str(rng.choice(words)), **parameters})
 

@@ -396,6 +396,17 @@ def test_what_misses_leaves_its_stage_out(robot):
     assert set(stages(robot, trial("1", **unlogged, **ticks, **pose))) == {"pose", "tof"}
     assert set(stages(robot, trial("1", **volts))) == {"wheels"}
     assert set(stages(robot, trial("1", **pose))) == {"tof"}
+    drive = trial("1", **volts, **ticks, **pose)
+    for section, left in (("motor", {"pose", "tof"}), ("tof", {"wheels", "pose"}), ("world", {"wheels", "pose"})):
+        assert set(stages(robot, drive, nominal=NOMINAL.model_copy(update={section: None}))) == left
+
+
+def test_a_range_sensor_without_a_mount_is_not_compared(robot):
+    tof = NOMINAL.tof.model_copy(update={"mount": NOMINAL.tof.mount.model_copy(update={"left": None})})
+    pose = pose_columns(np.tile([1.0, 0.7, 0.1], (20, 1)))
+    ranges = {f"tof_{side}_m": np.full(20, 0.7) for side in MOUNTS}
+    stage = stages(robot, trial("1", **pose, **ranges), nominal=NOMINAL.model_copy(update={"tof": tof}))["tof"]
+    assert [bool(observed.usable.any()) for observed in stage.observed] == [True, False, True]
 
 
 WHEELS, TOF = "wheels", "tof"
