@@ -5,12 +5,16 @@ computes as its speeds from its encoder counts, are added here.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import yaml
+
+# Scripts are run by their path.
+sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
@@ -23,6 +27,38 @@ from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows, csv_bytes, wrapped
 SCENARIOS = ("symolo", "classroom", "wall_gaps")
 """Scenarios with different arenas, whose names are also those of the arenas."""
 NOISE = {"d_m": 0.0014, "line": 0.004, "pose_xy_m": 0.001, "pose_theta_rad": 0.003, "v_m_s": 0.0015, "w_rad_s": 0.015}
+Sampler = Callable[[np.random.Generator], dict[str, float | str]]
+
+
+def _of(name: str, low: float, high: float, *, null: float = 0.0, signs: bool = True, sensor: bool = False) -> Sampler:
+    """Return a function that draws a size between `low` and `high` away from `null`, on one side or on both."""
+
+    def draw(rng: np.random.Generator) -> dict[str, float | str]:
+        size = float(rng.uniform(low, high)) * (float(rng.choice([-1.0, 1.0])) if signs else 1.0)
+        which: dict[str, float | str] = {"sensor": str(rng.choice(["front", "left", "right"]))} if sensor else {}
+        return {**which, name: round(null + size, 4)}
+
+    return draw
+
+
+SIZES: Mapping[str, Sampler] = {
+    "tof_mount_yaw": _of("angle_rad", 0.05, 0.2, sensor=True),
+    "tof_range_offset": _of("offset_m", 0.008, 0.025, sensor=True),
+    "tof_range_scale": _of("scale", 0.03, 0.08, null=1.0),
+    "tof_time_offset": _of("delay_s", 0.04, 0.15, signs=False),
+    "marker_offset": _of("offset_m", 0.01, 0.04),
+    "pose_time_offset": _of("delay_s", 0.04, 0.15, signs=False),
+    "wheel_radius_scale": _of("scale", 0.03, 0.06, null=1.0),
+    "wheelbase_scale": _of("scale", 0.05, 0.1, null=1.0),
+    "wheel_radius_asymmetry": _of("asymmetry", 0.02, 0.05),
+    "turn_slip": _of("coefficient_s2_m", 0.5, 2.0, signs=False),
+}
+"""Effects that such a log can show."""
+UNSEEN: Mapping[str, Sampler] = {
+    "winding_resistance_scale": _of("scale", 0.2, 0.4, null=1.0, signs=False),
+    "supply_sag": _of("source_resistance_ohm", 0.3, 0.8, signs=False),
+}
+"""Effects behind voltages and currents, which are not in such a log."""
 HELD_OUT_SHARE = 0.3
 OF_POSE = ("marker_offset", "pose_time_offset")
 """Effects of the camera that tracks the robot."""
@@ -33,11 +69,11 @@ class Hidden:
     """What a log hides; no name means nothing."""
 
     name: str = ""
-    parameters: Mapping[str, float | str] = ()  # type: ignore[assignment] - an empty mapping
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
 
     @property
     def variant(self) -> str:
-        words = [value for value in dict(self.parameters).values() if isinstance(value, str)]
+        words = [value for value in self.parameters.values() if isinstance(value, str)]
         return f"{self.name}[{words[0]}]" if words else self.name
 
 
@@ -81,7 +117,7 @@ def write_log(plan: LogPlan, folder: Path) -> None:
 def _spec(plan: LogPlan) -> RunSpec:
     overrides = [f"seed={plan.seed}", "stop.lap=false", f"stop.time_limit_s={plan.seconds}", "robot=nominal"]
     if plan.hidden.name and plan.hidden.name not in OF_POSE:
-        overrides += [f"robot.effects.{plan.hidden.name}.{k}={v}" for k, v in dict(plan.hidden.parameters).items()]
+        overrides += [f"robot.effects.{plan.hidden.name}.{k}={v}" for k, v in plan.hidden.parameters.items()]
     loaded = load_scenario(plan.scenario, overrides)
     return draw_run(loaded, loaded.routes[plan.seed % len(loaded.routes)].name, 1)
 
@@ -90,7 +126,7 @@ def _tracked(rows: Rows, hidden: Hidden, rng: np.random.Generator) -> Array:
     """Return the poses as a camera logs them, (N, 3)."""
     t_s = 1e-3 * rows.t_ms
     pose = np.column_stack([rows.pose[:, :2], np.unwrap(rows.pose[:, 2])])
-    values = dict(hidden.parameters)
+    values = hidden.parameters
     if hidden.name == "pose_time_offset":
         seen_s = t_s - float(values["delay_s"])
         pose = np.column_stack([np.interp(seen_s, t_s, column) for column in pose.T])

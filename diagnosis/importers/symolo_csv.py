@@ -146,18 +146,19 @@ def _held_out(measurement: Measurement, nominal: NominalLog, where: str) -> Meas
     Raises:
         InputError: It names both, or runs that are not there, or leaves no row to fit.
     """
-    trials, from_ms = measurement.trials, nominal.holdout_from_ms
+    from_ms = nominal.holdout_from_ms
     if nominal.holdout and from_ms is not None:
         raise InputError("both holdout and holdout_from_ms", where=where, cure="keep holdout for several runs")
     if from_ms is None:
         return hold_out(measurement, nominal.holdout) if nominal.holdout else measurement
-    if len(trials) > 1:
+    (trial, *others) = measurement.trials
+    if others:
         raise InputError("holdout_from_ms for several runs", where=where, cure="name runs in holdout instead")
-    t_ms = 1e3 * trials[0].t_s
+    t_ms = 1e3 * trial.t_s
     if not t_ms[0] < from_ms <= t_ms[-1]:
         allowed = f"a time after the first row and up to the last one: {t_ms[0]:.0f} to {t_ms[-1]:.0f} ms"
         raise InputError("holdout_from_ms", where=where, got=from_ms, allowed=allowed)
-    return replace(measurement, trials=(replace(trials[0], holdout=t_ms >= from_ms),))
+    return replace(measurement, trials=(replace(trial, holdout=t_ms >= from_ms),))
 
 
 def _notes(measurement: Measurement) -> Sequence[str]:

@@ -170,6 +170,8 @@ class Ranges(ABC):
             view = RangeView(
                 distance_m=sight.distance_m,
                 incidence_rad=sight.incidence_rad,
+                tilt_forward_rad=np.zeros(len(SENSORS)),
+                tilt_sideways_rad=sight.tilt_rad,
                 reflectance=sight.reflectance,
                 material_share=sight.material_share,
                 temperature_C=tof.temperature_C,
