@@ -2,8 +2,8 @@
 
     python benchmarks/diagnosis/log_exam.py --cases 60 --seed 1 [--workers 2] [--out DIR] [--names a,b]
 
-Each log is a simulated drive in one of our arenas (log_cases.py). Names are taken in turn, sizes are drawn. DIR/logs.jsonl
-gets a line for every log as soon as it is done; a run that was stopped goes on where it stopped.
+Each log is a simulated drive in one of our arenas (log_cases.py). Names are taken in turn, sizes are drawn. The file
+DIR/logs.jsonl gets a line for every log as soon as it is done; a run that was stopped goes on where it stopped.
 """
 
 import argparse
@@ -123,10 +123,8 @@ def table(results: Sequence[dict]) -> list[str]:
     lines = [f"{len(results)} logs, {len(failed)} of them failed"]
     lines += [f"one effect that the log can show: right {_share(shown, 'right')}, exactly {_share(shown, 'exact')}"]
     lines += [f"nothing hidden: a name in {sum(bool(each['names']) for each in bare)} of {len(bare)}"]
-    lines += [
-        f"an effect that no such log can show: a name in {sum(bool(each['names']) for each in hidden)} of "
-        f"{len(hidden)}, reported as not visible {_share(hidden, 'unseen')}"
-    ]
+    named = f"a name in {sum(bool(each['names']) for each in hidden)} of {len(hidden)}"
+    lines += [f"an effect that no such log can show: {named}, reported as not visible {_share(hidden, 'unseen')}"]
     lines += [f"numbers within three standard errors: {sum(value <= 3.0 for value in off)} of {len(off)}"]
     lines += [f"CPU seconds per minute of drive: {np.median(rate):.1f}, at most {max(rate):.1f}"] if rate else []
     wrong = Counter(

@@ -269,6 +269,8 @@ def _neighbours(effect: Effect) -> Iterator[tuple[float, Effect]]:
     """Yield the points of the grid around an effect with their weights, which add up to 1."""
     near: list[tuple[float, dict[str, float]]] = [(1.0, {})]
     for name, parameter in effect.parameters().items():
+        if parameter.is_known:
+            continue
         spacing = GRID * parameter.start
         place = getattr(effect, name) / spacing
         below = floor(place)
