@@ -250,10 +250,8 @@ def _nominal(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig
 
 def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Return the nuisances that the measurement states, or else the usual ones."""
-    if isinstance(measurement.nominal, NominalLog):
-        return usual_of_log(measurement.nominal)
-    if measurement.nominal is not None:
-        return nuisances(measurement.nominal)
+    if (case := measurement.nominal) is not None:
+        return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
     return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
 
 

@@ -1,5 +1,6 @@
 """Estimates of unknown numbers from the log itself, which a diagnosis of the same log cannot doubt."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,10 @@ from symolo.core.arrays import Array
 
 MIN_ROWS = 20
 """Number of rows from which an equation is fitted; with fewer, the shipped robot's numbers are used."""
+SMALLEST, LARGEST = 1e-4, 1e6
+"""Bounds of an estimate; anything else comes from values that no robot has."""
+MIN_SHARE = 0.5
+"""Share that the ticks explain of the motion of a robot, below which poses and ticks do not belong together."""
 MOVING_RAD_S = 0.3
 """Speed above which friction is that of a moving motor."""
 
@@ -40,6 +45,10 @@ class Odometry:
     """Standard deviation of a place."""
     pose_theta_rad: float
     """Standard deviation of a heading."""
+    forward_share: float
+    """Share of the steps of the pose, as the sum of squares, that the ticks explain."""
+    turn_share: float
+    """The same of the turns."""
 
 
 def odometry(measurement: Measurement) -> Odometry | None:
@@ -48,38 +57,62 @@ def odometry(measurement: Measurement) -> Odometry | None:
         return None
     steps = np.concatenate([_steps(trial) for trial in measurement.trials])
     steps = steps[np.isfinite(steps).all(axis=1)]
-    forward_m, turn_rad, ticks, more_right = steps.T
+    forward_m, turn_rad, ticks, more_right, _ = steps.T
     if len(steps) < MIN_ROWS or not ticks.any() or not more_right.any():
         return None
     (m_per_tick,), (rad_per_tick,) = least_squares([ticks], forward_m), least_squares([more_right], turn_rad)
+    if m_per_tick == 0.0 or rad_per_tick == 0.0:
+        return None
     # Two poses make a step, and outliers of the tracker shall not count.
-    sds = [
-        float(np.sqrt(trimmed_variance(left) / 2.0))
-        for left in (forward_m - m_per_tick * ticks, turn_rad - rad_per_tick * more_right)
+    followed = (m_per_tick * ticks, rad_per_tick * more_right)
+    left = (forward_m - followed[0], turn_rad - followed[1])
+    sds = [float(np.sqrt(trimmed_variance(each) / 2.0)) for each in left]
+    shares = [
+        float(each @ each) / max(float(whole @ whole), 1e-30)
+        for each, whole in zip(followed, (steps[:, 4], turn_rad), strict=True)
     ]
-    return Odometry(m_per_tick, rad_per_tick, *sds) if m_per_tick > 0.0 and rad_per_tick > 0.0 else None
+    return Odometry(m_per_tick, rad_per_tick, *sds, *shares)
+
+
+def contradictions(moved: Odometry) -> list[str]:
+    """Return a sentence for each sign that poses and ticks do not belong together as they are mapped."""
+    lines = []
+    if moved.turn_share < MIN_SHARE:
+        lines.append("theta_rad does not follow the wheels: check the columns of left and right, heading and time")
+    elif moved.rad_per_tick < 0.0:
+        lines.append(
+            "theta_rad turns against the wheels: exchange left and right, or give theta_rad (and y_m, if y points to "
+            "the right) factor: -1"
+        )
+    elif moved.forward_share < MIN_SHARE:
+        lines.append(
+            "x_m and y_m do not move where theta_rad points: its zero must be along +x, and it must count from x to y"
+        )
+    elif moved.m_per_tick < 0.0:
+        lines.append("the pose moves backwards while the ticks grow: give both columns of ticks factor: -1")
+    return lines
 
 
 def _steps(trial: Trial) -> Array:
-    """Return forward way [m], turn [rad], mean ticks and right minus left ticks between rows, (N - 1, 4)."""
+    """Return forward way [m], turn [rad], mean ticks, right minus left ticks and way [m] between rows, (N - 1, 5)."""
     names = ("x_m", "y_m", "theta_rad", "enc_left_ticks", "enc_right_ticks")
     columns = np.stack([trial[name].values for name in names])
     x, y, turn, left, right = columns[:, 1:] - columns[:, :-1]
     middle = 0.5 * (columns[2, 1:] + columns[2, :-1])
     forward = x * np.cos(middle) + y * np.sin(middle)
-    return np.stack([forward, turn, 0.5 * (left + right), right - left], axis=1)
+    return np.stack([forward, turn, 0.5 * (left + right), right - left, np.hypot(x, y)], axis=1)
 
 
 def wheels_of(moved: Odometry | None, known: dict[str, float]) -> dict[str, float]:
     """Return diameter, track or ticks, as far as they follow from counts, poses and the known ones of them."""
-    if moved is None:
+    if moved is None or contradictions(moved):
         return {}
     result = {"track_m": moved.m_per_tick / moved.rad_per_tick}
     if "ticks_per_turn" in known:
         result["wheel_diameter_m"] = moved.m_per_tick * known["ticks_per_turn"] / np.pi
     elif "wheel_diameter_m" in known:
         result["ticks_per_turn"] = float(np.rint(np.pi * known["wheel_diameter_m"] / moved.m_per_tick))
-    return {key: value for key, value in result.items() if key not in known}
+    return {key: value for key, value in result.items() if key not in known and SMALLEST < value < LARGEST}
 
 
 def motor_of(measurement: Measurement, known: dict[str, float], usual: dict[str, float]) -> dict[str, float]:
@@ -92,29 +125,33 @@ def motor_of(measurement: Measurement, known: dict[str, float], usual: dict[str,
     """
     rows = _moving(measurement, known)
     result = {**usual, **known}
-    if rows is None:
-        return {key: value for key, value in result.items() if key not in known}
-    w, sign, a = rows.speed_rad_s, np.sign(rows.speed_rad_s), rows.acceleration_rad_s2
-    has_inertia = measurement.kind is not CaseKind.MOTOR_STEADY
-    if rows.current_A is not None:
-        ohm, constant = least_squares([rows.current_A, w], rows.voltage_V)
-        result |= {"winding_resistance_ohm": ohm, "torque_constant_N_m_A": constant} | known
-        torque = result["torque_constant_N_m_A"] * rows.current_A
-        found = least_squares([w, sign, a] if has_inertia else [w, sign], torque)
-    else:
-        slope, *others = least_squares([w, sign, a] if has_inertia else [w, sign], rows.voltage_V)
-        ohm, viscous = result["winding_resistance_ohm"], result["viscous_friction_N_m_s_rad"]
-        # u = (K + R B / K) w + (R / K) (Tc sgn(w) + J w'), with R and B of a usual motor
-        constant = 0.5 * (slope + np.sqrt(max(slope**2 - 4.0 * ohm * viscous, 0.0)))
-        result |= {"torque_constant_N_m_A": float(constant)} | known
-        found = (viscous, *(other * result["torque_constant_N_m_A"] / ohm for other in others))
-    names = ("viscous_friction_N_m_s_rad", "coulomb_friction_N_m", "rotor_inertia_kg_m2")
-    result |= dict(zip(names, found, strict=False))
+    if rows is not None:
+        with suppress(np.linalg.LinAlgError):  # of voltages that never change
+            result |= _fitted(rows, result, known, has_inertia=measurement.kind is not CaseKind.MOTOR_STEADY)
     return {
-        key: value if np.isfinite(value) and value > 0.0 else usual[key]
+        key: value if SMALLEST < value / usual[key] < 1.0 / SMALLEST else usual[key]
         for key, value in result.items()
         if key not in known and key in usual
     }
+
+
+def _fitted(rows: _Motion, result: dict[str, float], known: dict[str, float], *, has_inertia: bool) -> dict[str, float]:
+    """Return the fitted parameters, and the known ones in their place; `result` has all of them before the fit."""
+    w, sign, a = rows.speed_rad_s, np.sign(rows.speed_rad_s), rows.acceleration_rad_s2
+    columns = [w, sign, a] if has_inertia else [w, sign]
+    if rows.current_A is not None:
+        ohm, constant = least_squares([rows.current_A, w], rows.voltage_V)
+        fitted = {"winding_resistance_ohm": ohm, "torque_constant_N_m_A": constant} | known
+        found = least_squares(columns, fitted["torque_constant_N_m_A"] * rows.current_A)
+    else:
+        slope, *others = least_squares(columns, rows.voltage_V)
+        ohm, viscous = result["winding_resistance_ohm"], result["viscous_friction_N_m_s_rad"]
+        # u = (K + R B / K) w + (R / K) (Tc sgn(w) + J w'), with R and B of a usual motor
+        constant = 0.5 * (slope + np.sqrt(max(slope**2 - 4.0 * ohm * viscous, 0.0)))
+        fitted = {"torque_constant_N_m_A": float(constant)} | known
+        found = (viscous, *(other * fitted["torque_constant_N_m_A"] / ohm for other in others))
+    names = ("viscous_friction_N_m_s_rad", "coulomb_friction_N_m", "rotor_inertia_kg_m2")
+    return fitted | dict(zip(names, found, strict=False)) | known
 
 
 def _moving(measurement: Measurement, known: dict[str, float]) -> _Motion | None:

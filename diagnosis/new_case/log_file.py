@@ -24,6 +24,8 @@ class LogFile:
     columns: Mapping[str, tuple[str, ...]]
     """(N,) cells of each column."""
     has_decimal_commas: bool
+    notes: tuple[str, ...] = ()
+    """What was unusual and was read all the same, in one sentence each."""
 
     @property
     def rows(self) -> int:
@@ -56,20 +58,25 @@ class LogFile:
 def read_log(path: Path) -> LogFile:
     """Read a log whose cells are separated by commas, semicolons or tabs, whichever the header has most of.
 
-    In a file with semicolons, decimals may have a comma. Empty lines at the end are left out.
+    In a file with semicolons, decimals may have a comma. Quotes around a cell are left out, as are empty lines at the
+    end and a last row that is cut off.
 
     Raises:
         InputError: The file is no such table; the message names every row that has too few or too many cells.
     """
-    lines = list(read_text(path).lines)
+    text = read_text(path)
+    lines, notes = list(text.lines), list(text.notes)
     while len(lines) > 1 and not lines[-1].strip():
         lines.pop()
     head = lines[0].lstrip("# ")
     separator = max(SEPARATORS, key=head.count)
-    header = cells_of(head, separator)
+    header = [cell.strip('"') for cell in cells_of(head, separator)]
     _check_header(header, path)
-    rows = [cells_of(line, separator) for line in lines[1:]]
+    rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in lines[1:]]
     rows = [row[:-1] if len(row) == len(header) + 1 and not row[-1] else row for row in rows]
+    if len(rows) > 1 and (len(rows[-1]) < len(header) or not text.is_whole):
+        rows.pop()
+        notes.append(f"{path.name}: the last row is cut off or has no line end, and is left out")
     wrong = [number for number, row in enumerate(rows, 2) if len(row) != len(header)]
     if wrong:
         what = f"{len(rows[wrong[0] - 2])} cells under a header of {len(header)}"
@@ -81,6 +88,7 @@ def read_log(path: Path) -> LogFile:
         path,
         {name: tuple(row[i] for row in rows) for i, name in enumerate(header) if name},
         has_decimal_commas=separator == ";",
+        notes=tuple(notes),
     )
 
 

@@ -10,14 +10,16 @@ from diagnosis.measured.case_format import DATA
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NOMINAL
 from diagnosis.measured.write_case import csv_of
+from diagnosis.new_case.estimates import contradictions, odometry
 from diagnosis.new_case.known_numbers import SIDES, KnownNumber, has, missing, numbers_of
 from diagnosis.new_case.log_file import LogFile
 from diagnosis.new_case.mapping import MAPPING, LogMapping, mapping_text
 from diagnosis.new_case.nominal_text import compared_sides, nominal_text
 from diagnosis.new_case.rows import measurement_of
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultsError, InputError, together
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.new_folder import new_folder
+from symolo.core.yaml.reader import displayed
 
 _STAGES: Mapping[str, tuple[tuple[tuple[str, ...], str], ...]] = {
     "speeds of the wheels from voltages": (
@@ -65,9 +67,9 @@ class NewCase:
             try:
                 return read_measurement(folder, IMPORTERS)
             except InputError as error:
-                raise InputError(
-                    f"gives a case that cannot be read: {error}".replace(f"{folder}/", ""), where=str(self.log.path)
-                ) from None
+                faults = error.faults if isinstance(error, FaultsError) else (error,)
+                texts = [str(fault).replace(f"{displayed(folder)}/", "").replace(f"{folder}/", "") for fault in faults]
+                raise together([InputError(text, where=f"{self.log.path}: as a case") for text in texts]) from None
 
     def compared(self) -> list[str]:
         """Return one sentence for each comparison that the diagnosis can or cannot make."""
@@ -105,6 +107,11 @@ class NewCase:
         if not any(has(self.measurement, f"tof_{side}_m") for side in SIDES):
             lines.append("not compared: ranges, because the log lacks them")
         return lines
+
+    def contradictions(self) -> list[str]:
+        """Return one sentence for each sign that columns or signs are mixed up."""
+        moved = odometry(self.measurement) if self.measurement.kind is CaseKind.DRIVE_LOG else None
+        return [] if moved is None else contradictions(moved)
 
     def unknown(self) -> list[str]:
         """Return one line for each number that was not given, with what it would allow the diagnosis to name."""

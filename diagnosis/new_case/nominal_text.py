@@ -8,7 +8,7 @@ import numpy as np
 
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.screening import noise_of, usual
-from diagnosis.new_case.estimates import motor_of, odometry, speed_noise, wheels_of
+from diagnosis.new_case.estimates import contradictions, motor_of, odometry, speed_noise, wheels_of
 from diagnosis.new_case.known_numbers import SIDES, has
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
@@ -163,7 +163,7 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     yield from _ranges(measurement, known)
     yield "noise:  # standard deviations; a factor of two off does no harm"
     yield f"  wheel_speed_rad_s: {speed_noise(known['ticks_per_turn']):.3g}  # rounding to ticks, and disturbances"
-    if moved is None:
+    if moved is None or contradictions(moved):
         yield "  pose_xy_m: 0.001  # a usual value"
         yield "  pose_theta_rad: 0.003  # a usual value"
     else:

@@ -51,7 +51,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
     Raises:
         InputError: A cell is no number, a quantity is in another unit, or the rows cannot be used; all are reported.
     """
-    kind, notes = mapping.case_kind, []
+    kind, notes = mapping.case_kind, list(log.notes)
     values = _values(log, mapping)
     material = mapping.columns.get("material")
     words: tuple[str, ...] = ()

@@ -212,10 +212,9 @@ class RangesInArena(Ranges):
         c, s = np.cos(axle[:, 2]), np.sin(axle[:, 2])
         ahead = np.stack([c * mount.x_m - s * mount.y_m, s * mount.x_m + c * mount.y_m], axis=-1)
         x, y, z = ray_directions(mount, cone.angle_rad, cone.roll_rad, askew_rad).T
-        along = np.stack(
-            [np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y), np.broadcast_to(z, (len(c), len(z)))],
-            axis=-1,
-        )
+        along = np.empty((len(axle), len(x), 3))
+        along[..., 0], along[..., 1] = np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)
+        along[..., 2] = z
         origins = np.concatenate([axle[:, :2] + ahead, np.full((len(axle), 1), mount.z_m)], axis=1)
         fraction, surface, normal = self._hits(origins, along, self._t_s[self._rows[k]])
         toward = -np.einsum("nri,nri->nr", along, normal)

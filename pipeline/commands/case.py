@@ -139,6 +139,8 @@ def _print(case: "NewCase", out: Path, notes: tuple[str, ...]) -> None:
         typer.echo(line)
     for note in notes:
         typer.echo(f"note: {note}")
+    for contradiction in case.contradictions():
+        typer.echo(f"CHECK {contradiction}; correct {out / 'mapping.yaml'} and give it with --mapping")
     unknown = case.unknown()
     if unknown:
         typer.echo("\nNot given; each can be added with --set KEY=VALUE, or in nominal.yaml:")

@@ -1,5 +1,6 @@
 """`symolo case init`: what it writes, what it estimates, and what it reports as missing."""
 
+import io
 import re
 
 import numpy as np
@@ -166,6 +167,56 @@ def test_a_corrected_mapping_is_taken_again(init, columns, tmp_path):
     first, again = (read_measurement(tmp_path / name, IMPORTERS).trials[0] for name in ("run", "again"))
     np.testing.assert_allclose(again["x_m"].values, 0.1 * first["x_m"].values)
     np.testing.assert_array_equal(again["y_m"].values, first["y_m"].values)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: {**c, "heading_deg": -c["heading_deg"]}, "theta_rad turns against the wheels"),
+        (lambda c: {**c, "enc_l": c["enc_r"], "enc_r": c["enc_l"]}, "theta_rad turns against the wheels"),
+        (lambda c: {**c, "heading_deg": c["heading_deg"] + 90}, "x_m and y_m do not move where theta_rad points"),
+        (lambda c: {**c, "enc_l": -c["enc_r"], "enc_r": -c["enc_l"]}, "the pose moves backwards while the ticks grow"),
+        (lambda c: {**c, "heading_deg": 10 * np.sin(np.arange(600))}, "theta_rad does not follow the wheels"),
+        (lambda c: c, ""),
+    ],
+)
+def test_mixed_up_sides_and_signs_are_reported(change, message, init, columns):
+    _, out, _, _ = init(change(columns), "--set", "ticks_per_turn=1440")
+    assert re.findall(r"CHECK ([^:;]*)", out) == ([message] if message else [])
+
+
+def test_in_a_terminal_the_command_asks_and_enter_leaves_a_number_out(init, columns, monkeypatch):
+    answers = ["1440", "", "far", "0.14"]
+    answers += [""] * 20
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n".join(answers) + "\n"))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    code, out, _, nominal = init(columns)
+    assert code == 0
+    assert "track_m: got 'far', allowed: a number, above 0 to 1" in out
+    assert nominal["robot"]["wheel_separation_m"] == {"value": 0.14, "tolerance": pytest.approx(0.0014)}
+    assert nominal["robot"]["encoder_ticks_per_revolution"] == 1440
+    assert re.search(r"^  wheel_diameter_m ", out, re.MULTILINE)
+
+
+def test_logs_with_strange_values_are_read_or_refused(columns, tmp_path, monkeypatch, capsys):
+    """Never a traceback: each of these damaged logs gives a case that can be read, or a message."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.Generator(np.random.PCG64(3))
+    cells = ["", "nan", "0", "-1", "1e30", "7", "-3.5", "100000", "x"]
+    names = list(columns)
+    codes = []
+    for number in range(15):
+        damaged = {name: column[:80].astype(object) for name, column in columns.items()}
+        for _ in range(int(rng.integers(1, 4))):
+            name, cell = names[int(rng.integers(len(names)))], cells[int(rng.integers(len(cells)))]
+            rows = slice(None) if rng.random() < 0.3 else int(rng.integers(80))
+            damaged[name][rows] = cell
+        (tmp_path / "log.csv").write_text(csv_text(damaged))
+        codes.append(main(["case", "init", "log.csv", "--out", f"case_{number}", "--set", "ticks_per_turn=1440"]))
+        assert (tmp_path / f"case_{number}").is_dir() == (codes[-1] == 0)
+    assert set(codes) == {0, 2}
+    assert "Traceback" not in capsys.readouterr().err
 
 
 def test_a_folder_in_use_stays_as_it_is(init, columns, tmp_path):

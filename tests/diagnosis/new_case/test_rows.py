@@ -171,11 +171,19 @@ def test_all_wrong_cells_and_rows_are_reported(log):
     with pytest.raises(
         InputError, match=r"row 3: 1 cells under a header of 2; .*so do 1 more rows, the last one row 4"
     ):
-        log("t,x\n1,2\n3\n4\n")
+        log("t,x\n1,2\n3\n4\n5,6\n")
     with pytest.raises(InputError, match=r"no header.*add a line"):
         log("1,2\n3,4\n")
     with pytest.raises(InputError, match=r"column a is there twice[\s\S]*column b is there twice"):
         log("a,b,a,b\n1,2,3,4\n")
+
+
+def test_a_last_row_that_is_cut_off_is_left_out_and_quotes_are_no_part_of_a_name(log):
+    whole = drive(np.round(0.05 * np.arange(100), 6)).replace("encL", '"encL"')
+    found = measured(log(whole + "5.0,1"))
+    assert found.rows == 100
+    assert "run.csv: the last row is cut off or has no line end, and is left out" in found.notes
+    assert measured(log(whole[:-1])).rows == 99
 
 
 def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):
