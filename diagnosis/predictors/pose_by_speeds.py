@@ -23,7 +23,7 @@ class PoseByWheelSpeeds(Pose):
     """
 
     parts = ("drive", "encoder")
-    slots = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.POSE_POINT, Slot.POSE_DELAY})
+    slots = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.CREEP, Slot.POSE_POINT, Slot.POSE_DELAY})
     channels = ("v", "w", "w")
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
@@ -44,9 +44,9 @@ class PoseByWheelSpeeds(Pose):
     def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
         return stacked(robots, axes=1).encoder.delay_s
 
-    def _turned(self, model: RobotModel, counted: Array) -> Array:
+    def _turned(self, model: RobotModel) -> Array:
         del model
-        return self._per_count * counted
+        return self._per_count * self._counted
 
     def _added_variance(self, measurement: Measurement) -> tuple[float | Array, float | Array]:
         if not isinstance(measurement.nominal, NominalLog):
@@ -70,8 +70,8 @@ class PoseByBodySpeeds(PoseByWheelSpeeds):
         self._bodily = self._way(measurement)
         return super()._counts(measurement, nominal)
 
-    def _steps(self, robots: Sequence[RobotConfig]) -> Array:
-        del robots
+    def _steps(self, model: RobotModel, turned: Array) -> Array:
+        del model, turned
         return self._bodily
 
 
