@@ -26,12 +26,12 @@ from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.verdict import SUBSTITUTE, NameEvidence, Verdict, WithheldName, cancel, conclusion, withheld
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import KnownWheels
+from diagnosis.measured.nominal import KnownWheels, NominalLog
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
-from diagnosis.usual_tolerances import usual
+from diagnosis.usual_tolerances import usual, usual_of_log
 from symolo.core.errors import InputError
 
 MIN_BETTER = 0.5
@@ -250,8 +250,8 @@ def _nominal(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig
 
 def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Return the nuisances that the measurement states, or else the usual ones."""
-    if measurement.nominal is not None:
-        return nuisances(measurement.nominal)
+    if (case := measurement.nominal) is not None:
+        return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
     return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
 
 
