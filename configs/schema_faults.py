@@ -25,11 +25,20 @@ def explained(error: ValidationError, root: Node, shape: Shape) -> InputError:
 
     Unknown keys come first, since a misspelt key also causes a missing field.
     """
-    faults = [fault for fault in error.errors(include_url=False) if not _is_echo(fault)]
-    faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")
+    faults = _sorted(error)
     others = len(faults) - 1
     note = f"and {others} more fault{'s' if others > 1 else ''} after this one" if others else ""
     return _fault(_path(faults[0], root, shape), faults[0], root, shape).error(root, note)
+
+
+def all_explained(error: ValidationError, root: Node, shape: Shape) -> list[InputError]:
+    """Return every fault as an error of one line, in the order of `explained`."""
+    return [_fault(_path(fault, root, shape), fault, root, shape).error(root) for fault in _sorted(error)]
+
+
+def _sorted(error: ValidationError) -> list[ErrorDetails]:
+    faults = [fault for fault in error.errors(include_url=False) if not _is_echo(fault)]
+    return sorted(faults, key=lambda fault: fault["type"] != "extra_forbidden")
 
 
 def _is_echo(fault: ErrorDetails) -> bool:

@@ -12,6 +12,7 @@ from diagnosis.measured.nominal import (
     Nominal,
     NominalDrive,
     NominalGearedMotor,
+    NominalLog,
     NominalMotor,
     NominalRobot,
     NominalTof,
@@ -30,14 +31,18 @@ PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
 def nominal_robot(nominal: Nominal, carrier: RobotConfig) -> RobotConfig:
     """Return `carrier` without its effects and with the parameters that the case defines.
 
-    A range sensor is a single ray with the offset and scale of the case, without the cone and the error of `carrier`.
+    A log that names its robot defines all of it. In other cases, a range sensor is a single ray with the offset and
+    scale of the case, without the cone and the error of `carrier`.
     """
     robot = carrier.model_copy(update={"effects": RobotEffects()})
     match nominal:
+        case NominalLog():
+            return nominal.robot
         case NominalTof():
             return _with_bench_tof(robot, nominal.tof)
         case NominalDrive():
-            return _with_motor(_with_drive(robot, nominal), nominal.motor)
+            robot = _with_drive(robot, nominal)
+            return robot if nominal.motor is None else _with_motor(robot, nominal.motor)
         case KnownWheels():
             return _with_wheels(robot, nominal.robot)
         case _:
@@ -64,11 +69,14 @@ def _with_bench_tof(robot: RobotConfig, tof: BenchTof) -> RobotConfig:
 
 
 def _with_drive(robot: RobotConfig, nominal: NominalDrive) -> RobotConfig:
+    if nominal.tof is None:
+        return _with_wheels(robot, nominal.robot)
     mounts = {
         name: getattr(robot.tof.mounts, name).model_copy(
             update={"x_m": mount.x_m, "y_m": mount.y_m, "yaw_deg": degrees(mount.yaw_rad), "pitch_up_deg": 0.0}
         )
         for name, mount in nominal.tof.mount
+        if mount is not None
     }
     ranges = {
         **PLAIN_RANGE,

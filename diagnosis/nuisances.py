@@ -15,6 +15,7 @@ from diagnosis.measured.nominal import (
     KnownWheels,
     Nominal,
     NominalDrive,
+    NominalLog,
     NominalRobot,
     NominalTof,
     PositiveSpread,
@@ -51,6 +52,8 @@ def nuisances(nominal: Nominal) -> tuple[Nuisance, ...]:
 
 
 def _all(nominal: Nominal) -> Iterator[Nuisance]:
+    if isinstance(nominal, NominalLog):
+        return  # such a case states no tolerances
     if isinstance(nominal, NominalTof):
         yield _range_offset(nominal.tof.range_offset_m)
         yield _range_scale(nominal.tof.range_scale)
@@ -59,13 +62,16 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
         yield from _wheels(nominal.robot)
         yield _wheel_asymmetry(nominal.wheel_radius_asymmetry)
         return
-    for name, field in nominal.motor:
-        if isinstance(field, (PositiveSpread, Spread)):
-            yield of_section("motor", name, name, field.value, field.tolerance)
+    if nominal.motor is not None:
+        for name, field in nominal.motor:
+            if isinstance(field, (PositiveSpread, Spread)):
+                yield of_section("motor", name, name, field.value, field.tolerance)
     if isinstance(nominal, NominalDrive):
         yield from _wheels(nominal.robot)
-        yield _range_offset(nominal.tof.range_offset_m)
-        yield command_timing()
+        if nominal.tof is not None:
+            yield _range_offset(nominal.tof.range_offset_m)
+        if nominal.motor is not None:
+            yield command_timing()
 
 
 def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:

@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from pipeline.address_space import check_address_space
-from pipeline.commands import explanation, hil, inspection, keeping, sharing, stages, validate
+from pipeline.commands import case, explanation, hil, inspection, keeping, sharing, stages, validate
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.model import model
 from pipeline.commands.preview import preview
@@ -38,7 +38,8 @@ Exit codes:
 3: a run failed, and the others are finished
 4: a dataset has faults
 5: something is missing on this machine
-6, 7: `compare` found data that are equal within the tolerance, or different
+6: `compare`: the data are equal within the tolerance
+7: `compare`: the data are different
 130: interrupted
 """
 
@@ -81,10 +82,14 @@ def command_line() -> typer.Typer:
     for panel, commands in PANELS.items():
         for command in commands:
             app.command(help=_joined(command), rich_help_panel=panel)(command)
-    validation = typer.Typer(no_args_is_help=True)
-    for command in validate.COMMANDS:
-        validation.command(help=_joined(command))(command)
-    app.add_typer(validation, name="validate", help=validate.HELP, rich_help_panel="Look at the robot's parts")
+    for name, group, panel in (
+        ("case", case, "Explain measured data"),
+        ("validate", validate, "Look at the robot's parts"),
+    ):
+        commands = typer.Typer(no_args_is_help=True)
+        for command in group.COMMANDS:
+            commands.command(help=_joined(command))(command)
+        app.add_typer(commands, name=name, help=group.HELP, rich_help_panel=panel)
     return app
 
 

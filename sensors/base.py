@@ -74,6 +74,8 @@ class Sampling:
 
     period_steps: int
     delay_steps: int
+    looks_before: tuple[int, ...] = ()
+    """Steps before each sample at which the sensor looks at the world, the earliest first."""
 
     @classmethod
     def from_seconds(cls, period_s: float, delay_s: float, physics_hz: int) -> "Sampling":
@@ -141,6 +143,10 @@ class Sensor(ABC):
             return None
         meaning = " ".join(inspect.cleandoc(cls.__doc__ or cls.name).partition("\n\n")[0].split())
         return sensor_table(cls.name, meaning, cls.columns)
+
+    def look(self, world: World) -> None:
+        """Look at the world before a sample, at the times that `sampling.looks_before` names."""
+        raise NotImplementedError
 
     @abstractmethod
     def sample(self, world: World) -> Reading:

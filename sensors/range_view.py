@@ -18,6 +18,10 @@ class RangeView:
     distance_m: Array
     incidence_rad: Array
     """Angle between the sensor's axis and the normal of the surface."""
+    tilt_forward_rad: Array
+    """Part of this angle by which the axis points above the normal of the surface, positive upwards."""
+    tilt_sideways_rad: Array
+    """Part of this angle by which the axis points beside the normal of the surface, positive to the left."""
     reflectance: Array
     material_share: Mapping[str, Array]
     """Share of the returned light that comes from each material, by its name."""

@@ -2,8 +2,11 @@
 
 One update of the three sensors is one batch of rays. The weight of a ray is the beam profile at its angle times the
 cosine of incidence (Lambert). A ray that hits nothing has weight 0. If too little light returns, there is no target.
+Effects may change the weights in the mean, but not the amount of light.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from math import cos, sin
 
 import numpy as np
@@ -25,11 +28,29 @@ from symolo.dataset.tables.rows import RANGES
 from symolo.dataset.tables.side_tables import RANGE_STATUS
 
 NO_EFFECTS = RobotEffects()
+LOOKS = 8
+"""Looks at the world within the time over which light is gathered, besides the one at its end."""
 
 NOISE_AT_NEAR_MM = 1.41
 """Standard deviation of Eq. 23 up to 0.18 m."""
 VALID, NO_TARGET, HELD = map(float, TofStatus)
 """Status as a number in a reading; with the members of an enum, numpy is ten times slower."""
+
+
+@dataclass(frozen=True)
+class _Light:
+    """Light that returns to the three sensors at one moment."""
+
+    signal: Array
+    """(3,), light relative to that of a white wall head-on."""
+    share: Array
+    """(3, rays), share of each ray in the mean."""
+    range_m: Array
+    """(3,), mean over the rays."""
+    surface: NDArray[np.int64]
+    """(3, rays), index of the surface."""
+    normal: Array
+    """(3, rays, 3), normal of the surface; 0 without a hit."""
 
 
 class TofArray(Sensor):
@@ -48,25 +69,33 @@ class TofArray(Sensor):
         effects: RobotEffects = NO_EFFECTS,
     ) -> None:
         delay_s = through(effects.functions(Slot.RANGE_DELAY), config.delay_s)
-        self.sampling = Sampling.from_seconds(config.period_s, delay_s, physics_hz)
+        self._gathering_s = through(effects.functions(Slot.RANGE_GATHERING), 0.0)
+        gathering = {round(physics_hz * self._gathering_s * k / LOOKS) for k in range(1, LOOKS + 1)} - {0}
+        looks = tuple(sorted(gathering, reverse=True))
+        self.sampling = replace(Sampling.from_seconds(config.period_s, delay_s, physics_hz), looks_before=looks)
+        self._looked: list[tuple[float, _Light]] = []
+        self._wandering = effects.functions(Slot.RANGE_WANDER)
+        # A stream of its own, so that the noise is the same with and without a wandering error.
+        self._wander_rng = rng.spawn(1)[0] if self._wandering else rng
+        self._wander_m, self._wandered_s = np.zeros(3), -np.inf
         self._effects = RangeEffects.of(effects)
         self._config = config
         self._rng = rng
         angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))
-        self._profile = np.exp(-0.5 * (angle / np.radians(config.beam_sigma_deg)) ** 2)
-        # The device is calibrated head-on: a flat wall at d reads d, though slanted rays travel further.
-        self._head_on = float(np.sum(self._profile * np.cos(angle)) / np.sum(self._profile))
-        self._full_signal = self._head_on * self._profile.sum()
+        self._profile = beam_profile(config, angle)
+        self._weighting = effects.functions(Slot.RAY_WEIGHT)
+        self._head_on = head_on_factor(self._profile, angle, self._weighting)
+        self._full_signal = head_on_factor(self._profile, angle) * self._profile.sum()
         mounts = (config.mounts.front, config.mounts.left, config.mounts.right)
         origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (config.rays, 1)) for m in mounts]
         askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
         directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         # Origins, then directions. Rows that end with 1 are moved and turned with the robot, rows with 0 only turned.
         self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
-        axis = np.zeros(1)
-        self._axes_R = np.concatenate(
-            [ray_directions(m, axis, axis, extra) for m, extra in zip(mounts, askew, strict=True)]
-        )
+        # Axis, left and up of each sensor, (3, 3 sensors, 3).
+        angle, roll = 0.5 * np.pi * np.array([0.0, 1.0, 1.0]), 0.5 * np.pi * np.array([0.0, 0.0, 1.0])
+        frames = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
+        self._frames_R = np.stack(frames, axis=1)
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
         # Index 0 is the floor, which the paper did not measure. It has no offset and the noise of Eq. 23.
         offset_m = np.array([0.0] + [s.offset_m for s in surfaces])
@@ -86,26 +115,62 @@ class TofArray(Sensor):
     def sample(self, world: World) -> Array:
         """Return range [m] and `TofStatus` of each sensor, (3, 2)."""
         config = self._config
-        distance, cosine, surface, normal = self._cast(world)
-        weight = self._profile * cosine
-        returned = weight.sum(axis=1)
-        signal = returned / self._full_signal
-        share = weight / np.maximum(returned, 1e-12)[:, None]
-        true_range = (share * distance).sum(axis=1) * self._head_on
-        offset, surface_sd = (share * self._offset_and_sd_m.take(surface, axis=1)).sum(axis=2)
+        light = self._light(world)
+        true_range = self._gathered(world.time_s, light) if self._gathering_s > 0.0 else light.range_m
+        offset, surface_sd = (light.share * self._offset_and_sd_m.take(light.surface, axis=1)).sum(axis=2)
         # The device averages over its beam, so offset and noise are means over the surfaces, weighted by their light.
         sd = noise_sd_m(surface_sd, true_range) * config.noise_scale
         reading = true_range + offset + config.error_scale * log_error_m(true_range)
         if self._effects.need_view:
-            reading, sd = self._effects.seen(reading, sd, self._view(world, true_range, share, surface, normal))
+            reading, sd = self._effects.seen(reading, sd, self._view(world, true_range, light))
+        if self._wandering:
+            reading = reading + self._wandered(world.time_s)
         noise = sd * self._rng.standard_normal(3)
         reading = self._effects.limited(quantise(reading + noise, config.quantisation_m))
-        fresh = [self._judged(*pair) for pair in zip(signal.tolist(), reading.tolist(), strict=True)]
+        fresh = [self._judged(*pair) for pair in zip(light.signal.tolist(), reading.tolist(), strict=True)]
         lost = (self._rng.random(3) < config.dropout_probability).tolist()
         self._last = [
             (before[0], HELD) if gone else now for now, before, gone in zip(fresh, self._last, lost, strict=True)
         ]
         return np.array(self._last)
+
+    def look(self, world: World) -> None:
+        self._looked.append((world.time_s, self._light(world)))
+
+    def _light(self, world: World) -> "_Light":
+        """Return the light that returns at this moment."""
+        distance, cosine, surface, normal = self._cast(world)
+        weight = self._profile * cosine
+        returned = weight.sum(axis=1)
+        signal = returned / self._full_signal
+        if self._weighting:
+            weight = through(self._weighting, weight, distance)
+            returned = weight.sum(axis=1)
+        share = weight / np.maximum(returned, 1e-12)[:, None]
+        return _Light(signal, share, (share * distance).sum(axis=1) * self._head_on, surface, normal)
+
+    def _gathered(self, time_s: float, light: "_Light") -> Array:
+        """Return the mean range (3,) over the gathering time; moments without returned light do not count."""
+        begin_s = time_s - self._gathering_s - 1e-9
+        self._looked = [look for look in self._looked if look[0] >= begin_s] + [(time_s, light)]
+        if len(self._looked) == 1:
+            return light.range_m
+        times = np.array([seen_s for seen_s, _ in self._looked])
+        gaps = np.diff(times)
+        # The trapezoidal rule.
+        length_s = 0.5 * (np.append(gaps, 0.0) + np.append(0.0, gaps))
+        ranges = np.stack([seen.range_m for _, seen in self._looked])
+        signals = np.stack([seen.signal for _, seen in self._looked])
+        weight = length_s[:, None] * (signals > 0.0)
+        total = weight.sum(axis=0)
+        return np.where(total > 0.0, (weight * ranges).sum(axis=0) / np.maximum(total, 1e-12), light.range_m)
+
+    def _wandered(self, time_s: float) -> Array:
+        """Return the slow error (3,) at a time."""
+        deviates = self._wander_rng.standard_normal(3)
+        self._wander_m = through(self._wandering, self._wander_m, time_s - self._wandered_s, deviates)
+        self._wandered_s = time_s
+        return self._wander_m
 
     def _judged(self, signal: float, reading_m: float) -> tuple[float, float]:
         """Return range [m] and status of one sensor, from plain floats; for three sensors numpy is not faster."""
@@ -114,20 +179,21 @@ class TofArray(Sensor):
             return reading_m, VALID
         return config.no_target_m, NO_TARGET
 
-    def _view(
-        self, world: World, distance_m: Array, share: Array, surface: NDArray[np.int64], normal: Array
-    ) -> RangeView:
+    def _view(self, world: World, distance_m: Array, light: "_Light") -> RangeView:
         """Return the view for the effects; material, reflectance and normal are means over the returned light."""
+        share, surface, normal = light.share, light.surface, light.normal
         _, _, yaw = world.pose()
         c, s = np.cos(yaw), np.sin(yaw)
-        axes = self._axes_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        frames = self._frames_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         mean_normal = np.einsum("ij,ijk->ik", share, normal)
         length = np.maximum(np.linalg.norm(mean_normal, axis=1), 1e-12)
-        facing = np.clip(-np.einsum("ij,ij->i", axes, mean_normal) / length, -1.0, 1.0)
+        axial, left, up = np.einsum("aij,ij->ai", frames, mean_normal) / length
         seen = self._materials[surface]
         return RangeView(
             distance_m=distance_m,
-            incidence_rad=np.arccos(facing),
+            incidence_rad=np.arccos(np.clip(-axial, -1.0, 1.0)),
+            tilt_forward_rad=np.arctan2(up, -axial),
+            tilt_sideways_rad=np.arctan2(left, -axial),
             # If no light returns there is no reading, and any reflectance will do.
             reflectance=np.where(share.sum(axis=1) > 0.0, (share * self._reflectance[surface]).sum(axis=1), 1.0),
             material_share={name: (share * (seen == name)).sum(axis=1) for name in np.unique(self._materials)},
@@ -168,6 +234,25 @@ def ray_pattern(rays: int, field_of_view_rad: float) -> tuple[Array, Array]:
     index = np.arange(rays) + 0.5
     golden_angle = np.pi * (3.0 - np.sqrt(5.0))
     return 0.5 * field_of_view_rad * np.sqrt(index / rays), golden_angle * index
+
+
+def beam_profile(config: TofSensor, angle: Array) -> Array:
+    """Return the intensity of the beam along rays at these angles off its axis [rad]."""
+    return np.exp(-0.5 * (angle / np.radians(config.beam_sigma_deg)) ** 2)
+
+
+def head_on_factor(profile: Array, angle: Array, weighting: tuple[Callable[..., Array], ...] = ()) -> float:
+    """Return the distance of a flat wall head-on over the mean over its rays, which travel further at a slant.
+
+    The device is calibrated head-on: a flat wall at d reads d.
+
+    Args:
+        profile: (rays,), intensity of the beam.
+        angle: (rays,), angles off the axis [rad].
+        weighting: Effects on the weights of rays.
+    """
+    facing, slanted = (through(weighting, light, 1.0 / np.cos(angle)) for light in (profile * np.cos(angle), profile))
+    return float(np.sum(facing) / np.sum(slanted))
 
 
 def ray_directions(mount: TofMount, angle: Array, roll: Array, extra_yaw_rad: float = 0.0) -> Array:

@@ -177,16 +177,14 @@ def table_1() -> str:
 
 
 def diagnosed(diagnosis: Diagnosis) -> list[str]:
-    """What was named, what it mends of rows left out, and the stuck rows."""
+    """What was named, the errors of rows left out without and with it, and the stuck rows."""
     rms = {}
     for name, fit in (("before", diagnosis.selection.nominal), ("after", diagnosis.fit)):
         rms[name] = {
             k: float(np.sqrt(np.nanmean(v[1:] ** 2))) for k, v in leave_one_out(diagnosis.evidence, fit).items()
         }
-    lines = [
-        "The diagnosis names "
-        + "; ".join(_sentence(n.name, n.values, n.std, n.comparison.confidence) for n in diagnosis.named)
-    ]
+    names = [_sentence(n.name, n.values, n.std, n.comparison.confidence) for n in diagnosis.named]
+    lines = [f"The diagnosis is {diagnosis.conclusion} and names {'; '.join(names) or 'nothing'}"]
     lines += [
         f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g}, then by {rms['after'][quantity]:.3g}"
         for quantity in rms["before"]

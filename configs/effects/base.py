@@ -35,6 +35,8 @@ class Slot(TextEnum):
     """present voltage [V], commanded voltage [V], duration [s] -> voltage [V] after the duration."""
     BATTERY = "battery"
     """voltage [V], time since the start [s] -> voltage [V]."""
+    CONDUCTION = "conduction"
+    """voltage that drives the current of a winding that is always connected, u - K w [V], `Chopper` -> the same."""
     BRIDGE = "bridge"
     """voltage that drives the current, u - K w [V] -> the same."""
     SUPPLY = "supply"
@@ -47,6 +49,12 @@ class Slot(TextEnum):
     """`TwoMass`, `Load` of motor side and load side, duration [s] -> `TwoMass`."""
     GEOMETRY = "geometry"
     """`WheelGeometry` -> `WheelGeometry`."""
+    ROLLING = "rolling"
+    """travel of both wheels as a share of radius * turn (..., 2), wheel angles in the middle of the turn [rad], turns
+    [rad] -> share."""
+    CREEP = "creep"
+    """movement over the floor besides rolling, x, y [m] in W (..., 2), mean size of the wheels' travels [m] (..., 1) ->
+    movement."""
     GROUND = "ground"
     """remaining share of the yaw rate, speed [m/s], yaw rate [rad/s], both computed from the wheels -> share."""
     ENCODER = "encoder"
@@ -64,11 +72,17 @@ class Slot(TextEnum):
     POSE_POINT = "pose point"
     """pose x [m], y [m], yaw [rad] (..., 3) -> pose."""
     POSE_DELAY = "pose delay"
-    """delay [s] -> delay [s]."""
+    """delay [s], time since the start of the drive [s] -> delay [s]."""
     RANGE_MOUNT = "range mount"
     """yaw of the three sensors [rad] (3,) -> yaw."""
+    RAY_WEIGHT = "ray weight"
+    """weight of each ray (..., rays), distance along it [m] -> weight. Only the ratios of the weights matter."""
+    RANGE_GATHERING = "range gathering"
+    """time over which light is gathered [s] -> time [s]."""
     RANGE = "range"
     """reading [m], `RangeView` -> reading [m]."""
+    RANGE_WANDER = "range wander"
+    """slow error [m], duration since it had this value [s], standard normal deviates -> slow error [m]."""
     RANGE_NOISE = "range noise"
     """standard deviation [m], `RangeView` -> standard deviation [m]."""
     RANGE_LIMIT = "range limit"
@@ -78,10 +92,13 @@ class Slot(TextEnum):
 
 
 class Setup(TextEnum):
-    """The object of a measurement: a motor alone, a range sensor alone, or a robot that drives."""
+    """The object of a measurement: a motor alone, a range sensor before one target at a time, a range sensor that is
+    moved past an object, or a robot that drives.
+    """
 
     MOTOR_BENCH = "motor bench"
     RANGE_BENCH = "range bench"
+    RANGE_SCAN = "range scan"
     DRIVE = "drive"
 
 

@@ -77,8 +77,8 @@ def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: Ro
 
 
 def _why_not(measurement: Measurement) -> str:
-    if measurement.kind is CaseKind.TOF_BENCH:
-        return "nothing moves on a range bench, and a ray to a flat target has the same length in every engine"
+    if measurement.kind in {CaseKind.TOF_BENCH, CaseKind.RANGE_SCAN}:
+        return "nothing moves before a range sensor on a bench, and a ray has the same length in every engine"
     if measurement.kind is CaseKind.DRIVE_LOG and not set(VOLTAGES) <= set(measurement.channel_names()):
         return "no voltages were logged that could drive a robot"
     return "" if measurement.heldout_rows else "no row is held out"

@@ -16,7 +16,7 @@ from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
 from diagnosis.measured.scale import mixed_up_unit
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultList, InputError, together
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.table import CsvTable
 
@@ -31,15 +31,15 @@ def case_importer(
     kind: CaseKind, model: type[Parameters], noise_of: NoiseOf[Parameters], notes_of: NotesOf[Parameters]
 ) -> Importer:
     """Return the importer of one kind of case, whose nominal parameters are an instance of `model`."""
-    return Importer(kind.value, partial(_recognises, kind), partial(_read, kind, model, noise_of, notes_of))
+    return Importer(kind.value, partial(recognises, kind), partial(_read, kind, model, noise_of, notes_of))
 
 
-def _recognises(kind: CaseKind, path: Path) -> bool:
+def recognises(kind: CaseKind, path: Path) -> bool:
     """Return whether nominal.yaml names this kind, even if the rest of the file is not valid YAML.
 
     A broken file is thus read by the importer of its kind, whose message names the fault.
     """
-    file = _folder(path) / NOMINAL
+    file = case_folder(path) / NOMINAL
     if not is_file(file):
         return False
     try:
@@ -54,31 +54,51 @@ def _recognises(kind: CaseKind, path: Path) -> bool:
     return re.search(rf"^kind:\s*['\"]?{kind.value}['\"]?\s*(#.*)?\r?$", text, re.MULTILINE) is not None
 
 
-def _folder(path: Path) -> Path:
+def case_folder(path: Path) -> Path:
     return path.parent if path.name in {DATA, NOMINAL} else path
 
 
 def _read(
     kind: CaseKind, model: type[Parameters], noise_of: NoiseOf[Parameters], notes_of: NotesOf[Parameters], path: Path
 ) -> Measurement:
-    folder = _folder(path)
+    folder, faults = case_folder(path), FaultList()
     for name in (NOMINAL, DATA):
         if not (folder / name).is_file():
             cure = f"name a folder with {NOMINAL} and {DATA}"
             raise InputError(f"there is no {name}", where=str(folder), cure=cure)
-    nominal = read_nominal(folder / NOMINAL)
-    if not isinstance(nominal, model):
-        raise InputError("kind", where=str(folder / NOMINAL), got=nominal.kind, allowed=kind.value)
-    table = read_csv(folder / DATA, COLUMNS[kind])
-    source = MeasurementSource("a measured case", (str(folder / DATA), str(folder / NOMINAL)))
+    nominal, table = None, None
+    with faults.noted():
+        nominal = _nominal(folder / NOMINAL, kind, model)
+    with faults.noted():
+        table = read_csv(folder / DATA, COLUMNS[kind], may_lack_columns=True)
+    if table is None:
+        raise together(faults.faults)
     channels = channel_columns(kind)
-    noise = {c.name: known for c in channels for known in (noise_of(nominal, table, c.name),) if known is not None}
+    noise: dict[str, KnownNoise] = {}
+    if nominal is not None:
+        with faults.noted():
+            noise = {c.name: known for c in channels for known in (noise_of(nominal, table, c.name),) if known}
     holdout = np.array(table.words[SPLIT.name]) == HOLDOUT
-    trials = trials_of(table, channels, holdout, noise, from_rest=kind is CaseKind.MOTOR_STEP)
+    trials = ()
+    with faults.noted():
+        trials = trials_of(table, channels, holdout, noise, from_rest=kind is CaseKind.MOTOR_STEP)
+    if nominal is None or not trials:
+        raise together(faults.faults)
+    source = MeasurementSource("a measured case", (str(folder / DATA), str(folder / NOMINAL)))
     measurement = Measurement(folder.absolute().name, kind, source, trials, nominal)
     names = [n for n in measurement.channel_names() if not any(c.is_offered for c in measurement.across(n))]
     absent = [f"not logged: {', '.join(names)}"] if names else []
-    return replace(measurement, notes=(*table.notes, *absent, *notes_of(nominal, measurement)))
+    with faults.noted():
+        absent += notes_of(nominal, measurement)
+    faults.check()
+    return replace(measurement, notes=(*table.notes, *absent))
+
+
+def _nominal(file: Path, kind: CaseKind, model: type[Parameters]) -> Parameters:
+    nominal = read_nominal(file)
+    if not isinstance(nominal, model):
+        raise InputError("kind", where=str(file), got=nominal.kind, allowed=kind.value)
+    return nominal
 
 
 def scale_note(ratio: float, name: str, unit: str, reference: str) -> list[str]:

@@ -10,7 +10,7 @@ from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultList, InputError
 from symolo.core.table import CsvTable
 
 ROW_S = 0.05
@@ -30,11 +30,35 @@ def _noise(nominal: NominalDrive, table: CsvTable, name: str) -> KnownNoise | No
 
 
 def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
-    check_rate(measurement, ROW_S)
-    _check_heading(measurement)
-    distance_m = np.linspace(0.0, nominal.tof.max_range_m, 1000)
-    nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
-    return _travel_notes(nominal, measurement)
+    faults = FaultList()
+    with faults.noted():
+        check_rate(measurement, ROW_S)
+    with faults.noted():
+        _check_heading(measurement)
+    distance_m = np.linspace(0.0, nominal.tof.max_range_m if nominal.tof else 0.0, 1000)
+    with faults.noted():
+        nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
+    faults.check()
+    return [*_left_out(nominal, measurement), *_travel_notes(nominal, measurement)]
+
+
+def _left_out(nominal: NominalDrive, measurement: Measurement) -> list[str]:
+    """Return a note for each stage that is not compared because nominal.yaml lacks a section."""
+
+    def has(name: str) -> bool:
+        return any(channel.is_offered for channel in measurement.across(name))
+
+    notes = []
+    if nominal.motor is None and has("u_left_V"):
+        notes.append("nominal.yaml has no section motor: speeds are not compared with voltages")
+    ranges = [side for side in ("front", "left", "right") if has(f"tof_{side}_m")]
+    lacking = [name for name, section in (("tof", nominal.tof), ("world", nominal.world)) if section is None]
+    if ranges and lacking:
+        notes.append(f"nominal.yaml has no section {' and '.join(lacking)}: ranges are not compared")
+    elif nominal.tof is not None:
+        without = [side for side in ranges if getattr(nominal.tof.mount, side) is None]
+        notes += [f"nominal.yaml has no tof.mount.{side}: the ranges tof_{side}_m are not compared" for side in without]
+    return notes
 
 
 def _check_heading(measurement: Measurement) -> None:

@@ -12,7 +12,7 @@ from diagnosis.measured.channel import Channel, Label, Mask
 from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import Trial
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultList, InputError
 from symolo.core.table import CsvTable
 from symolo.core.time_series import TimeSeries
 
@@ -64,29 +64,41 @@ def trials_of(
 
 
 def _check_order(table: CsvTable, numbers: Array, group: str) -> None:
-    """Refuse a trial whose rows are not together or not in the order of time."""
+    """Refuse a trial whose rows are not together or not in the order of time; all such faults are reported."""
+    faults = FaultList()
     changes = np.flatnonzero(np.diff(numbers)) + 1
-    seen = {numbers[0]}
-    for i in changes.tolist():
-        if numbers[i] in seen:
-            cure = "sort the rows by it and by time"
-            raise InputError(
-                f"column {group}: {numbers[i]:.0f} appears again after other rows", where=table.where(i), cure=cure
-            )
-        seen.add(numbers[i])
+    with faults.noted():
+        _check_together(table, numbers, changes.tolist(), group)
     within = np.ones(len(numbers) - 1, dtype=bool)
     within[changes - 1] = group == "sweep"  # on a bench, the time continues from one sweep to the next
-    check_increasing(table, "t_s", within)
+    with faults.noted():
+        check_increasing(table, "t_s", within)
     if "row" in table.numbers:
-        check_increasing(table, "row")
+        with faults.noted():
+            check_increasing(table, "row")
     if "session_time_s" in table.numbers:
-        check_increasing(table, "session_time_s", within)
+        with faults.noted():
+            check_increasing(table, "session_time_s", within)
+    faults.check()
+    if "session_time_s" in table.numbers:
         back = changes[np.diff(table.numbers["session_time_s"])[changes - 1] < 0.0]
         if len(back):
             what = "column session_time_s: the trial begins before the one above has ended"
             raise InputError(what, where=table.where(int(back[0])), cure="put the trials in order")
         if group == "trial":
             check_session(table, within)
+
+
+def _check_together(table: CsvTable, numbers: Array, changes: Sequence[int], group: str) -> None:
+    seen = {numbers[0]}
+    for i in changes:
+        if numbers[i] in seen:
+            raise InputError(
+                f"column {group}: {numbers[i]:.0f} appears again after other rows",
+                where=table.where(i),
+                cure="sort the rows by it and by time",
+            )
+        seen.add(numbers[i])
 
 
 def _trial(

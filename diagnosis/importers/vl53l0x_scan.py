@@ -11,6 +11,9 @@ from diagnosis.validation.range_sensor.recordings.scan import COLUMNS, read_scan
 from symolo.core.arrays import Array
 from symolo.core.time_series import TimeSeries
 
+HELD_OUT = 4
+"""One point of this many is held out."""
+
 
 def _is_log(path: Path) -> bool:
     return {column.name for column in COLUMNS} <= set(first_line(path).split(","))
@@ -30,13 +33,15 @@ def _read(path: Path) -> Measurement:
         channel("y_m", np.repeat(scan.y_mm, count), Role.INPUT),
         channel("reading_m", scan.reading_mm.ravel(), Role.READING),
     )
-    trial = Trial("1", row, np.zeros(len(row), dtype=bool), channels, is_timed=False)
+    holdout = np.repeat(np.arange(points) % HELD_OUT == HELD_OUT - 1, count)
+    trial = Trial("1", row, holdout, channels, is_timed=False)
     source = MeasurementSource("VL53L0X over a grid, OSUrobotics/applevision_tof_profiler", (str(path),), "MIT")
     notes = (
         f"{points} points with {count} readings each; the first ones after a move may be of the previous place",
         "not logged: times, distance",
+        f"every {HELD_OUT}th point is held out",
     )
-    return Measurement(path.stem, CaseKind.OTHER, source, (trial,), notes=notes)
+    return Measurement(path.stem, CaseKind.RANGE_SCAN, source, (trial,), notes=notes)
 
 
 IMPORTER = Importer("vl53l0x-scan", lambda path: only_log(path, _is_log) is not None, _read)

@@ -1,7 +1,7 @@
 """Tables of measured files: columns with units, roles and plausible ranges."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +9,8 @@ import numpy as np
 from diagnosis.measured.channel import Role
 from diagnosis.measured.scale import Reach, beyond_scale, likely_unit
 from symolo.core import table
-from symolo.core.errors import InputError
-from symolo.core.files.text_file import TextFile
+from symolo.core.errors import InputError, together
+from symolo.core.files.text_file import LineFault, TextFile, read_text
 from symolo.core.table import CsvTable, NumberColumn, TableColumn, WordColumn
 
 _LARGEST = 1e100
@@ -29,18 +29,55 @@ class MeasuredColumn:
     decimals: int = 4
     """Digits after the point in files that we write; 0 means whole numbers, in files that we read as well."""
     may_be_empty: bool = True
+    """Whether cells may be empty."""
 
 
 CaseColumn = MeasuredColumn | WordColumn
 
 
-def read_csv(path: Path, columns: Sequence[CaseColumn]) -> CsvTable:
+def read_csv(path: Path, columns: Sequence[CaseColumn], *, may_lack_columns: bool = False) -> CsvTable:
     """Read a file whose first row names these columns, in any order.
 
+    Args:
+        path: The file.
+        columns: What to read.
+        may_lack_columns: Whether a column of numbers may be left out if its cells may be empty; it then reads as one
+            with empty cells only.
+
     Raises:
-        InputError: The file has a fault, or a column is out of reach; the message names file, row and column.
+        InputError: The file has faults, or a column is out of reach; the message names file, row and column of each.
     """
-    return _within_reach(table.read_csv(path, _strict(columns)), columns)
+    text = read_text(path)
+    header = table.cells_of(text.lines[0])
+    optional = [
+        column.name
+        for column in columns
+        if may_lack_columns and not isinstance(column, WordColumn) and column.may_be_empty
+    ]
+    wrong = table.header_faults(header, [column.name for column in columns], optional=optional)
+    logged = [column for column in columns if header.count(column.name) == 1]
+    if not logged:
+        raise together([fault.error(path) for fault in wrong])
+    places = [header.index(column.name) for column in logged]
+    read = table.table_of(text, _strict(logged), places, first=1, is_log=True)
+    faults = [fault.error(path) for fault in (*wrong, *_each_once(read.faults))]
+    if not read.faults:
+        faults += _reach_faults(read, logged)
+    if faults:
+        raise together(faults)
+    absent = {column.name: np.full(len(read.row), np.nan) for column in columns if column not in logged}
+    return replace(read, numbers={**read.numbers, **absent})
+
+
+def _each_once(faults: Sequence[LineFault]) -> Iterator[LineFault]:
+    """Yield the first of each series of faults that differ in row and value alone, with the number of the others."""
+    alike: dict[str, list[LineFault]] = {}
+    for fault in faults:
+        alike.setdefault(fault.message.partition(": got ")[0] + fault.cure, []).append(fault)
+    for first, *more in alike.values():
+        others = f"{first.cure}; " if first.cure else ""
+        others += f"so do {len(more)} more rows, the last one row {more[-1].line}" if more else ""
+        yield replace(first, cure=others) if more else first
 
 
 def table_of(
@@ -78,20 +115,29 @@ def _strict(columns: Sequence[CaseColumn]) -> list[TableColumn]:
 
 
 def _within_reach(read: CsvTable, columns: Sequence[CaseColumn]) -> CsvTable:
-    """Refuse a column in another unit, and an input out of reach; a reading out of reach is an outlier and stays."""
+    """Return the table if no column of it is in another unit or out of reach."""
+    if faults := _reach_faults(read, columns):
+        raise together(faults)
+    return read
+
+
+def _reach_faults(read: CsvTable, columns: Sequence[CaseColumn]) -> list[InputError]:
+    """Return columns in another unit, and inputs out of reach; a reading out of reach is an outlier and stays."""
+    faults = []
     for column in columns:
         if isinstance(column, WordColumn):
             continue
         values = read.numbers[column.name]
         typical = beyond_scale(values, column.reach)
         allowed = column.reach.words(column.unit)
+        beyond = np.flatnonzero(~column.reach.holds(values)).tolist()
         if typical is not None:
             cure = likely_unit(typical, column.reach, column.unit) or "check the column's unit"
             what = f"column {column.name}: most values are out of scale, in the middle {typical:.4g}"
-            raise InputError(what, where=str(read.path), allowed=allowed, cure=cure)
-        beyond = np.flatnonzero(~column.reach.holds(values)).tolist()
-        if beyond and column.role is Role.INPUT:
+            faults.append(InputError(what, where=str(read.path), allowed=allowed, cure=cure))
+        elif beyond and column.role is Role.INPUT:
             cure = "repair or remove the row: inputs must be known"
             got = float(values[beyond[0]])
-            raise InputError(f"column {column.name}", where=read.where(beyond[0]), got=got, allowed=allowed, cure=cure)
-    return read
+            where = read.where(beyond[0])
+            faults.append(InputError(f"column {column.name}", where=where, got=got, allowed=allowed, cure=cure))
+    return faults

@@ -4,17 +4,18 @@ A log in millimetres under a header in metres can be read without an error, and 
 factor of a thousand. A single extreme value is an outlier and stays; a column whose median is out of reach is refused.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from symolo.core.arrays import Array
 
-_OTHER_UNITS = {
+OTHER_UNITS: Mapping[str, tuple[tuple[str, float], ...]] = {
     "m": (("mm", 1e3), ("cm", 1e2)),
     "rad": (("degrees", 180.0 / np.pi),),
     "rad/s": (("rpm", 30.0 / np.pi), ("degrees per second", 180.0 / np.pi)),
-    "s": (("ms", 1e3), ("us", 1e6)),
+    "s": (("ms", 1e3), ("us", 1e6), ("ns", 1e9)),
     "A": (("mA", 1e3),),
     "V": (("mV", 1e3),),
     "m/s": (("mm/s", 1e3), ("cm/s", 1e2)),
@@ -47,7 +48,7 @@ def beyond_scale(values: Array, reach: Reach) -> float | None:
 
 def likely_unit(typical: float, reach: Reach, unit: str) -> str:
     """Return advice that names the unit in which such a value would be possible, or an empty string."""
-    fits = [(name, per) for name, per in _OTHER_UNITS.get(unit, ()) if reach.low <= typical / per <= reach.high]
+    fits = [(name, per) for name, per in OTHER_UNITS.get(unit, ()) if reach.low <= typical / per <= reach.high]
     if not fits:
         return ""
     names = " or ".join(name for name, _ in fits)
@@ -57,5 +58,5 @@ def likely_unit(typical: float, reach: Reach, unit: str) -> str:
 
 def mixed_up_unit(ratio: float, unit: str) -> str:
     """Return the unit whose factor is within 30 % of this ratio, with advice; an empty string if there is none."""
-    fits = [f"{name}: divide by {per:.4g}" for name, per in _OTHER_UNITS.get(unit, ()) if 0.7 < ratio / per < 1.3]
+    fits = [f"{name}: divide by {per:.4g}" for name, per in OTHER_UNITS.get(unit, ()) if 0.7 < ratio / per < 1.3]
     return fits[0] if fits else ""

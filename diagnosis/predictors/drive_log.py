@@ -5,7 +5,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.pose import Pose
-from diagnosis.predictors.ranges import Ranges
+from diagnosis.predictors.ranges_in_room import RangesInRoom
 from diagnosis.predictors.wheels import Wheels
 
 VOLTAGES = ("u_left_V", "u_right_V")
@@ -16,18 +16,20 @@ POSE = ("x_m", "y_m", "theta_rad")
 def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
     """Return wheels if there are voltages, pose if there are ticks, and ranges if there are poses and a known room.
 
-    The readings may be missing, as in unseen runs; then they are predicted and nothing is observed.
+    A stage is left out if nominal.yaml has no section for it. The readings may be missing, as in unseen runs; then they
+    are predicted and nothing is observed.
     """
     stages: list[Stage] = []
-    if _offers(measurement, VOLTAGES):
+    case = measurement.nominal if isinstance(measurement.nominal, NominalDrive) else None
+    if offers(measurement, VOLTAGES) and (case is None or case.motor is not None):
         stages.append(Wheels(measurement, nominal))
-    if _offers(measurement, TICKS):
+    if offers(measurement, TICKS):
         stages.append(Pose(measurement, nominal))
-    if isinstance(measurement.nominal, NominalDrive) and _offers(measurement, POSE):
-        stages.append(Ranges(measurement, measurement.nominal, nominal))
+    if case is not None and case.tof is not None and case.world is not None and offers(measurement, POSE):
+        stages.append(RangesInRoom(measurement, case, nominal))
     return tuple(stage for stage in stages if all(len(observed.values) for observed in stage.observed))
 
 
-def _offers(measurement: Measurement, names: tuple[str, ...]) -> bool:
+def offers(measurement: Measurement, names: tuple[str, ...]) -> bool:
     offered = set(measurement.channel_names())
     return all(name in offered and any(c.is_offered for c in measurement.across(name)) for name in names)

@@ -20,7 +20,9 @@ class RoomRanges:
 
     distance_m: Array
     incidence_rad: Array
-    """Angle between the axis and the normal of the wall."""
+    """Angle between the axis and the normal of the wall, from 0."""
+    tilt_rad: Array
+    """The same angle with its sign, positive if the axis is turned to the left of the normal."""
     wall: NDArray[np.int64]
     """Index of the wall in WALLS."""
     by_x: Array
@@ -61,6 +63,7 @@ def room_ranges(room: KnownRoom, pose: Array, mount_x_m: Array, mount_y_m: Array
     return RoomRanges(
         distance_m=distance,
         incidence_rad=np.arccos(np.clip(np.abs(np.where(is_x, c, s)), 0.0, 1.0)),
+        tilt_rad=np.where(is_x, np.arctan2(np.sign(c) * s, np.abs(c)), np.arctan2(-np.sign(s) * c, np.abs(s))),
         wall=np.where(is_x, np.where(c > 0.0, 1, 0), np.where(s > 0.0, 3, 2)),
         by_x=np.where(is_x, -1.0 / c, zero),
         by_y=np.where(is_x, zero, -1.0 / s),

@@ -46,6 +46,9 @@ class TofBenchStage:
                 (ambient_lux, 0.0),
             )
         )
+        # Angles that are all positive are sizes without a direction, which a direction of tilt cannot be seen in.
+        is_signed = bool((self._incidence_rad < 0.0).any())
+        self._tilt_rad = self._incidence_rad if is_signed else np.zeros_like(self._incidence_rad)
         self._since_on_s = session_time_s(measurement)
         self._materials = np.array(materials)
         self._reflectance = np.array([known.get(name, UNKNOWN_REFLECTANCE) for name in materials])
@@ -86,6 +89,9 @@ class TofBenchStage:
             view = RangeView(
                 distance_m=self._distance_m,
                 incidence_rad=self._incidence_rad,
+                # A bench does not log the axis of its tilts, so either may be the one.
+                tilt_forward_rad=self._tilt_rad,
+                tilt_sideways_rad=self._tilt_rad,
                 reflectance=self._reflectance,
                 material_share={name: (self._materials == name).astype(float) for name in set(self._materials)},
                 temperature_C=self._temperature_C,

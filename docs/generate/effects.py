@@ -20,7 +20,8 @@ def effects() -> str:
 def _section(effect: type[Effect]) -> Iterator[str]:
     yield f"## {effect.name}"
     yield f"Slot: *{effect.slot}*. Possible causes: {text(effect.cause)}. Seen in: {text(effect.excitation)}."
-    yield f"The diagnosis looks for it in these measurements: {', '.join(effect.setups)}."
+    places = f"in these measurements: {', '.join(effect.setups)}" if effect.setups else "in no measurement"
+    yield f"The diagnosis looks for it {places}."
     for field in effect.model_fields.values():
         if field.description:
             yield text(field.description)

@@ -26,7 +26,7 @@ from pipeline.cli import main as symolo_command
 from symolo.arena.geometry import Arena
 
 HERE = Path(__file__).parent
-EXAMPLES = HERE.parents[1] / "tests/fixtures/gap_examples"
+EXAMPLES = HERE.parents[1] / "diagnosis/examples"
 SCENARIO = """\
 extends: symolo
 name: images

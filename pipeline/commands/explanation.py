@@ -98,7 +98,7 @@ def diagnose(
             "--hold-out",
             metavar="PATTERN",
             help="Hold out the trials whose name or part matches, such as 'circular/*', instead of the default ones. "
-            "Trials that are held out judge the result and are not used for fitting. May be repeated.",
+            "Trials that are held out are used to judge the result, and not for fitting. May be repeated.",
         ),
     ] = None,
     nominal: Annotated[
@@ -119,7 +119,8 @@ def diagnose(
         typer.Option(
             metavar="DATASET",
             callback=if_given(checked_input),
-            help="Report whether this dataset of symolo covers the measured drives. Its robot is the nominal one.",
+            help="Report whether this dataset of symolo covers the measured drives, and use its robot as "
+            "the nominal one.",
         ),
     ] = None,
     workers: Workers = None,
@@ -238,8 +239,9 @@ def identify_camera(
     that the nominal camera would see from the poses of data.csv. With
     --simulated it also compares floor and edges with simulated images of the
     same places. The result names each difference with its value and standard
-    error. Every fourth image is not used for the fit, but to measure how much
-    better the identified camera predicts. See docs/camera_identification.md.
+    error. Every fourth image is not used for the fit. These images show how much
+    better the identified camera predicts than the nominal one. See
+    docs/camera_identification.md.
 
     Files in DIR: report.html, answer.json, summary.txt, plots/, and robot.yaml
     and look.yaml with the identified camera.

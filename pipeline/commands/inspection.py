@@ -29,8 +29,8 @@ def verify(
         str | None,
         typer.Option(
             metavar="KEY",
-            help="Public key of minisign, as a file or its 56 characters; the dataset must be signed with its secret "
-            "key.",
+            help="Public key of minisign: a file, or the 56 characters of the key. The dataset must be signed with the "
+            "matching secret key.",
         ),
     ] = None,
     reproduce: Annotated[
@@ -55,7 +55,8 @@ def verify(
 
     The command prints one line for each fault, and ends with exit code 4 if there is any. If another command is
     changing the dataset, it ends with exit code 2. With --reproduce, it ends with exit code 5 if an image cannot be
-    rendered here, or if its bytes differ on a machine that is not like that of the dataset.
+    rendered here, or if its bytes differ and the dataset was made on a different kind of machine or with different
+    versions.
 
     Example: symolo verify data
 
@@ -284,7 +285,7 @@ def schema(
         SchemaOf, typer.Option("--of", help="scenario: scenario files; metadata: metadata.json of a dataset.")
     ] = SchemaOf.SCENARIO,
 ) -> None:
-    """Print the JSON Schema of scenario files or of metadata.json, with which editors check and complete such files.
+    """Print the JSON Schema of scenario files or of metadata.json, which editors use to check and complete such files.
 
     Example: symolo schema > scenario.schema.json
 

@@ -118,7 +118,7 @@ def pack(
 
 
 def bag(folder: Dataset, out: NewFolder) -> None:
-    """Wrap a dataset as a bag (BagIt 1.0, RFC 8493) for an archive.
+    """Copy a dataset into a bag (BagIt 1.0, RFC 8493) for an archive.
 
     OUT/data is the same dataset, unchanged. A damaged dataset is refused.
 

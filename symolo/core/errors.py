@@ -2,10 +2,13 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 _LONGEST_VALUE = 60
 _LONGEST_WHAT = 300
+_MAX_LISTED = 20
+"""Number of faults that are listed; a damaged file may have thousands."""
 _UNPRINTABLE = re.compile(
     r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff"
     r"\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]+"  # those that turn the direction of what follows
@@ -36,6 +39,51 @@ class InputError(Exception):
             head += f"{';' if got is ... else ','} allowed: {allowed}"
         tail = [f"did you mean {nearest}"] if nearest else []
         super().__init__(one_line("; ".join([head, *tail, *([cure] if cure else [])])))
+
+
+class FaultsError(InputError):
+    """Several faults of what the user gave, in a text of one line each.
+
+    Args:
+        faults: At least two.
+    """
+
+    def __init__(self, faults: Sequence[InputError]) -> None:
+        self.faults = tuple(faults)
+        lines = [f"{len(faults)} faults:", *(f"  {fault}" for fault in faults[:_MAX_LISTED])]
+        more = len(faults) - _MAX_LISTED
+        Exception.__init__(self, "\n".join([*lines, *([f"  and {more} more"] if more > 0 else [])]))
+
+    def __reduce__(self) -> tuple[type["FaultsError"], tuple[tuple[InputError, ...]]]:
+        """Come out of a worker process unchanged."""
+        return FaultsError, (self.faults,)
+
+
+class FaultList:
+    """Faults that are collected, so that the user sees all of them at once."""
+
+    def __init__(self) -> None:
+        self.faults: list[InputError] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Collect the InputError of a block, which ends there, in place of raising it."""
+        try:
+            yield
+        except FaultsError as several:
+            self.faults += several.faults
+        except InputError as error:
+            self.faults.append(error)
+
+    def check(self) -> None:
+        """Raise InputError if there is a fault."""
+        if self.faults:
+            raise together(self.faults)
+
+
+def together(faults: Sequence[InputError]) -> InputError:
+    """Return one error with all of these faults, at least one."""
+    return faults[0] if len(faults) == 1 else FaultsError(faults)
 
 
 class RunFailed(Exception):  # noqa: N818 - a run that fails is an outcome with a name, and the name is the contract's

@@ -5,7 +5,7 @@ Reading never stops at a fault, so that a verification can list all of them; `Cs
 
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, nan
 from pathlib import Path
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest, shown
-from symolo.core.files.text_file import LineFault, TextFile, read_text
+from symolo.core.files.text_file import LineFault, TextFile
 
 _NO_NUMBER = re.compile(r"[-+]?(nan|inf(inity)?)|null|none|na|n/a|-|#n/a", re.IGNORECASE)
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
@@ -78,19 +78,6 @@ class CsvTable:
         return self
 
 
-def read_csv(path: Path, columns: Sequence[TableColumn]) -> CsvTable:
-    """Read a log whose first row names these columns, in any order.
-
-    Raises:
-        InputError: The file has a fault; the message of the first one names file, row and column.
-    """
-    text = read_text(path)
-    header = cells_of(text.lines[0])
-    check_header(header, [column.name for column in columns], path)
-    places = [header.index(column.name) for column in columns]
-    return table_of(text, columns, places, first=1, is_log=True).checked()
-
-
 def cells_of(line: str, separator: str = ",") -> list[str]:
     """Return the cells of a line without the spaces around them."""
     return [cell.strip() for cell in line.split(separator)]
@@ -110,26 +97,31 @@ def header_fault(
     header: Sequence[str], names: Sequence[str], separator: str = ",", *, is_ordered: bool = False
 ) -> LineFault | None:
     """Return what is wrong with a header that must have exactly these names; `is_ordered` means in this order."""
+    if faults := header_faults(header, names, separator):
+        return faults[0]
+    if is_ordered and list(header) != list(names):
+        return LineFault(1, f"columns in another order; allowed: {separator.join(names)}", "put them in this order")
+    return None
+
+
+def header_faults(
+    header: Sequence[str], names: Sequence[str], separator: str = ",", optional: Sequence[str] = ()
+) -> list[LineFault]:
+    """Return everything that is wrong with a header that must have these names, of which some are `optional`."""
     allowed = f"allowed: {separator.join(names)}"
     if len(header) == 1 and len(names) > 1:
         other = next((mark for mark in _SEPARATORS if mark != separator and mark in header[0]), "")
         cure = f"separate columns with {_SEPARATORS[separator]}, not with {other!r}" if other else "add a header line"
-        return LineFault(1, f"one column: got {shown(header[0])}, {allowed}", cure)
+        return [LineFault(1, f"one column: got {shown(header[0])}, {allowed}", cure)]
     if all(isfinite(number_of(name)) for name in header):
-        return LineFault(1, f"no header: got {shown(separator.join(header))}, {allowed}")
-    for name in header:
-        if name not in names:
-            return _unknown_column(name, header, names, allowed)
-    for name in names:
-        if header.count(name) > 1:
-            return LineFault(1, f"column {name} is there twice", "keep one of them")
-    for name in names:
-        if name not in header:
-            cure = "add it, with empty cells if it was not logged"
-            return LineFault(1, f"column {name} is missing: got {shown(list(header))}", cure)
-    if is_ordered and list(header) != list(names):
-        return LineFault(1, f"columns in another order; {allowed}", "put them in this order")
-    return None
+        return [LineFault(1, f"no header: got {shown(separator.join(header))}, {allowed}")]
+    faults = [_unknown_column(name, header, names, allowed) for name in dict.fromkeys(header) if name not in names]
+    faults += [
+        LineFault(1, f"column {name} is there twice", "keep one of them") for name in names if header.count(name) > 1
+    ]
+    missing = [name for name in names if name not in header and name not in optional]
+    cure = "add it, with empty cells if it was not logged"
+    return faults + [LineFault(1, f"column {name} is missing: got {shown(list(header))}", cure) for name in missing]
 
 
 def _unknown_column(name: str, header: Sequence[str], names: Sequence[str], allowed: str) -> LineFault:
@@ -185,10 +177,14 @@ def table_of(
         try:
             if is_log and row == len(text.lines) and not text.is_whole:
                 notes.append(_loose_end(cells, numbers, text))
-            values.append([_number(cells[place], column) for column, place in numbers])
-            texts.append([_word(cells[place].strip(), column) for column, place in words])
         except InputError as error:
             faults.append(LineFault(row, str(error)))
+            continue
+        try:
+            values.append([_number(cells[place], column) for column, place in numbers])
+            texts.append([_word(cells[place].strip(), column) for column, place in words])
+        except InputError:
+            faults += [LineFault(row, str(fault)) for fault in _cell_faults(cells, numbers, words)]
         rows.append(row)
     if not rows and not faults:
         faults.append(LineFault(0, "has no rows below the header", "log again, or leave it out"))
@@ -201,6 +197,20 @@ def table_of(
         tuple(notes),
         tuple(faults),
     )
+
+
+def _cell_faults(
+    cells: Sequence[str], numbers: Sequence[tuple[NumberColumn, int]], words: Sequence[tuple[WordColumn, int]]
+) -> Iterator[InputError]:
+    """Yield the fault of each cell of a row that has one."""
+    for column, place in (*numbers, *words):
+        try:
+            if isinstance(column, NumberColumn):
+                _number(cells[place], column)
+            else:
+                _word(cells[place].strip(), column)
+        except InputError as error:
+            yield error
 
 
 def _width_fault(row: int, count: int, width: int) -> LineFault:

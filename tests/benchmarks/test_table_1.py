@@ -37,10 +37,11 @@ def test_drag_that_would_bend_the_speed_would_bend_the_current_too(table_1):
     assert wanted > found + 10.0 * error
 
 
-def test_the_diagnosis_misses_a_row_left_out_by_a_third_less(table_1):
+def test_the_diagnosis_leaves_the_bend_open_and_names_the_row_that_stands_still(table_1):
+    """Its line is fitted with a likelihood that allows for outliers, so it misses rows by a little less than 0.101."""
     text = table_1.diagnosed(table_1.diagnose(table_1.IMPORTER.read(Path("table-1"))))
+    assert text[0] == "The diagnosis is undecided and names nothing"
     (line,) = (line for line in text if line.startswith("omega_rad_s: a row left out"))
     before, after = (float(word.rstrip(",")) for word in line.replace(",", "").split() if word[0] == "0")
-    assert before == pytest.approx(0.101, abs=2e-3)
-    assert after == pytest.approx(0.061, abs=6e-3)
+    assert before == after == pytest.approx(0.101, abs=6e-3)
     assert any(line.startswith("row 2, 0.25 V: stands still") for line in text)

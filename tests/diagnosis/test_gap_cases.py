@@ -127,6 +127,18 @@ def test_a_settled_motor_with_an_effect(world, settle, name, parameters, speed_r
     assert speed == pytest.approx([speed_rad_s], rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("inductance_H", "driving_V", "lost_V_s"),
+    [(1e-8, 6.0, K * 6.0 / 7.4), (10.0, 7.4 * (2.0 * 6.0 / 7.4 - 1.0) - 1.5 * (1.0 - 6.0 / 7.4), K)],
+)
+def test_a_bridge_that_coasts_between_its_limits(world, settle, inductance_H, driving_V, lost_V_s):
+    """With little inductance the supply drives for a share of the time; with much, the current never stops."""
+    effect = ("bridge_coast", {"inductance_H": inductance_H, "diode_V": 1.5, "switching_Hz": 20_000.0})
+    _, speed = settle(world(effect), [6.0, -6.0])
+    expected = (K * driving_V / R - Tc) / (B + K * lost_V_s / R)
+    assert speed == pytest.approx([expected, -expected], rel=1e-3)
+
+
 def test_quadratic_drag_is_the_root_of_its_square_equation(world, settle):
     _, speed = settle(world(("quadratic_drag", {"coefficient_N_m_s2_rad2": 4e-4})), [-5.0])
     torque = K * 5.0 / R - Tc
@@ -247,6 +259,8 @@ ROWS = {
         ("log_range_error", {"coefficient_m": 0.01}, [0.0, 0.01 * np.log(2), 0.01 * np.log(5)]),
         ("temperature_drift", {"coefficient_m_per_K": 1e-3}, [0.0, 0.01, -0.01]),
         ("material_bias", {"material": "black_card", "offset_m": 0.004}, [0.0, 0.004, 0.0]),
+        ("material_slope", {"material": "wood", "coefficient": 0.05}, [0.004, 0.0, 0.04]),
+        ("tilt_asymmetry", {"axis": "forward", "coefficient_m_per_rad": 0.06}, [0.0, 0.01 * np.pi, 0.0]),
         ("incidence_bias", {"coefficient": 0.1}, [0.0, 0.1 * 0.36 / 4, 0.0]),
         ("near_field_error", {"amplitude_m": 0.01, "decay_length_m": 0.18}, 0.01 * np.exp([-1.0, -2.0, -5.0])),
         ("warmup_drift", {"amplitude_m": 0.01, "time_constant_s": 60.0}, 0.01 * np.exp([0.0, -1.0, -2.0])),
@@ -507,6 +521,32 @@ def test_a_marker_ahead_of_the_axle_moves_sideways_in_a_spin(world, increments):
     turn = 200 * PER_TICK / WIDTH
     expected = [0.02 * (np.cos(turn) - 1.0), 0.02 * np.sin(turn), turn]
     assert increments(robot, -100, 100) == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_wheel_that_is_not_round_turns_the_robot_to_and_fro(world, increments):
+    """The second of two windows in which the wheels turn once."""
+    ticks = TICKS / 20
+    swing = 0.05 * RADIUS * (np.sin(2.0 * np.pi + 0.3) - np.sin(np.pi + 0.3))
+    robot = world(("wheel_eccentricity", {"side": "left", "amplitude": 0.05, "phase_rad": 0.3}), own=ROBOT)
+    assert increments(robot, ticks, ticks)[2] == pytest.approx(-swing / WIDTH, rel=0.01)
+
+
+def test_on_a_slope_a_straight_drive_creeps_downhill(world, increments):
+    robot = world(("floor_slope", {"gradient": 0.03, "direction_rad": 0.5}), own=ROBOT)
+    gone = 100 * PER_TICK
+    expected = [gone * (1.0 + 0.03 * np.cos(0.5)), gone * 0.03 * np.sin(0.5), 0.0]
+    assert increments(robot, 100, 100) == pytest.approx(expected)
+
+
+def test_the_tracked_heading_of_a_body_askew_sees_a_straight_drive_aside(world, increments):
+    robot = world(("marker_yaw", {"angle_rad": 0.05}), own=ROBOT)
+    gone = 100 * PER_TICK
+    assert increments(robot, 100, 100) == pytest.approx([gone * np.cos(0.05), -gone * np.sin(0.05), 0.0])
+
+
+def test_a_drifting_clock_loses_a_share_of_every_window(world, increments):
+    robot = world(("pose_clock_drift", {"rate": 0.02}), own=ROBOT)
+    assert increments(robot, 100, 100) == pytest.approx([98 * PER_TICK, 0.0, 0.0])
 
 
 def test_a_late_pose_lacks_the_last_of_the_first_window(world, increments):

@@ -49,6 +49,7 @@ def names(answer):
         ("tof_bench", "range_scale", {"scale": 1.04}),
         ("tof_bench", "log_range_error", {"coefficient_m": 0.03}),
         ("tof_bench", "material_bias", {"material": "black_card", "offset_m": -0.012}),
+        ("tof_bench", "material_slope", {"material": "plastic", "coefficient": 0.04}),
         ("tof_bench", "temperature_drift", {"coefficient_m_per_K": 8e-4}),
         ("tof_bench", "range_saturation", {"saturation_m": 0.9}),
         ("tof_bench", "noise_scale", {"scale": 3.0}),

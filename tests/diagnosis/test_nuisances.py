@@ -1,13 +1,12 @@
 """What may differ between units, as nominal.yaml of the examples says it."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yaml
 
 from configs.draw import draw_robot
 from configs.loader import load_section
+from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.measured.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
@@ -16,7 +15,6 @@ from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.range_scale import RangeScale
 
-EXAMPLES = Path(__file__).parents[1] / "fixtures" / "gap_examples"
 MOTOR = {"winding_resistance_ohm", "torque_constant_N_m_A", "viscous_friction_N_m_s_rad", "coulomb_friction_N_m"}
 NAMES = {
     "motor_steady_001": MOTOR,

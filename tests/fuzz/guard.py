@@ -9,12 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
+from symolo.core.errors import FaultsError
+
 SECONDS = 2.0
 """Of the processor, within which an input is read or refused."""
 BYTES = 500_000_000
 """Memory that a reader may need more than it has before the first input."""
 MAX_CHARS = 2000
-"""Longest message of a refusal."""
+"""Longest message of a fault."""
+MAX_LINES = 25
+"""Longest message of several faults."""
 _ROOT = Path(__file__).parents[2]
 
 Read = Callable[[bytes], None]
@@ -41,14 +45,16 @@ def outcome_of(read: Read, data: bytes, refusals: tuple[type[Exception], ...]) -
     Args:
         read: The reader.
         data: The input.
-        refusals: Errors that the reader may raise; their message must be one line.
+        refusals: Errors that the reader may raise; their message must be one line for each of few faults.
     """
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         read(data)
     except refusals as error:
         text = str(error)
-        if len(text.splitlines()) > 1 or len(text) > MAX_CHARS:
+        listed = error.faults if isinstance(error, FaultsError) else (error,)
+        lines = max(len(str(fault).splitlines()) for fault in listed)
+        if lines > 1 or max(len(str(fault)) for fault in listed) > MAX_CHARS or len(text.splitlines()) > MAX_LINES:
             return Outcome(f"{type(error).__name__}: more than a line {_place_of(error)}")
         return Outcome(refusal=text)
     except TooSlowError as error:

@@ -62,6 +62,26 @@ def _times(name: str, parameter: str, low: float, high: float) -> Sampler:
     return sample
 
 
+def _of_all(name: str, value: float) -> Sampler:
+    """A number that does not differ."""
+
+    def sample(rng: np.random.Generator, bench: Bench) -> Numbers:
+        del rng, bench
+        return {name: value}
+
+    return sample
+
+
+def _around(name: str) -> Sampler:
+    """A direction or a phase, nowhere near half a turn, which has two names."""
+
+    def sample(rng: np.random.Generator, bench: Bench) -> Numbers:
+        del bench
+        return {name: float(rng.uniform(-3.0, 3.0))}
+
+    return sample
+
+
 def _of_session(name: str, low: float, high: float) -> Sampler:
     """Of how long the rows took."""
 
@@ -80,6 +100,8 @@ def _crosstalk(rng: np.random.Generator, bench: Bench) -> Numbers:
 STRIBECK = _both(
     _times("extra_torque_N_m", "coulomb_friction_N_m", 0.15, 0.9), _positive("stribeck_speed_rad_s", 0.8, 4.0)
 )
+COAST = _both(_positive("inductance_H", 2e-5, 1e-3), _positive("diode_V", 0.4, 2.0), _of_all("switching_Hz", 20_000.0))
+"""Of the switching frequency and the inductance only the product shows, so that a report assumes the usual one."""
 MOTOR: dict[str, Sampler] = {
     "winding_resistance_scale": _factor("scale", 0.07, 0.25),
     "torque_constant_scale": _factor("scale", 0.05, 0.15),
@@ -102,6 +124,7 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "quadratic_drag": _positive("coefficient_N_m_s2_rad2", 3e-5, 4e-4),
         "friction_warmup": _both(_positive("amplitude", 0.08, 0.6), _of_session("time_constant_s", 0.06, 0.5)),
         "current_sensor_offset": _either("offset_A", 0.001, 0.02),
+        "bridge_coast": COAST,
     },
     "motor_step": {
         **BENCH,
@@ -113,6 +136,7 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "current_sensor_offset": _either("offset_A", 0.002, 0.05),
         "speed_filter_lag": _positive("time_constant_s", 0.002, 0.03),
         "speed_time_offset": _positive("delay_s", 0.001, 0.02),
+        "bridge_coast": COAST,
     },
     "tof_bench": {
         "range_offset": _either("offset_m", 0.004, 0.02),
@@ -120,7 +144,9 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "log_range_error": _either("coefficient_m", 0.003, 0.015),
         "temperature_drift": _either("coefficient_m_per_K", 1e-4, 1e-3),
         "material_bias": _either("offset_m", 0.003, 0.015),
+        "material_slope": _either("coefficient", 0.01, 0.06),
         "incidence_bias": _either("coefficient", 0.01, 0.1),
+        "tilt_asymmetry": _either("coefficient_m_per_rad", 0.005, 0.04),
         "cover_crosstalk": _crosstalk,
         "near_field_error": _both(_either("amplitude_m", 0.004, 0.025), _positive("decay_length_m", 0.02, 0.08)),
         "range_saturation": _positive("saturation_m", 0.6, 0.95),
@@ -146,6 +172,10 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "tof_range_scale": _factor("scale", 0.004, 0.06),
         "tof_mount_yaw": _either("angle_rad", 0.004, 0.12),
         "tof_time_offset": _positive("delay_s", 0.003, 0.1),
+        "marker_yaw": _either("angle_rad", 0.004, 0.08),
+        "wheel_eccentricity": _both(_positive("amplitude", 0.006, 0.08), _around("phase_rad")),
+        "floor_slope": _both(_positive("gradient", 0.003, 0.05), _around("direction_rad")),
+        "pose_clock_drift": _either("rate", 1e-4, 5e-3),
     },
 }
 WIDE_NOISE_SCALE = _factor("scale", 0.92, 1.8)
@@ -154,9 +184,12 @@ SHAPES = 4
 """Sizes that are tried of an effect whose first number is not all there is to it."""
 WORDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "material_bias": ("material", tuple(REFLECTANCE)),
+    "material_slope": ("material", tuple(REFLECTANCE)),
+    "tilt_asymmetry": ("axis", ("forward", "sideways")),
     "encoder_missed_ticks": ("side", SIDES),
     "tof_range_offset": ("sensor", SENSORS),
     "tof_mount_yaw": ("sensor", SENSORS),
+    "wheel_eccentricity": ("side", SIDES),
 }
 """Discrete parameters: name and values."""
 NEEDS_VOLTAGES = (*MOTOR, "rotor_inertia_scale", "torque_constant_mismatch", "battery_decline", "input_delay")
@@ -168,6 +201,8 @@ def names(bench: Bench) -> list[str]:
     found = list(SIZES[bench.kind])
     if bench.kind == "drive_log" and not np.isfinite(bench.inputs["logs_voltage"]).all():
         found = [name for name in found if name not in NEEDS_VOLTAGES]
+    if bench.kind == "tof_bench" and (bench.inputs["incidence_rad"] >= 0.0).all():
+        found.remove("tilt_asymmetry")
     return found
 
 
@@ -180,7 +215,7 @@ def sample(
     if name not in WORDS:
         return Effect(name, parameters)
     key, words = WORDS[name]
-    if name == "material_bias" and word is None:
+    if key == "material" and word is None:
         words = tuple(sorted(set(bench.inputs["material"])))
     return Effect(name, {key: word or str(rng.choice(words)), **parameters})
 

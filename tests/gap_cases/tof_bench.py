@@ -15,6 +15,9 @@ REFERENCE_C = 25.0
 LOG_FROM_M = 0.18
 REFLECTANCE = {"white_paper": 0.85, "grey_card": 0.18, "black_card": 0.05, "wood": 0.45, "plastic": 0.6}
 POLYNOMIAL_MM = [1.4, 4.88, 2.51, 1.15]
+SLOPE_FROM_M = 0.1
+SIGNED = 0.4
+"""Share of the benches with several angles that log to which side a target is turned."""
 BLOCK = 10
 """Rows that are held out together."""
 
@@ -28,6 +31,10 @@ def draw(rng: np.random.Generator, rows: str) -> Bench:
     unseen = 40 if rows == "few" else 120
     blind = _inputs(rng, rows, unseen)
     blind["t_s"] = blind["t_s"] + ROW_S * n
+    if rows != "few" and rng.random() < SIGNED:
+        for columns in (inputs, blind):
+            angle = columns["incidence_rad"]
+            columns["incidence_rad"] = np.where(rng.random(len(angle)) < 0.5, angle, 0.0 - angle)
     nominal = {
         "kind": "tof_bench",
         "tof": {
@@ -95,9 +102,11 @@ def unlimited(inputs: Columns, worlds: Sequence[World]) -> Array:
     reading = reading + effect("temperature_drift", "coefficient_m_per_K") * warmer
     for name in REFLECTANCE:
         here = column([w.value("material_bias", "offset_m", 0.0, name) for w in worlds])
-        reading = reading + here * (inputs["material"] == name)
+        slope = column([w.value("material_slope", "coefficient", 0.0, name) for w in worlds])
+        reading = reading + (here + slope * (distance - SLOPE_FROM_M)) * (inputs["material"] == name)
     tilt = np.sin(inputs["incidence_rad"]) ** 2
     reading = reading + effect("incidence_bias", "coefficient") * distance * tilt
+    reading = reading + effect("tilt_asymmetry", "coefficient_m_per_rad") * inputs["incidence_rad"]
     decay = effect("near_field_error", "decay_length_m", 1.0)
     reading = reading + effect("near_field_error", "amplitude_m") * np.exp(-distance / decay)
     slow = effect("warmup_drift", "time_constant_s", 1.0)

@@ -13,9 +13,12 @@ from sensors.effects.current_sensor_offset import CurrentSensorOffset
 from sensors.effects.incidence_bias import IncidenceBias
 from sensors.effects.log_range_error import LogRangeError
 from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.marker_yaw import MarkerYaw
 from sensors.effects.material_bias import MaterialBias
+from sensors.effects.material_slope import MaterialSlope
 from sensors.effects.near_field_error import NearFieldError
 from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.pose_clock_drift import PoseClockDrift
 from sensors.effects.pose_time_offset import PoseTimeOffset
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.range_saturation import RangeSaturation
@@ -24,6 +27,7 @@ from sensors.effects.speed_filter_lag import SpeedFilterLag
 from sensors.effects.speed_scale import SpeedScale
 from sensors.effects.speed_time_offset import SpeedTimeOffset
 from sensors.effects.temperature_drift import TemperatureDrift
+from sensors.effects.tilt_asymmetry import TiltAsymmetry
 from sensors.effects.tof_mount_yaw import TofMountYaw
 from sensors.effects.tof_range_offset import TofRangeOffset
 from sensors.effects.tof_range_scale import TofRangeScale
@@ -39,6 +43,8 @@ DISTANCE_M = np.array([0.05, 0.18, 0.6])
 VIEW = RangeView(
     distance_m=DISTANCE_M,
     incidence_rad=np.array([0.0, math.pi / 6, math.pi / 4]),
+    tilt_forward_rad=np.array([0.0, -0.5, 0.1]),
+    tilt_sideways_rad=np.array([0.0, 0.1, -0.7]),
     reflectance=np.array([0.85, 0.05, 0.5]),
     material_share={"wood": np.array([1.0, 0.0, 0.25])},
     temperature_C=35.0,
@@ -62,6 +68,9 @@ def applied(values, given):
         (TemperatureDrift(coefficient_m_per_K=1e-3), [0.06, 0.19, 0.61]),
         (MaterialBias(material="wood", offset_m=-0.008), [0.042, 0.18, 0.598]),
         (MaterialBias(material="glass", offset_m=-0.008), [0.05, 0.18, 0.6]),
+        (MaterialSlope(material="wood", coefficient=0.2), [0.05 - 0.2 * 0.05, 0.18, 0.6 + 0.25 * 0.2 * 0.5]),
+        (TiltAsymmetry(axis="forward", coefficient_m_per_rad=0.02), [0.05, 0.18 - 0.01, 0.602]),
+        (TiltAsymmetry(axis="sideways", coefficient_m_per_rad=0.02), [0.05, 0.182, 0.6 - 0.014]),
         (IncidenceBias(coefficient=0.1), [0.05, 0.18 + 0.1 * 0.18 * 0.25, 0.6 + 0.1 * 0.6 * 0.5]),
         (
             CoverCrosstalk(strength_per_m2=0.1),
@@ -119,6 +128,32 @@ class TestRangeSensorsInTheSimulation:
     def test_a_material_is_that_of_the_wall(self, read, bare):
         assert read(MaterialBias(material="wood", offset_m=-0.02))[0] == pytest.approx(bare - 0.02)
         assert read(MaterialBias(material="glass", offset_m=-0.02))[0] == bare
+
+    def test_a_slope_of_a_material_is_of_the_distance_beyond_100_mm(self, read, bare):
+        slope = MaterialSlope(material="wood", coefficient=0.05)
+        assert read(slope)[0] == pytest.approx(bare + 0.05 * 0.4, abs=1e-5)
+        flat = MaterialSlope(material="wood", coefficient=0.0)
+        assert read(slope, surface="glass")[0] == read(flat, surface="glass")[0]
+
+    @pytest.mark.parametrize("turned_deg", [-20.0, 0.0, 20.0])
+    def test_a_sideways_tilt_is_positive_to_the_left(self, read, turned_deg):
+        turned = math.radians(turned_deg)
+        nothing = read(TiltAsymmetry(axis="sideways", coefficient_m_per_rad=0.0), at=(0.0, 0.0, turned))[0]
+        sideways = read(TiltAsymmetry(axis="sideways", coefficient_m_per_rad=0.03), at=(0.0, 0.0, turned))[0]
+        forward = read(TiltAsymmetry(axis="forward", coefficient_m_per_rad=0.03), at=(0.0, 0.0, turned))[0]
+        assert sideways - nothing == pytest.approx(0.03 * turned, abs=1e-12)
+        assert forward - nothing == pytest.approx(0.0, abs=1e-12)
+
+    @pytest.mark.parametrize("pitch_deg", [-15.0, 15.0])
+    def test_a_forward_tilt_is_positive_upwards(self, robot, read, pitch_deg):
+        mounts = robot.tof.mounts.model_copy(
+            update={"front": robot.tof.mounts.front.model_copy(update={"pitch_up_deg": pitch_deg})}
+        )
+        readings = [
+            read(TiltAsymmetry(axis="forward", coefficient_m_per_rad=size), distance_m=0.1, mounts=mounts)[0]
+            for size in (0.0, 0.03)
+        ]
+        assert readings[1] - readings[0] == pytest.approx(0.03 * math.radians(pitch_deg), abs=1e-12)
 
     def test_crosstalk_takes_the_reflectance_of_the_wall(self, read):
         nothing, effect = CoverCrosstalk(strength_per_m2=0.0), CoverCrosstalk(strength_per_m2=0.1)
@@ -233,6 +268,22 @@ class TestPoseLog:
         log = PoseLog(RobotEffects().with_effect(MarkerOffset(offset_m=0.04)), 1000)
         expected = (1.0 + 0.04 * math.cos(yaw), 2.0 + 0.04 * math.sin(yaw), yaw)
         assert log.sample(plane_world(at=(1.0, 2.0, yaw))) == pytest.approx(expected)
+
+    def test_the_tracked_heading_of_a_body_askew_is_turned_and_its_place_is_not(self, plane_world):
+        """The marker is ahead of the axle along the heading of the robot."""
+        effects = RobotEffects().with_effect(MarkerYaw(angle_rad=-0.3)).with_effect(MarkerOffset(offset_m=0.04))
+        expected = (1.0 + 0.04 * math.cos(0.7), 2.0 + 0.04 * math.sin(0.7), 0.4)
+        assert PoseLog(effects, 1000).sample(plane_world(at=(1.0, 2.0, 0.7))) == pytest.approx(expected)
+
+    def test_a_drifting_clock_logs_older_and_older_poses(self):
+        """Ten per mille of 2 s are 20 ms, in addition to 47 ms."""
+        effects = RobotEffects().with_effect(PoseTimeOffset(delay_s=0.047)).with_effect(PoseClockDrift(rate=0.01))
+        assert [PoseLog(effects, 1000).sampling.step_read_at(step) for step in (0, 100, 2000)] == [0, 52, 1933]
+
+    def test_a_simulation_refuses_poses_of_the_future(self):
+        (fault,) = PoseClockDrift(rate=-0.001).faults(in_simulation=True)
+        assert (fault.path, fault.got, fault.allowed) == (("rate",), -0.001, "0 or more")
+        assert not list(PoseClockDrift(rate=-0.001).faults(in_simulation=False))
 
     def test_a_late_pose_is_that_of_exactly_so_long_ago(self):
         log = PoseLog(RobotEffects().with_effect(PoseTimeOffset(delay_s=0.047)), 1000)

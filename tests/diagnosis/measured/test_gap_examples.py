@@ -4,13 +4,13 @@ Expected values are counted with the shell's tools or are those of the examples'
 """
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
+from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
@@ -21,7 +21,6 @@ from diagnosis.measured.write_case import csv_of, write_case
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 
-EXAMPLES = Path(__file__).parents[2] / "fixtures" / "gap_examples"
 ANSWERS = json.loads((EXAMPLES / "answers.json").read_text())
 
 

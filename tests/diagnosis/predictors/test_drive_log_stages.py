@@ -18,6 +18,7 @@ from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.coulomb_friction_scale import CoulombFrictionScale
 from physics.effects.encoder_missed_ticks import EncoderMissedTicks
 from physics.effects.encoder_ticks_scale import EncoderTicksScale
+from physics.effects.floor_slope import FloorSlope
 from physics.effects.input_delay import InputDelay
 from physics.effects.rotor_inertia_scale import RotorInertiaScale
 from physics.effects.supply_sag import SupplySag
@@ -25,11 +26,14 @@ from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
 from physics.effects.torque_constant_scale import TorqueConstantScale
 from physics.effects.turn_slip import TurnSlip
 from physics.effects.viscous_friction_scale import ViscousFrictionScale
+from physics.effects.wheel_eccentricity import WheelEccentricity
 from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.effects.winding_resistance_scale import WindingResistanceScale
 from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.marker_yaw import MarkerYaw
+from sensors.effects.pose_clock_drift import PoseClockDrift
 from sensors.effects.pose_time_offset import PoseTimeOffset
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.tof_mount_yaw import TofMountYaw
@@ -208,11 +212,11 @@ class TestPose:
     V, W = RADIUS * 5.0, RADIUS * 2.0 / BASE
     FIRST = np.arange(0, 31, 5)
 
-    def circle(self, v=V, w=W, late_s=0.0, marker_m=0.0):
+    def circle(self, v=V, w=W, late_s=0.0, marker_m=0.0, askew=0.0):
         yaw = 0.4 + w * (self.T - late_s)
         x = 0.5 + v / w * (np.sin(yaw) - math.sin(0.4)) + marker_m * np.cos(yaw)
         y = 0.6 - v / w * (np.cos(yaw) - math.cos(0.4)) + marker_m * np.sin(yaw)
-        return np.stack([x, y, yaw], axis=-1)
+        return np.stack([x, y, yaw + askew], axis=-1)
 
     def windows(self, pose):
         """Over ten rows in the frame of the body at the first."""
@@ -254,6 +258,7 @@ class TestPose:
                 {"v": RADIUS * (0.95 * 6 + 1.05 * 4) / 2, "w": RADIUS * (0.95 * 6 - 1.05 * 4) / BASE},
             ),
             (MarkerOffset(offset_m=0.03), {"marker_m": 0.03}),
+            (MarkerYaw(angle_rad=0.1), {"askew": 0.1}),
         ],
         ids=lambda value: type(value).__name__,
     )
@@ -261,13 +266,13 @@ class TestPose:
         self.check(means(pose, robot, effect), self.circle(**changed))
 
     def test_a_whole_path_goes_on_from_the_first_logged_pose(self, robot):
-        """Of an unseen run, which has no other pose; the tracked point is 30 mm ahead of the axle."""
+        """Of an unseen run, which has no other pose; the tracked body is 30 mm ahead of the axle and askew."""
         log = np.full((self.ROWS, 3), math.nan)
-        log[0] = self.circle(marker_m=0.03)[0]
+        log[0] = self.circle(marker_m=0.03, askew=0.1)[0]
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
         stage = stages(robot, trial("1", **columns))["pose"]
-        predicted = stage.path(robot.with_effect(MarkerOffset(offset_m=0.03)), log[:1])
-        np.testing.assert_allclose(predicted, self.circle(marker_m=0.03), atol=5e-5)
+        askew = robot.with_effect(MarkerOffset(offset_m=0.03)).with_effect(MarkerYaw(angle_rad=0.1))
+        np.testing.assert_allclose(stage.path(askew, log[:1]), self.circle(marker_m=0.03, askew=0.1), atol=5e-5)
 
     def test_an_old_pose_lags_behind_the_wheels(self, pose, robot):
         """But in the first window, which begins at rest."""
@@ -276,6 +281,62 @@ class TestPose:
         for a, b in zip(predicted, late, strict=True):
             np.testing.assert_allclose(a[1:], b[1:], atol=1e-4)
         assert predicted[2][0] == pytest.approx(self.W * (0.5 - 0.083))
+
+    @pytest.mark.parametrize(("side", "index"), [("left", 0), ("right", 1)])
+    def test_a_wheel_that_is_not_round_travels_by_its_angle(self, robot, side, index):
+        """In steps of 0.5 ms; its counts do not begin at 0, and those of the second trial elsewhere."""
+        fine_s = 5e-4 * np.arange(1 + 100 * (self.ROWS - 1))
+        trials, expected = [], []
+        for name, begin_rad in (("1", 0.8), ("2", 2.3)):
+            turned = np.array([4.0, 6.0])[:, None] * fine_s
+            share = np.ones_like(turned)
+            share[index] += 0.06 * np.cos(begin_rad + turned[index] + 1.9)
+            travel = RADIUS * 0.5 * (share[:, 1:] + share[:, :-1]) * np.diff(turned)
+            yaw = np.append(0.0, np.cumsum((travel[1] - travel[0]) / BASE))
+            middle, ahead = 0.5 * (yaw[1:] + yaw[:-1]), travel.mean(axis=0)
+            place = [np.append(0.0, np.cumsum(ahead * way(middle))) for way in (np.cos, np.sin)]
+            expected.append(np.stack([*place, yaw], axis=-1)[::100])
+            columns = {**ticks_of(begin_rad + 4.0 * self.T, begin_rad + 6.0 * self.T), **pose_columns(self.circle())}
+            trials.append(trial(name, **columns))
+        effect = WheelEccentricity(side=side, amplitude=0.06, phase_rad=1.9)
+        predicted = means(stages(robot, *trials)["pose"], robot, effect)
+        for k, path in enumerate(expected):
+            self.check([each[7 * k : 7 * k + 7] for each in predicted], path, atol=5e-5)
+
+    def test_on_a_slope_the_robot_creeps_in_one_direction_of_the_room(self, robot):
+        """By 2 % of the travel of its wheels, 5 rad/s in the mean; its tracked heading is askew by 0.2 rad."""
+        sloping = robot.with_effect(FloorSlope(gradient=0.02, direction_rad=2.5)).with_effect(MarkerYaw(angle_rad=0.2))
+        crept = 0.02 * RADIUS * 5.0 * self.T[:, None] * np.array([math.cos(2.5), math.sin(2.5), 0.0])
+        log = self.circle(askew=0.2) + crept
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
+        stage = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
+        for predicted, expected in zip(means(stage, sloping), self.windows(log), strict=True):
+            np.testing.assert_allclose(predicted, np.tile(expected, 2), atol=5e-5)
+        np.testing.assert_allclose(stage.path(sloping, np.tile(log[:1], (2, 1))), np.tile(log, (2, 1)), atol=2e-4)
+
+    def test_several_slopes_and_wheels_are_predicted_at_once_as_one_by_one(self, pose, robot):
+        robots = [
+            robot.with_effect(FloorSlope(gradient=0.01 * k, direction_rad=k)).with_effect(
+                WheelEccentricity(side="left", amplitude=0.02 * k, phase_rad=-k)
+            )
+            for k in (1.0, 2.0)
+        ]
+        together = pose.predict(robots)
+        for k, each in enumerate(robots):
+            for several, alone in zip(together, pose.predict([each]), strict=True):
+                np.testing.assert_allclose(several.mean[k], alone.mean[0], atol=1e-12)
+
+    def test_a_drifting_clock_makes_poses_older_and_older(self, robot):
+        """Both signs, of several robots at once; the last window of a fast clock ends with the log."""
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
+        stage = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
+        rates = (0.04, -0.03)
+        predicted = stage.predict([robot.with_effect(PoseClockDrift(rate=rate)) for rate in rates])
+        for k, rate in enumerate(rates):
+            late = self.windows(self.circle(late_s=rate * self.T))
+            for both, expected in zip(predicted, late, strict=True):
+                for begin in (0, len(self.FIRST)):
+                    np.testing.assert_allclose(both.mean[k, begin : begin + 6], expected[:6], atol=1e-4)
 
     def test_ticks_that_were_missed_are_put_back(self, robot):
         """Of the right wheel a tenth is missed at its 6 rad/s, of which the threshold's edge is 20 widths away."""
@@ -347,6 +408,13 @@ class TestRanges:
         predicted = means(ranges, robot, MarkerOffset(offset_m=0.03))
         np.testing.assert_allclose(predicted, self.expected(back), atol=2e-4)
 
+    def test_a_body_that_is_tracked_askew_looks_elsewhere_than_its_log(self, ranges, robot):
+        """Its marker is 30 mm ahead of the axle along the heading of the robot, which is not the tracked one."""
+        axle = self.POSES - np.array([0.0, 0.0, 0.2])
+        axle[:, :2] -= 0.03 * np.stack([np.cos(axle[:, 2]), np.sin(axle[:, 2])], axis=-1)
+        predicted = means(ranges, robot, MarkerOffset(offset_m=0.03), MarkerYaw(angle_rad=0.2))
+        np.testing.assert_allclose(predicted, self.expected(axle), atol=2e-4)
+
     def test_old_ranges_are_those_of_an_earlier_pose_and_old_poses_of_a_later_one(self, robot):
         t = ROW_S * np.arange(20)
         poses = np.stack([0.8 + 0.2 * t, np.full(20, 0.8), np.zeros(20)], axis=-1)
@@ -356,6 +424,8 @@ class TestRanges:
         np.testing.assert_allclose(old[3:], front[3:] + 0.2 * 0.12, rtol=1e-9)
         late = means(stage, robot, PoseTimeOffset(delay_s=0.12))[0]
         np.testing.assert_allclose(late[:-3], front[:-3] - 0.2 * 0.12, rtol=1e-9)
+        drifting = means(stage, robot, PoseClockDrift(rate=0.05))[0]
+        np.testing.assert_allclose(drifting[:-1], front[:-1] - 0.2 * 0.05 * t[:-1], rtol=1e-9)
 
     @staticmethod
     def head_on_m(yaw):
@@ -396,6 +466,17 @@ def test_what_misses_leaves_its_stage_out(robot):
     assert set(stages(robot, trial("1", **unlogged, **ticks, **pose))) == {"pose", "tof"}
     assert set(stages(robot, trial("1", **volts))) == {"wheels"}
     assert set(stages(robot, trial("1", **pose))) == {"tof"}
+    drive = trial("1", **volts, **ticks, **pose)
+    for section, left in (("motor", {"pose", "tof"}), ("tof", {"wheels", "pose"}), ("world", {"wheels", "pose"})):
+        assert set(stages(robot, drive, nominal=NOMINAL.model_copy(update={section: None}))) == left
+
+
+def test_a_range_sensor_without_a_mount_is_not_compared(robot):
+    tof = NOMINAL.tof.model_copy(update={"mount": NOMINAL.tof.mount.model_copy(update={"left": None})})
+    pose = pose_columns(np.tile([1.0, 0.7, 0.1], (20, 1)))
+    ranges = {f"tof_{side}_m": np.full(20, 0.7) for side in MOUNTS}
+    stage = stages(robot, trial("1", **pose, **ranges), nominal=NOMINAL.model_copy(update={"tof": tof}))["tof"]
+    assert [bool(observed.usable.any()) for observed in stage.observed] == [True, False, True]
 
 
 WHEELS, TOF = "wheels", "tof"

@@ -18,6 +18,7 @@ from sensors.effects.cover_crosstalk import CoverCrosstalk
 from sensors.effects.incidence_bias import IncidenceBias
 from sensors.effects.log_range_error import LogRangeError
 from sensors.effects.material_bias import MaterialBias
+from sensors.effects.material_slope import MaterialSlope
 from sensors.effects.near_field_error import NearFieldError
 from sensors.effects.noise_scale import NoiseScale
 from sensors.effects.range_saturation import RangeSaturation
@@ -101,6 +102,7 @@ def test_codes_missing_readings_and_rows_without_an_input_are_not_usable(stage):
         (LogRangeError(coefficient_m=0.02), 0.02 * np.log(np.maximum(D / 0.18, 1.0))),
         (TemperatureDrift(coefficient_m_per_K=1e-3), 1e-3 * (COLUMNS["temperature_C"] - 20.0)),
         (MaterialBias(material="wood", offset_m=0.01), np.array([0.01, 0.0, 0.01, 0.0, 0.0])),
+        (MaterialSlope(material="wood", coefficient=0.1), np.array([-0.005, 0.0, 0.03, 0.0, 0.0])),
         (IncidenceBias(coefficient=0.1), 0.1 * D * np.sin(np.nan_to_num(COLUMNS["incidence_rad"])) ** 2),
         (NearFieldError(amplitude_m=0.02, decay_length_m=0.1), 0.02 * np.exp(-D / 0.1)),
         (WarmupDrift(amplitude_m=0.01, time_constant_s=50.0), 0.01 * np.exp(-(100.0 + T_S) / 50.0)),

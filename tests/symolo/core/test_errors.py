@@ -2,7 +2,7 @@ import pickle
 
 import pytest
 
-from symolo.core.errors import InputError, nearest, one_line, shown
+from symolo.core.errors import FaultList, InputError, nearest, one_line, shown, together
 
 
 def test_the_parts_of_an_error_stand_in_one_order():
@@ -19,6 +19,8 @@ def test_parts_that_are_not_given_leave_no_trace():
 def test_an_error_comes_out_of_a_worker_process_unchanged():
     error = InputError("robot.x_m", where="a.yaml:3", got=None)
     assert str(pickle.loads(pickle.dumps(error))) == "a.yaml:3: robot.x_m: got nothing (null)"  # noqa: S301 - our own bytes
+    several = together([InputError("a"), InputError("b")])
+    assert str(pickle.loads(pickle.dumps(several))) == str(several)  # noqa: S301 - our own bytes
 
 
 @pytest.mark.parametrize(
@@ -49,3 +51,24 @@ def test_characters_that_turn_the_direction_of_a_line_are_left_out():
     marks = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
     assert one_line(f"gnp{marks}.exe") == "gnp .exe"
     assert str(InputError("name", got=f"a{marks}b")).isprintable()
+
+
+def test_several_faults_are_listed_and_of_very_many_the_first():
+    faults = FaultList()
+    with faults.noted():
+        raise InputError("a", where="x.yaml:1")
+    with faults.noted():
+        raise together([InputError("b"), InputError("c")])
+    assert str(together(faults.faults)) == "3 faults:\n  x.yaml:1: a\n  b\n  c"
+    assert isinstance(together(faults.faults[:1]), InputError)
+    lines = str(together([InputError(f"{i}") for i in range(1000)])).splitlines()
+    assert (len(lines), lines[0], lines[-1]) == (22, "1000 faults:", "  and 980 more")
+
+
+def test_no_fault_is_no_error_and_one_fault_is_itself():
+    faults = FaultList()
+    faults.check()
+    with faults.noted():
+        raise InputError("a")
+    with pytest.raises(InputError, match=r"^a$"):
+        faults.check()

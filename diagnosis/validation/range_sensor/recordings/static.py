@@ -156,7 +156,7 @@ def notes(measured: Table, model_sd_mm: float) -> list[str]:
     if not np.isnan(measured["drifts_from_s"]):
         drift = f"averaging over {measured['drifts_from_s']:.2g} s and more gains less than it would with white noise"
         not_modelled = (
-            ". NOT IN THE MODEL: its noise is white and does not wander (temperature_drift and warmup_drift follow a "
+            ". NOT IN THIS ROBOT: without range_wander its noise is white (temperature_drift and warmup_drift follow a "
             "temperature or one exponential)"
         )
     lines = [

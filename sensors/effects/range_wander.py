@@ -1,0 +1,24 @@
+"""Ranges with a slow error that wanders up and down."""
+
+from typing import Annotated
+
+import numpy as np
+
+from configs.effects.base import Effect, Slot
+from configs.effects.parameter import DriftTime, Parameter
+from symolo.core.arrays import Array
+
+
+class RangeWander(Effect):
+    slot = Slot.RANGE_WANDER
+    cause = "temperature and reference voltage of the device, which drift slowly"
+    excitation = "a target at rest, for many times the time constant"
+    setups = ()
+
+    sd_m: Annotated[float, Parameter("m", null=0.0, start=0.002, low=0.0, high=0.1)]
+    """reading + first-order Gauss-Markov error of this standard deviation and time constant."""
+    time_constant_s: DriftTime
+
+    def apply(self, error_m: Array, duration_s: float, deviates: Array) -> Array:
+        kept = np.exp(-duration_s / self.time_constant_s)
+        return kept * error_m + self.sd_m * np.sqrt(1.0 - kept**2) * deviates

@@ -1,0 +1,33 @@
+"""Base of effects that act on the ranges of one material."""
+
+from collections.abc import Iterator
+from typing import Annotated, get_args
+
+import numpy as np
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.faults import ConfigFault
+from configs.schema.arena import SurfaceName
+from configs.schema.base import Fixed, Slug
+from sensors.range_view import RangeView
+from symolo.core.arrays import Array
+from symolo.core.errors import nearest
+
+
+class OfMaterial(Effect):
+    slot = Slot.RANGE
+    setups = (Setup.RANGE_BENCH,)
+
+    # In the simulation, a surface of `physics.arena.surfaces`; on a bench, any name in its list of materials.
+    material: Annotated[Slug, Fixed("a name is text")]
+
+    def share(self, view: RangeView) -> Array:
+        """Return the share of the returned light that comes from the material."""
+        return view.material_share.get(self.material, np.zeros_like(view.distance_m))
+
+    def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
+        del in_simulation
+        names = get_args(SurfaceName)
+        if self.material not in names:
+            allowed, close = f"one of {', '.join(names)}", nearest(self.material, names)
+            yield ConfigFault(("material",), "no such surface", got=self.material, allowed=allowed, nearest=close)

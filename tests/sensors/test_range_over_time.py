@@ -1,0 +1,117 @@
+"""Ranges that depend on more than one moment: means over a time, and errors that wander."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from configs.effects.robot_effects import RobotEffects
+from sensors.effects.range_gathering_time import RangeGatheringTime
+from sensors.effects.range_wander import RangeWander
+from sensors.suite import SensorSuite
+from sensors.tof import TofArray
+
+TICK_STEPS = 50
+
+
+@dataclass
+class MovingWall:
+    """A wall across the x axis whose distance is a function of time; a step is a millisecond."""
+
+    plane_world: type
+    wall_x_m: object
+    steps: int = 0
+
+    @property
+    def time_s(self):
+        return 1e-3 * self.steps
+
+    def advance(self, steps):
+        assert steps >= 0
+        self.steps += steps
+
+    def pose(self):
+        return (0.0, 0.0, 0.0)
+
+    def cast(self, origins, ends):
+        return self.plane_world(wall_x_m=self.wall_x_m(self.time_s)).cast(origins, ends)
+
+
+@pytest.fixture
+def exact(robot):
+    """The sensors without noise, rounding, delay and error."""
+    still = {"error_scale": 0.0, "noise_scale": 0.0, "quantisation_m": 0.0, "dropout_probability": 0.0}
+    return robot.tof.model_copy(update=still)
+
+
+@pytest.fixture
+def ranges(exact, arena_of, plane_world):
+    """Ranges of the front sensor at each control tick, before a wall that moves by a law."""
+
+    def read(effect, wall_x_m, ticks=12, config=exact):
+        rng = np.random.Generator(np.random.PCG64(0))
+        sensor = TofArray(config, arena_of(), 1000, rng, RobotEffects().with_effect(effect))
+        suite = SensorSuite({"tof": sensor}, TICK_STEPS)
+        world = MovingWall(plane_world, wall_x_m)
+        return np.array([suite.read_at_tick(world, tick)["tof"][0, 0] for tick in range(ticks)])
+
+    return read
+
+
+@pytest.mark.parametrize("duration_s", [0.02, 0.03, 0.2])
+def test_a_wall_that_comes_nearer_is_where_it_was_half_the_time_ago(ranges, duration_s):
+    def approaching(time_s):
+        return 0.9 - 0.5 * time_s
+
+    now = ranges(RangeGatheringTime(duration_s=0.0), approaching)
+    mean = ranges(RangeGatheringTime(duration_s=duration_s), approaching)
+    settled = slice(6, None)
+    assert (mean - now)[settled] == pytest.approx(0.5 * 0.5 * duration_s, rel=0.02)
+    assert mean[0] == now[0]
+
+
+def test_a_jump_is_shared_between_old_and_new_as_the_time_is(ranges):
+    """A sample is taken at 594 ms, 30 ms after the wall has jumped; 40 ms are gathered."""
+
+    def jumping(time_s):
+        return 0.4 if time_s < 0.564 else 0.6
+
+    before, after = (ranges(RangeGatheringTime(duration_s=0.0), lambda _, x=x: x)[-1] for x in (0.4, 0.6))
+    read = ranges(RangeGatheringTime(duration_s=0.04), jumping, ticks=13)
+    assert read[-1] == pytest.approx(0.25 * before + 0.75 * after, abs=0.1 * (after - before))
+    assert read[-2] == before
+
+
+def test_time_in_which_nothing_is_hit_does_not_count(ranges):
+    gone = ranges(RangeGatheringTime(duration_s=0.04), lambda time_s: 1e9 if time_s < 0.564 else 0.6, ticks=13)
+    there = ranges(RangeGatheringTime(duration_s=0.0), lambda _: 0.6, ticks=13)
+    assert gone[-1] == pytest.approx(there[-1], abs=1e-12)
+
+
+def test_a_wandering_error_has_its_deviation_and_forgets_exponentially(exact, arena_of, plane_world):
+    """First-order Gauss-Markov: neighbours that are 0.5 s apart have a correlation of exp(-0.5 / 2).
+
+    Three sensors with 1500 samples each are worth 4500 (1 - r)/(1 + r) = 560 independent ones, r = exp(-0.25).
+    """
+    effects = RobotEffects().with_effect(RangeWander(sd_m=0.003, time_constant_s=2.0))
+    sensor = TofArray(exact, arena_of(), 1000, np.random.Generator(np.random.PCG64(3)), effects)
+    read = np.array([sensor.sample(plane_world(wall_x_m=0.5, time_s=0.5 * k))[:, 0] for k in range(1500)])
+    error = read - TofArray(exact, arena_of(), 1000, np.random.default_rng(0)).sample(plane_world(0.5))[:, 0]
+    assert error.std() == pytest.approx(0.003, rel=0.1)
+    assert abs(error.mean()) < 3.0 * 0.003 / np.sqrt(560.0)
+    for lag in (1, 4):
+        pairs = (error[lag:] * error[:-lag]).mean() / (error**2).mean()
+        assert pairs == pytest.approx(np.exp(-0.25 * lag), abs=0.08)
+    assert abs(np.corrcoef(error.T)[0, 1]) < 3.0 / np.sqrt(190.0)
+
+
+def test_the_noise_is_the_same_with_and_without_a_wandering_error(exact, arena_of, plane_world):
+    noisy = exact.model_copy(update={"noise_scale": 1.0})
+    readings = []
+    for sd_m in (0.0, 0.01):
+        effects = RobotEffects().with_effect(RangeWander(sd_m=sd_m, time_constant_s=1e4))
+        sensor = TofArray(noisy, arena_of(), 1000, np.random.Generator(np.random.PCG64(3)), effects)
+        readings.append([sensor.sample(plane_world(wall_x_m=0.5, time_s=0.01 * k))[0, 0] for k in range(5)])
+    apart = np.subtract(*readings)
+    assert abs(apart[0]) > 1e-4
+    assert apart == pytest.approx(apart[0], abs=2e-4)
