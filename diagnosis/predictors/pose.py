@@ -224,9 +224,11 @@ class Pose:
         middle = (first + last) // 2
         angle_rad = 2.0 * pi / nominal.encoder.counts_per_revolution * self._ticks[middle]
         trial = trial_of_rows(measurement)[first]
+        moved_m = np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])
+        lasts_s = self._t_s[last] - self._t_s[first]
         covariates = (
-            Covariate("ds", np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])),
-            Covariate("dtheta", predicted[:, 2]),
+            Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
+            Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
             Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
