@@ -66,7 +66,7 @@ class NamedEffect:
     @property
     def parameters(self) -> dict[str, str | float]:
         """Choices and numbers of the effect."""
-        return {**dict(self.effect.choices), **self.values}
+        return {**dict(self.effect.choices), **self.values, **self.effect.known}
 
 
 @dataclass(frozen=True)
@@ -323,8 +323,12 @@ def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Hypothes
     whole = fitted_to_whole_runs(measurement, fit.hypothesis, fit.x, ())
     if whole is None:
         return fit
-    # The residuals are those of the windows, as in every report; the errors are those of the fit to whole runs.
-    return replace(at(evidence, fit.hypothesis, whole.x), information=np.linalg.pinv(whole.covariance, hermitian=True))
+    # The residuals are those of the windows, as in every report; the errors are those of the fit to whole runs, except
+    # of what only windows show.
+    information = np.linalg.pinv(whole.covariance, hermitian=True)
+    unseen = np.flatnonzero(np.diag(information) <= 0.0)
+    information[np.ix_(unseen, unseen)] = fit.information[np.ix_(unseen, unseen)]
+    return replace(at(evidence, fit.hypothesis, whole.x), information=information)
 
 
 def _best_named(

@@ -193,7 +193,7 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
         text = _nuisance_text(nuisance, float(fit.x[k]), errors[k])
         comments |= {path: text if path[-1] == nuisance.name else f"{nuisance.name}: {text}" for path in _paths(moved)}
     for named in diagnosis.named:
-        for name in named.effect.kind.parameters():
+        for name in named.values:
             error = named.std[name]
             known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not determined by these data"
             seen = f"; seen for {named.seen_for}" if named.ranges else ""
@@ -252,7 +252,7 @@ def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
         spreads = fit.hypothesis.std(effect, fit.x, covariance)
         numbers: dict[str, Any] = {}
         for name, bounds in effect.kind.parameters().items():
-            mean, sd = float(getattr(section, name)), spreads[name]
+            mean, sd = float(getattr(section, name)), spreads.get(name, 0.0)
             if isfinite(sd) and sd > 0.0:
                 low, high = max(mean - REACH_SD * sd, bounds.low), min(mean + REACH_SD * sd, bounds.high)
                 normal = {"mean": mean, "sd": sd, "low": low, "high": high}

@@ -1,5 +1,7 @@
 """The pose that an external camera logs; a run has this series only if an effect of the robot acts on it."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from configs.effects.base import Slot
@@ -12,6 +14,22 @@ from symolo.core.arrays import Array
 from symolo.dataset.tables.column import Series
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Clock(Sampling):
+    """Sampling with a delay that may change during the run."""
+
+    effects: RobotEffects
+    physics_hz: int
+
+    @classmethod
+    def of(cls, effects: RobotEffects, physics_hz: int) -> "_Clock":
+        return cls(period_steps=1, delay_steps=0, effects=effects, physics_hz=physics_hz)
+
+    def step_read_at(self, step: int) -> int:
+        delay_s = through(self.effects.functions(Slot.POSE_DELAY), 0.0, step / self.physics_hz)
+        return max(0, step - round(delay_s * self.physics_hz))
+
+
 class PoseLog(Sensor):
     """Pose (3,) of the tracked point: x [m], y [m], yaw [rad]; the log delays it by whole physics steps."""
 
@@ -19,8 +37,7 @@ class PoseLog(Sensor):
     series = (Series("pose_log", "m, m, rad"),)
 
     def __init__(self, effects: RobotEffects, physics_hz: int) -> None:
-        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0)
-        self.sampling = Sampling(period_steps=1, delay_steps=round(delay_s * physics_hz))
+        self.sampling = _Clock.of(effects, physics_hz)
         self._point = effects.functions(Slot.POSE_POINT)
 
     @classmethod

@@ -21,6 +21,8 @@ class Parameter:
     """Smallest value that a file may contain."""
     high: float
     """Largest value that a file may contain."""
+    is_known: bool = False
+    """Whether a fit takes the field's default instead of a value of its own, because no measurement would show it."""
 
     @property
     def without_effect(self) -> float:

@@ -80,9 +80,9 @@ class EngineDrive(EngineStage):
             speed = np.full(rows.shape[1], np.nan)
             speed[first] = (angle_rad[wheel, after] - angle_rad[wheel, first]) / self._lasts_s
             speeds.append(speed)
-        path, logged = rows[2:].T, self._logged(robot, rows[2:].T)
+        logged = self._logged(robot, rows[2:].T)
         first, last = self._windows
-        increments = seen_from_body(path[first, 2], logged[last] - logged[first])
+        increments = seen_from_body(logged[first, 2], logged[last] - logged[first])
         return (*speeds, *increments.T)
 
     def path(self, nominal: RobotConfig, extended: RobotConfig) -> "DrivenPath":
@@ -123,5 +123,5 @@ class EngineDrive(EngineStage):
     def _logged(self, robot: RobotConfig, pose: Array) -> Array:
         """Return poses (n, 3) as they would be logged, with the delay and the tracked point of the camera."""
         effects = stacked_effects([robot], axes=0)
-        pose = earlier(pose, self._t_s, self._rows, through(effects.functions(Slot.POSE_DELAY), 0.0))
+        pose = earlier(pose, self._t_s, self._rows, through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s))
         return through(effects.functions(Slot.POSE_POINT), pose)

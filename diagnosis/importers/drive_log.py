@@ -1,7 +1,6 @@
 """Voltages, encoder counts, ranges and camera pose of a driving robot (a measured case)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -89,37 +88,20 @@ def _travel_notes(nominal: NominalDrive, measurement: Measurement) -> list[str]:
     """Return a note if the pose travels or turns so much more than the wheels that it looks like another unit."""
     robot = nominal.robot
     per_tick = 2.0 * np.pi * robot.wheel_radius_m.value / robot.encoder_ticks_per_revolution
-    moved = motion(measurement)
-    return [
-        *scale_note(moved.m_per_tick / per_tick, "x_m and y_m", "m", "the wheels' travel"),
-        *scale_note(
-            moved.rad_per_tick * robot.wheel_separation_m.value / per_tick, "theta_rad", "rad", "the wheels' turn"
-        ),
-    ]
-
-
-@dataclass(frozen=True)
-class Motion:
-    """How far the pose moved for each tick of the encoders; NaN if it was not logged or nothing moved."""
-
-    m_per_tick: float
-    """Path of the pose over the mean ticks of both wheels."""
-    rad_per_tick: float
-    """Turn of the pose over the difference of the ticks, right minus left."""
-
-
-def motion(measurement: Measurement) -> Motion:
-    """Return the sums over all half seconds, in which noise is small beside the motion."""
-    by_pose, by_ticks = np.zeros(2), np.zeros(2)
+    by_pose, by_wheels = np.zeros(2), np.zeros(2)
     for trial in measurement.trials:
-        left, right = (_net(trial, f"enc_{side}_ticks") for side in ("left", "right"))
+        left, right = (per_tick * _net(trial, f"enc_{side}_ticks") for side in ("left", "right"))
+        turned = np.abs(right - left) / robot.wheel_separation_m.value
         x, y, theta = (_net(trial, name) for name in ("x_m", "y_m", "theta_rad"))
         both = np.isfinite(x + y + left + right)
-        turning = both & np.isfinite(theta)
-        by_pose += np.hypot(x, y)[both].sum(), np.abs(theta)[turning].sum()
-        by_ticks += np.abs(left + right)[both].sum() / 2.0, np.abs(right - left)[turning].sum()
+        by_pose += np.hypot(x, y)[both].sum(), np.abs(theta)[both & np.isfinite(theta)].sum()
+        by_wheels += np.abs(left + right)[both].sum() / 2.0, turned[both & np.isfinite(theta)].sum()
     with np.errstate(divide="ignore", invalid="ignore"):
-        return Motion(*(by_pose / by_ticks).tolist())
+        travel, turn = (by_pose / by_wheels).tolist()
+    return [
+        *scale_note(travel, "x_m and y_m", "m", "the wheels' travel"),
+        *scale_note(turn, "theta_rad", "rad", "the wheels' turn"),
+    ]
 
 
 def _net(trial: Trial, name: str) -> Array:

@@ -39,7 +39,14 @@ class CandidateEffect:
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        return tuple(Coordinate.of_parameter(name, number) for name, number in self.kind.parameters().items())
+        numbers = self.kind.parameters().items()
+        return tuple(Coordinate.of_parameter(name, number) for name, number in numbers if not number.is_known)
+
+    @property
+    def known(self) -> Mapping[str, float]:
+        """Numbers that are not fitted, with their defaults."""
+        fields, numbers = self.kind.model_fields, self.kind.parameters().items()
+        return MappingProxyType({name: fields[name].default for name, number in numbers if number.is_known})
 
     def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
         """Return the robot with this effect. The coordinates hold the bounds, so values are not validated again."""

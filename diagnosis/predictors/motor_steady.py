@@ -8,7 +8,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
-from diagnosis.predictors.rows import joined, observed_channel, trial_of_rows
+from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_of_rows
 from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked, stacked_effects
@@ -40,8 +40,12 @@ class MotorSteady:
                 cure="log that voltage, or the battery's voltage and the duty cycle",
             )
         self._voltage_V = joined(trial["u_cmd_V"].values for trial in trials)
+        supply_V = good_values(measurement, "supply_V")
+        self._supply_V = supply_V if np.isfinite(supply_V).any() else None
         self._since_on_s = joined(_since_on_s(trial) for trial in trials)
         self._known = np.isfinite(self._voltage_V)
+        if self._supply_V is not None:
+            self._known &= np.isfinite(self._supply_V)
         current, speed = (mean[0] for mean in self._means([nominal]))
         motor = nominal.motor
         breakaway_V = motor.winding_resistance_ohm * motor.coulomb_friction_N_m / motor.torque_constant_N_m_A
@@ -70,8 +74,10 @@ class MotorSteady:
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2))
             effects = stacked_effects(several, axes=1)
-            amperes, rad_s = steady_states(model, self._voltage_V[self._known], self._since_on_s[self._known])
-            place = np.ix_(np.array(group), np.flatnonzero(self._known))
+            known = self._known
+            supply_V = None if self._supply_V is None else self._supply_V[known]
+            amperes, rad_s = steady_states(model, self._voltage_V[known], self._since_on_s[known], supply_V)
+            place = np.ix_(np.array(group), np.flatnonzero(known))
             current[place] = read_current_A(effects, amperes)
             speed[place] = read_settled_speed_rad_s(effects, rad_s)
         return current, speed

@@ -91,10 +91,7 @@ class Pose:
         distinct_robots, which = distinct(robots, PARTS, SLOTS)
         increments = np.empty((len(distinct_robots), len(self._first), 3))
         for group in alike(distinct_robots):
-            path, seen = self._paths([distinct_robots[k] for k in group])
-            increments[group] = seen_from_body(
-                path[..., self._first, 2], seen[..., self._last, :] - seen[..., self._first, :]
-            )
+            increments[group] = self._increments(self._paths([distinct_robots[k] for k in group]))
         return tuple(Predicted(increments[which, :, k], observed.sd) for k, observed in enumerate(self.observed))
 
     def path(self, robot: RobotConfig, starts: Array) -> Array:
@@ -104,13 +101,18 @@ class Pose:
             robot: The robot.
             starts: (N, 3), logged x [m], y [m], yaw [rad] in the first row of each trial.
         """
-        _, seen = self._paths([robot])
-        begin = np.repeat(seen[self._starts], self._trials, axis=0)
+        path = self._paths([robot])
+        begin = np.repeat(path[self._starts], self._trials, axis=0)
         from_w = np.repeat(starts, self._trials, axis=0)
-        return from_w + seen_from_body(-from_w[:, 2], seen - begin)
+        return from_w + seen_from_body(begin[:, 2] - from_w[:, 2], path - begin)
 
-    def _paths(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
-        """Return the poses of axle and tracked point at the logged times, (n, 3) or (M, n, 3) each."""
+    def _increments(self, poses: Array) -> Array:
+        """Return the changes (..., m, 3) of poses (..., n, 3) over each window, in the frame of its first pose."""
+        first, last = poses[..., self._first, :], poses[..., self._last, :]
+        return seen_from_body(first[..., 2], last - first)
+
+    def _paths(self, robots: Sequence[RobotConfig]) -> Array:
+        """Return the tracked poses at the logged times, (n, 3) or (M, n, 3), each trial from the axle at zero."""
         steps = self._steps(robots)
         pose = np.zeros((*steps.shape[:-1], 3))
         for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
@@ -122,10 +124,10 @@ class Pose:
             pose[..., part, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
             pose[..., part, 2] = yaw
         effects = stacked_effects(robots, axes=1)
-        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0)
+        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
-        return pose, through(point, pose)
+        return through(point, pose)
 
     def _steps(self, robots: Sequence[RobotConfig]) -> Array:
         """Return distance forward [m] and turn [rad] of each row since the previous one, (n, 2) or (M, n, 2)."""
@@ -143,9 +145,7 @@ class Pose:
     def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:
         log = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
         first, last = self._first, self._last
-        values = seen_from_body(log[first, 2], log[last] - log[first])
-        path, _ = self._paths([nominal])
-        predicted = seen_from_body(path[first, 2], path[last] - path[first])
+        values, predicted = self._increments(log), self._increments(self._paths([nominal]))
         middle = (first + last) // 2
         angle_rad = 2.0 * pi / nominal.encoder.counts_per_revolution * self._ticks[middle]
         trial = trial_of_rows(measurement)[first]
@@ -219,19 +219,21 @@ def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Arr
         pose: Poses of all trials.
         t_s: (n,), times of the rows.
         trials: Number of rows of each trial; outside a trial its first or last pose is used.
-        delay_s: One delay, or (M, 1).
+        delay_s: One delay, or (M, 1), or one for each row, (n,) or (M, n).
     """
     if np.all(np.equal(delay_s, 0.0)):
         return pose
+    delay_s = np.broadcast_to(delay_s, (*np.shape(delay_s)[:-1], len(t_s)))
     parts, begin = [], 0
     for rows in trials:
-        times, poses = t_s[begin : begin + rows], pose[..., begin : begin + rows, :]
+        part = slice(begin, begin + rows)
+        times, poses = t_s[part], pose[..., part, :]
         begin += rows
         if rows < 2:
             parts.append(poses)
             continue
         # One delay gives times (n,) for all robots, M delays give (M, n); poses and times are broadcast to each other.
-        wanted_s = np.clip(times - delay_s, times[0], times[-1])
+        wanted_s = np.clip(times - delay_s[..., part], times[0], times[-1])
         after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
         share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
         shape = np.broadcast_shapes(poses.shape[:-1], after.shape)

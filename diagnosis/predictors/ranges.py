@@ -115,14 +115,15 @@ class Ranges:
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
         effects = stacked_effects(robots, axes=1)
-        range_delay_s, pose_delay_s = (
-            through(effects.functions(slot), 0.0) for slot in (Slot.RANGE_DELAY, Slot.POSE_DELAY)
-        )
+        range_delay_s = through(effects.functions(Slot.RANGE_DELAY), 0.0)
+        pose_delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s)
         # The logged pose is older than its row by the pose delay, the reading by the range delay.
         tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
-        # The effect shifts the axle by a vector that depends on the yaw only; the point minus that vector is the axle.
-        return 2.0 * tracked - through(point, tracked)
+        # The effects turn every axle by the same angle and shift it by a vector that depends on its yaw only. So one
+        # step back from the tracked pose gives the yaw of the axle, and a second one its place.
+        axle = 2.0 * tracked - through(point, tracked)
+        return axle + (tracked - through(point, axle))
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Return mean and standard deviation, (M, n, 3) each."""

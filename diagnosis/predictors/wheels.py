@@ -27,6 +27,7 @@ SLOTS = frozenset(
         Slot.COMMAND_DELAY,
         Slot.ACTUATOR,
         Slot.BATTERY,
+        Slot.CONDUCTION,
         Slot.BRIDGE,
         Slot.SUPPLY,
         Slot.CURRENT_LIMIT,

@@ -105,7 +105,7 @@ def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float]
 
 def needs_every_step(model: RobotModel) -> bool:
     """Return whether an effect of this robot acts at every step, beyond numbers that the engine receives once."""
-    slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION)
+    slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT)
     # The gearbox cannot act at all; it is listed so that its play is refused.
-    slots += (Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
+    slots += (Slot.FRICTION, Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
     return any(model.functions(slot) for slot in slots)

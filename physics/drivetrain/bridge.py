@@ -3,14 +3,35 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from symolo.core.arrays import Array
+
+
+@dataclass(frozen=True)
+class Chopper:
+    """One winding per motor, whose voltage the bridge switches on and off; motors along the last axis."""
+
+    full_supply_V: float | Array
+    """Supply voltage without load."""
+    duty: Array
+    """Signed duty cycle of each motor."""
+    resistance_ohm: Array
+    """Resistance of each winding."""
+    back_emf_V: Array
+    """K w of each motor."""
+
+    def supply_V(self, emf_V: Array) -> Array:
+        """Return the supply voltage that belongs to u - K w [V] with u = duty * supply."""
+        size, full_V = np.abs(self.duty), np.broadcast_to(self.full_supply_V, emf_V.shape)
+        return np.divide(np.abs(emf_V + self.back_emf_V), size, out=full_V.copy(), where=size > 0.0)
 
 
 @dataclass(frozen=True)
 class Bridge:
     """One supply with its windings; motors along the last axis."""
 
-    supply_V: float
+    supply_V: float | Array
     """Supply voltage without load."""
     duty: Array
     """Signed duty cycle of each motor."""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from configs.effects.base import Slot
-from physics.drivetrain.bridge import Bridge
+from physics.drivetrain.bridge import Bridge, Chopper
 from physics.drivetrain.motion import ShaftMotion
 from physics.drivetrain.motor import MotorModel
 from physics.robot.model import RobotModel, through
@@ -32,9 +32,10 @@ class Driveline:
         self.coulomb_N_m = _along_wheels([motor.coulomb_N_m for motor in motors])
         self.inertia_kg_m2 = _along_wheels([motor.inertia_kg_m2 for motor in motors])
         self.damping_N_m_s_rad = _along_wheels([motor.damping_N_m_s_rad for motor in motors])
-        self.supply_V = model.config.power.battery_voltage_V
+        self.supply_V: float | Array = model.config.power.battery_voltage_V
         self._actuator = model.functions(Slot.ACTUATOR)
         self._battery = model.functions(Slot.BATTERY)
+        self._conduction = model.functions(Slot.CONDUCTION)
         self._bridge = model.functions(Slot.BRIDGE)
         self._supply = model.functions(Slot.SUPPLY)
         self._limit = model.functions(Slot.CURRENT_LIMIT)
@@ -58,7 +59,12 @@ class Driveline:
     @property
     def adds_torque(self) -> bool:
         """Whether effects can change the torque of the bare windings."""
-        return bool(self._bridge or self._supply or self._limit)
+        return bool(self._conduction or self._bridge or self._supply or self._limit)
+
+    @property
+    def may_coast(self) -> bool:
+        """Whether the bridge may drive a motor faster than the mean voltage would."""
+        return bool(self._conduction)
 
     @property
     def is_bare(self) -> bool:
@@ -101,18 +107,18 @@ class Driveline:
 
     def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """Return the winding currents, at the voltage that the bridge would give from a full supply."""
-        emf_V = voltage_V - self.torque_constant_N_m_A * speed_rad_s
-        if self._supply:
-            (sag,) = self._supply
-            current_A = sag(
-                emf_V, Bridge(self.supply_V, voltage_V / self.supply_V, self.resistance_ohm, self._driving_V)
-            )
-        else:
-            current_A = self._driving_V(emf_V) / self.resistance_ohm
-        return through(self._limit, current_A)
+        back_emf_V = self.torque_constant_N_m_A * speed_rad_s
+        emf_V = voltage_V - back_emf_V
+        if not (self._conduction or self._supply):
+            return through(self._limit, through(self._bridge, emf_V) / self.resistance_ohm)
+        chopper = Chopper(self.supply_V, voltage_V / self.supply_V, self.resistance_ohm, back_emf_V)
 
-    def _driving_V(self, emf_V: Array) -> Array:
-        return through(self._bridge, emf_V)
+        def driving_V(emf_V: Array) -> Array:
+            return through(self._bridge, through(self._conduction, emf_V, chopper))
+
+        bridge = Bridge(self.supply_V, chopper.duty, self.resistance_ohm, driving_V)
+        current_A = self._supply[0](emf_V, bridge) if self._supply else bridge.current_A(emf_V)
+        return through(self._limit, current_A)
 
     def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """Return the torque that effects add to that of the bare winding at this voltage and speed."""

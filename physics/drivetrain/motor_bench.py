@@ -22,19 +22,24 @@ SETTLED = 1e-11
 MAX_STEPS = 200
 
 
-def steady_states(model: RobotModel, voltage_V: Array, time_s: Array) -> tuple[Array, Array]:
+def steady_states(
+    model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None = None
+) -> tuple[Array, Array]:
     """Return current [A] and speed [rad/s], (N,) or (M, N) each, reached from rest at constant voltages.
 
     Args:
         model: The robot, or M of them, whose right motor is on the bench.
         voltage_V: (N,), constant voltages.
         time_s: (N,), time since the motor was first switched on.
+        supply_V: (N,), voltage of the supply; that of the robot by default.
 
     Raises:
         ValueError: A voltage is not a finite number.
     """
     require_finite(voltage_V, "voltage_V", ("trial",))
     driveline = Driveline.of_bench(model)
+    if supply_V is not None:
+        driveline.supply_V = supply_V[:, None]
     time = time_s[:, None]
     command = voltage_V[:, None]
     _, voltage = driveline.voltage_V(command, command, time, np.inf)
@@ -51,6 +56,8 @@ def steady_states(model: RobotModel, voltage_V: Array, time_s: Array) -> tuple[A
     rest = np.zeros_like(voltage)
     at_rest = surplus_N_m(rest)
     top = np.abs(voltage) / driveline.torque_constant_N_m_A
+    if driveline.may_coast:
+        top = np.where(surplus_forward_N_m(top) > 0.0, driveline.supply_V / driveline.torque_constant_N_m_A, top)
     moves = at_rest > 0.0
     speed = np.where(moves, sign * _root(surplus_forward_N_m, at_rest, top, moves), 0.0)
     return driveline.current_A(voltage, speed)[..., 0], speed[..., 0]

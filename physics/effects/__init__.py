@@ -10,6 +10,7 @@ EFFECTS = (
     "input_delay",
     "actuator_lag",
     "battery_decline",
+    "bridge_coast",
     "bridge_voltage_drop",
     "supply_sag",
     "current_limit",

@@ -11,7 +11,7 @@ from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 
 UNPHYSICAL = frozenset({"name", "description"})
-CURVED = frozenset({Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION})
+CURVED = frozenset({Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION})
 """Slots in which an effect makes torque or friction of a motor other than a straight line of its speed."""
 
 

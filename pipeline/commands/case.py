@@ -1,13 +1,152 @@
-"""Commands that make measured cases: `symolo case example`."""
+"""Commands that make measured cases: `symolo case init`, `symolo case example`."""
 
+import sys
 from collections.abc import Mapping
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import NewFolder
+from pipeline.commands.options import NewFolder, checked_input, checked_new_folder, if_given
+from symolo.core.errors import InputError, nearest
+
+if TYPE_CHECKING:
+    from diagnosis.new_case.new_case import NewCase
 
 HELP = "Make a measured case, which is a folder that `symolo diagnose` reads."
+
+
+def init(
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG", callback=checked_input, help="Table with a header line, as CSV.")
+    ],
+    *,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="CASE",
+            callback=if_given(checked_new_folder),
+            help="Folder to make, new or empty; by default the name of the log without its ending.",
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="A number that you know, such as wheel_diameter_m=0.065; may be repeated. The command prints the keys "
+            "that matter for the log.",
+        ),
+    ] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KIND",
+            help="motor_steady, motor_step, tof_bench or drive_log; by default recognised from the columns.",
+        ),
+    ] = None,
+    mapping: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            callback=if_given(checked_input),
+            help="Mapping file: which column of the log, in which unit, is which quantity. By default it is proposed "
+            "from the names of the columns.",
+        ),
+    ] = None,
+) -> None:
+    """Make a measured case from the log of your own robot or test bench, whatever its columns are called.
+
+    The command recognises columns and units from names such as `time_ms`, `x [cm]`, `heading_deg` or `encL`. It
+    converts them to SI units, samples a drive 20 times a second, and holds out a quarter of the rows. It asks for the
+    numbers that no log contains, such as the diameter of the wheels; Enter means that you do not know it. Without a
+    terminal it asks nothing, and takes the numbers of --set.
+
+    A number that you do not know is estimated from the log or set to a usual value, with a tolerance so wide that no
+    effect is named in its place. The command prints what each of them would have allowed.
+
+    CASE then has three files:
+
+    - data.csv: the rows, in our columns and units
+
+    - nominal.yaml: parameters with tolerances, each with a comment
+
+    - mapping.yaml: which column became which; correct it and give it with --mapping
+
+    Example: symolo case init run.csv --out my_case --set wheel_diameter_m=0.065 --set track_m=0.14
+
+    Example: symolo case init run.csv --mapping my_case/mapping.yaml --out my_case_2
+    """
+    from diagnosis.measured.measurement import CaseKind
+    from diagnosis.new_case.known_numbers import parsed
+    from diagnosis.new_case.log_file import read_log
+    from diagnosis.new_case.mapping import check_mapping, read_mapping
+    from diagnosis.new_case.new_case import new_case
+    from diagnosis.new_case.proposal import propose
+    from diagnosis.new_case.quantities import NEEDED
+    from symolo.core.files.new_folder import check_new
+
+    out = out or Path(log.stem)
+    check_new(out)
+    kinds = [str(one) for one in NEEDED]
+    if kind is not None and kind not in kinds:
+        raise InputError("--kind", got=kind, allowed=", ".join(kinds), nearest=nearest(kind, kinds))
+    table = read_log(log)
+    warnings: tuple[str, ...] = ()
+    if mapping is None:
+        proposal = propose(table, None if kind is None else CaseKind(kind))
+        chosen, warnings = proposal.mapping, proposal.warnings
+    else:
+        chosen = read_mapping(mapping)
+        check_mapping(chosen, table, str(mapping))
+    case = new_case(table, chosen, out.absolute().name)
+    case = case.knowing(parsed(settings or (), case.numbers))
+    if sys.stdin.isatty() and sys.stdout.isatty():
+        case = case.knowing(_asked(case))
+    measurement = case.write(out)
+    notes = [*case.measurement.notes, *(note for note in measurement.notes if not note.startswith("not logged"))]
+    _print(case, out, (*warnings, *dict.fromkeys(notes)))
+
+
+def _asked(case: "NewCase") -> dict[str, float]:
+    """Return the numbers that the user types; Enter leaves one out."""
+    from diagnosis.new_case.known_numbers import missing, value_of
+
+    typer.echo("Please enter the numbers that you know; Enter means that you do not know it.")
+    answers = {}
+    for number in missing(case.numbers, case.known):
+        while True:
+            text = typer.prompt(f"{number.title}, {number.key}", default="", show_default=False).strip()
+            try:
+                answers |= {number.key: value_of(text, number)} if text else {}
+            except InputError as error:
+                typer.echo(str(error))
+            else:
+                break
+    return answers
+
+
+def _print(case: "NewCase", out: Path, notes: tuple[str, ...]) -> None:
+    from diagnosis.measured.overview import summary_line
+
+    typer.echo(summary_line(case.measurement))
+    for name, source in case.mapping.columns.items():
+        typer.echo(f"  {name:16}from {source.column or source.constant}{f', in {source.unit}' if source.unit else ''}")
+    used = {source.column for source in case.mapping.columns.values()}
+    ignored = [name for name in case.log.columns if name not in used]
+    for line in (*([f"not used: {', '.join(ignored)}"] if ignored else []), *case.compared()):
+        typer.echo(line)
+    for note in notes:
+        typer.echo(f"note: {note}")
+    for contradiction in case.contradictions():
+        typer.echo(f"CHECK {contradiction}; correct {out / 'mapping.yaml'} and give it with --mapping")
+    unknown = case.unknown()
+    if unknown:
+        typer.echo("\nNot given; each can be added with --set KEY=VALUE, or in nominal.yaml:")
+        for line in unknown:
+            typer.echo(f"  {line}")
+    typer.echo(f"\n{out}: look at its nominal.yaml, then\n\nsymolo diagnose {out} --out {out}-diagnosis")
 
 
 def example(
@@ -44,4 +183,4 @@ def _hidden(effects: Mapping[str, Mapping[str, object]]) -> str:
     return " and ".join(texts) or "no effect"
 
 
-COMMANDS = (example,)
+COMMANDS = (init, example)

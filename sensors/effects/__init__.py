@@ -28,7 +28,9 @@ EFFECTS = (
     "tof_mount_yaw",
     "tof_time_offset",
     "marker_offset",
+    "marker_yaw",
     "pose_time_offset",
+    "pose_clock_drift",
 )
 """Modules of this folder, one effect each, in the order in which they act: scaling of a reading comes before addition,
 and saturation last."""

@@ -2,6 +2,7 @@
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Delay
+from symolo.core.arrays import Array
 
 
 class PoseTimeOffset(Effect):
@@ -13,5 +14,6 @@ class PoseTimeOffset(Effect):
     delay_s: Delay
     """Age of the logged pose."""
 
-    def apply(self, delay_s: float) -> float:
+    def apply(self, delay_s: float | Array, time_s: float | Array) -> float | Array:
+        del time_s
         return delay_s + self.delay_s

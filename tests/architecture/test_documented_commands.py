@@ -118,6 +118,7 @@ def desk(tmp_path, release, monkeypatch):
         shutil.copytree(release, tmp_path / name)
     for name, case in (("bench_1", "motor_steady_002"), ("drive_1", "drive_log_001")):
         shutil.copytree(EXAMPLES / case, tmp_path / "my_robot" / name)
+    shutil.copy(EXAMPLES / "drive_log_002/data.csv", tmp_path / "run.csv")
     shutil.copytree(release / "CW/test_1", tmp_path / "measured/run_1")
     for name, text in (("tof_vl53l0x_scan", SCAN), ("tof_vl53l0x_static", STATIC_RECORD)):
         (tmp_path / "measured" / name).mkdir()

@@ -29,6 +29,7 @@ CANONICAL = {
     "friction_asymmetry": "asymmetry",
     "friction_warmup": "amplitude, time_constant_s",
     "bridge_voltage_drop": "drop_V",
+    "bridge_coast": "inductance_H, diode_V, switching_Hz",
     "supply_sag": "source_resistance_ohm",
     "battery_decline": "fraction_per_minute",
     "input_delay": "delay_s",
@@ -64,6 +65,8 @@ CANONICAL = {
     "encoder_missed_ticks": "side, fraction, threshold_rad_s",
     "turn_slip": "coefficient_s2_m",
     "marker_offset": "offset_m",
+    "marker_yaw": "angle_rad",
+    "pose_clock_drift": "rate",
     "pose_time_offset": "delay_s",
     "tof_range_offset": "sensor, offset_m",
     "tof_range_scale": "scale",
@@ -80,7 +83,7 @@ CASES = [
 ]
 UNITS = {"N m": "N_m", "rad/s": "rad_s", "N m s2/rad2": "N_m_s2_rad2", "V": "V", "ohm": "ohm", "1/min": "per_minute"}
 UNITS |= {"s": "s", "A": "A", "rad": "rad", "m": "m", "m/K": "m_per_K", "1/m2": "per_m2", "1/klux": "per_klux"}
-UNITS |= {"s2/m": "s2_m", "m/rad": "m_per_rad"}
+UNITS |= {"s2/m": "s2_m", "m/rad": "m_per_rad", "H": "H", "Hz": "Hz"}
 
 
 def test_the_effects_are_those_of_the_shared_format():

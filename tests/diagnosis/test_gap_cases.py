@@ -127,6 +127,18 @@ def test_a_settled_motor_with_an_effect(world, settle, name, parameters, speed_r
     assert speed == pytest.approx([speed_rad_s], rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("inductance_H", "driving_V", "lost_V_s"),
+    [(1e-8, 6.0, K * 6.0 / 7.4), (10.0, 7.4 * (2.0 * 6.0 / 7.4 - 1.0) - 1.5 * (1.0 - 6.0 / 7.4), K)],
+)
+def test_a_bridge_that_coasts_between_its_limits(world, settle, inductance_H, driving_V, lost_V_s):
+    """With little inductance the supply drives for a share of the time; with much, the current never stops."""
+    effect = ("bridge_coast", {"inductance_H": inductance_H, "diode_V": 1.5, "switching_Hz": 20_000.0})
+    _, speed = settle(world(effect), [6.0, -6.0])
+    expected = (K * driving_V / R - Tc) / (B + K * lost_V_s / R)
+    assert speed == pytest.approx([expected, -expected], rel=1e-3)
+
+
 def test_quadratic_drag_is_the_root_of_its_square_equation(world, settle):
     _, speed = settle(world(("quadratic_drag", {"coefficient_N_m_s2_rad2": 4e-4})), [-5.0])
     torque = K * 5.0 / R - Tc
@@ -537,6 +549,17 @@ def test_a_marker_ahead_of_the_axle_moves_sideways_in_a_spin(world, increments):
     turn = 200 * PER_TICK / WIDTH
     expected = [0.02 * (np.cos(turn) - 1.0), 0.02 * np.sin(turn), turn]
     assert increments(robot, -100, 100) == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_tracked_heading_of_a_body_askew_sees_a_straight_drive_aside(world, increments):
+    robot = world(("marker_yaw", {"angle_rad": 0.05}), own=ROBOT)
+    gone = 100 * PER_TICK
+    assert increments(robot, 100, 100) == pytest.approx([gone * np.cos(0.05), -gone * np.sin(0.05), 0.0])
+
+
+def test_a_drifting_clock_loses_a_share_of_every_window(world, increments):
+    robot = world(("pose_clock_drift", {"rate": 0.02}), own=ROBOT)
+    assert increments(robot, 100, 100) == pytest.approx([98 * PER_TICK, 0.0, 0.0])
 
 
 def test_a_late_pose_lacks_the_last_of_the_first_window(world, increments):

@@ -116,10 +116,11 @@ def _logged(
         nearest = [[np.interp(times, driven.time_s, axis) for axis in trial.T] for trial in driven.pose]
         return np.moveaxis(np.array(nearest), 1, 2)
 
-    logged = at(time - world.value("pose_time_offset", "delay_s", 0.0))
+    logged = at(time - _age_s(world, time))
     ahead = world.value("marker_offset", "offset_m", 0.0)
     logged[..., 0] += ahead * np.cos(logged[..., 2])
     logged[..., 1] += ahead * np.sin(logged[..., 2])
+    logged[..., 2] += world.value("marker_yaw", "angle_rad", 0.0)
     sd = np.array([noise["pose_xy_m"], noise["pose_xy_m"], noise["pose_theta_rad"]])
     logged = logged + sd * white(rng, logged.shape, day.degrees)
     seen_from = at(time - world.value("tof_time_offset", "delay_s", 0.0))
@@ -138,6 +139,12 @@ def _logged(
         reading = np.round(true + spread * good, 3)
         found[f"tof_{sensor}_m"] = np.where(reading > nominal["tof"]["max_range_m"], np.nan, np.maximum(reading, 0.0))
     return found | {name: logged[..., k] for k, name in enumerate(POSE)}
+
+
+def _age_s(world: World, time_s: Array) -> Array:
+    """Age of the logged poses at (rows,) times of a trial."""
+    drift = world.value("pose_clock_drift", "rate", 0.0)
+    return world.value("pose_time_offset", "delay_s", 0.0) + drift * time_s
 
 
 def _jumped(world: World, sensor: str, session_s: Array) -> Array:
@@ -312,7 +319,8 @@ def _pose_stage(bench: Bench, world: World, columns: Columns, turns: Array, pose
     heading = np.concatenate([np.zeros((trials, 1)), np.cumsum(yaw, axis=1)], axis=1)
     middle, ahead = 0.5 * (heading[:, 1:] + heading[:, :-1]), 0.5 * travel.sum(axis=-1)
     # Downhill is a direction in the room: turned into the frame of this dead reckoning by the logged heading.
-    down, to_own = slope(world, travel), heading[:, :-1] - filled[:, :-1, 2]
+    askew = world.value("marker_yaw", "angle_rad", 0.0)
+    down, to_own = slope(world, travel), heading[:, :-1] - (filled[:, :-1, 2] - askew)
     cos, sin = np.cos(to_own), np.sin(to_own)
     moved = [
         ahead * np.cos(middle) + cos * down[..., 0] - sin * down[..., 1],
@@ -320,12 +328,13 @@ def _pose_stage(bench: Bench, world: World, columns: Columns, turns: Array, pose
     ]
     place = np.concatenate([start, np.cumsum(np.stack(moved, axis=-1), axis=1)], axis=1)
     path = np.concatenate([place, heading[..., None]], axis=-1)
-    late = world.value("pose_time_offset", "delay_s", 0.0)
-    if late:
-        time = ROW_S * np.arange(rows)
+    time = ROW_S * np.arange(rows)
+    late = _age_s(world, time)
+    if late.any():
         path = np.array([[np.interp(time - late, time, axis) for axis in trial.T] for trial in path]).swapaxes(1, 2)
     off = world.value("marker_offset", "offset_m", 0.0)
     path = path + off * np.stack([np.cos(path[..., 2]), np.sin(path[..., 2]), np.zeros(path.shape[:2])], axis=-1)
+    path[..., 2] += askew
     return _increments(path[:, ::WINDOW], path[:, ::WINDOW, 2])
 
 
@@ -353,13 +362,14 @@ def _filled(poses: Array) -> Array:
 def _range_stage(bench: Bench, world: World, columns: Columns, poses: Array) -> Array:
     """Of all sensors at the logged poses, (N, rows, 3)."""
     trials, _, rows = _shape(columns)
-    later = world.value("pose_time_offset", "delay_s", 0.0) - world.value("tof_time_offset", "delay_s", 0.0)
+    time = ROW_S * np.arange(rows)
+    later = _age_s(world, time) - world.value("tof_time_offset", "delay_s", 0.0)
     axle = poses
-    if later:
-        time = ROW_S * np.arange(rows)
+    if later.any():
         shifted = [[np.interp(time + later, time, axis) for axis in trial.T] for trial in _filled(poses)]
         axle = np.where(np.isnan(poses), np.nan, np.array(shifted).swapaxes(1, 2))
     off = world.value("marker_offset", "offset_m", 0.0)
+    axle = axle - world.value("marker_yaw", "angle_rad", 0.0) * np.array([0.0, 0.0, 1.0])
     axle = axle - off * np.stack([np.cos(axle[..., 2]), np.sin(axle[..., 2]), np.zeros((trials, rows))], axis=-1)
     session = columns["session_time_s"].reshape(trials, rows)
     seen = [ranges(bench.nominal, world, axle, sensor) + _jumped(world, sensor, session) for sensor in SENSORS]

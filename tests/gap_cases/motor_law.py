@@ -26,6 +26,9 @@ class Motors:
     warm_s: Array
     drop: Array
     source_ohm: Array
+    inductance: Array
+    diode: Array
+    switching: Array
     limit: Array
     bump: Array
     bump_speed: Array
@@ -59,6 +62,9 @@ class Motors:
             warm_s=effect("friction_warmup", "time_constant_s", 1.0),
             drop=effect("bridge_voltage_drop", "drop_V"),
             source_ohm=effect("supply_sag", "source_resistance_ohm"),
+            inductance=effect("bridge_coast", "inductance_H"),
+            diode=effect("bridge_coast", "diode_V"),
+            switching=effect("bridge_coast", "switching_Hz", 1.0),
             limit=effect("current_limit", "limit_A", np.inf),
             bump=beyond("brush_film_bump", "torque_N_m"),
             bump_speed=beyond("brush_film_bump", "speed_rad_s"),
@@ -84,6 +90,10 @@ class Motors:
         return bool(self.source_ohm.any())
 
     @cached_property
+    def coasts(self) -> bool:
+        return bool(self.inductance.any())
+
+    @cached_property
     def _has_limit(self) -> bool:
         return bool(np.isfinite(self.limit).any())
 
@@ -98,6 +108,9 @@ class Motors:
     def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """I = sgn(e) max(|e| - drop, 0) / (R + r duty^2) with e = u - K w, and no more than the limit."""
         driving = voltage_V - self.constant * speed_rad_s
+        if self.coasts:
+            chopped = self.resistance * self._chopped_A(voltage_V, speed_rad_s)
+            driving = np.where(self.inductance > 0.0, chopped, driving)
         if self._has_drop:
             driving = np.sign(driving) * np.maximum(np.abs(driving) - self.drop, 0.0)
         resistance = self.resistance
@@ -105,6 +118,25 @@ class Motors:
             resistance = resistance + self.source_ohm * (voltage_V / self.supply_V) ** 2
         current = driving / resistance
         return np.clip(current, -self.limit, self.limit) if self._has_limit else current
+
+    def _chopped_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
+        """Mean over a switching period: a rise with the supply on, then a fall through the diodes, to zero or not.
+
+        Both are exponentials, integrated as they stand; times in periods.
+        """
+        duty, emf = np.abs(voltage_V) / self.supply_V, self.constant * speed_rad_s
+        tau = np.maximum(self.inductance * self.switching / self.resistance, 1e-6)
+        rises_to = (np.sign(voltage_V) * self.supply_V - emf) / self.resistance
+        falls_to = (-np.sign(rises_to) * (self.supply_V + self.diode) - emf) / self.resistance
+        left = np.exp(-duty / tau)
+        peak = rises_to * (1.0 - left)
+        opposed = np.sign(rises_to) * falls_to < 0.0
+        until = tau * np.log(np.where(opposed, (peak - falls_to) / np.where(opposed, -falls_to, 1.0), 1.0))
+        until = np.where(opposed, until, np.inf)
+        within = np.minimum(until, 1.0 - duty)
+        rise = rises_to * duty - rises_to * tau * (1.0 - left)
+        fall = falls_to * within + (peak - falls_to) * tau * (1.0 - np.exp(-within / tau))
+        return np.where(until < 1.0 - duty, rise + fall, rises_to * duty + falls_to * (1.0 - duty))
 
     def friction_N_m(self, direction: Array, speed_rad_s: Array, session_s: Array) -> Array:
         """Dry friction against a motion in that direction (+1 or -1) at that speed; at speed 0, breakaway torque."""
@@ -138,7 +170,8 @@ def column(values: Sequence[float]) -> Array:
 def steady_states(motors: Motors, voltage_V: Array, session_s: Array) -> tuple[Array, Array]:
     """Current [A] and speed [rad/s], (V, N) each: the first speed from rest upwards at which nothing accelerates."""
     direction = np.where(voltage_V < 0.0, -1.0, 1.0)
-    top = np.abs(voltage_V) / motors.constant
+    # A bridge that coasts gives the full supply for part of the time.
+    top = np.where((motors.inductance > 0.0) & (voltage_V != 0.0), motors.supply_V, np.abs(voltage_V)) / motors.constant
     low = np.zeros_like(top)
     running = motors.surplus_N_m(voltage_V, direction, low, session_s) > 0.0
     high, is_found = top.copy(), ~running

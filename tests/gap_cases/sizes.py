@@ -62,6 +62,16 @@ def _times(name: str, parameter: str, low: float, high: float) -> Sampler:
     return sample
 
 
+def _of_all(name: str, value: float) -> Sampler:
+    """A number that does not differ."""
+
+    def sample(rng: np.random.Generator, bench: Bench) -> Numbers:
+        del rng, bench
+        return {name: value}
+
+    return sample
+
+
 def _of_session(name: str, low: float, high: float) -> Sampler:
     """Of how long the rows took."""
 
@@ -80,6 +90,8 @@ def _crosstalk(rng: np.random.Generator, bench: Bench) -> Numbers:
 STRIBECK = _both(
     _times("extra_torque_N_m", "coulomb_friction_N_m", 0.15, 0.9), _positive("stribeck_speed_rad_s", 0.8, 4.0)
 )
+COAST = _both(_positive("inductance_H", 2e-5, 1e-3), _positive("diode_V", 0.4, 2.0), _of_all("switching_Hz", 20_000.0))
+"""Of the switching frequency and the inductance only the product shows, so that a report assumes the usual one."""
 MOTOR: dict[str, Sampler] = {
     "winding_resistance_scale": _factor("scale", 0.07, 0.25),
     "torque_constant_scale": _factor("scale", 0.05, 0.15),
@@ -102,6 +114,7 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "quadratic_drag": _positive("coefficient_N_m_s2_rad2", 3e-5, 4e-4),
         "friction_warmup": _both(_positive("amplitude", 0.08, 0.6), _of_session("time_constant_s", 0.06, 0.5)),
         "current_sensor_offset": _either("offset_A", 0.001, 0.02),
+        "bridge_coast": COAST,
     },
     "motor_step": {
         **BENCH,
@@ -113,6 +126,7 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "current_sensor_offset": _either("offset_A", 0.002, 0.05),
         "speed_filter_lag": _positive("time_constant_s", 0.002, 0.03),
         "speed_time_offset": _positive("delay_s", 0.001, 0.02),
+        "bridge_coast": COAST,
     },
     "tof_bench": {
         "range_offset": _either("offset_m", 0.004, 0.02),
@@ -149,6 +163,8 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "tof_range_scale": _factor("scale", 0.004, 0.06),
         "tof_mount_yaw": _either("angle_rad", 0.004, 0.12),
         "tof_time_offset": _positive("delay_s", 0.003, 0.1),
+        "marker_yaw": _either("angle_rad", 0.004, 0.08),
+        "pose_clock_drift": _either("rate", 1e-4, 5e-3),
     },
 }
 WIDE_NOISE_SCALE = _factor("scale", 0.92, 1.8)

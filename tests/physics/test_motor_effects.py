@@ -5,11 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from physics.drivetrain.bridge import Chopper
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor_bench import steady_states, step_responses
 from physics.drivetrain.two_mass import Load, TwoMass
 from physics.effects.actuator_lag import ActuatorLag
 from physics.effects.battery_decline import BatteryDecline
+from physics.effects.bridge_coast import BridgeCoast
 from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.coulomb_friction_scale import CoulombFrictionScale
 from physics.effects.current_limit import CurrentLimit
@@ -145,6 +147,71 @@ class TestSteadyStates:
 
     def test_a_current_limit_below_what_friction_needs_stalls_the_motor(self, motor):
         assert steady(motor, CurrentLimit(limit_A=0.06), 4.0) == (0.06, 0.0)
+
+
+DUTIES = np.array([0.0, 0.1, 0.35, 0.5, 0.7, 0.9, 1.0, -0.3, -0.8])
+BACK_V = np.array([-6.0, -1.0, 0.0, 2.0, 5.0, 7.5, 8.5])
+
+
+def coasting_V(effect, duty, back_emf_V):
+    chopper = Chopper(SUPPLY_V, duty, np.array(R), back_emf_V)
+    return effect.apply(duty * SUPPLY_V - back_emf_V, chopper)
+
+
+def switched_V(effect, duty, back_emf_V, parts=200):
+    """Winding resistance times the mean current of the last period, stepped through switch and diodes from rest."""
+    tau = effect.inductance_H * effect.switching_Hz / R
+    periods = math.ceil(9.0 * tau) + 1
+    current, total = np.zeros_like(duty), np.zeros_like(duty)
+    for k in range(periods * parts):
+        on = (k % parts) / parts < np.abs(duty) - 1e-9
+        diodes_V = -np.sign(current) * (SUPPLY_V + effect.diode_V)
+        goal = (np.where(on, np.sign(duty) * SUPPLY_V, diodes_V) - back_emf_V) / R
+        goal = np.where(~on & (current == 0.0), 0.0, goal)
+        after = goal + (current - goal) * np.exp(-1.0 / parts / tau)
+        after = np.where(~on & (after * current < 0.0), 0.0, after)
+        total = total + 0.5 * (current + after) / parts if k >= (periods - 1) * parts else total
+        current = after
+    return R * total
+
+
+class TestCoastingBridge:
+    @pytest.mark.parametrize("inductance_H", [1e-5, 1e-4, 1e-3])
+    def test_its_mean_is_that_of_a_current_through_switch_and_diodes(self, inductance_H):
+        """Time constants of 0.07, 0.7 and 7 periods; from 35 % to 100 % duty, without and with a pause."""
+        effect = BridgeCoast(inductance_H=inductance_H, diode_V=1.2)
+        duty, back_V = (grid.ravel() for grid in np.meshgrid(DUTIES, BACK_V))
+        np.testing.assert_allclose(coasting_V(effect, duty, back_V), switched_V(effect, duty, back_V), atol=0.03)
+
+    def test_without_inductance_the_supply_drives_for_a_share_of_the_time(self):
+        effect = BridgeCoast(inductance_H=1e-12, diode_V=1.2)
+        found = coasting_V(effect, DUTIES[:, None], BACK_V)
+        expected = np.abs(DUTIES[:, None]) * (np.sign(DUTIES[:, None]) * SUPPLY_V - BACK_V)
+        np.testing.assert_allclose(found, expected, atol=1e-6)
+
+    def test_with_a_large_inductance_the_current_flows_without_pause_or_hardly_at_all(self):
+        effect = BridgeCoast(inductance_H=0.5, diode_V=1.2)
+        duty, back_V = DUTIES[1:7, None], BACK_V[:-1]
+        flows_V = SUPPLY_V * (2.0 * duty - 1.0) - 1.2 * (1.0 - duty) - back_V
+        np.testing.assert_allclose(coasting_V(effect, duty, back_V), np.maximum(flows_V, 0.0), atol=5e-3)
+
+    def test_switched_off_it_lets_the_motor_run(self, motor):
+        _, speed = responses(motor, [4.0] * 60 + [0.0] * 20, BridgeCoast(inductance_H=1e-4, diode_V=1.0))
+        t_s = 0.005 * np.arange(1, 21)
+        expected = (speed[59] + TC / B) * np.exp(-B / J * t_s) - TC / B
+        np.testing.assert_allclose(speed[60:], expected, rtol=1e-3)
+
+    def test_it_drives_a_motor_faster_than_the_mean_voltage_would(self, motor):
+        """With hardly any inductance: K D (V - K w) / R = B w + Tc."""
+        _, speed = steady(motor, BridgeCoast(inductance_H=1e-12, diode_V=1.0), 2.0)
+        assert speed == pytest.approx((K * 2.0 / R - TC) / (B + 0.25 * K**2 / R), rel=1e-6)
+        assert speed > 2.0 / K
+
+    def test_a_measured_supply_counts_instead_of_the_nominal_one(self, motor):
+        model = RobotModel.from_config(motor.with_effect(BridgeCoast(inductance_H=1e-12, diode_V=1.0)))
+        _, speed = steady_states(model, np.array([2.0, 2.0]), np.zeros(2), np.array([8.0, 4.0]))
+        expected = [(K * 2.0 / R - TC) / (B + duty * K**2 / R) for duty in (0.25, 0.5)]
+        np.testing.assert_allclose(speed, expected, rtol=1e-6)
 
 
 class TestSupplyOfTwoMotors:

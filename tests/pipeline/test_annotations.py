@@ -186,7 +186,11 @@ DAMAGE = {
         "semantic/000001.png",
         r"differs in \d+ pixels",
     ),
-    "format": (document(lambda d: d.update(format=1)), "annotations.json", r"cannot be read: format 1, expected \d"),
+    "format": (
+        document(lambda d: d.update(format=1)),
+        "annotations.json",
+        r"has format 1, expected \d",
+    ),
     "an id beyond 16 bits": (
         document(lambda d: d["instances"].append({"id": 2**70, "name": "x", "category_id": 1, "moves": False})),
         "annotations.json",

@@ -13,10 +13,12 @@ from sensors.effects.current_sensor_offset import CurrentSensorOffset
 from sensors.effects.incidence_bias import IncidenceBias
 from sensors.effects.log_range_error import LogRangeError
 from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.marker_yaw import MarkerYaw
 from sensors.effects.material_bias import MaterialBias
 from sensors.effects.material_slope import MaterialSlope
 from sensors.effects.near_field_error import NearFieldError
 from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.pose_clock_drift import PoseClockDrift
 from sensors.effects.pose_time_offset import PoseTimeOffset
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.range_saturation import RangeSaturation
@@ -266,6 +268,22 @@ class TestPoseLog:
         log = PoseLog(RobotEffects().with_effect(MarkerOffset(offset_m=0.04)), 1000)
         expected = (1.0 + 0.04 * math.cos(yaw), 2.0 + 0.04 * math.sin(yaw), yaw)
         assert log.sample(plane_world(at=(1.0, 2.0, yaw))) == pytest.approx(expected)
+
+    def test_the_tracked_heading_of_a_body_askew_is_turned_and_its_place_is_not(self, plane_world):
+        """The marker is ahead of the axle along the heading of the robot."""
+        effects = RobotEffects().with_effect(MarkerYaw(angle_rad=-0.3)).with_effect(MarkerOffset(offset_m=0.04))
+        expected = (1.0 + 0.04 * math.cos(0.7), 2.0 + 0.04 * math.sin(0.7), 0.4)
+        assert PoseLog(effects, 1000).sample(plane_world(at=(1.0, 2.0, 0.7))) == pytest.approx(expected)
+
+    def test_a_drifting_clock_logs_older_and_older_poses(self):
+        """Ten per mille of 2 s are 20 ms, in addition to 47 ms."""
+        effects = RobotEffects().with_effect(PoseTimeOffset(delay_s=0.047)).with_effect(PoseClockDrift(rate=0.01))
+        assert [PoseLog(effects, 1000).sampling.step_read_at(step) for step in (0, 100, 2000)] == [0, 52, 1933]
+
+    def test_a_simulation_refuses_poses_of_the_future(self):
+        (fault,) = PoseClockDrift(rate=-0.001).faults(in_simulation=True)
+        assert (fault.path, fault.got, fault.allowed) == (("rate",), -0.001, "0 or more")
+        assert not list(PoseClockDrift(rate=-0.001).faults(in_simulation=False))
 
     def test_a_late_pose_is_that_of_exactly_so_long_ago(self):
         log = PoseLog(RobotEffects().with_effect(PoseTimeOffset(delay_s=0.047)), 1000)

@@ -36,6 +36,10 @@ STEP = 1e-3
 """Step of a derivative, in coordinates."""
 SETTLED = 1e-3
 """Change of every coordinate at which a fit ends."""
+MIN_SEEN = 0.01
+"""Share of a parameter's information that is not about the heading at the start, below which whole runs do not show
+the parameter: an angle of the tracked body turns each path about its start, and the little that is left of it comes
+from the errors of the path."""
 MIN_SCATTER = 1e-6
 """Least scatter [m, rad]."""
 START_SHARE = 0.1
@@ -144,11 +148,13 @@ def _fit(runs: WholeRuns, hypothesis: Hypothesis, x: Array) -> WholeRunFit:
     information = np.diag(priors.astype(float))
     for _ in range(MAX_STEPS):
         around = np.concatenate([x[None], x + STEP * np.eye(len(x))])
-        errors = runs.free_of_start(np.stack([runs.errors(robot) for robot in hypothesis.robots(around)]))
+        raw = np.stack([runs.errors(robot) for robot in hypothesis.robots(around)])
+        errors = runs.free_of_start(raw)
         # All points of a run together count as one.
         weight = 1.0 / (_scatter(errors[0]) * np.sqrt(PARTS))
         z = (errors[0] * weight).ravel()
-        slopes = ((errors[1:] - errors[0]) * weight / STEP).reshape(len(x), -1)
+        slopes, with_start = (((e[1:] - e[0]) * weight / STEP).reshape(len(x), -1) for e in (errors, raw))
+        slopes *= (np.square(slopes).sum(axis=1) > MIN_SEEN * np.square(with_start).sum(axis=1))[:, None]
         information = slopes @ slopes.T + np.diag(priors.astype(float))
         downhill = -slopes @ z - np.where(priors, x, 0.0)
         free = (np.diag(information) > 0.0) & ~(((x <= low) & (downhill < 0.0)) | ((x >= high) & (downhill > 0.0)))

@@ -77,8 +77,8 @@ def wander(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Wander |
     drifts = [effect for effect in fit.hypothesis.effects if effect.kind is WarmupDrift]
     if not drifts:
         return beside
-    # A drift after power-on imitates a wandering error, so it must be needed beside one. It also imitates a jump in part
-    # and leaves a rest that seems to wander; without the drift, the jump is seen.
+    # A drift after power-on imitates a wandering error, so it must be needed beside one. It also imitates a part of a
+    # jump and leaves a rest that seems to wander; without the drift, the jump is seen.
     alone = _beside(evidence, without(evidence, fit, drifts[0]))
     is_needed = alone is not None and beside is not None and alone.cost > beside.cost + needed(drifts[0])
     return beside if is_needed else alone

@@ -23,3 +23,12 @@ def test_a_nuisance_goes_by_its_logarithm_and_a_small_deviation_is_its_tolerance
     constants = [hypothesis.robot(np.array([x])).motor.torque_constant_N_m_A for x in (-1e-3, 0.0, 1e-3, 10.0, 20.0)]
     assert (constants[2] - constants[0]) / 2e-3 == pytest.approx(nuisance.tolerance, rel=1e-6)
     assert constants[4] / constants[3] == pytest.approx(constants[3] / constants[1])
+
+
+def test_a_number_that_no_measurement_shows_is_not_fitted(robot, effect):
+    """Means of a chopped current show only the product of inductance and switching frequency."""
+    coast = effect("bridge_coast")
+    assert [coordinate.name for coordinate in coast.coordinates] == ["inductance_H", "diode_V"]
+    assert coast.known == {"switching_Hz": 20_000.0}
+    (fitted,) = coast.on(robot, {"inductance_H": 2e-4, "diode_V": 1.1}).effects
+    assert fitted.model_dump() == {"inductance_H": 2e-4, "diode_V": 1.1, "switching_Hz": 20_000.0}

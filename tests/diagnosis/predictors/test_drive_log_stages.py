@@ -30,6 +30,8 @@ from physics.effects.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.effects.winding_resistance_scale import WindingResistanceScale
 from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.marker_yaw import MarkerYaw
+from sensors.effects.pose_clock_drift import PoseClockDrift
 from sensors.effects.pose_time_offset import PoseTimeOffset
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.tof_mount_yaw import TofMountYaw
@@ -208,11 +210,11 @@ class TestPose:
     V, W = RADIUS * 5.0, RADIUS * 2.0 / BASE
     FIRST = np.arange(0, 31, 5)
 
-    def circle(self, v=V, w=W, late_s=0.0, marker_m=0.0):
+    def circle(self, v=V, w=W, late_s=0.0, marker_m=0.0, askew=0.0):
         yaw = 0.4 + w * (self.T - late_s)
         x = 0.5 + v / w * (np.sin(yaw) - math.sin(0.4)) + marker_m * np.cos(yaw)
         y = 0.6 - v / w * (np.cos(yaw) - math.cos(0.4)) + marker_m * np.sin(yaw)
-        return np.stack([x, y, yaw], axis=-1)
+        return np.stack([x, y, yaw + askew], axis=-1)
 
     def windows(self, pose):
         """Over ten rows in the frame of the body at the first."""
@@ -254,6 +256,7 @@ class TestPose:
                 {"v": RADIUS * (0.95 * 6 + 1.05 * 4) / 2, "w": RADIUS * (0.95 * 6 - 1.05 * 4) / BASE},
             ),
             (MarkerOffset(offset_m=0.03), {"marker_m": 0.03}),
+            (MarkerYaw(angle_rad=0.1), {"askew": 0.1}),
         ],
         ids=lambda value: type(value).__name__,
     )
@@ -261,13 +264,13 @@ class TestPose:
         self.check(means(pose, robot, effect), self.circle(**changed))
 
     def test_a_whole_path_goes_on_from_the_first_logged_pose(self, robot):
-        """Of an unseen run, which has no other pose; the tracked point is 30 mm ahead of the axle."""
+        """Of an unseen run, which has no other pose; the tracked body is 30 mm ahead of the axle and askew."""
         log = np.full((self.ROWS, 3), math.nan)
-        log[0] = self.circle(marker_m=0.03)[0]
+        log[0] = self.circle(marker_m=0.03, askew=0.1)[0]
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
         stage = stages(robot, trial("1", **columns))["pose"]
-        predicted = stage.path(robot.with_effect(MarkerOffset(offset_m=0.03)), log[:1])
-        np.testing.assert_allclose(predicted, self.circle(marker_m=0.03), atol=5e-5)
+        askew = robot.with_effect(MarkerOffset(offset_m=0.03)).with_effect(MarkerYaw(angle_rad=0.1))
+        np.testing.assert_allclose(stage.path(askew, log[:1]), self.circle(marker_m=0.03, askew=0.1), atol=5e-5)
 
     def test_an_old_pose_lags_behind_the_wheels(self, pose, robot):
         """But in the first window, which begins at rest."""
@@ -276,6 +279,18 @@ class TestPose:
         for a, b in zip(predicted, late, strict=True):
             np.testing.assert_allclose(a[1:], b[1:], atol=1e-4)
         assert predicted[2][0] == pytest.approx(self.W * (0.5 - 0.083))
+
+    def test_a_drifting_clock_makes_poses_older_and_older(self, robot):
+        """Both signs, of several robots at once; the last window of a fast clock ends with the log."""
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
+        stage = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
+        rates = (0.04, -0.03)
+        predicted = stage.predict([robot.with_effect(PoseClockDrift(rate=rate)) for rate in rates])
+        for k, rate in enumerate(rates):
+            late = self.windows(self.circle(late_s=rate * self.T))
+            for both, expected in zip(predicted, late, strict=True):
+                for begin in (0, len(self.FIRST)):
+                    np.testing.assert_allclose(both.mean[k, begin : begin + 6], expected[:6], atol=1e-4)
 
     def test_ticks_that_were_missed_are_put_back(self, robot):
         """Of the right wheel a tenth is missed at its 6 rad/s, of which the threshold's edge is 20 widths away."""
@@ -347,6 +362,13 @@ class TestRanges:
         predicted = means(ranges, robot, MarkerOffset(offset_m=0.03))
         np.testing.assert_allclose(predicted, self.expected(back), atol=2e-4)
 
+    def test_a_body_that_is_tracked_askew_looks_elsewhere_than_its_log(self, ranges, robot):
+        """Its marker is 30 mm ahead of the axle along the heading of the robot, which is not the tracked one."""
+        axle = self.POSES - np.array([0.0, 0.0, 0.2])
+        axle[:, :2] -= 0.03 * np.stack([np.cos(axle[:, 2]), np.sin(axle[:, 2])], axis=-1)
+        predicted = means(ranges, robot, MarkerOffset(offset_m=0.03), MarkerYaw(angle_rad=0.2))
+        np.testing.assert_allclose(predicted, self.expected(axle), atol=2e-4)
+
     def test_old_ranges_are_those_of_an_earlier_pose_and_old_poses_of_a_later_one(self, robot):
         t = ROW_S * np.arange(20)
         poses = np.stack([0.8 + 0.2 * t, np.full(20, 0.8), np.zeros(20)], axis=-1)
@@ -356,6 +378,8 @@ class TestRanges:
         np.testing.assert_allclose(old[3:], front[3:] + 0.2 * 0.12, rtol=1e-9)
         late = means(stage, robot, PoseTimeOffset(delay_s=0.12))[0]
         np.testing.assert_allclose(late[:-3], front[:-3] - 0.2 * 0.12, rtol=1e-9)
+        drifting = means(stage, robot, PoseClockDrift(rate=0.05))[0]
+        np.testing.assert_allclose(drifting[:-1], front[:-1] - 0.2 * 0.05 * t[:-1], rtol=1e-9)
 
     @staticmethod
     def head_on_m(yaw):

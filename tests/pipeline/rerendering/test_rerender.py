@@ -320,7 +320,7 @@ def test_what_re_rendered_images_lack_is_named_with_where_it_is(again, tmp_path,
             ask()
     refused = symolo("export", again, "--format", "kitti", "--out", tmp_path / "out")
     assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "export the release that their run belongs to" in refused.err
+    assert "export the release whose run was rendered" in refused.err
     draws = tmp_path / "draws"
     shutil.copytree(again, draws / "classroom_1", ignore=shutil.ignore_patterns(".stages"))
     with pytest.raises(symolo_reader.InputError, match=r"holds draws of .*name the folder of one, such as classroom_1"):

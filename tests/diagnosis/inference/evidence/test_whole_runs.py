@@ -96,3 +96,12 @@ def test_wheels_within_tolerance_are_none(bare):
 
 def test_few_runs_tell_nothing_of_their_scatter(bare):
     assert fitted_to_whole_runs(measured(MIN_RUNS - 1), bare, bare.null(), ()) is None
+
+
+def test_an_angle_of_the_tracked_body_is_left_to_the_windows(bare):
+    """Every start is free to turn, so that whole runs do not show the angle."""
+    askew = bare.with_effect(of_name("marker_yaw"))
+    fit = fitted_to_whole_runs(measured(4), askew, np.append(bare.null(), 1.3), ())
+    assert fit.x[-1] == 1.3
+    assert fit.covariance[-1].tolist() == [0.0] * len(fit.x)
+    assert (np.diag(fit.covariance)[:-1] > 0.0).all()

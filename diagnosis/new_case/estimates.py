@@ -1,0 +1,195 @@
+"""Estimates of unknown numbers from the log itself, which a diagnosis of the same log cannot doubt."""
+
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.importers.drive_log import ROW_S
+from diagnosis.measured.measurement import CaseKind, Measurement, Trial
+from diagnosis.measured.noise import trimmed_variance
+from diagnosis.motor_identification import least_squares
+from diagnosis.new_case.known_numbers import has
+from diagnosis.predictors.rows import good_values
+from symolo.core.arrays import Array
+
+MIN_ROWS = 20
+"""Number of rows from which an equation is fitted; with fewer, the shipped robot's numbers are used."""
+SMALLEST, LARGEST = 1e-4, 1e6
+"""Bounds of an estimate; anything else comes from values that no robot has."""
+MIN_SHARE = 0.5
+"""Share that the ticks explain of the motion of a robot, below which poses and ticks do not belong together."""
+MOVING_RAD_S = 0.3
+"""Speed above which friction is that of a moving motor."""
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Rows of moving motors, (N,) each; the current is None if it was not logged."""
+
+    voltage_V: Array
+    speed_rad_s: Array
+    acceleration_rad_s2: Array
+    current_A: Array | None
+
+
+@dataclass(frozen=True)
+class Odometry:
+    """How the pose moves with the ticks, by least squares over all rows."""
+
+    m_per_tick: float
+    """Way forward over the mean ticks of both wheels."""
+    rad_per_tick: float
+    """Turn over the difference of the ticks, right minus left."""
+    pose_xy_m: float
+    """Standard deviation of a place."""
+    pose_theta_rad: float
+    """Standard deviation of a heading."""
+    forward_share: float
+    """Share of the steps of the pose, as the sum of squares, that the ticks explain."""
+    turn_share: float
+    """The same of the turns."""
+
+
+def odometry(measurement: Measurement) -> Odometry | None:
+    """Return how the pose moves with the ticks; None if one of them is not logged, or nothing moves."""
+    if not has(measurement, "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad"):
+        return None
+    steps = np.concatenate([_steps(trial) for trial in measurement.trials])
+    steps = steps[np.isfinite(steps).all(axis=1)]
+    forward_m, turn_rad, ticks, more_right, _ = steps.T
+    if len(steps) < MIN_ROWS or not ticks.any() or not more_right.any():
+        return None
+    (m_per_tick,), (rad_per_tick,) = least_squares([ticks], forward_m), least_squares([more_right], turn_rad)
+    if m_per_tick == 0.0 or rad_per_tick == 0.0:
+        return None
+    # Two poses make a step, and outliers of the tracker shall not count.
+    followed = (m_per_tick * ticks, rad_per_tick * more_right)
+    left = (forward_m - followed[0], turn_rad - followed[1])
+    sds = [float(np.sqrt(trimmed_variance(each) / 2.0)) for each in left]
+    shares = [
+        float(each @ each) / max(float(whole @ whole), 1e-30)
+        for each, whole in zip(followed, (steps[:, 4], turn_rad), strict=True)
+    ]
+    return Odometry(m_per_tick, rad_per_tick, *sds, *shares)
+
+
+def contradictions(moved: Odometry) -> list[str]:
+    """Return a sentence for each sign that poses and ticks do not belong together as they are mapped."""
+    lines = []
+    if moved.turn_share < MIN_SHARE:
+        lines.append("theta_rad does not follow the wheels: check the columns of left and right, heading and time")
+    elif moved.rad_per_tick < 0.0:
+        lines.append(
+            "theta_rad turns against the wheels: exchange left and right, or give theta_rad (and y_m, if y points to "
+            "the right) factor: -1"
+        )
+    elif moved.forward_share < MIN_SHARE:
+        lines.append(
+            "x_m and y_m do not move where theta_rad points: its zero must be along +x, and it must count from x to y"
+        )
+    elif moved.m_per_tick < 0.0:
+        lines.append("the pose moves backwards while the ticks grow: give both columns of ticks factor: -1")
+    return lines
+
+
+def _steps(trial: Trial) -> Array:
+    """Return forward way [m], turn [rad], mean ticks, right minus left ticks and way [m] between rows, (N - 1, 5)."""
+    names = ("x_m", "y_m", "theta_rad", "enc_left_ticks", "enc_right_ticks")
+    columns = np.stack([trial[name].values for name in names])
+    x, y, turn, left, right = columns[:, 1:] - columns[:, :-1]
+    middle = 0.5 * (columns[2, 1:] + columns[2, :-1])
+    forward = x * np.cos(middle) + y * np.sin(middle)
+    return np.stack([forward, turn, 0.5 * (left + right), right - left, np.hypot(x, y)], axis=1)
+
+
+def wheels_of(moved: Odometry | None, known: dict[str, float]) -> dict[str, float]:
+    """Return diameter, track or ticks, as far as they follow from counts, poses and the known ones of them."""
+    if moved is None or contradictions(moved):
+        return {}
+    result = {"track_m": moved.m_per_tick / moved.rad_per_tick}
+    if "ticks_per_turn" in known:
+        result["wheel_diameter_m"] = moved.m_per_tick * known["ticks_per_turn"] / np.pi
+    elif "wheel_diameter_m" in known:
+        result["ticks_per_turn"] = float(np.rint(np.pi * known["wheel_diameter_m"] / moved.m_per_tick))
+    return {key: value for key, value in result.items() if key not in known and SMALLEST < value < LARGEST}
+
+
+def motor_of(measurement: Measurement, known: dict[str, float], usual: dict[str, float]) -> dict[str, float]:
+    """Return parameters of the motor by least squares, u = R i + K w and K i = B w + Tc sgn(w) + J w'.
+
+    Args:
+        measurement: A log of a motor, or of a drive with voltages and counts.
+        known: Parameters that are known; `ticks_per_turn` for a drive.
+        usual: Parameters of a usual motor, for those that the log does not show.
+    """
+    rows = _moving(measurement, known)
+    result = {**usual, **known}
+    if rows is not None:
+        with suppress(np.linalg.LinAlgError):  # of voltages that never change
+            result |= _fitted(rows, result, known, has_inertia=measurement.kind is not CaseKind.MOTOR_STEADY)
+    return {
+        key: value if SMALLEST < value / usual[key] < 1.0 / SMALLEST else usual[key]
+        for key, value in result.items()
+        if key not in known and key in usual
+    }
+
+
+def _fitted(rows: _Motion, result: dict[str, float], known: dict[str, float], *, has_inertia: bool) -> dict[str, float]:
+    """Return the fitted parameters, and the known ones in their place; `result` has all of them before the fit."""
+    w, sign, a = rows.speed_rad_s, np.sign(rows.speed_rad_s), rows.acceleration_rad_s2
+    columns = [w, sign, a] if has_inertia else [w, sign]
+    if rows.current_A is not None:
+        ohm, constant = least_squares([rows.current_A, w], rows.voltage_V)
+        fitted = {"winding_resistance_ohm": ohm, "torque_constant_N_m_A": constant} | known
+        found = least_squares(columns, fitted["torque_constant_N_m_A"] * rows.current_A)
+    else:
+        slope, *others = least_squares(columns, rows.voltage_V)
+        ohm, viscous = result["winding_resistance_ohm"], result["viscous_friction_N_m_s_rad"]
+        # u = (K + R B / K) w + (R / K) (Tc sgn(w) + J w'), with R and B of a usual motor
+        constant = 0.5 * (slope + np.sqrt(max(slope**2 - 4.0 * ohm * viscous, 0.0)))
+        fitted = {"torque_constant_N_m_A": float(constant)} | known
+        found = (viscous, *(other * fitted["torque_constant_N_m_A"] / ohm for other in others))
+    names = ("viscous_friction_N_m_s_rad", "coulomb_friction_N_m", "rotor_inertia_kg_m2")
+    return fitted | dict(zip(names, found, strict=False)) | known
+
+
+def _moving(measurement: Measurement, known: dict[str, float]) -> _Motion | None:
+    if measurement.kind is CaseKind.DRIVE_LOG:
+        per_tick = 2.0 * np.pi / known["ticks_per_turn"]
+        parts = [_of_wheel(measurement, side, per_tick) for side in ("left", "right")]
+        u, w, a = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+        current = None
+    else:
+        u, w = good_values(measurement, "u_cmd_V"), good_values(measurement, "omega_rad_s")
+        a = np.concatenate([_slope(trial["omega_rad_s"].values, trial.t_s) for trial in measurement.trials])
+        current = good_values(measurement, "current_A") if has(measurement, "current_A") else None
+    usable = np.isfinite(u + w) & (np.abs(w) > MOVING_RAD_S)
+    if measurement.kind is not CaseKind.MOTOR_STEADY:
+        usable &= np.isfinite(a)
+    if current is not None:
+        usable &= np.isfinite(current)
+    if np.count_nonzero(usable) < (MIN_ROWS if measurement.kind is not CaseKind.MOTOR_STEADY else 4):
+        return None
+    return _Motion(u[usable], w[usable], a[usable], None if current is None else current[usable])
+
+
+def _of_wheel(measurement: Measurement, side: str, per_tick: float) -> tuple[Array, Array, Array]:
+    """Return voltage, speed and acceleration from each row to the next."""
+    parts = []
+    for trial in measurement.trials:
+        ticks, voltage = trial[f"enc_{side}_ticks"].values, trial[f"u_{side}_V"].values
+        speed = per_tick * np.diff(ticks) / np.diff(trial.t_s)
+        parts.append((voltage[:-1], speed, _slope(speed, trial.t_s[:-1])))
+    u, w, a = zip(*parts, strict=True)
+    return np.concatenate(u), np.concatenate(w), np.concatenate(a)
+
+
+def _slope(values: Array, t_s: Array) -> Array:
+    return np.gradient(values, t_s) if len(values) > 1 else np.full(len(values), np.nan)
+
+
+def speed_noise(ticks_per_turn: float) -> float:
+    """Return the standard deviation of a wheel speed over one row: two counts are rounded, and torque is not steady."""
+    rounding_rad_s = 2.0 * np.pi / ticks_per_turn / ROW_S / np.sqrt(6.0)
+    return float(np.hypot(rounding_rad_s, 0.03))

@@ -1,0 +1,104 @@
+"""A log of any origin: one header line, and below it columns of numbers or words."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from symolo.core.arrays import Array
+from symolo.core.errors import FaultList, InputError
+from symolo.core.files.text_file import read_text
+from symolo.core.table import cells_of, number_of
+
+SEPARATORS = (",", ";", "\t")
+_MISSING = re.compile(r"[-+]?nan|null|none|na|n/a|", re.IGNORECASE)
+"""Words by which loggers mark a sample that is missing."""
+
+
+@dataclass(frozen=True)
+class LogFile:
+    path: Path
+    columns: Mapping[str, tuple[str, ...]]
+    """(N,) cells of each column."""
+    has_decimal_commas: bool
+    notes: tuple[str, ...] = ()
+    """What was unusual and was read all the same, in one sentence each."""
+
+    @property
+    def rows(self) -> int:
+        return len(next(iter(self.columns.values())))
+
+    def numbers(self, name: str) -> Array:
+        """Return a column as numbers (N,), NaN where a sample is missing.
+
+        Raises:
+            InputError: A cell is no number; the message names its row.
+        """
+        values = np.array([self._number(cell) for cell in self.columns[name]])
+        wrong = np.flatnonzero(np.isinf(values)).tolist()
+        if wrong:
+            more = f"; so do {len(wrong) - 1} more rows" if len(wrong) > 1 else ""
+            cure = f"leave the cell empty where nothing was measured{more}"
+            where = f"{self.path}: row {wrong[0] + 2}"
+            got = self.columns[name][wrong[0]]
+            raise InputError(f"column {name}", where=where, got=got, allowed="a number or an empty cell", cure=cure)
+        return values
+
+    def _number(self, cell: str) -> float:
+        """Return the number in a cell; NaN if it is missing, and infinity if it is anything else."""
+        if _MISSING.fullmatch(cell):
+            return np.nan
+        value = number_of(cell.replace(",", ".") if self.has_decimal_commas else cell)
+        return value if isfinite(value) else np.inf
+
+
+def read_log(path: Path) -> LogFile:
+    """Read a log whose cells are separated by commas, semicolons or tabs, whichever the header has most of.
+
+    In a file with semicolons, decimals may have a comma. Quotes around a cell are left out, as are empty lines at the
+    end and a last row that is cut off.
+
+    Raises:
+        InputError: The file is no such table; the message names every row that has too few or too many cells.
+    """
+    text = read_text(path)
+    lines, notes = list(text.lines), list(text.notes)
+    while len(lines) > 1 and not lines[-1].strip():
+        lines.pop()
+    head = lines[0].lstrip("# ")
+    separator = max(SEPARATORS, key=head.count)
+    header = [cell.strip('"') for cell in cells_of(head, separator)]
+    _check_header(header, path)
+    rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in lines[1:]]
+    rows = [row[:-1] if len(row) == len(header) + 1 and not row[-1] else row for row in rows]
+    if len(rows) > 1 and (len(rows[-1]) < len(header) or not text.is_whole):
+        rows.pop()
+        notes.append(f"{path.name}: the last row is cut off or has no line end, and is left out")
+    wrong = [number for number, row in enumerate(rows, 2) if len(row) != len(header)]
+    if wrong:
+        what = f"{len(rows[wrong[0] - 2])} cells under a header of {len(header)}"
+        more = f"; so do {len(wrong) - 1} more rows, the last one row {wrong[-1]}" if len(wrong) > 1 else ""
+        raise InputError(what, where=f"{path}: row {wrong[0]}", cure=f"repair or remove the row{more}")
+    if not rows:
+        raise InputError("has no rows below the header", where=str(path))
+    return LogFile(
+        path,
+        {name: tuple(row[i] for row in rows) for i, name in enumerate(header) if name},
+        has_decimal_commas=separator == ";",
+        notes=tuple(notes),
+    )
+
+
+def _check_header(header: Sequence[str], path: Path) -> None:
+    faults = FaultList()
+    where = f"{path}: row 1"
+    if all(isfinite(number_of(name.replace(",", "."))) for name in header):
+        raise InputError("no header", where=where, cure="add a line with the names of the columns above the numbers")
+    for name in dict.fromkeys(header):
+        if name and header.count(name) > 1:
+            with faults.noted():
+                raise InputError(f"column {name} is there twice", where=where, cure="rename or remove one of them")
+    faults.check()

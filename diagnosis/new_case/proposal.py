@@ -1,0 +1,171 @@
+"""Proposal of a mapping for a log: kind and columns from the names, units from the names or from the values."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.importers.drive_log import ROW_S
+from diagnosis.measured.case_format import NO_TARGET_FROM_M, RANGES
+from diagnosis.measured.measurement import CaseKind
+from diagnosis.measured.scale import beyond_scale, likely_unit
+from diagnosis.measured.screening import usual
+from diagnosis.new_case.log_file import LogFile
+from diagnosis.new_case.mapping import MAPPING, LogMapping, Source, check_needed
+from diagnosis.new_case.quantities import NEEDED, matched, our_columns
+from diagnosis.new_case.units import factor_to, taken_apart
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+
+STEADY_FROM_S = 0.25
+"""Time between two rows from which a log of a motor has one steady state in each row."""
+FASTEST_TURN_RAD_S = 12.0
+"""Speed at which no small robot turns for long; a heading that changes faster is in degrees."""
+LARGEST_ROOM_M = 20.0
+SMALLEST_MM = 600.0
+"""Extent from which a length that is no metre is in millimetres rather than in centimetres."""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    mapping: LogMapping
+    warnings: tuple[str, ...]
+    """Guesses that the user has to check, in one sentence each."""
+
+
+def propose(log: LogFile, kind: CaseKind | None = None) -> Proposal:
+    """Return a mapping for a log.
+
+    Args:
+        log: The log.
+        kind: Kind of the case; recognised from the columns by default.
+
+    Raises:
+        InputError: The columns of no kind, or not those of this one, are in the log.
+    """
+    kind = kind or _kind(log)
+    found = matched(kind, list(log.columns))
+    check_needed(kind, found, f"{log.path}: row 1")
+    ours = our_columns(kind)
+    sources: dict[str, Source] = {}
+    warnings = []
+    for name, column in found.items():
+        unit = taken_apart(column).unit if column != name else ""
+        if name in ours and not unit and column != name and ours[name].unit:
+            with suppress(InputError):  # wrong cells are reported together, when the rows are read
+                unit, reason = _guessed(name, ours[name].unit, log.numbers(column), log, _step_s(log, sources))
+                warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
+        sources[name] = Source(column=column, unit="" if name in ours and unit == ours[name].unit else unit)
+    return Proposal(LogMapping.model_validate({"kind": kind.value, "columns": sources}), tuple(warnings))
+
+
+def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
+    """Return the usual time between two rows, by the column of times if there is one."""
+    if "t_s" not in sources:
+        return ROW_S
+    times = sources["t_s"]
+    return factor_to("s", times.unit, "t_s") * _step(log.numbers(times.column))
+
+
+def _kind(log: LogFile) -> CaseKind:
+    """Return the kind whose needs the columns meet, and most of whose quantities they hold."""
+    found = {kind: matched(kind, list(log.columns)) for kind in NEEDED}
+    fitting = [kind for kind in NEEDED if any(needed <= set(found[kind]) for needed in NEEDED[kind])]
+    if not fitting:
+        raise InputError(
+            "cannot recognise what was logged from the names of the columns",
+            where=f"{log.path}: row 1",
+            got=list(log.columns),
+            allowed="; ".join(f"for {kind}: {' '.join(sorted(NEEDED[kind][0]))}" for kind in NEEDED),
+            cure=f"rename the columns, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping",
+        )
+    best = max(fitting, key=lambda kind: len(found[kind]))
+    if best in {CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY}:
+        return (
+            CaseKind.MOTOR_STEP if _is_fast(log, found[CaseKind.MOTOR_STEP].get("t_s", "")) else CaseKind.MOTOR_STEADY
+        )
+    return best
+
+
+def _is_fast(log: LogFile, column: str) -> bool:
+    """Return whether the rows of a motor's log are samples against time, rather than steady states."""
+    if not column:
+        return False
+    step = _step(log.numbers(column))
+    unit = taken_apart(column).unit or _guessed_time(log.numbers(column), log)[0]
+    return factor_to("s", unit, column) * step < STEADY_FROM_S
+
+
+def _step(times: Array) -> float:
+    steps = np.diff(times[np.isfinite(times)])
+    steps = steps[steps > 0.0]
+    return usual(steps) if len(steps) else 0.0
+
+
+def _guessed(name: str, ours: str, values: Array, log: LogFile, step_s: float) -> tuple[str, str]:
+    """Return the unit in which the values seem to be, and a sentence that says why; no sentence if it is certain."""
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return "", ""
+    largest = float(np.abs(known).max())
+    if ours == "s":
+        return _guessed_time(known, log)
+    if name in RANGES:
+        below = known[known < NO_TARGET_FROM_M * 1e3 - 1.0]
+        largest = float(below.max()) if len(below) else largest
+    if ours == "m":
+        extent = largest if name in RANGES else float(np.ptp(known))
+        if extent <= LARGEST_ROOM_M and largest <= LARGEST_ROOM_M:
+            return "", f"taken for metres, since the values are up to {largest:.3g}"
+        unit = "mm" if extent >= SMALLEST_MM or name in RANGES else "cm"
+        return unit, f"taken for {unit}, since the values are up to {largest:.4g}"
+    if ours == "rad":
+        return _guessed_angle(known, step_s)
+    if ours in {"V", "A"} and largest > 60.0:
+        return f"m{ours}", f"taken for m{ours}, since the values are up to {largest:.4g}; a duty cycle needs a factor"
+    if ours == "rad/s":
+        unit = "rpm" if largest > 60.0 else ""
+        return unit, f"taken for {unit or ours}, since the values are up to {largest:.4g}"
+    return "", ""
+
+
+def _guessed_time(known: Array, log: LogFile) -> tuple[str, str]:
+    step = _step(known)
+    is_whole = bool(np.all(known == np.rint(known)))
+    if not is_whole or (step < 100.0 and log.rows < 100):
+        return "", ""
+    unit = "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
+    return unit, f"taken for {unit}, since rows are {step:.4g} apart"
+
+
+def _guessed_angle(known: Array, step_s: float) -> tuple[str, str]:
+    turned = np.abs(np.diff(known))
+    largest = float(np.abs(known).max())
+    wraps = turned[turned > np.pi]
+    is_wrapped_rad = len(wraps) > 0 and float(np.median(np.abs(wraps - 2.0 * np.pi))) < 1.0
+    is_fast = len(turned) > 0 and float(np.quantile(turned, 0.9)) > FASTEST_TURN_RAD_S * max(step_s, 1e-3)
+    if not is_wrapped_rad and largest > 2.0 * np.pi + 0.5 and (is_fast or bool(np.any(turned > 300.0))):
+        return "degrees", f"taken for degrees, since the values are up to {largest:.4g}"
+    return "", f"taken for radians, since the values are up to {largest:.3g}"
+
+
+def unit_faults(mapping: LogMapping, values: dict[str, Array], log: LogFile) -> Sequence[InputError]:
+    """Return an error for each quantity that no robot can have in the unit that the mapping states."""
+    faults = []
+    for name, column in our_columns(mapping.case_kind).items():
+        typical = beyond_scale(values[name], column.reach) if name in values else None
+        if typical is None:
+            continue
+        source = mapping.columns[name]
+        factor = likely_unit(typical, column.reach, column.unit) or "check its unit"
+        faults.append(
+            InputError(
+                f"column {source.column or source.constant}: as {source.unit or column.unit} it gives {name} around "
+                f"{typical:.4g} {column.unit}",
+                where=str(log.path),
+                allowed=column.reach.words(column.unit),
+                cure=f"{factor}; correct its unit in {MAPPING} and give that with --mapping",
+            )
+        )
+    return faults

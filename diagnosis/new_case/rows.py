@@ -1,0 +1,264 @@
+"""The rows of a log as a measurement: our columns and units, trials, a regular rate, and rows to hold out."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.importers.drive_log import ROW_S
+from diagnosis.measured.case_format import CAMERA_CHANNELS, RANGES, channel_columns
+from diagnosis.measured.channel import Channel, Label, Role
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from diagnosis.measured.screening import usual
+from diagnosis.new_case.log_file import LogFile
+from diagnosis.new_case.mapping import LogMapping
+from diagnosis.new_case.proposal import unit_faults
+from diagnosis.new_case.quantities import our_columns
+from diagnosis.new_case.units import factor_to
+from symolo.core.arrays import Array
+from symolo.core.errors import FaultList, InputError
+from symolo.core.time_series import TimeSeries
+
+SLOWEST_S = 0.1
+"""Longest usual step of a drive: windows of half a second need a few rows."""
+IRREGULAR = 0.2
+"""Share of a step by which most steps may differ from the usual one without a new sampling."""
+BRIDGED_STEPS = 3.0
+"""Longest gap, in usual steps, across which counts and poses are interpolated."""
+DECIMALS = 9
+"""Decimals of a converted number, whose last digits are rounding errors of the factor."""
+HELD_OUT_EACH = 4
+"""Every 4th row of a bench and every 4th trial is held out; of fewer than 4 trials, the last quarter of each."""
+_IN_TIME = frozenset({CaseKind.DRIVE_LOG, CaseKind.MOTOR_STEP})
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of one trial."""
+
+    t_s: Array
+    """(N,), increasing."""
+    values: Mapping[str, Array]
+    """(N,) of each column."""
+    words: tuple[str, ...] = ()
+    """(N,), materials; empty if there are none."""
+
+
+def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
+    """Return a log as a measurement without nominal parameters; its notes name everything that was changed.
+
+    Raises:
+        InputError: A cell is no number, a quantity is in another unit, or the rows cannot be used; all are reported.
+    """
+    kind, notes = mapping.case_kind, list(log.notes)
+    values = _values(log, mapping)
+    material = mapping.columns.get("material")
+    words: tuple[str, ...] = ()
+    if kind is CaseKind.TOF_BENCH:
+        constant = "" if material is None else str(material.constant or "")
+        words = log.columns[material.column] if material and material.column else (constant,) * log.rows
+    if "t_s" not in values:
+        values["t_s"] = np.arange(log.rows, dtype=np.float64)
+        notes.append("no times were logged: rows are numbered in their place, so that nothing can depend on time")
+    parts = _trials(values, words, kind, log, notes)
+    if kind in _IN_TIME:
+        offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
+        parts = [_shifted(part, offsets) for part in parts]
+        parts = _regular(parts, kind, log, notes)
+    source = MeasurementSource("a log", (str(log.path),))
+    held = _holdout(parts, kind, notes)
+    trials, begins_s = [], 0.0
+    for number, (part, holdout) in enumerate(zip(parts, held, strict=True), 1):
+        trials.append(_trial(f"{number}", part, holdout, kind, begins_s if kind in _IN_TIME else 0.0))
+        begins_s += float(part.t_s[-1]) + 1.0
+    return Measurement(name, kind, source, tuple(trials), notes=tuple(notes))
+
+
+def _values(log: LogFile, mapping: LogMapping) -> dict[str, Array]:
+    """Return the numbers of a log in our units by our names, (N,) each."""
+    faults, values = FaultList(), {}
+    for name, column in our_columns(mapping.case_kind).items():
+        source = mapping.columns.get(name)
+        if source is None:
+            continue
+        with faults.noted():
+            if source.constant is not None:
+                numbers = np.full(log.rows, float(source.constant))
+            else:
+                factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
+                numbers = factor * log.numbers(source.column)
+            if name == "t_s":
+                _check_times(numbers, log, source.column)
+                numbers = numbers - numbers[0]  # time stamps of a computer count from 1970
+            values[name] = np.round(numbers, DECIMALS)
+    if not faults.faults:
+        faults.faults += unit_faults(mapping, values, log)
+    faults.check()
+    return values
+
+
+def _check_times(t_s: Array, log: LogFile, column: str) -> None:
+    missing = np.flatnonzero(~np.isfinite(t_s)).tolist()
+    if missing:
+        where = f"{log.path}: row {missing[0] + 2}"
+        raise InputError(f"column {column}: the time is missing", where=where, cure="remove rows without a time")
+
+
+def _trials(
+    values: Mapping[str, Array], words: Sequence[str], kind: CaseKind, log: LogFile, notes: list[str]
+) -> list[_Rows]:
+    """Return the trials: those of the column, or else a new one wherever the time goes back."""
+    t_s = values["t_s"]
+    group = values.get("trial", values.get("sweep"))
+    steps = np.diff(t_s)
+    new = steps < 0.0 if group is None else np.diff(group) != 0.0
+    if group is None and new.any() and kind in _IN_TIME:
+        notes.append(f"the time goes back {np.count_nonzero(new)} times; a new trial begins at each of these rows")
+    kept = np.concatenate([[True], new | (steps != 0.0)])
+    if not kept.all():
+        notes.append(f"{np.count_nonzero(~kept)} rows repeat the time of the row above and are left out")
+    number = np.concatenate([[0], np.cumsum(new)])
+    parts = []
+    for trial in range(int(number[-1]) + 1):
+        rows = np.flatnonzero((number == trial) & kept)
+        if group is not None and kind in _IN_TIME and np.any(np.diff(t_s[rows]) < 0.0):
+            back = int(rows[int(np.argmax(np.diff(t_s[rows]) < 0.0)) + 1])
+            raise InputError("the time goes back within a trial", where=f"{log.path}: row {back + 2}")
+        parts.append(
+            _Rows(
+                t_s[rows],
+                {name: column[rows] for name, column in values.items()},
+                tuple(words[int(i)] for i in rows) if words else (),
+            )
+        )
+    return parts
+
+
+def _shifted(part: _Rows, offsets_s: Mapping[str, float]) -> _Rows:
+    """Return the rows with those columns moved back to the time at which they were measured."""
+    shifted = {
+        name: _interpolated(part.t_s, part.t_s + offset_s, part.values[name])
+        for name, offset_s in offsets_s.items()
+        if name in part.values
+    }
+    return _Rows(part.t_s, {**part.values, **shifted}, part.words)
+
+
+def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[str]) -> list[_Rows]:
+    """Return the rows from the start of each trial, at the rate of the kind and sampled again where they are not."""
+    steps = np.concatenate([np.diff(part.t_s) for part in parts])
+    if not len(steps):
+        raise InputError("no trial has two rows", where=str(log.path))
+    step_s = usual(steps)
+    wanted_s = ROW_S if kind is CaseKind.DRIVE_LOG else step_s
+    if kind is CaseKind.DRIVE_LOG and step_s > SLOWEST_S:
+        raise InputError(
+            f"rows are {step_s:.4g} s apart",
+            where=str(log.path),
+            allowed=f"at most {SLOWEST_S:g} s",
+            cure="log at 10 Hz or faster; slower rows say too little about turns and starts",
+        )
+    off = np.quantile(np.abs(steps - wanted_s), 0.9)
+    angles = {"theta_rad"} if kind is CaseKind.DRIVE_LOG else set()
+    parts = [_unwrapped(part, angles) for part in parts]
+    first_s = 0.0 if kind is CaseKind.DRIVE_LOG else wanted_s
+    if off <= IRREGULAR * wanted_s:
+        return [_Rows(part.t_s - part.t_s[0] + first_s, part.values, part.words) for part in parts]
+    notes.append(
+        f"rows are {step_s:.4g} s apart, 9 of 10 within {np.quantile(np.abs(steps - step_s), 0.9):.2g} s: sampled "
+        f"again every {wanted_s:.4g} s; voltages are means, counts and poses are interpolated, ranges are the nearest"
+    )
+    return [_sampled(part, step_s, wanted_s, first_s) for part in parts]
+
+
+def _unwrapped(part: _Rows, names: set[str]) -> _Rows:
+    values = dict(part.values)
+    for name in names & values.keys():
+        known = np.isfinite(values[name])
+        angle = values[name].copy()
+        angle[known] = np.unwrap(angle[known])
+        values[name] = angle
+    return _Rows(part.t_s, values, part.words)
+
+
+def _sampled(part: _Rows, step_s: float, wanted_s: float, first_s: float) -> _Rows:
+    since_s = part.t_s - part.t_s[0]
+    t_s = wanted_s * np.arange(int(np.floor(since_s[-1] / wanted_s + 1e-9)) + 1)
+    values = {}
+    for name, column in part.values.items():
+        if name in RANGES:
+            nearest = _nearest(since_s, t_s)
+            close = np.abs(since_s[nearest] - t_s) <= max(step_s, 0.5 * wanted_s)
+            values[name] = np.where(close, column[nearest], np.nan)
+        elif name.endswith("_V") or "_cmd_" in name:
+            values[name] = _held_mean(since_s, column, t_s, wanted_s)
+        else:
+            values[name] = _interpolated(t_s, since_s, column)
+        if name.endswith("_ticks"):
+            values[name] = np.rint(values[name])
+    return _Rows(t_s + first_s, values)
+
+
+def _nearest(t_s: Array, wanted_s: Array) -> NDArray[np.int64]:
+    after = np.clip(np.searchsorted(t_s, wanted_s), 1, max(len(t_s) - 1, 1))
+    return np.where(wanted_s - t_s[after - 1] <= t_s[np.minimum(after, len(t_s) - 1)] - wanted_s, after - 1, after)
+
+
+def _held_mean(t_s: Array, values: Array, wanted_s: Array, step_s: float) -> Array:
+    """Return the mean of a held value from each wanted time to a step later."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.full(len(wanted_s), np.nan)
+    held, begins = values[known], t_s[known]
+    integral = np.concatenate([[0.0], np.cumsum(held[:-1] * np.diff(begins))])
+
+    def until(t: Array) -> Array:
+        last = np.clip(np.searchsorted(begins, t, side="right") - 1, 0, len(begins) - 1)
+        return integral[last] + held[last] * (t - begins[last])
+
+    return (until(wanted_s + step_s) - until(wanted_s)) / step_s
+
+
+def _interpolated(wanted_s: Array, t_s: Array, values: Array) -> Array:
+    """Return values between their neighbours; NaN in gaps and beyond both ends."""
+    known = np.isfinite(values)
+    if np.count_nonzero(known) < 2:
+        return np.full(len(wanted_s), np.nan)
+    times = t_s[known]
+    result = np.interp(wanted_s, times, values[known], left=np.nan, right=np.nan)
+    after = np.clip(np.searchsorted(times, wanted_s), 1, len(times) - 1)
+    exact = np.isin(wanted_s, times)
+    result[(times[after] - times[after - 1] > BRIDGED_STEPS * usual(np.diff(t_s))) & ~exact] = np.nan
+    return result
+
+
+def _holdout(parts: Sequence[_Rows], kind: CaseKind, notes: list[str]) -> list[NDArray[np.bool_]]:
+    rows = [len(part.t_s) for part in parts]
+    if kind not in _IN_TIME:
+        notes.append("every fourth row is held out")
+        number = np.arange(sum(rows)) % HELD_OUT_EACH == HELD_OUT_EACH - 1
+        return np.split(number, np.cumsum(rows)[:-1])
+    if len(parts) >= HELD_OUT_EACH:
+        notes.append("every fourth trial is held out")
+        return [np.full(count, k % HELD_OUT_EACH == HELD_OUT_EACH - 1) for k, count in enumerate(rows)]
+    notes.append("the last quarter of each trial is held out")
+    return [np.arange(count) >= round(0.75 * count) for count in rows]
+
+
+def _trial(name: str, part: _Rows, holdout: NDArray[np.bool_], kind: CaseKind, begins_s: float) -> Trial:
+    channels = tuple(
+        Channel.logged(
+            TimeSeries(
+                column.name,
+                column.unit,
+                part.t_s,
+                part.values[column.name].copy() if column.name in part.values else np.full(len(part.t_s), np.nan),
+            ),
+            Role(column.role),
+            clock="camera" if column.name in CAMERA_CHANNELS else "log",
+        )
+        for column in channel_columns(kind)
+    )
+    labels = (Label("material", part.words),) if kind is CaseKind.TOF_BENCH else ()
+    return Trial(name, part.t_s, holdout, channels, labels, begins_s)

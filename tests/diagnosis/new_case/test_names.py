@@ -1,0 +1,94 @@
+"""Names of columns: words, units and the quantities that they mean."""
+
+import pytest
+
+from diagnosis.measured.measurement import CaseKind
+from diagnosis.new_case.quantities import QUANTITIES, matched, our_columns
+from diagnosis.new_case.units import HeaderName, factor_to, taken_apart
+from symolo.core.errors import InputError
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "unit"),
+    [
+        ("time_ms", ("time",), "ms"),
+        ("timestamp", ("timestamp",), ""),
+        ("timeMs", ("time",), "ms"),
+        ("millis", (), "ms"),
+        ("t", ("t",), ""),
+        ("s", ("s",), ""),
+        ("x [mm]", ("x",), "mm"),
+        ("x(cm)", ("x",), "cm"),
+        ("heading_deg", ("heading",), "degrees"),
+        ("yaw [°]", ("yaw",), "degrees"),
+        ("motor_left (V)", ("motor", "left"), "V"),
+        ("wheelSpeedRpm", ("wheel", "speed"), "rpm"),
+        ("v_cmd_mm_s", ("v", "cmd"), "mm/s"),
+        ("encL", ("enc", "l"), ""),
+        ("leftTicks", ("left",), "ticks"),
+        ("tof front [unknown]", ("tof", "front", "unknown"), ""),
+    ],
+)
+def test_a_name_is_taken_apart_into_words_and_unit(name, words, unit):
+    assert taken_apart(name) == HeaderName(words, unit)
+
+
+@pytest.mark.parametrize(
+    ("ours", "unit", "factor"),
+    [("m", "cm", 0.01), ("s", "us", 1e-6), ("rad", "deg", 3.14159265358979 / 180), ("rad/s", "rpm", 0.10471975512)],
+)
+def test_a_unit_gives_its_factor(ours, unit, factor):
+    assert factor_to(ours, unit, "here") == pytest.approx(factor)
+    assert factor_to(ours, "", "here") == factor_to(ours, ours, "here") == 1.0
+
+
+def test_a_unit_of_another_quantity_is_refused():
+    with pytest.raises(InputError, match=r"columns.x_m: unit: got 'deg', allowed: m, mm, cm"):
+        factor_to("m", "deg", "columns.x_m")
+
+
+DRIVES = (
+    "time_ms,uL,uR,encL,encR,x_cm,y_cm,heading_deg",
+    "t [s];left motor voltage [V];right motor voltage [V];ticks left;ticks right;x [mm];y [mm];theta [rad]".replace(
+        ";", ","
+    ),
+    "stamp,voltage_l,voltage_r,left_encoder,right_encoder,pose_x,pose_y,yaw",
+    "millis,motorLeft_mV,motorRight_mV,cntLeft,cntRight,xM,yM,thetaDeg",
+)
+
+
+@pytest.mark.parametrize("header", DRIVES)
+def test_the_columns_of_a_drive_are_recognised(header):
+    names = header.split(",")
+    expected = ("t_s", "u_left_V", "u_right_V", "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad")
+    assert matched(CaseKind.DRIVE_LOG, names) == dict(sorted(zip(expected, names, strict=True), key=_order))
+
+
+def _order(item):
+    return [quantity.name for quantity in QUANTITIES].index(item[0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "header", "expected"),
+    [
+        (CaseKind.MOTOR_STEADY, "PWM,Voltage (V),Current (mA),Speed (rpm)", ("u_cmd_V", "current_A", "omega_rad_s")),
+        (CaseKind.MOTOR_STEP, "time_us,run,u,i,omega", ("t_s", "trial", "u_cmd_V", "current_A", "omega_rad_s")),
+        (CaseKind.TOF_BENCH, "true distance [mm],tof [mm],target", ("distance_m", "reading_m", "material")),
+        (CaseKind.DRIVE_LOG, "t,tof_f,tof_l,tof_r", ("t_s", "tof_front_m", "tof_left_m", "tof_right_m")),
+    ],
+)
+def test_the_columns_of_other_logs_are_recognised(kind, header, expected):
+    assert set(matched(kind, header.split(","))) == set(expected)
+
+
+def test_words_that_are_not_known_are_no_quantity():
+    header = ["gyro_z", "battery_V", "state", "line_3", "motor_temperature", "foo_mm", "error_theta", "x_target"]
+    assert matched(CaseKind.DRIVE_LOG, header) == {}
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CaseKind if kind in QUANTITIES[2].kinds])
+def test_our_own_names_are_recognised(kind):
+    names = [name for name in our_columns(kind) if name not in {"row", "session_time_s"}]
+    found = matched(kind, names)
+    assert {quantity: column for quantity, column in found.items() if quantity != column} == {}
+    assert set(found) == set(names)

@@ -1,0 +1,280 @@
+"""`symolo case init`: what it writes, what it estimates, and what it reports as missing."""
+
+import io
+import re
+
+import numpy as np
+import pytest
+import yaml
+
+from configs.draw import draw_robot
+from configs.effects.registry import EFFECTS
+from configs.loader import load_section
+from diagnosis.examples.example import FOLDER
+from diagnosis.importers import IMPORTERS
+from diagnosis.importers.choose import read_measurement
+from diagnosis.new_case.known_numbers import numbers_of
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.predictors import STAGES
+from pipeline.cli import main
+
+DT, TICKS, RADIUS, TRACK = 0.05, 1440, 0.0325, 0.14
+R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
+"""A robot whose motors obey u = R i + K w and K i = B w + Tc sgn(w) + J w'."""
+SLOPE = K + R * B / K
+
+
+def smooth(t, phase):
+    """Speed [rad/s] of a wheel that never stands still, and its derivative."""
+    return 8 + 3 * np.sin(1.3 * t + phase), 3.9 * np.cos(1.3 * t + phase)
+
+
+def drive_rows(t):
+    """Columns of a drive by closed forms: ticks are integrals of the speeds, and the pose follows by small steps."""
+    rng = np.random.Generator(np.random.PCG64(5))
+    fine = np.arange(0.0, t[-1] + DT, 1e-3)
+    turned = {}
+    for side, phase in (("l", 0.0), ("r", 1.0)):
+        turned[side] = 8 * fine - 3 / 1.3 * (np.cos(1.3 * fine + phase) - np.cos(phase))
+    heading = RADIUS * (turned["r"] - turned["l"]) / TRACK
+    way = RADIUS * (turned["r"] + turned["l"]) / 2
+    x, y = (np.cumsum(np.diff(way, prepend=0.0) * turn(heading)) for turn in (np.cos, np.sin))
+    rows = np.searchsorted(fine, t - 1e-6)
+    columns = {"time_ms": np.round(1e3 * t).astype(int)}
+    for side, phase in (("l", 0.0), ("r", 1.0)):
+        speed, slope = smooth(t + DT / 2, phase)
+        columns[f"enc_{side}"] = np.floor(TICKS / 2 / np.pi * turned[side][rows]).astype(int)
+        columns[f"motor_{side} [mV]"] = np.round(1e3 * (SLOPE * speed + R / K * (TC + J * slope)), 1)
+    columns["x_cm"] = np.round(100 * (1 + x[rows] + rng.normal(0, 1e-3, len(t))), 3)
+    columns["y_cm"] = np.round(100 * (1 + y[rows] + rng.normal(0, 1e-3, len(t))), 3)
+    wrapped = np.angle(np.exp(1j * (heading[rows] + rng.normal(0, 3e-3, len(t)))))
+    columns["heading_deg"] = np.round(np.degrees(wrapped), 3)
+    return columns
+
+
+def csv_text(columns):
+    return (
+        "\n".join([",".join(columns), *(",".join(map(str, row)) for row in zip(*columns.values(), strict=True))]) + "\n"
+    )
+
+
+@pytest.fixture(scope="module")
+def columns():
+    return drive_rows(DT * np.arange(600))
+
+
+@pytest.fixture
+def init(tmp_path, monkeypatch, capsys):
+    """Run `symolo case init` on a table in an empty folder, and return code, output, messages and nominal.yaml."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(columns, *arguments):
+        (tmp_path / "run.csv").write_text(csv_text(columns))
+        code = main(["case", "init", "run.csv", *arguments])
+        printed = capsys.readouterr()
+        nominal = tmp_path / "run" / "nominal.yaml"
+        return code, printed.out, printed.err, yaml.safe_load(nominal.read_text()) if nominal.is_file() else {}
+
+    return run
+
+
+def values(section):
+    return {key: field["value"] if isinstance(field, dict) else field for key, field in section.items()}
+
+
+def test_unknown_numbers_are_estimated_with_a_tolerance_in_which_no_effect_can_be_named(init, columns):
+    code, out, err, nominal = init(columns, "--set", f"ticks_per_turn={TICKS}")
+    assert (code, err) == (0, "")
+    robot, motor, noise = nominal["robot"], nominal["motor"], nominal["noise"]
+    assert values(robot)["wheel_radius_m"] == pytest.approx(RADIUS, rel=0.01)
+    assert values(robot)["wheel_separation_m"] == pytest.approx(TRACK, rel=0.01)
+    assert values(robot)["encoder_ticks_per_revolution"] == TICKS
+    assert robot["wheel_radius_m"]["tolerance"] == pytest.approx(0.2 * RADIUS, rel=0.02)
+    # The resistance cannot be seen without a current; 3 ohm is what is assumed.
+    assert values(motor)["torque_constant_N_m_A"] == pytest.approx(K, rel=0.03)
+    assert values(motor)["coulomb_friction_N_m"] == pytest.approx(TC, rel=0.25)
+    assert values(motor)["rotor_inertia_kg_m2"] == pytest.approx(J, rel=0.25)
+    assert motor["torque_constant_N_m_A"]["tolerance"] == pytest.approx(0.5 * K, rel=0.05)
+    assert noise["pose_xy_m"] == pytest.approx(1e-3, rel=0.2)
+    assert noise["pose_theta_rad"] == pytest.approx(3e-3, rel=0.2)
+    for key, effect in (("wheel_diameter_m", "wheel_radius_scale"), ("track_m", "wheelbase_scale")):
+        assert re.search(rf"^  {key} .*allows: {effect}", out, re.MULTILINE)
+    assert "ticks_per_turn" not in out
+    assert "symolo diagnose run --out run-diagnosis" in out
+
+
+def test_known_numbers_are_taken_with_the_usual_tolerance(init, columns):
+    given = {"ticks_per_turn": 1440, "wheel_diameter_m": 0.066, "track_m": 0.15, "torque_constant_N_m_A": 0.28}
+    _, out, _, nominal = init(columns, *(word for key in given for word in ("--set", f"{key}={given[key]}")))
+    robot = nominal["robot"]
+    assert robot["wheel_radius_m"] == {"value": 0.033, "tolerance": pytest.approx(0.006 * 0.033, rel=0.01)}
+    assert robot["wheel_separation_m"] == {"value": 0.15, "tolerance": pytest.approx(0.0015)}
+    assert nominal["motor"]["torque_constant_N_m_A"] == {"value": 0.28, "tolerance": pytest.approx(0.014)}
+    assert not re.search(r"^  (track_m|wheel_diameter_m|torque_constant)", out, re.MULTILINE)
+
+
+def test_the_case_has_the_stages_of_what_was_logged(init, columns, tmp_path):
+    carrier = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
+    lacking = {
+        "": ({"wheels", "pose"}, "not compared: ranges, because the log lacks them"),
+        "motor": ({"pose"}, "not compared: speeds of the wheels from voltages, because the log lacks voltages of both"),
+        "x_cm": ({"wheels", "pose"}, "not compared: changes of the pose from ticks, because the log lacks poses"),
+    }
+    for number, (start, (names, line)) in enumerate(lacking.items()):
+        logged = {name: column for name, column in columns.items() if not start or not name.startswith(start)}
+        code, out, err, _ = init(logged, "--set", "ticks_per_turn=1440", "--out", f"case_{number}")
+        assert (code, err) == (0, "")
+        assert line in out
+        measurement = read_measurement(tmp_path / f"case_{number}", IMPORTERS)
+        stages = STAGES[measurement.kind](measurement, nominal_robot(measurement.nominal, carrier))
+        observed = {stage.name for stage in stages if any(o.usable.any() for o in stage.observed)}
+        assert observed == names - ({"pose"} if start == "x_cm" else set())
+
+
+def test_one_range_sensor_with_room_and_mount_is_compared(init, columns, tmp_path):
+    logged = {**columns, "tof_front_mm": np.full(600, 500), "tof_left_mm": np.full(600, 400)}
+    mount = ("front_x_m=0.08", "front_y_m=0", "front_yaw_deg=90", "room_x_m=3", "room_y_m=2", "ticks_per_turn=1440")
+    _, out, _, nominal = init(logged, *(word for setting in mount for word in ("--set", setting)))
+    assert "compared: range of the front sensor" in out
+    assert "not compared: range of the left sensor, because left_x_m, left_y_m, left_yaw_deg not given" in out
+    assert nominal["tof"]["mount"] == {"front": {"x_m": 0.08, "y_m": 0, "yaw_rad": pytest.approx(np.pi / 2, abs=1e-5)}}
+    assert nominal["world"] == {"room_x_m": 3, "room_y_m": 2}
+    (trial,) = read_measurement(tmp_path / "run", IMPORTERS).trials
+    np.testing.assert_allclose(trial["tof_left_m"].values, 0.4)
+
+
+def test_without_poses_the_ticks_per_turn_cannot_be_guessed(init, columns):
+    logged = {name: column for name, column in columns.items() if not name.endswith(("_cm", "_deg"))}
+    code, _, err, nominal = init(logged)
+    assert (code, nominal) == (2, {})
+    assert re.search(r"ticks_per_turn is missing.*give it with --set ticks_per_turn=NUMBER", err)
+
+
+def test_every_wrong_setting_is_reported(init, columns):
+    code, _, err, _ = init(columns, "--set", "trak_m=0.14", "--set", "wheel_diameter_m=65", "--set", "room_x_m=2")
+    assert code == 2
+    assert re.search(r"'trak_m=0.14'.*did you mean track_m", err)
+    assert re.search(r"wheel_diameter_m: got '65', allowed: a number, above 0 to 0.5", err)
+    assert "'room_x_m=2'" in err  # no range was logged
+
+
+def test_a_corrected_mapping_is_taken_again(init, columns, tmp_path):
+    init(columns, "--set", "ticks_per_turn=1440")
+    path = tmp_path / "run" / "mapping.yaml"
+    path.write_text(path.read_text().replace('x_m: {column: "x_cm", unit: "cm"}', "x_m: {column: x_cm, unit: mm}"))
+    code, _, err, _ = init(columns, "--mapping", "run/mapping.yaml", "--out", "again", "--set", "ticks_per_turn=1440")
+    assert (code, err) == (0, "")
+    first, again = (read_measurement(tmp_path / name, IMPORTERS).trials[0] for name in ("run", "again"))
+    np.testing.assert_allclose(again["x_m"].values, 0.1 * first["x_m"].values)
+    np.testing.assert_array_equal(again["y_m"].values, first["y_m"].values)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: {**c, "heading_deg": -c["heading_deg"]}, "theta_rad turns against the wheels"),
+        (lambda c: {**c, "enc_l": c["enc_r"], "enc_r": c["enc_l"]}, "theta_rad turns against the wheels"),
+        (lambda c: {**c, "heading_deg": c["heading_deg"] + 90}, "x_m and y_m do not move where theta_rad points"),
+        (lambda c: {**c, "enc_l": -c["enc_r"], "enc_r": -c["enc_l"]}, "the pose moves backwards while the ticks grow"),
+        (lambda c: {**c, "heading_deg": 10 * np.sin(np.arange(600))}, "theta_rad does not follow the wheels"),
+        (lambda c: c, ""),
+    ],
+)
+def test_mixed_up_sides_and_signs_are_reported(change, message, init, columns):
+    _, out, _, _ = init(change(columns), "--set", "ticks_per_turn=1440")
+    assert re.findall(r"CHECK ([^:;]*)", out) == ([message] if message else [])
+
+
+def test_in_a_terminal_the_command_asks_and_enter_leaves_a_number_out(init, columns, monkeypatch):
+    answers = ["1440", "", "far", "0.14"]
+    answers += [""] * 20
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n".join(answers) + "\n"))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    code, out, _, nominal = init(columns)
+    assert code == 0
+    assert "track_m: got 'far', allowed: a number, above 0 to 1" in out
+    assert nominal["robot"]["wheel_separation_m"] == {"value": 0.14, "tolerance": pytest.approx(0.0014)}
+    assert nominal["robot"]["encoder_ticks_per_revolution"] == 1440
+    assert re.search(r"^  wheel_diameter_m ", out, re.MULTILINE)
+
+
+def test_logs_with_strange_values_are_read_or_refused(columns, tmp_path, monkeypatch, capsys):
+    """Never a traceback: each of these damaged logs gives a case that can be read, or a message."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.Generator(np.random.PCG64(3))
+    cells = ["", "nan", "0", "-1", "1e30", "7", "-3.5", "100000", "x"]
+    names = list(columns)
+    codes = []
+    for number in range(15):
+        damaged = {name: column[:80].astype(object) for name, column in columns.items()}
+        for _ in range(int(rng.integers(1, 4))):
+            name, cell = names[int(rng.integers(len(names)))], cells[int(rng.integers(len(cells)))]
+            rows = slice(None) if rng.random() < 0.3 else int(rng.integers(80))
+            damaged[name][rows] = cell
+        (tmp_path / "log.csv").write_text(csv_text(damaged))
+        codes.append(main(["case", "init", "log.csv", "--out", f"case_{number}", "--set", "ticks_per_turn=1440"]))
+        assert (tmp_path / f"case_{number}").is_dir() == (codes[-1] == 0)
+    assert set(codes) == {0, 2}
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_folder_in_use_stays_as_it_is(init, columns, tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "note.txt").write_text("mine")
+    code, _, err, _ = init(columns)
+    assert code == 2
+    assert "is there already" in err
+    assert [path.name for path in (tmp_path / "run").iterdir()] == ["note.txt"]
+
+
+@pytest.mark.parametrize("name", ["motor_steady_002", "motor_step_001", "tof_bench_001"])
+def test_a_bench_comes_back_from_its_rows_under_other_names(name, init, tmp_path):
+    original = read_measurement(FOLDER / name, IMPORTERS)
+    lines = (FOLDER / name / "data.csv").read_text().splitlines()
+    header = lines[0].split(",")
+    rows = list(zip(*(line.split(",") for line in lines[1:]), strict=True))
+    theirs = {
+        "trial": ("trial", 1),
+        "sweep": ("sweep", 1),
+        "t_s": ("time_ms", 1000),
+        "u_cmd_V": ("motor_mV", 1000),
+        "current_A": ("current (mA)", 1000),
+        "omega_rad_s": ("speed [rpm]", 30 / np.pi),
+        "distance_m": ("true distance [mm]", 1000),
+        "reading_m": ("tof_cm", 100),
+        "material": ("target", None),
+        "incidence_rad": ("angle_deg", 180 / np.pi),
+        "temperature_C": ("temp", 1),
+        "ambient_lux": ("lux", 1),
+    }
+    columns = {}
+    for key, cells in zip(header, rows, strict=True):
+        if key in theirs:
+            new, factor = theirs[key]
+            columns[new] = [cell if factor is None or not cell else repr(float(cell) * factor) for cell in cells]
+    code, out, err, nominal = init(columns)
+    assert (code, err) == (0, ""), out
+    again = read_measurement(tmp_path / "run", IMPORTERS)
+    assert again.kind == original.kind == nominal["kind"]
+    for before, after in zip(original.trials, again.trials, strict=True):
+        for channel in before.channels:
+            np.testing.assert_allclose(after[channel.name].values, channel.values, atol=2e-8)
+        assert [label.values for label in after.labels] == [label.values for label in before.labels]
+    assert again.heldout_rows > 0
+    if "motor" in nominal:
+        # Least squares of the data find the motor that made them, but for what the case hides.
+        for key in ("winding_resistance_ohm", "torque_constant_N_m_A"):
+            assert values(nominal["motor"])[key] == pytest.approx(getattr(original.nominal.motor, key).value, rel=0.1)
+
+
+def test_what_a_number_allows_is_named_as_the_effects_are(init, columns, tmp_path):
+    logged = {**columns, **{f"tof_{side}_mm": np.full(600, 500) for side in ("front", "left", "right")}}
+    init(logged, "--set", "ticks_per_turn=1440")
+    words = {
+        word
+        for number in numbers_of(read_measurement(tmp_path / "run", IMPORTERS))
+        for word in re.findall(r"\w+_(?:scale|sag|slip)", number.allows)
+    }
+    assert len(words) > 8
+    assert words <= set(EFFECTS.by_name())

@@ -1,0 +1,225 @@
+"""Logs of any origin as measurements: units, trials, rates and what is refused."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from diagnosis.measured.measurement import CaseKind
+from diagnosis.new_case.log_file import read_log
+from diagnosis.new_case.mapping import LogMapping, check_mapping, read_mapping
+from diagnosis.new_case.proposal import propose
+from diagnosis.new_case.rows import measurement_of
+from symolo.core.errors import InputError
+
+DRIVE = "t,encL,encR,uL,uR,x,y,theta"
+
+
+@pytest.fixture
+def log(tmp_path):
+    """Write a log and read it."""
+
+    def write(text):
+        path = tmp_path / "run.csv"
+        path.write_text(text)
+        return read_log(path)
+
+    return write
+
+
+def table(header, *columns, separator=","):
+    rows = zip(*columns, strict=True)
+    return "\n".join([header, *(separator.join(f"{cell}" for cell in row) for row in rows)]) + "\n"
+
+
+def drive(t, *, volts=None, header=DRIVE):
+    """Ticks, places and heading grow steadily with the time [s], the heading by 1 rad/s."""
+    ticks = np.round(200 * t).astype(int)
+    volts = 2.0 + 0.0 * t if volts is None else volts
+    return table(header, t, ticks, 2 * ticks, volts, -volts, 1 + 0.1 * t, 2 - 0.1 * t, np.round(t, 9))
+
+
+def measured(log, mapping=None):
+    return measurement_of(log, mapping or propose(log).mapping, "m")
+
+
+def test_a_log_in_other_units_gives_the_same_measurement(log):
+    t = 0.05 * np.arange(200)
+    wrapped_deg = np.degrees(np.angle(np.exp(1j * t)))
+    theirs = table(
+        "time_ms;x [cm];y_mm;heading_deg;ticksLeft;ticksRight;left (mV);right (mV)",
+        1.7e12 + 1e3 * t,  # since 1970
+        100 * (1 + 0.1 * t),
+        1000 * (2 - 0.1 * t),
+        wrapped_deg,
+        np.round(200 * t).astype(int),
+        2 * np.round(200 * t).astype(int),
+        2000 + 0 * t,
+        -2000 + 0 * t,
+        separator=";",
+    ).replace(".", ",")
+    ours, other = measured(log(drive(t))), measured(log(theirs))
+    for name in ("x_m", "y_m", "theta_rad", "enc_left_ticks", "enc_right_ticks", "u_left_V", "u_right_V"):
+        np.testing.assert_allclose(other.trials[0][name].values, ours.trials[0][name].values, atol=1e-8)
+    np.testing.assert_allclose(other.trials[0].t_s, t, atol=1e-6)
+    assert other.kind is CaseKind.DRIVE_LOG
+
+
+def test_a_fast_log_is_sampled_twenty_times_a_second(log):
+    t = 0.01 * np.arange(400)
+    volts = np.where(np.arange(400) % 5 < 2, 1.0, 6.0)  # two of five samples have 1 V
+    found = measured(log(drive(np.round(t, 6), volts=volts)))
+    (trial,) = found.trials
+    np.testing.assert_allclose(trial.t_s, 0.05 * np.arange(80))
+    np.testing.assert_array_equal(trial["enc_left_ticks"].values, 10 * np.arange(80))
+    np.testing.assert_allclose(trial["theta_rad"].values, trial.t_s)
+    np.testing.assert_allclose(trial["u_left_V"].values[:-1], (2 * 1.0 + 3 * 6.0) / 5)
+    assert any("sampled again every 0.05 s" in note for note in found.notes)
+
+
+def test_an_irregular_log_is_sampled_again_and_its_gaps_stay_gaps(log):
+    t = np.cumsum(np.tile([0.03, 0.05, 0.08], 60))
+    t = t[(t < 3.0) | (t > 4.0)]
+    (trial,) = measured(log(drive(np.round(t, 6)))).trials
+    since = trial.t_s
+    inside = (since > 3.1 - t[0]) & (since < 3.9 - t[0])
+    assert np.isnan(trial["x_m"].values[inside]).all()
+    known = np.isfinite(trial["x_m"].values)
+    np.testing.assert_allclose(trial["x_m"].values[known], 1 + 0.1 * (since + t[0])[known], atol=1e-7)
+    assert np.count_nonzero(known) > 0.8 * len(since)
+
+
+def test_a_log_that_is_too_slow_is_refused_with_the_reason(log):
+    with pytest.raises(InputError, match=r"run.csv: rows are 0.2 s apart; allowed: at most 0.1 s; log at 10 Hz"):
+        measured(log(drive(np.round(0.2 * np.arange(50), 6))))
+
+
+def test_values_that_were_measured_later_than_their_row_are_moved_back(log):
+    t = np.round(0.05 * np.arange(100), 6)
+    sources = {"t_s": "t", "enc_left_ticks": "encL", "enc_right_ticks": "encR", "x_m": "x", "y_m": "y"}
+    columns = {name: {"column": column} for name, column in sources.items()}
+    columns |= {"theta_rad": {"column": "theta", "time_offset_s": 0.1, "factor": -1.0}}
+    mapping = LogMapping.model_validate({"kind": "drive_log", "columns": columns})
+    (trial,) = measured(log(drive(t)), mapping).trials
+    # The value of the row at t was measured at t + 0.1, so at t the heading is that of two rows before.
+    np.testing.assert_allclose(trial["theta_rad"].values[2:], -(t - 0.1)[2:], atol=1e-9)
+    assert np.isnan(trial["theta_rad"].values[:2]).all()
+
+
+def test_a_new_trial_begins_where_the_time_goes_back(log):
+    t = 0.05 * np.arange(40)
+    found = measured(log(drive(np.round(np.tile(t, 5), 6))))
+    assert [len(trial.t_s) for trial in found.trials] == [40] * 5
+    assert [trial.holdout.all() for trial in found.trials] == [False, False, False, True, False]
+    begins = [trial.begins_s for trial in found.trials]
+    assert begins == sorted(begins)
+
+
+def test_a_constant_takes_the_place_of_a_column(log):
+    distances = np.repeat([0.1, 0.2, 0.3, 0.4], 3)
+    readings = log(table("distance_m,tof_m", distances, distances + 0.01))
+    columns = {
+        "distance_m": {"column": "distance_m"},
+        "reading_m": {"column": "tof_m"},
+        "material": {"constant": "wood"},
+        "temperature_C": {"constant": 21.5},
+    }
+    (trial,) = measured(readings, LogMapping.model_validate({"kind": "tof_bench", "columns": columns})).trials
+    assert set(trial.label("material").values) == {"wood"}
+    np.testing.assert_array_equal(trial["temperature_C"].values, 21.5)
+    assert trial.holdout.tolist() == [False, False, False, True] * 3
+
+
+@pytest.mark.parametrize(
+    ("header", "scales", "units", "warnings"),
+    [
+        ("time,encL,encR,uL,uR,x,y,yaw", (1000, 100, 57.29578), ("ms", "cm", "degrees"), 4),
+        ("time,encL,encR,uL,uR,x,y,yaw", (1e6, 1000, 1), ("us", "mm", ""), 4),
+        ("t_s,encL,encR,uL,uR,x_m,y_m,theta_rad", (1, 1, 1), ("", "", ""), 0),
+    ],
+)
+def test_units_that_no_name_states_are_guessed_from_the_values_with_a_warning(log, header, scales, units, warnings):
+    t = 0.05 * np.arange(400)
+    ticks = np.round(200 * t).astype(int)
+    x, yaw = 1 + np.sin(t), 3 * t
+    times = np.round(scales[0] * t).astype(int) if scales[0] > 1 else np.round(t, 6)
+    text = table(header, times, ticks, ticks, 2 + 0 * t, 2 + 0 * t, scales[1] * x, scales[1] * x, scales[2] * yaw)
+    proposal = propose(log(text))
+    found = [proposal.mapping.columns[name].unit for name in ("t_s", "x_m", "theta_rad")]
+    assert tuple(found) == units
+    assert len(proposal.warnings) == warnings, proposal.warnings
+
+
+def test_a_unit_that_no_robot_could_have_is_refused_with_the_likely_one(log):
+    t = np.round(0.05 * np.arange(100), 6)
+    text = drive(t, header=DRIVE.replace("x,y", "x [m],y [m]")).splitlines()
+    rows = [row.split(",") for row in text[1:]]
+    text = "\n".join([text[0], *(",".join([*r[:5], f"{1000 * float(r[5])}", *r[6:]]) for r in rows)]) + "\n"
+    with pytest.raises(InputError, match=r"column x \[m\]: as m it gives x_m around .* mm.*divide by 1000") as raised:
+        measured(log(text))
+    assert "mapping.yaml" in str(raised.value)
+
+
+def test_all_wrong_cells_and_rows_are_reported(log):
+    with pytest.raises(InputError) as raised:
+        measured(log("t,encL,encR,uL,uR\n0,1,2,3,4\n0.05,a,2,3,b\n0.1,nan,,3,c\n0.15,1,2,3,4\n"))
+    text = str(raised.value)
+    assert len(text.splitlines()) == 3
+    assert "row 3: column encL: got 'a'" in text
+    assert re.search(r"row 3: column uR: got 'b'.*so do 1 more rows", text)
+    with pytest.raises(
+        InputError, match=r"row 3: 1 cells under a header of 2; .*so do 1 more rows, the last one row 4"
+    ):
+        log("t,x\n1,2\n3\n4\n5,6\n")
+    with pytest.raises(InputError, match=r"no header.*add a line"):
+        log("1,2\n3,4\n")
+    with pytest.raises(InputError, match=r"column a is there twice[\s\S]*column b is there twice"):
+        log("a,b,a,b\n1,2,3,4\n")
+
+
+def test_a_last_row_that_is_cut_off_is_left_out_and_quotes_are_no_part_of_a_name(log):
+    whole = drive(np.round(0.05 * np.arange(100), 6)).replace("encL", '"encL"')
+    found = measured(log(whole + "5.0,1"))
+    assert found.rows == 100
+    assert "run.csv: the last row is cut off or has no line end, and is left out" in found.notes
+    assert measured(log(whole[:-1])).rows == 99
+
+
+def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):
+    with pytest.raises(InputError, match=r"cannot recognise what was logged.*for drive_log: enc_left_ticks"):
+        propose(log("foo,bar\n1,2\n"))
+
+
+def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
+    path = tmp_path / "mapping.yaml"
+    path.write_text(
+        "kind: drive_log\ncolumns:\n  x_n: {column: x}\n  y_m: {column: why, unit: cm}\n"
+        "  theta_rad: {column: theta, unit: mm}\n  t_s: {}\n"
+    )
+    with pytest.raises(InputError) as raised:
+        check_mapping(read_mapping(path), log(drive(0.05 * np.arange(10))), str(path))
+    text = str(raised.value)
+    for pattern in (
+        r"columns.x_n: no column of data.csv.*did you mean x_m",
+        r"columns.y_m: the log has no such column: got 'why'",
+        r"columns.theta_rad: unit: got 'mm', allowed: rad, degrees",
+        r"columns.t_s: give either a column or a constant",
+        r"too few columns for a case of the kind drive_log",
+    ):
+        assert re.search(pattern, text), text
+    path.write_text("kind: drive\ncolumns: {t_s: {colum: t}}\n")
+    with pytest.raises(InputError, match=r"2 faults:[\s\S]*mapping.yaml:2: columns.t_s.colum: unknown key"):
+        read_mapping(path)
+
+
+def test_a_motor_s_log_is_a_step_or_a_sweep_by_the_time_between_its_rows(log):
+    u = np.linspace(0, 5, 30)
+    fast, slow = (table("t [s],u,omega [rad/s]", np.round(step * np.arange(30), 6), u, 3 * u) for step in (0.005, 3.0))
+    assert propose(log(fast)).mapping.kind == "motor_step"
+    assert propose(log(slow)).mapping.kind == "motor_steady"
+    (trial,) = measured(log(fast)).trials
+    np.testing.assert_allclose(trial.t_s[:2], [0.005, 0.01])  # at rest one sample before the first row
+    rpm = table("u,speed [rpm]", u, 60 * u)
+    (trial,) = measured(log(rpm)).trials
+    np.testing.assert_allclose(trial["omega_rad_s"].values, 2 * math.pi * u, atol=1e-8)
