@@ -24,7 +24,8 @@ from symolo.core.arrays import Array
 READING = "reading_m"
 OUTLIER = 4.0
 """Residual in sigmas from which a row is left out."""
-MIN_ROWS = 40
+MIN_ROWS, MOST_ROWS = 40, 400
+"""Fewest rows, and number of rows from which neighbours are averaged, since the time grows with its third power."""
 MIN_LASTING_ROWS = 5.0
 """Least time constant in rows; noise that is correlated over fewer rows does not wander."""
 SHORT = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0)
@@ -93,8 +94,8 @@ def _beside(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
     rows = evidence.fit[place] & np.isfinite(time_s) & (np.abs(fit.z[place]) < OUTLIER)
     if np.count_nonzero(rows) < MIN_ROWS:
         return None
-    t, z, sd = time_s[rows], residual_m[rows] / sd_m[rows], sd_m[rows]
-    row_s, span_s = float(np.median(np.diff(np.sort(t)))), float(np.ptp(t))
+    t, rest_m, sd = _blocks(time_s[rows], residual_m[rows], sd_m[rows])
+    z, row_s, span_s = rest_m / sd, float(np.median(np.diff(t))), float(np.ptp(t))
     if not 2.0 * MIN_LASTING_ROWS * row_s < span_s:
         return None
     times = np.geomspace(MIN_LASTING_ROWS * row_s, span_s, TIMES)
@@ -119,7 +120,7 @@ def _beside(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
     among, on = (_correlation(times_s, t, float(times[best[0]])) for times_s in (t, at))
     # The mean of the error, given the residuals (eq. 2.23 of the same book).
     noise = np.diag((sd / middle_m) ** 2 / RATIOS[best[1]])
-    path_m[place] = on @ np.linalg.solve(among + noise, residual_m[rows])
+    path_m[place] = on @ np.linalg.solve(among + noise, rest_m)
     return Wander(
         RangeWander(sd_m=min(sd_of, 0.1), time_constant_s=tau),
         {"sd_m": sd_error, "time_constant_s": tau_error},
@@ -128,6 +129,16 @@ def _beside(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
         (float(t.min()), float(t.max())),
         cost,
     )
+
+
+def _blocks(t: Array, residual_m: Array, sd_m: Array) -> tuple[Array, Array, Array]:
+    """Return times, residuals and their noise in order of time, as means over neighbours if there are many."""
+    order = np.argsort(t, kind="stable")
+    begins = np.arange(0, len(t), -(-len(t) // MOST_ROWS))
+    weight = sd_m[order] ** -2.0
+    total = np.add.reduceat(weight, begins)
+    mean_s, mean_m = (np.add.reduceat(weight * values[order], begins) / total for values in (t, residual_m))
+    return mean_s, mean_m, total**-0.5
 
 
 def _correlation(t: Array, other: Array, tau: float) -> Array:
