@@ -17,22 +17,24 @@ from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import HypothesisFit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.named_model import NamedModel, standing
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.seen_range import SeenRange, seen_ranges
-from diagnosis.inference.selection import Selection, is_at_bound, is_of_noise, needed, rescued, select, without
-from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, change_by, survivors
+from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
+from diagnosis.inference.transfer import groups
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.wander import Wander, wander
-from diagnosis.inference.verdict import SUBSTITUTE, NameEvidence, Verdict, WithheldName, cancel, conclusion, withheld
+from diagnosis.inference.verdict import Verdict, WithheldName, conclusion
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import KnownWheels
+from diagnosis.measured.nominal import KnownWheels, NominalLog
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
-from diagnosis.usual_tolerances import usual
+from diagnosis.usual_tolerances import usual, usual_of_log
 from symolo.core.errors import InputError
 
 MIN_BETTER = 0.5
@@ -186,20 +188,19 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     result = _structures_of(evidence, selection, result)
     measured, slow = evidence, wander(evidence, selection.fit, result)
     if slow is not None:
-        steady = evidence.without(slow.path_m)
-        others, reselected = _selected(steady, bare, library.testable)
-        rest = _structures_of(others, reselected, adequacy(others, reselected.fit))
-        if rest.is_adequate:
-            evidence, selection, result = others, reselected, rest
-        else:
-            slow = None
+        steady, without_it = _selected(evidence.without(slow.path_m), bare, library.testable)
+        rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
+        # Beside a structure that the error leaves, it may be a part of the unknown cause.
+        slow = slow if rest.is_adequate else None
+        evidence, selection, result = (steady, without_it, rest) if slow else (evidence, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     comparisons = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
     if result.is_adequate:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
-    model, withheld_names = _standing(
-        evidence, selection.nominal, _NamedModel(fit, comparisons, result), library.testable
+    parts = groups(evidence, [trial.name for trial in measurement.trials])
+    model, withheld_names = standing(
+        evidence, selection.nominal, NamedModel(fit, comparisons, result), library.testable, parts
     )
     fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
@@ -269,8 +270,8 @@ def _nominal(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig
 
 def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Return the nuisances that the measurement states, or else the usual ones."""
-    if measurement.nominal is not None:
-        return nuisances(measurement.nominal)
+    if (case := measurement.nominal) is not None:
+        return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
     return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
 
 
@@ -341,78 +342,3 @@ def _best_named(
         return fit, comparisons
     best = min(better, key=lambda rival: rival.worse).fit
     return best, [compare_rivals(evidence, best, effect, effects) for effect in best.hypothesis.effects]
-
-
-@dataclass(frozen=True)
-class _NamedModel:
-    """A fit with the rivals of each of its names, and the test of its residuals."""
-
-    fit: HypothesisFit
-    comparisons: Sequence[RivalComparison]
-    result: Adequacy
-
-
-def _standing(
-    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, effects: Sequence[CandidateEffect]
-) -> tuple[_NamedModel, tuple[WithheldName, ...]]:
-    """Return the model with only those names that stand, and the names withheld.
-
-    Names are withheld one at a time, the weakest first, since the others may stand without it.
-    """
-    withheld_names: list[WithheldName] = []
-    while True:
-        found = [_name_evidence(evidence, nominal, model, comparison) for comparison in model.comparisons]
-        failing = [
-            (each, comparison) for each, comparison in zip(found, model.comparisons, strict=True) if withheld(each)
-        ]
-        if not failing:
-            return model, tuple(withheld_names)
-        # Effects that cancel each other imitate the same thing, so they go together.
-        cancelling = [pair for pair in failing if pair[0].cancelled_by]
-        going = cancelling or [min(failing, key=lambda pair: pair[0].rise)]
-        withheld_names += [WithheldName(each.name, withheld(each)) for each, _ in going]
-        fit = model.fit
-        for _, comparison in going:
-            fit = without(evidence, fit, comparison.effect)
-        left = adequacy(evidence, fit)
-        if left.has_cause and fit.hypothesis.effects:
-            kept = survivors(evidence, nominal, fit, left.worst)
-            substitutes = [effect for effect in fit.hypothesis.effects if effect not in kept]
-            withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
-            for effect in substitutes:
-                fit = without(evidence, fit, effect)
-        comparisons = [compare_rivals(evidence, fit, effect, effects) for effect in fit.hypothesis.effects]
-        model = _NamedModel(fit, comparisons, model.result if left.is_adequate else left)
-
-
-def _cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> str:
-    """Return the name of another effect of a fit that undoes what this one does; empty if there is none."""
-    others = [other for other in fit.hypothesis.effects if other != effect]
-    if not others:
-        return ""
-    change = change_by(evidence, nominal, fit, effect)
-    return next((other.name for other in others if cancel(change, change_by(evidence, nominal, fit, other))), "")
-
-
-def _name_evidence(
-    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, comparison: RivalComparison
-) -> NameEvidence:
-    """Return what the data say of one name of a model, which leaves an unexplained structure or none.
-
-    Beside such a structure a rival may win by taking over a part of it, so rivals count only without.
-    """
-    fit, effect, has_rest = model.fit, comparison.effect, not model.result.is_adequate
-    base = without(evidence, fit, effect)
-    heldout_rise = float((base.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None
-    rival = None if has_rest else next((rival for rival in comparison.rivals if not rival.refused), None)
-    return NameEvidence(
-        name=effect.name,
-        rise=base.cost - fit.cost,
-        needed=needed(effect),
-        rise_of_prior=base.prior_cost - fit.prior_cost,
-        heldout_rise=heldout_rise,
-        is_at_bound=is_at_bound(fit, effect),
-        cancelled_by=_cancelled_by(evidence, nominal, fit, effect),
-        closest_rival=None if rival is None else (rival.effect.name, rival.worse),
-        confidence=1.0 if has_rest else comparison.confidence,
-    )

@@ -12,6 +12,7 @@ from diagnosis.measured.nominal import (
     Nominal,
     NominalDrive,
     NominalGearedMotor,
+    NominalLog,
     NominalMotor,
     NominalRobot,
     NominalTof,
@@ -30,10 +31,13 @@ PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
 def nominal_robot(nominal: Nominal, carrier: RobotConfig) -> RobotConfig:
     """Return `carrier` without its effects and with the parameters that the case defines.
 
-    A range sensor is a single ray with the offset and scale of the case, without the cone and the error of `carrier`.
+    A log that names its robot defines all of it. In other cases, a range sensor is a single ray with the offset and
+    scale of the case, without the cone and the error of `carrier`.
     """
     robot = carrier.model_copy(update={"effects": RobotEffects()})
     match nominal:
+        case NominalLog():
+            return nominal.robot
         case NominalTof():
             return _with_bench_tof(robot, nominal.tof)
         case NominalDrive():

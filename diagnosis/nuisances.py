@@ -15,6 +15,7 @@ from diagnosis.measured.nominal import (
     KnownWheels,
     Nominal,
     NominalDrive,
+    NominalLog,
     NominalRobot,
     NominalTof,
     PositiveSpread,
@@ -51,6 +52,8 @@ def nuisances(nominal: Nominal) -> tuple[Nuisance, ...]:
 
 
 def _all(nominal: Nominal) -> Iterator[Nuisance]:
+    if isinstance(nominal, NominalLog):
+        return  # such a case states no tolerances
     if isinstance(nominal, NominalTof):
         yield _range_offset(nominal.tof.range_offset_m)
         yield _range_scale(nominal.tof.range_scale)

@@ -11,7 +11,7 @@ from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose
-from diagnosis.predictors.ranges import Ranges
+from diagnosis.predictors.ranges_in_room import RangesInRoom
 from diagnosis.predictors.rows import good_values
 from diagnosis.predictors.wheels import Wheels
 from symolo.core.arrays import Array
@@ -55,7 +55,7 @@ def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
         case "wheels":
             stage = Wheels(inputs, robot)
         case "tof" if isinstance(inputs.nominal, NominalDrive):
-            stage = Ranges(inputs, inputs.nominal, robot)
+            stage = RangesInRoom(inputs, inputs.nominal, robot)
         case "pose":
             # The stage predicts increments between measured poses; an unseen run has only the first pose of each trial.
             starts = np.stack([good_values(inputs, name) for name in POSE], axis=-1)

@@ -7,8 +7,8 @@ printed or laser-cut bodies with rubber tyres. A source can state better ones in
 from collections.abc import Mapping
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.nominal import KnownWheels, NominalRobot, PositiveSpread, Spread
-from diagnosis.nuisances import Nuisance, of_section
+from diagnosis.measured.nominal import KnownWheels, NominalLog, NominalRobot, PositiveSpread, Spread
+from diagnosis.nuisances import Nuisance, Number, nuisances, of_section
 
 SHARES: Mapping[str, float] = {
     "winding_resistance_ohm": 0.05,
@@ -22,6 +22,8 @@ WHEEL_SHARE = 0.006
 PAIR_SHARE = 0.003
 """Difference of two wheels of the same type, as a share of the mean radius: rubber yields, and one side carries more
 weight (source: see below)."""
+SPEED_AGE_S = 0.025
+"""Age of a logged speed: the change of the counts since the row before is the speed half a row ago."""
 TRACK_SHARE = 0.01
 """Tolerance of the wheel separation: a tyre touches the floor along a line, and the point on it about which the wheel
 turns is not known (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880)."""
@@ -31,6 +33,21 @@ def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Return the nuisances of the motor of a robot."""
     values = {name: float(getattr(robot.motor, name)) for name in SHARES}
     return tuple(of_section("motor", name, name, value, SHARES[name] * value) for name, value in values.items())
+
+
+def usual_of_log(case: NominalLog) -> tuple[Nuisance, ...]:
+    """Return the nuisances of the wheels of a robot whose speeds were logged; none for speeds of its body."""
+    if case.twist == "truth":
+        return ()
+    drive, encoder = case.robot.drive, case.robot.encoder
+    wheels = usual_wheels(
+        diameter_m=drive.wheel_diameter_m, track_m=drive.track_m, counts_per_turn=encoder.counts_per_revolution
+    )
+
+    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+        return robot.with_section("encoder", {"delay_s": value})
+
+    return (*nuisances(wheels), Nuisance("speed_age_s", encoder.delay_s, SPEED_AGE_S, "s", applied))
 
 
 def usual_wheels(*, diameter_m: float, track_m: float, counts_per_turn: float) -> KnownWheels:

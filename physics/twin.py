@@ -62,6 +62,8 @@ class KinematicTwin:
         self._coupling = inertia - np.diag(np.diag(inertia))
         self._delay_steps = round(model.input_delay_s / step_s)
         self._counting = model.functions(Slot.COUNTING)
+        self._rolling = model.functions(Slot.ROLLING)
+        self._creep = model.functions(Slot.CREEP)
         self._ground = model.functions(Slot.GROUND)
         self._counts_per_rad = model.counts_per_revolution / (2.0 * pi)
 
@@ -150,6 +152,9 @@ class KinematicTwin:
 
     def _path(self, starts: Array, turned_rad: Array) -> Array:
         """Return poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""
+        if self._rolling:
+            angle_rad = np.cumsum(turned_rad, axis=0) - 0.5 * turned_rad
+            turned_rad = turned_rad * through(self._rolling, np.ones_like(turned_rad), angle_rad, turned_rad)
         travel = turned_rad @ self._body.to_twist.T
         forward_m, turn_rad = travel[..., 0], travel[..., 1]
         ones = np.ones_like(turn_rad)
@@ -160,6 +165,10 @@ class KinematicTwin:
         direction = yaw_rad - 0.5 * turn_rad
         x_m = starts[:, 0] + np.cumsum(chord_m * np.cos(direction), axis=0)
         y_m = starts[:, 1] + np.cumsum(chord_m * np.sin(direction), axis=0)
+        if self._creep:
+            size_m = np.abs(turned_rad) @ self._body.to_twist[0]
+            crept_m = np.cumsum(through(self._creep, np.zeros((*size_m.shape, 2)), size_m[..., None]), axis=0)
+            x_m, y_m = x_m + crept_m[..., 0], y_m + crept_m[..., 1]
         return np.stack([x_m, y_m, yaw_rad], axis=-1)
 
 

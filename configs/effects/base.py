@@ -49,6 +49,12 @@ class Slot(TextEnum):
     """`TwoMass`, `Load` of motor side and load side, duration [s] -> `TwoMass`."""
     GEOMETRY = "geometry"
     """`WheelGeometry` -> `WheelGeometry`."""
+    ROLLING = "rolling"
+    """travel of both wheels as a share of radius * turn (..., 2), wheel angles in the middle of the turn [rad], turns
+    [rad] -> share."""
+    CREEP = "creep"
+    """movement over the floor besides rolling, x, y [m] in W (..., 2), mean size of the wheels' travels [m] (..., 1) ->
+    movement."""
     GROUND = "ground"
     """remaining share of the yaw rate, speed [m/s], yaw rate [rad/s], both computed from the wheels -> share."""
     ENCODER = "encoder"

@@ -21,6 +21,8 @@ class Parameter:
     """Smallest value that a file may contain."""
     high: float
     """Largest value that a file may contain."""
+    is_angle: bool = False
+    """Whether the parameter is a direction or a phase, for which a whole turn is no change."""
     is_known: bool = False
     """Whether a fit takes the field's default instead of a value of its own, because no measurement would show it."""
 
@@ -58,4 +60,5 @@ Delay = Annotated[float, Parameter("s", null=0.0, start=0.04, low=0.0, high=0.5)
 LagTime = Annotated[float, Parameter("s", null=0.0, start=0.03, low=0.0, high=2.0)]
 DriftTime = Annotated[float, Parameter("s", null=None, start=120.0, low=0.1, high=10_000.0)]
 Asymmetry = Annotated[float, Parameter("1", null=0.0, start=0.1, low=-0.9, high=0.9)]
+Angle = Annotated[float, Parameter("rad", null=None, start=1.0, low=-6.3, high=6.3, is_angle=True)]
 RangeShift = Annotated[float, Parameter("m", null=0.0, start=0.012, low=-0.2, high=0.2)]

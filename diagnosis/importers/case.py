@@ -31,15 +31,15 @@ def case_importer(
     kind: CaseKind, model: type[Parameters], noise_of: NoiseOf[Parameters], notes_of: NotesOf[Parameters]
 ) -> Importer:
     """Return the importer of one kind of case, whose nominal parameters are an instance of `model`."""
-    return Importer(kind.value, partial(_recognises, kind), partial(_read, kind, model, noise_of, notes_of))
+    return Importer(kind.value, partial(recognises, kind), partial(_read, kind, model, noise_of, notes_of))
 
 
-def _recognises(kind: CaseKind, path: Path) -> bool:
+def recognises(kind: CaseKind, path: Path) -> bool:
     """Return whether nominal.yaml names this kind, even if the rest of the file is not valid YAML.
 
     A broken file is thus read by the importer of its kind, whose message names the fault.
     """
-    file = _folder(path) / NOMINAL
+    file = case_folder(path) / NOMINAL
     if not is_file(file):
         return False
     try:
@@ -54,14 +54,14 @@ def _recognises(kind: CaseKind, path: Path) -> bool:
     return re.search(rf"^kind:\s*['\"]?{kind.value}['\"]?\s*(#.*)?\r?$", text, re.MULTILINE) is not None
 
 
-def _folder(path: Path) -> Path:
+def case_folder(path: Path) -> Path:
     return path.parent if path.name in {DATA, NOMINAL} else path
 
 
 def _read(
     kind: CaseKind, model: type[Parameters], noise_of: NoiseOf[Parameters], notes_of: NotesOf[Parameters], path: Path
 ) -> Measurement:
-    folder, faults = _folder(path), FaultList()
+    folder, faults = case_folder(path), FaultList()
     for name in (NOMINAL, DATA):
         if not (folder / name).is_file():
             cure = f"name a folder with {NOMINAL} and {DATA}"

@@ -22,6 +22,7 @@ SETUPS = {
     CaseKind.TOF_BENCH: Setup.RANGE_BENCH,
     CaseKind.RANGE_SCAN: Setup.RANGE_SCAN,
     CaseKind.DRIVE_LOG: Setup.DRIVE,
+    CaseKind.SYMOLO_CSV: Setup.DRIVE,
 }
 """Setup of each kind of measurement. An effect names the setups to which it applies: a drive has range effects of its
 own, by sensor, since those of the bench would be the same under another name."""

@@ -32,12 +32,18 @@ class Coordinate:
     is_log: bool
     unit: float
     """Value of one unit of a linear coordinate; 1 for a logarithmic one."""
+    is_angle: bool = False
+    """Whether the parameter is a direction or a phase."""
     is_time: bool = False
     """Whether the parameter is a delay or a lag. Fast logs show much shorter ones than slow logs."""
 
     @classmethod
     def of_parameter(cls, name: str, parameter: Parameter) -> "Coordinate":
         """Return the coordinate of an effect's parameter."""
+        if parameter.is_angle:
+            return cls(
+                name, parameter.low, parameter.high, None, parameter.start, is_log=False, unit=1.0, is_angle=True
+            )
         is_ceiling = parameter.null is not None and parameter.null == parameter.high
         if parameter.null is None or is_ceiling or parameter.low > 0.0:
             low = log(max(parameter.low, MIN_LOG_SHARE * parameter.start))

@@ -26,6 +26,8 @@ TIME_SIZES = (*SIZES, 0.06)
 """Sizes of a delay or a lag."""
 SHAPES = (0.1, 0.3, 1.0, 3.0, 10.0)
 """Factors on the start value of a shape parameter."""
+ANGLES = tuple((np.pi / 3.0 * np.arange(-2, 4)).tolist())
+"""Directions and phases [rad]: none is further than 30 degrees from one of them."""
 CEILINGS = tuple(np.geomspace(0.1, 10.0, 25).tolist())
 """Factors on the start value of a limit. They are dense, since a limit that is a little too high does nothing and one
 that is too low does much."""
@@ -50,7 +52,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
     """Return the best prospect of each effect, the most promising first."""
     if not effects:
         return []
-    tries = [(effect, numbers) for effect in effects for numbers in product(*map(_values, effect.coordinates))]
+    tries = [(effect, numbers) for effect in effects for numbers in product(*map(tried_values, effect.coordinates))]
     hypotheses = {effect: fit.hypothesis.with_effect(effect) for effect in effects}
     starts = []
     for effect, numbers in tries:
@@ -99,8 +101,10 @@ def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[
     return np.where(is_new, 2.0 * sizes * along - sizes**2 * squares, 0.0), sizes
 
 
-def _values(coordinate: Coordinate) -> list[float]:
+def tried_values(coordinate: Coordinate) -> list[float]:
     """Return the coordinates at which a parameter is tried."""
+    if coordinate.is_angle:
+        return list(ANGLES)
     if coordinate.null is None or coordinate.is_ceiling:
         factors = CEILINGS if coordinate.is_ceiling else SHAPES
         values = [coordinate.start + float(np.log(factor)) for factor in factors]

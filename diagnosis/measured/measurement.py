@@ -24,6 +24,8 @@ class CaseKind(TextEnum):
     """Readings of a range sensor that was moved past an object."""
     DRIVE_LOG = "drive_log"
     """Voltages, encoder counts, ranges and pose of a robot with two driven wheels."""
+    SYMOLO_CSV = "symolo_csv"
+    """Rows of a SyMoLo data.csv, in an arena that is known: pose, speeds, ranges and line readings."""
     OTHER = "other"
     """Channels that no stage of the simulator predicts, but from which noise, delays and time constants follow."""
 

@@ -6,12 +6,17 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
+from configs.references import SECTIONS, resolve_section
+from configs.schema.arena import ArenaConfig
 from configs.schema.base import FromList, Section
+from configs.schema.robot import RobotConfig
 from configs.schema_faults import all_explained
-from configs.shapes import Shape
+from configs.shapes import Shape, with_defaults
+from configs.validation import distributions_of
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest, together
 from symolo.core.yaml.reader import read_yaml
+from symolo.core.yaml.tree import Node, dotted
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
@@ -182,6 +187,32 @@ class NominalDrive(Section):
     noise: DriveNoise
 
 
+class LogNoise(Section):
+    """Standard deviations of good readings in a data.csv."""
+
+    d_m: Positive
+    """Noise of a range up to 0.18 m; beyond it the growth of Eq. 23 is added, times `robot.tof.noise_scale`."""
+    line: Positive
+    """Noise of a line channel; 1 is full scale."""
+    pose_xy_m: NotNegative
+    pose_theta_rad: NotNegative
+    v_m_s: NotNegative
+    w_rad_s: NotNegative
+
+
+class NominalLog(Section):
+    kind: Literal["symolo_csv"]
+    arena: ArenaConfig
+    robot: RobotConfig
+    noise: LogNoise
+    holdout: Annotated[tuple[str, ...], FromList] = ()
+    """Names of the runs that are held out, as patterns."""
+    holdout_from_ms: float | None = Field(default=None, gt=0, le=1e10)
+    """Time in a single run from which its rows are held out."""
+    twist: Literal["odometry", "truth"] = "odometry"
+    """Whether v and w are what the encoders of the wheels say, with the nominal wheels, or the speeds of the body."""
+
+
 class KnownMotor(Section):
     """Motor of a source that states no noise, so that the data have no nominal.yaml."""
 
@@ -196,16 +227,17 @@ class KnownWheels(Section):
     """Left radius minus right radius, over their mean."""
 
 
-NominalCase = NominalSteady | NominalStep | NominalTof | NominalDrive
+NominalCase = NominalSteady | NominalStep | NominalTof | NominalDrive | NominalLog
 """Content of a nominal.yaml."""
 Nominal = NominalCase | KnownMotor | KnownWheels
 
 NOMINAL = "nominal.yaml"
-MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]] = {
+MODELS: dict[str, type[NominalCase]] = {
     "motor_steady": NominalSteady,
     "motor_step": NominalStep,
     "tof_bench": NominalTof,
     "drive_log": NominalDrive,
+    "symolo_csv": NominalLog,
 }
 
 
@@ -234,7 +266,30 @@ def read_nominal(path: Path) -> NominalCase:
         where = kind.where if kind else root.where
         raise InputError("kind", where=where, got=name, allowed=allowed, nearest=nearest(name, MODELS))
     model = MODELS[name]
+    if model is NominalLog:
+        root = _with_sections(root, path.parent)
     try:
         return model.model_validate(root.plain())
     except ValidationError as error:
         raise together(all_explained(error, root, Shape.of(model))) from None
+
+
+def _with_sections(root: Node, folder: Path) -> Node:
+    """Return a tree with names and `extends:` of arena and robot resolved, and with defaults.
+
+    Raises:
+        InputError: There is no such arena or robot, or a value of theirs is drawn.
+    """
+    keys = {str(key): node for key, node in root.children()}
+    for name in SECTIONS:
+        if name in keys and name in NominalLog.model_fields:
+            keys[name] = resolve_section(name, keys[name], folder)[0]
+    root = with_defaults(Node(keys, root.where), Shape.of(NominalLog))
+    drawn = list(distributions_of(root, NominalLog)) + [
+        ("arena", "generate") for arena in (root.child("arena"),) if arena is not None and arena.child("generate")
+    ]
+    if drawn:
+        node = root.at(drawn[0]) or root
+        cure = "write the numbers of the robot and the arena that were measured"
+        raise InputError(f"{dotted(drawn[0])}: is drawn for each run", where=node.where, cure=cure)
+    return root

@@ -9,6 +9,7 @@ from diagnosis.predictors.drive_log import drive_log_stages
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
 from diagnosis.predictors.range_scan import RangeScan
+from diagnosis.predictors.symolo_csv import symolo_csv_stages
 from diagnosis.predictors.tof_bench import TofBenchStage
 
 STAGES: Mapping[CaseKind, Binder] = MappingProxyType(
@@ -18,6 +19,7 @@ STAGES: Mapping[CaseKind, Binder] = MappingProxyType(
         CaseKind.TOF_BENCH: only_stage(TofBenchStage),
         CaseKind.RANGE_SCAN: only_stage(RangeScan),
         CaseKind.DRIVE_LOG: drive_log_stages,
+        CaseKind.SYMOLO_CSV: symolo_csv_stages,
     }
 )
 """Stages of each kind of measurement that can be predicted."""

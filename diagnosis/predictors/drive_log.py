@@ -5,7 +5,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.pose import Pose
-from diagnosis.predictors.ranges import Ranges
+from diagnosis.predictors.ranges_in_room import RangesInRoom
 from diagnosis.predictors.wheels import Wheels
 
 VOLTAGES = ("u_left_V", "u_right_V")
@@ -21,15 +21,15 @@ def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[St
     """
     stages: list[Stage] = []
     case = measurement.nominal if isinstance(measurement.nominal, NominalDrive) else None
-    if _offers(measurement, VOLTAGES) and (case is None or case.motor is not None):
+    if offers(measurement, VOLTAGES) and (case is None or case.motor is not None):
         stages.append(Wheels(measurement, nominal))
-    if _offers(measurement, TICKS):
+    if offers(measurement, TICKS):
         stages.append(Pose(measurement, nominal))
-    if case is not None and case.tof is not None and case.world is not None and _offers(measurement, POSE):
-        stages.append(Ranges(measurement, case, nominal))
+    if case is not None and case.tof is not None and case.world is not None and offers(measurement, POSE):
+        stages.append(RangesInRoom(measurement, case, nominal))
     return tuple(stage for stage in stages if all(len(observed.values) for observed in stage.observed))
 
 
-def _offers(measurement: Measurement, names: tuple[str, ...]) -> bool:
+def offers(measurement: Measurement, names: tuple[str, ...]) -> bool:
     offered = set(measurement.channel_names())
     return all(name in offered and any(c.is_offered for c in measurement.across(name)) for name in names)

@@ -15,7 +15,7 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import KnownWheels, NominalDrive
+from diagnosis.measured.nominal import KnownWheels, NominalDrive, NominalLog
 from diagnosis.measured.screening import noise_of
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
@@ -40,8 +40,21 @@ SHARE_NO_POSE = WINDOW // STRIDE + 1
 LEVER_M = 0.12
 """Lever arm by which noise of the heading is noise of the place."""
 PARTS = ("drive", "encoder")
-SLOTS = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.ENCODER, Slot.COUNTING, Slot.POSE_POINT, Slot.POSE_DELAY})
+SLOTS = frozenset(
+    {
+        Slot.GEOMETRY,
+        Slot.ROLLING,
+        Slot.CREEP,
+        Slot.GROUND,
+        Slot.ENCODER,
+        Slot.COUNTING,
+        Slot.POSE_POINT,
+        Slot.POSE_DELAY,
+    }
+)
 """Slots of the effects between the counts and the logged poses."""
+MIN_NOISE = 1e-6
+"""Noise of a pose [m, rad] that is stated as exact: it is rounded all the same."""
 UNSTATED_SLIP = 1e-3
 """Noise of the travelled distance [m / sqrt m] if it is not stated: a millimetre per metre."""
 SIDES = ("right", "left")
@@ -62,6 +75,9 @@ class PoseNoise:
         if isinstance(measurement.nominal, NominalDrive):
             noise = measurement.nominal.noise
             return cls(noise.pose_xy_m, noise.pose_theta_rad, noise.travel_m_per_sqrt_m)
+        if isinstance(measurement.nominal, NominalLog):
+            noise = measurement.nominal.noise
+            return cls(max(noise.pose_xy_m, MIN_NOISE), max(noise.pose_theta_rad, MIN_NOISE), UNSTATED_SLIP)
         xy_m, theta_rad = (_camera_noise(measurement, name) for name in ("x_m", "theta_rad"))
         return cls(xy_m, theta_rad, UNSTATED_SLIP)
 
@@ -71,24 +87,32 @@ class Pose:
 
     name = "pose"
     at_once = 48
+    parts, slots = PARTS, SLOTS
+    """Parts of the robot, and slots of the effects, that act on the stage."""
+    channels = ("pose_increment",) * len(COMPONENTS)
+    """Name of each component in an answer."""
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
-        ticks = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+        ticks = self._counts(measurement, nominal)
         whole = np.isfinite(ticks).all(axis=-1)
         self._ticks = bridged(ticks, self._t_s, self._trials)
         self._steps_s = np.maximum(np.diff(self._t_s, prepend=self._t_s[0]), 0.0)
         self._starts = np.cumsum([0, *self._trials[:-1]])
         # The first row of a trial has no row before it. Any positive time will do, since its wheels have not turned.
         self._steps_s[self._starts] = 1.0
+        self._counted = np.diff(self._ticks, axis=0, prepend=self._ticks[:1])
+        self._counted[self._starts] = 0.0
         self._first, self._last = rows_after(measurement, WINDOW, STRIDE)
+        theta = good_values(measurement, "theta_rad")
+        self._heading_rad = bridged(theta[:, None], self._t_s, self._trials)[:, 0]
         missing = np.concatenate([[0], np.cumsum(~whole)])
         self._complete = missing[self._last + 1] == missing[self._first]
         self.observed: tuple[Observed, ...] = self._observed(measurement, nominal)
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        distinct_robots, which = distinct(robots, PARTS, SLOTS)
+        distinct_robots, which = distinct(robots, self.parts, self.slots)
         increments = np.empty((len(distinct_robots), len(self._first), 3))
         for group in alike(distinct_robots):
             increments[group] = self._increments(self._paths([distinct_robots[k] for k in group]))
@@ -101,7 +125,7 @@ class Pose:
             robot: The robot.
             starts: (N, 3), logged x [m], y [m], yaw [rad] in the first row of each trial.
         """
-        path = self._paths([robot])
+        path = self._paths([robot], starts)
         begin = np.repeat(path[self._starts], self._trials, axis=0)
         from_w = np.repeat(starts, self._trials, axis=0)
         return from_w + seen_from_body(begin[:, 2] - from_w[:, 2], path - begin)
@@ -111,9 +135,16 @@ class Pose:
         first, last = poses[..., self._first, :], poses[..., self._last, :]
         return seen_from_body(first[..., 2], last - first)
 
-    def _paths(self, robots: Sequence[RobotConfig]) -> Array:
-        """Return the tracked poses at the logged times, (n, 3) or (M, n, 3), each trial from the axle at zero."""
-        steps = self._steps(robots)
+    def _paths(self, robots: Sequence[RobotConfig], starts: Array | None = None) -> Array:
+        """Return the tracked poses at the logged times, (n, 3) or (M, n, 3), each trial from the axle at zero.
+
+        Args:
+            robots: M robots that are alike.
+            starts: (N, 3), logged poses in the first row of each trial, if there are no others.
+        """
+        model = RobotModel.from_config(stacked(robots, axes=2))
+        turned = self._turned(model)
+        steps = self._steps(model, turned)
         pose = np.zeros((*steps.shape[:-1], 3))
         for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
             part = slice(start, start + rows)
@@ -123,18 +154,62 @@ class Pose:
             pose[..., part, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
             pose[..., part, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
             pose[..., part, 2] = yaw
+        if model.functions(Slot.CREEP):
+            pose = pose + self._crept(model, turned, pose[..., 2], starts)
         effects = stacked_effects(robots, axes=1)
-        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s)
+        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s) - self._age_s(robots)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
-        point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
-        return through(point, pose)
+        return through(model.functions(Slot.POSE_POINT), pose)
 
-    def _steps(self, robots: Sequence[RobotConfig]) -> Array:
+    def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
+        """Return the counts of the right and the left wheel in all rows, (n, 2); NaN where missing."""
+        del nominal
+        return np.stack([good_values(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+
+    def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
+        """Return the age of the counts when their row is logged, one or (M, 1)."""
+        del robots
+        return 0.0
+
+    def _added_variance(self, measurement: Measurement) -> tuple[float | Array, float | Array]:
+        """Return the variance of distance [m2] and turn [rad2] of each window by noise of the log, one or (m,)."""
+        del measurement
+        return 0.0, 0.0
+
+    def _turned(self, model: RobotModel) -> Array:
+        """Return turns [rad] of right and left wheel since the previous row, by which round wheels would travel as far
+        as those of the robot do, (n, 2) or (M, n, 2).
+        """
+        rad_per_count = 2.0 * pi / model.counts_per_revolution
+        turned = uncounted(model, rad_per_count * self._counted, self._steps_s[:, None])
+        if not (rolling := model.functions(Slot.ROLLING)):
+            return turned
+        total = np.cumsum(turned, axis=-2)
+        since_start = total - np.repeat(total[..., self._starts, :], self._trials, axis=-2)
+        angle_rad = rad_per_count * np.repeat(self._ticks[self._starts], self._trials, axis=0) + since_start
+        return turned * through(rolling, np.ones_like(turned), angle_rad - 0.5 * turned, turned)
+
+    def _crept(self, model: RobotModel, turned: Array, yaw_rad: Array, starts: Array | None) -> Array:
+        """Return by how much the robot has crept over the floor, in the frame of each trial's path, (..., n, 3).
+
+        The creep has a direction in the room. The path begins at a heading of zero, and where it points in the room is
+        known best from the logged headings: its own drift with the errors of the wheels.
+        """
+        geometry = model.geometry
+        right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
+        travel_m = 0.5 * (np.abs(right_m) + np.abs(left_m))
+        crept_m = through(model.functions(Slot.CREEP), np.zeros((*travel_m.shape[:-1], 2)), travel_m)
+        askew_rad = through(model.functions(Slot.POSE_POINT), np.zeros((1, 3)))[..., 2]
+        if starts is None:
+            frame_rad = self._heading_rad - askew_rad - yaw_rad
+        else:
+            frame_rad = np.repeat(starts[:, 2], self._trials) - askew_rad
+        steps = np.concatenate([crept_m, np.zeros_like(crept_m[..., :1])], axis=-1)
+        total = np.cumsum(seen_from_body(frame_rad, steps), axis=-2)
+        return total - np.repeat(total[..., self._starts, :], self._trials, axis=-2)
+
+    def _steps(self, model: RobotModel, turned: Array) -> Array:
         """Return distance forward [m] and turn [rad] of each row since the previous one, (n, 2) or (M, n, 2)."""
-        model = RobotModel.from_config(stacked(robots, axes=2))
-        counted = np.diff(self._ticks, axis=0, prepend=self._ticks[:1])
-        counted[self._starts] = 0.0
-        turned = uncounted(model, 2.0 * pi / model.counts_per_revolution * counted, self._steps_s[:, None])
         geometry = model.geometry
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
@@ -149,9 +224,11 @@ class Pose:
         middle = (first + last) // 2
         angle_rad = 2.0 * pi / nominal.encoder.counts_per_revolution * self._ticks[middle]
         trial = trial_of_rows(measurement)[first]
+        moved_m = np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])
+        lasts_s = self._t_s[last] - self._t_s[first]
         covariates = (
-            Covariate("ds", np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])),
-            Covariate("dtheta", predicted[:, 2]),
+            Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
+            Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
             Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
@@ -172,7 +249,7 @@ class Pose:
         return tuple(
             Observed(
                 name=name,
-                channel="pose_increment",
+                channel=self.channels[k],
                 unit=unit,
                 values=np.where(usable, values[:, k], np.nan),
                 sd=sds[k],
@@ -193,7 +270,8 @@ class Pose:
         turned[self._starts] = 0.0
         travel_m = np.cumsum(radius_m * turned.mean(axis=-1))
         q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
-        slip_place, slip_heading = 0.5 * q, 2.0 * q / nominal.drive.track_m**2
+        by_log = self._added_variance(measurement)
+        slip_place, slip_heading = 0.5 * q + by_log[0], 2.0 * q / nominal.drive.track_m**2 + by_log[1]
         place = 2.0 * noise.xy_m**2 + (LEVER_M * noise.theta_rad) ** 2 + slip_place
         heading = 2.0 * noise.theta_rad**2 + slip_heading
         # Half of the travel of a window, and so of its slip, belongs to the next window too.

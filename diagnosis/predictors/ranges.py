@@ -1,6 +1,8 @@
-"""Logged pose -> readings of the three range sensors in an empty room."""
+"""Logged pose -> readings of the three range sensors; a subclass knows what the sensors see."""
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,11 +10,9 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose import earlier
-from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
 from diagnosis.predictors.rows import bridged, good_values, joined, session_time_s, trial_covariate, trial_of_rows
 from physics.robot.model import through
 from physics.robot.stack import alike, stacked, stacked_effects
@@ -36,36 +36,85 @@ SLOTS = frozenset(
 """Slots of the effects between the logged poses and the readings."""
 CORNER_M, CORNER_RAD, END_M = 0.02, 0.05, 0.03
 """Distances from a corner, and from the end of the range, within which a row is left out (case format)."""
-WALL_REFLECTANCE = 1.0
 
 
-class Ranges:
-    """Rays from the pose of the axle at the time of the readings, computed from the logged pose and its effects."""
+@dataclass(frozen=True)
+class Sight:
+    """What the sensors of a robot, or of M robots, see; all arrays are (n, 3) or (M, n, 3), or broadcast to it."""
+
+    distance_m: Array
+    reading_m: Array
+    """Reading before the effects."""
+    sd_m: Array
+    """Standard deviation of its noise before the effects."""
+    incidence_rad: Array
+    tilt_rad: Array
+    """Incidence with a sign: positive where the left side of the beam is further away."""
+    reflectance: Array
+    material_share: Mapping[str, Array]
+    pose_variance: Array
+    """Variance of the distance by the noise of the pose [m2]."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the nominal robot sees in the rows of a log, beside its ranges; arrays are (n, 3)."""
+
+    clear: Mask
+    """Rows in which a reading says something: the sensor sees a surface, and no edge of it."""
+    surface: Array
+    """Index of the surface that is hit, for most rays."""
+    surfaces: tuple[str, ...]
+    """Names of the surfaces."""
+
+
+class Ranges(ABC):
+    """Ranges from the pose of the axle at the time of the readings, computed from the logged pose and its effects."""
 
     name = "tof"
     at_once = 48
+    resolution_m = 0.0
+    """Step to which readings are rounded, if it adds to the stated noise."""
+    channels: Mapping[str, str]
+    """Name of each range in an answer by that of its channel, in the order of the sensors."""
 
-    def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
-        if nominal_case.tof is None or nominal_case.world is None:
-            raise ValueError("a case without range sensors or a room has no such stage")
-        self._case, self._room, self._mounts = nominal_case, nominal_case.world, nominal_case.tof.mount
+    def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
+        self._age_s = self._ages_s(measurement, nominal)
         log = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
         self._log = bridged(log, self._t_s, self._trials)
-        seen = self._seen([nominal])
-        noise = nominal_case.noise
-        self._pose_variance = (seen.by_x**2 + seen.by_y**2) * noise.pose_xy_m**2
-        self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
+        around = self._around(nominal)
         mean, sd = self._expected([nominal])
-        in_reach = seen.distance_m <= nominal_case.tof.max_range_m - END_M
-        clear = in_reach & ~near_corner(self._room, seen, CORNER_M, CORNER_RAD)
-        clear &= np.isfinite(log).all(axis=-1, keepdims=True)
+        incidence_rad = np.broadcast_to(self._sight([nominal]).incidence_rad, mean.shape)[0]
+        clear = around.clear & np.isfinite(log).all(axis=-1, keepdims=True)
         self.observed: tuple[Observed, ...] = tuple(
-            self._observed(measurement, k, seen, Predicted(mean[0][:, k], sd[0][:, k]), clear[:, k])
-            for k in range(len(SENSORS))
+            self._observed(
+                measurement,
+                name,
+                Predicted(mean[0][:, k], sd[0][:, k]),
+                clear[:, k],
+                (
+                    Covariate("incidence_rad", incidence_rad[:, k]),
+                    Covariate("wall", around.surface[:, k], CovariateShape.CATEGORY, labels=around.surfaces),
+                ),
+            )
+            for k, name in enumerate(self.channels)
         )
+
+    @abstractmethod
+    def _around(self, nominal: RobotConfig) -> Surroundings:
+        """Return what the nominal robot sees beside its ranges."""
+
+    @abstractmethod
+    def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
+        """Return what robots that can be stacked see."""
+
+    def _ages_s(self, measurement: Measurement, nominal: RobotConfig) -> Array:
+        """Return the age of each reading when its row is logged, (n,), without effects."""
+        del measurement, nominal
+        return np.zeros(len(self._t_s))
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         several, which = distinct(robots, PARTS, SLOTS)
@@ -73,15 +122,13 @@ class Ranges:
         return tuple(Predicted(mean[which, :, k], sd[which, :, k]) for k in range(len(SENSORS)))
 
     def _observed(
-        self, measurement: Measurement, k: int, seen: RoomRanges, nominal: Predicted, clear: Mask
+        self, measurement: Measurement, name: str, nominal: Predicted, clear: Mask, around: tuple[Covariate, ...]
     ) -> Observed:
-        name = f"tof_{SENSORS[k]}_m"
         values = good_values(measurement, name)
-        usable = clear & np.isfinite(values) & (getattr(self._mounts, SENSORS[k]) is not None)
+        usable = clear & np.isfinite(values)
         covariates = (
             Covariate("distance_m", nominal.mean),
-            Covariate("incidence_rad", seen.incidence_rad[:, k]),
-            Covariate("wall", seen.wall[:, k].astype(float), CovariateShape.CATEGORY, labels=WALLS),
+            *around,
             Covariate("position", self._log[:, 0], second=self._log[:, 1]),
             Covariate("theta_rad", self._log[:, 2], CovariateShape.PERIODIC),
             Covariate("t_s", self._t_s),
@@ -90,7 +137,7 @@ class Ranges:
         )
         return Observed(
             name=name,
-            channel="tof_m",
+            channel=self.channels[name],
             unit="m",
             values=np.where(usable, values, np.nan),
             sd=nominal.sd,
@@ -102,23 +149,13 @@ class Ranges:
             covariates=covariates,
         )
 
-    def _seen(self, robots: Sequence[RobotConfig]) -> RoomRanges:
-        """Return the ranges of one robot (n, 3), or of M robots (M, n, 3)."""
-        several, effects = stacked(robots, axes=2), stacked_effects(robots, axes=2)
-        mounts = [getattr(several.tof.mounts, sensor) for sensor in SENSORS]
-        x_m, y_m, yaw_deg = (
-            _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
-        )
-        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
-        return room_ranges(self._room, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
-
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
         effects = stacked_effects(robots, axes=1)
         range_delay_s = through(effects.functions(Slot.RANGE_DELAY), 0.0)
         pose_delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s)
         # The logged pose is older than its row by the pose delay, the reading by the range delay.
-        tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s)
+        tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s + self._age_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         # The effects turn every axle by the same angle and shift it by a vector that depends on its yaw only. So one
         # step back from the tracked pose gives the yaw of the axle, and a second one its place.
@@ -130,26 +167,20 @@ class Ranges:
         mean, sd = (np.empty((len(robots), len(self._t_s), len(SENSORS))) for _ in range(2))
         for group in alike(robots):
             several = [robots[k] for k in group]
-            seen, effects, tof = self._seen(several), stacked_effects(several, axes=2), stacked(several, axes=2).tof
+            sight, effects, tof = self._sight(several), stacked_effects(several, axes=2), stacked(several, axes=2).tof
             view = RangeView(
-                distance_m=seen.distance_m,
-                incidence_rad=seen.incidence_rad,
+                distance_m=sight.distance_m,
+                incidence_rad=sight.incidence_rad,
                 tilt_forward_rad=np.zeros(len(SENSORS)),
-                tilt_sideways_rad=seen.tilt_rad,
-                reflectance=np.full(len(SENSORS), WALL_REFLECTANCE),
-                material_share={},
+                tilt_sideways_rad=sight.tilt_rad,
+                reflectance=sight.reflectance,
+                material_share=sight.material_share,
                 temperature_C=tof.temperature_C,
                 reference_temperature_C=tof.reference_temperature_C,
                 ambient_lux=tof.ambient_lux,
                 time_s=self._since_on_s[:, None],
             )
-            bare_sd = self._case.noise.tof.sd_m(seen.distance_m) * tof.noise_scale
-            mean[group], reading_sd = RangeEffects.of(effects).expected(seen.distance_m, bare_sd, view, 0.0)
-            sd[group] = np.sqrt(reading_sd**2 + self._pose_variance)
+            reading = RangeEffects.of(effects).expected(sight.reading_m, sight.sd_m, view, self.resolution_m)
+            mean[group], reading_sd = reading
+            sd[group] = np.sqrt(reading_sd**2 + sight.pose_variance)
         return mean, sd
-
-
-def _side_by_side(values: Sequence[float | Array]) -> Array:
-    """Return the values of the three sensors, (3,); (M, 1, 3) if the values of M robots, (M, 1, 1) each, differ."""
-    shape = np.broadcast_shapes(*(np.shape(value) for value in values))
-    return np.concatenate([np.broadcast_to(np.atleast_1d(value), shape or (1,)) for value in values], axis=-1)

@@ -176,7 +176,7 @@ class BulletSimulation:
                 robot, wheels, pybullet.TORQUE_CONTROL, forces=torques, physicsClientId=client
             )
             pybullet.stepSimulation(client)
-            effects.turn_back(client, robot, self._to_axle, speeds)
+            effects.move_over_floor(client, robot, self._to_axle, speeds)
 
     def _update(self) -> None:
         """Update the loop, the contacts and the unwrapped yaw, once per wheel-loop period."""
@@ -226,7 +226,11 @@ class BulletSimulation:
         forward = velocity[0] * r[0] + velocity[1] * r[3] + velocity[2] * r[6]
         pitch_rate = spin[0] * r[1] + spin[1] * r[4] + spin[2] * r[7]
         yaw_share = 1.0 if self._effects is None else self._effects.yaw_share
-        return forward + pitch_rate * self._to_axle[2], yaw_share * spin[2]
+        speed_m_s, yaw_rate_rad_s = forward + pitch_rate * self._to_axle[2], yaw_share * spin[2]
+        if self._effects is None or not self._effects.slides:
+            return speed_m_s, yaw_rate_rad_s
+        slid_m_s, slid_rad_s = self._effects.slid(atan2(r[3], r[0]))
+        return speed_m_s + slid_m_s, yaw_rate_rad_s + slid_rad_s
 
     def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Return the engine's joint states of both wheels: angle [rad], speed [rad/s] and more."""

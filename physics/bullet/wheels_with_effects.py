@@ -1,7 +1,7 @@
 """Effects that act on the wheels at every step of the engine, for robots that have such effects.
 
 The engine computes the linear part, damping and stall torque. Effects add a torque, change the limit of the dry
-friction, delay commands, lose counts and shorten turns; each adds exactly nothing at its null value.
+friction, delay commands, lose counts and move the body over the floor; each adds exactly nothing at its null value.
 """
 
 from collections import deque
@@ -26,6 +26,8 @@ class WheelsWithEffects:
         self._period_s = 1.0 / physics_hz
         self._delay_steps = round(model.input_delay_s * physics_hz)
         self._counting = model.functions(Slot.COUNTING)
+        self._rolling = model.functions(Slot.ROLLING)
+        self._creep = model.functions(Slot.CREEP)
         self._ground = model.functions(Slot.GROUND)
         self._geometry = model.geometry
         self._coming: deque[tuple[int, Array]] = deque()
@@ -36,6 +38,8 @@ class WheelsWithEffects:
         """Angles, right and left, that the encoders have not counted."""
         self.yaw_share = 1.0
         """Yaw rate of the body as a share of that of the wheels."""
+        self._ahead_m_s = self._turning_rad_s = 0.0
+        self._creep_m_s = np.zeros(2)
 
     def command(self, step: int, voltages_V: tuple[float, float]) -> None:
         self._coming.append((step + self._delay_steps, np.array(voltages_V)))
@@ -71,20 +75,52 @@ class WheelsWithEffects:
         right, left = self._driveline.current_A(self._voltage_V, speeds_rad_s).tolist()
         return right, left
 
-    def turn_back(self, client: int, body: int, to_axle: tuple[float, float, float], speeds_rad_s: Array) -> None:
-        """Reduce the yaw of the body's last step by slip, about the middle of the axle.
+    @property
+    def slides(self) -> bool:
+        """Whether the body moves otherwise than by the rolling of round wheels."""
+        return bool(self._rolling or self._creep)
 
-        Bullet's contacts hold a rolling wheel without any slip, so that a force cannot do this.
+    def slid(self, yaw_rad: float) -> tuple[float, float]:
+        """Return forward speed [m/s] and yaw rate [rad/s] of the body that its wheels in the engine do not have."""
+        creep_m_s = self._creep_m_s[0] * cos(yaw_rad) + self._creep_m_s[1] * sin(yaw_rad)
+        return self._ahead_m_s + float(creep_m_s), self._turning_rad_s
+
+    def move_over_floor(self, client: int, body: int, to_axle: tuple[float, float, float], speeds_rad_s: Array) -> None:
+        """Turn and move the body, about the middle of the axle, as the effects change its last step.
+
+        Bullet's contacts hold a round wheel that rolls without any slip, so that a force cannot do this.
         """
-        if not self._ground:
+        if not (self._ground or self._rolling or self._creep):
             return
-        right_m_s = self._geometry.right_radius_m * speeds_rad_s[0]
-        left_m_s = self._geometry.left_radius_m * speeds_rad_s[1]
+        round_right_m_s = self._geometry.right_radius_m * speeds_rad_s[0]
+        round_left_m_s = self._geometry.left_radius_m * speeds_rad_s[1]
+        right_m_s, left_m_s = round_right_m_s, round_left_m_s
+        if self._rolling and self._angles is not None:
+            turned = speeds_rad_s * self._period_s
+            share = through(self._rolling, np.ones(2), self._angles + 0.5 * turned, turned)
+            right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
         yaw_rate = (right_m_s - left_m_s) / self._geometry.track_m
         self.yaw_share = float(through(self._ground, 1.0, 0.5 * (right_m_s + left_m_s), yaw_rate))
-        turn = -(1.0 - self.yaw_share) * float(yaw_rate) * self._period_s
+        more_rad_s = float(yaw_rate - (round_right_m_s - round_left_m_s) / self._geometry.track_m)
+        self._ahead_m_s = float(0.5 * (right_m_s - round_right_m_s + left_m_s - round_left_m_s))
+        self._turning_rad_s = self.yaw_share * more_rad_s
+        size_m_s = np.array([0.5 * (abs(right_m_s) + abs(left_m_s))])
+        self._creep_m_s = through(self._creep, np.zeros(2), size_m_s)
+        turn = (more_rad_s - (1.0 - self.yaw_share) * float(yaw_rate)) * self._period_s
         if turn != 0.0:
             _turn_about_axle(client, body, to_axle, turn)
+        if self._ahead_m_s or self._creep_m_s.any():
+            _shift(client, body, self._ahead_m_s * self._period_s, self._creep_m_s * self._period_s)
+
+
+def _shift(client: int, body: int, ahead_m: float, creep_m: Array) -> None:
+    """Move a body ahead along its heading, and by x, y [m] in W."""
+    position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    velocity, spin = pybullet.getBaseVelocity(body, physicsClientId=client)
+    r = pybullet.getMatrixFromQuaternion(quaternion)
+    moved = [position[0] + r[0] * ahead_m + creep_m[0], position[1] + r[3] * ahead_m + creep_m[1], position[2]]
+    pybullet.resetBasePositionAndOrientation(body, moved, quaternion, physicsClientId=client)
+    pybullet.resetBaseVelocity(body, velocity, spin, physicsClientId=client)
 
 
 def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float], turn_rad: float) -> None:
@@ -107,5 +143,6 @@ def needs_every_step(model: RobotModel) -> bool:
     """Return whether an effect of this robot acts at every step, beyond numbers that the engine receives once."""
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT)
     # The gearbox cannot act at all; it is listed so that its play is refused.
-    slots += (Slot.FRICTION, Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
+    slots += (Slot.FRICTION, Slot.COMMAND_DELAY, Slot.COUNTING, Slot.ROLLING, Slot.CREEP, Slot.GROUND)
+    slots += (Slot.GEARBOX,)
     return any(model.functions(slot) for slot in slots)

@@ -22,6 +22,8 @@ EFFECTS = (
     "wheel_radius_scale",
     "wheel_radius_asymmetry",
     "wheelbase_scale",
+    "wheel_eccentricity",
+    "floor_slope",
     "turn_slip",
     "encoder_ticks_scale",
     "encoder_missed_ticks",

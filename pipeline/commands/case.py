@@ -101,11 +101,13 @@ def init(
         chosen = read_mapping(mapping)
         check_mapping(chosen, table, str(mapping))
     case = new_case(table, chosen, out.absolute().name)
-    case = case.knowing(parsed(settings or (), case.numbers))
+    case = case.knowing(parsed(settings or ()))
     if sys.stdin.isatty() and sys.stdout.isatty():
         case = case.knowing(_asked(case))
     measurement = case.write(out)
     notes = [*case.measurement.notes, *(note for note in measurement.notes if not note.startswith("not logged"))]
+    unused = sorted(case.known.keys() - {number.key for number in case.numbers})
+    notes += [f"not needed for what was logged: {', '.join(unused)}"] if unused else []
     _print(case, out, (*warnings, *dict.fromkeys(notes)))
 
 

@@ -63,6 +63,8 @@ CANONICAL = {
     "wheelbase_scale": "scale",
     "encoder_ticks_scale": "scale",
     "encoder_missed_ticks": "side, fraction, threshold_rad_s",
+    "wheel_eccentricity": "side, amplitude, phase_rad",
+    "floor_slope": "gradient, direction_rad",
     "turn_slip": "coefficient_s2_m",
     "marker_offset": "offset_m",
     "marker_yaw": "angle_rad",

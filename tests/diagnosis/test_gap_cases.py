@@ -551,6 +551,21 @@ def test_a_marker_ahead_of_the_axle_moves_sideways_in_a_spin(world, increments):
     assert increments(robot, -100, 100) == pytest.approx(expected, abs=1e-9)
 
 
+def test_a_wheel_that_is_not_round_turns_the_robot_to_and_fro(world, increments):
+    """The second of two windows in which the wheels turn once."""
+    ticks = TICKS / 20
+    swing = 0.05 * RADIUS * (np.sin(2.0 * np.pi + 0.3) - np.sin(np.pi + 0.3))
+    robot = world(("wheel_eccentricity", {"side": "left", "amplitude": 0.05, "phase_rad": 0.3}), own=ROBOT)
+    assert increments(robot, ticks, ticks)[2] == pytest.approx(-swing / WIDTH, rel=0.01)
+
+
+def test_on_a_slope_a_straight_drive_creeps_downhill(world, increments):
+    robot = world(("floor_slope", {"gradient": 0.03, "direction_rad": 0.5}), own=ROBOT)
+    gone = 100 * PER_TICK
+    expected = [gone * (1.0 + 0.03 * np.cos(0.5)), gone * 0.03 * np.sin(0.5), 0.0]
+    assert increments(robot, 100, 100) == pytest.approx(expected)
+
+
 def test_the_tracked_heading_of_a_body_askew_sees_a_straight_drive_aside(world, increments):
     robot = world(("marker_yaw", {"angle_rad": 0.05}), own=ROBOT)
     gone = 100 * PER_TICK

@@ -124,20 +124,6 @@ def slippery_patch(rng: np.random.Generator, bench: Bench) -> Outside:
     return Outside("slippery_patch", parameters, POSE, ("position", "x_m", "y_m"))
 
 
-def floor_slope(rng: np.random.Generator, bench: Bench) -> Outside:
-    """A drift downhill whatever the heading."""
-    del bench
-    parameters = {"share": rng.uniform(0.012, 0.05), "direction_rad": rng.uniform(-np.pi, np.pi)}
-    return Outside("floor_slope", parameters, POSE, ("theta_rad",))
-
-
-def wheel_eccentricity(rng: np.random.Generator, bench: Bench) -> Outside:
-    """Of the left wheel."""
-    del bench
-    parameters = {"share": rng.uniform(0.02, 0.07), "phase_rad": rng.uniform(-np.pi, np.pi)}
-    return Outside("wheel_eccentricity", parameters, POSE, ("wheel_angle_rad", "angle_rad"))
-
-
 def moved_wall(rng: np.random.Generator, bench: Bench) -> Outside:
     """The far one in x."""
     del bench
@@ -161,7 +147,5 @@ BEYOND: dict[str, dict[str, Sampler]] = {
         for each in (brush_film_bump, session_change, torsional_ringing, gear_error, encoder_glitches)
     },
     "tof_bench": {each.__name__: each for each in (cyclic_error, local_bump, bumped, memory)},
-    "drive_log": {
-        each.__name__: each for each in (slippery_patch, floor_slope, wheel_eccentricity, moved_wall, glass_wall)
-    },
+    "drive_log": {each.__name__: each for each in (slippery_patch, moved_wall, glass_wall)},
 }

@@ -5,9 +5,6 @@ import numpy as np
 from .beyond import BEYOND, POSE, RANGES, SESSION, SPEED, Sampler
 from .case import Bench, Outside
 
-NAMED_SINCE = ("floor_slope", "wheel_eccentricity")
-"""Outside effects of the narrow family that the second version of the format names."""
-
 
 def zero_jump(rng: np.random.Generator, bench: Bench) -> Outside:
     """Of the ammeter, once."""
@@ -65,8 +62,7 @@ def _moment(rng: np.random.Generator, bench: Bench) -> float:
 
 
 def _wider(kind: str, *more: Sampler) -> dict[str, Sampler]:
-    kept = {name: sampler for name, sampler in BEYOND[kind].items() if name not in NAMED_SINCE}
-    return kept | {each.__name__: each for each in more}
+    return BEYOND[kind] | {each.__name__: each for each in more}
 
 
 WIDE_BEYOND: dict[str, dict[str, Sampler]] = {

@@ -190,11 +190,10 @@ def turned(world: World, travel: Array, dt_s: float) -> Array:
 
 
 def ground(world: World, travel: Array, angle: Array, place: Array) -> Array:
-    """Travels (..., 2) as effects outside the tables leave them, at wheel angles (..., 2) and places (..., 2)."""
-    size = world.beyond("wheel_eccentricity", "share")
-    if size:
-        swing = 1.0 + size * np.sin(angle[..., 0] + world.beyond("wheel_eccentricity", "phase_rad"))
-        travel = travel * np.stack([swing, np.ones_like(swing)], axis=-1)
+    """Travels (..., 2) as wheels that are not round and the floor leave them, at wheel angles and places (..., 2)."""
+    sizes = np.array([world.value("wheel_eccentricity", "amplitude", 0.0, side) for side in SIDES])
+    if sizes.any():
+        travel = travel * (1.0 + sizes * np.cos(angle + world.value("wheel_eccentricity", "phase_rad", 0.0)))
     slip = world.beyond("slippery_patch", "share")
     if slip:
         centre = np.array([world.beyond("slippery_patch", name) for name in ("x_m", "y_m")])
@@ -211,7 +210,7 @@ def ground(world: World, travel: Array, angle: Array, place: Array) -> Array:
 
 def slope(world: World, travel: Array) -> Array:
     """Displacement downhill (..., 2) in the room for (..., 2) travels of the wheels."""
-    size, way = world.beyond("floor_slope", "share"), world.beyond("floor_slope", "direction_rad")
+    size, way = (world.value("floor_slope", name, 0.0) for name in ("gradient", "direction_rad"))
     moved = np.mean(np.abs(travel), axis=-1)
     return size * np.stack([moved * np.cos(way), moved * np.sin(way)], axis=-1)
 

@@ -72,6 +72,16 @@ def _of_all(name: str, value: float) -> Sampler:
     return sample
 
 
+def _around(name: str) -> Sampler:
+    """A direction or a phase, nowhere near half a turn, which has two names."""
+
+    def sample(rng: np.random.Generator, bench: Bench) -> Numbers:
+        del bench
+        return {name: float(rng.uniform(-3.0, 3.0))}
+
+    return sample
+
+
 def _of_session(name: str, low: float, high: float) -> Sampler:
     """Of how long the rows took."""
 
@@ -164,6 +174,8 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "tof_mount_yaw": _either("angle_rad", 0.004, 0.12),
         "tof_time_offset": _positive("delay_s", 0.003, 0.1),
         "marker_yaw": _either("angle_rad", 0.004, 0.08),
+        "wheel_eccentricity": _both(_positive("amplitude", 0.006, 0.08), _around("phase_rad")),
+        "floor_slope": _both(_positive("gradient", 0.003, 0.05), _around("direction_rad")),
         "pose_clock_drift": _either("rate", 1e-4, 5e-3),
     },
 }
@@ -179,6 +191,7 @@ WORDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "encoder_missed_ticks": ("side", SIDES),
     "tof_range_offset": ("sensor", SENSORS),
     "tof_mount_yaw": ("sensor", SENSORS),
+    "wheel_eccentricity": ("side", SIDES),
 }
 """Discrete parameters: name and values."""
 NEEDS_VOLTAGES = (*MOTOR, "rotor_inertia_scale", "torque_constant_mismatch", "battery_decline", "input_delay")

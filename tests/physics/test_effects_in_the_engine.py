@@ -12,6 +12,7 @@ from physics.effects.coulomb_friction_scale import CoulombFrictionScale
 from physics.effects.current_limit import CurrentLimit
 from physics.effects.encoder_missed_ticks import EncoderMissedTicks
 from physics.effects.encoder_ticks_scale import EncoderTicksScale
+from physics.effects.floor_slope import FloorSlope
 from physics.effects.friction_asymmetry import FrictionAsymmetry
 from physics.effects.friction_warmup import FrictionWarmup
 from physics.effects.gear_backlash import GearBacklash
@@ -24,6 +25,7 @@ from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
 from physics.effects.torque_constant_scale import TorqueConstantScale
 from physics.effects.turn_slip import TurnSlip
 from physics.effects.viscous_friction_scale import ViscousFrictionScale
+from physics.effects.wheel_eccentricity import WheelEccentricity
 from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheelbase_scale import WheelbaseScale
@@ -218,6 +220,39 @@ class TestDriving:
             heading = math.atan2(to_y - y, to_x - x)
             assert math.remainder(heading - 0.5 * (yaw + to_yaw), 2 * math.pi) == pytest.approx(0.0, abs=2e-3)
             assert math.hypot(to_x - x, to_y - y) == pytest.approx(0.01 * simulation.twist()[0], rel=5e-3)
+
+    def test_an_eccentric_wheel_swings_the_heading_by_its_angle(self, simulate_with, robot):
+        """The left wheel travels r (w + A sin(w + phase)) in a turn w; the body twists as fast as its pose turns."""
+        simulation = simulate_with(WheelEccentricity(side="left", amplitude=0.1, phase_rad=0.7))
+        simulation.set_voltages(1.5, 1.5)
+        radius_m, track_m = 0.5 * robot.drive.wheel_diameter_m, robot.drive.track_m
+        yaws, expected = [], []
+        for _ in range(30):
+            simulation.advance(50)
+            right, left = travelled(simulation)
+            swing = 0.1 * (math.sin(left + 0.7) - math.sin(0.7))
+            yaws.append(simulation.pose()[2])
+            expected.append(radius_m * (right - left - swing) / track_m)
+        np.testing.assert_allclose(yaws, expected, atol=2e-3)
+        assert max(expected) - min(expected) > 0.03
+        before = simulation.pose()[2]
+        simulation.advance(2)
+        assert simulation.twist()[1] == pytest.approx((simulation.pose()[2] - before) / 0.002, abs=0.02)
+
+    @pytest.mark.parametrize("voltages", [(2.0, 2.0), (2.0, -2.0)])
+    def test_on_a_slope_a_robot_creeps_downhill_whatever_its_heading(self, simulate_with, robot, voltages):
+        level, sloping = (simulate_with(*several) for several in ((), (FloorSlope(gradient=0.05, direction_rad=2.0),)))
+        for simulation in (level, sloping):
+            simulation.set_voltages(*voltages)
+            simulation.advance(1500)
+        travel_m = 0.5 * robot.drive.wheel_diameter_m * np.abs(travelled(sloping)).mean()
+        crept = np.array(sloping.pose()) - level.pose()
+        expected = 0.05 * travel_m * np.array([math.cos(2.0), math.sin(2.0), 0.0])
+        np.testing.assert_allclose(crept, expected, atol=1e-3)
+        speed_m_s, _ = level.twist()
+        creep_m_s = 0.05 * 0.5 * robot.drive.wheel_diameter_m * np.abs(sloping.wheel_speeds()).mean()
+        along = creep_m_s * math.cos(2.0 - sloping.pose()[2])
+        assert sloping.twist()[0] - speed_m_s == pytest.approx(along, abs=2e-3)
 
     def test_encoders_have_their_true_counts(self, simulate_with):
         simulation = simulate_with(EncoderTicksScale(scale=1.1))

@@ -12,11 +12,13 @@ from physics.effects.battery_decline import BatteryDecline
 from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.coulomb_friction_scale import CoulombFrictionScale
 from physics.effects.encoder_missed_ticks import EncoderMissedTicks
+from physics.effects.floor_slope import FloorSlope
 from physics.effects.input_delay import InputDelay
 from physics.effects.stribeck_friction import StribeckFriction
 from physics.effects.supply_sag import SupplySag
 from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
 from physics.effects.turn_slip import TurnSlip
+from physics.effects.wheel_eccentricity import WheelEccentricity
 from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.robot.model import RobotModel
@@ -64,6 +66,8 @@ WORN = (
     WheelbaseScale(scale=1.05),
     TurnSlip(coefficient_s2_m=0.5),
     EncoderMissedTicks(side="right", fraction=0.1, threshold_rad_s=4.0),
+    WheelEccentricity(side="left", amplitude=0.05, phase_rad=1.0),
+    FloorSlope(gradient=0.03, direction_rad=2.0),
 )
 
 

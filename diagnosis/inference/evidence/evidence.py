@@ -107,6 +107,12 @@ class Evidence:
         others.heldout = self.heldout if heldout is None else heldout
         return others
 
+    def with_noises(self, noises: Mapping[str, EstimatedNoise]) -> "Evidence":
+        """Return the same evidence with other estimated noises."""
+        others = Evidence(self.stages, noises)
+        others.values = self.values
+        return others
+
     def without(self, error: Array) -> "Evidence":
         """Return the same evidence with an error (N,), in the units of the samples, taken out of what was measured."""
         others = copy(self)

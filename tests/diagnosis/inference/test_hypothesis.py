@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from diagnosis.inference.scan import tried_values
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.range_scale import RangeScale
 
@@ -32,3 +33,14 @@ def test_a_number_that_no_measurement_shows_is_not_fitted(robot, effect):
     assert coast.known == {"switching_Hz": 20_000.0}
     (fitted,) = coast.on(robot, {"inductance_H": 2e-4, "diode_V": 1.1}).effects
     assert fitted.model_dump() == {"inductance_H": 2e-4, "diode_V": 1.1, "switching_Hz": 20_000.0}
+
+
+def test_a_phase_is_fitted_as_it_is_and_tried_all_around(effect):
+    """In contrast to a time constant, whose logarithm is fitted; 30 degrees off, 87 % of an effect are left."""
+    amplitude, phase = effect("wheel_eccentricity").coordinates
+    assert [phase.value(x) for x in (-2.0, 0.0, 2.0)] == [-2.0, 0.0, 2.0]
+    assert phase.null is None
+    tried = np.exp(1j * np.array(tried_values(phase)))
+    for angle in np.linspace(-np.pi, np.pi, 50):
+        assert np.max((tried * np.exp(-1j * angle)).real) > np.cos(np.radians(30.1))
+    assert min(tried_values(amplitude)) > amplitude.null

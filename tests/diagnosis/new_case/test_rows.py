@@ -131,6 +131,14 @@ def test_a_constant_takes_the_place_of_a_column(log):
     assert trial.holdout.tolist() == [False, False, False, True] * 3
 
 
+def test_the_clock_of_a_bench_counts_from_switching_on_but_a_date_does_not(log):
+    distances = np.repeat([0.1, 0.2, 0.3, 0.4], 3)
+    for first, begins in ((62.0, 62.0), (1.7e9, 0.0)):
+        times = first + 2.0 * np.arange(12)
+        (trial,) = measured(log(table("t [s],distance_m,tof_m", times, distances, distances + 0.01))).trials
+        np.testing.assert_allclose(trial.t_s, begins + 2.0 * np.arange(12))
+
+
 @pytest.mark.parametrize(
     ("header", "scales", "units", "warnings"),
     [
@@ -222,4 +230,5 @@ def test_a_motor_s_log_is_a_step_or_a_sweep_by_the_time_between_its_rows(log):
     np.testing.assert_allclose(trial.t_s[:2], [0.005, 0.01])  # at rest one sample before the first row
     rpm = table("u,speed [rpm]", u, 60 * u)
     (trial,) = measured(log(rpm)).trials
+    assert trial.t_s[0] > 1e5  # without times, nothing may look like warming up
     np.testing.assert_allclose(trial["omega_rad_s"].values, 2 * math.pi * u, atol=1e-8)

@@ -18,6 +18,7 @@ from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.coulomb_friction_scale import CoulombFrictionScale
 from physics.effects.encoder_missed_ticks import EncoderMissedTicks
 from physics.effects.encoder_ticks_scale import EncoderTicksScale
+from physics.effects.floor_slope import FloorSlope
 from physics.effects.input_delay import InputDelay
 from physics.effects.rotor_inertia_scale import RotorInertiaScale
 from physics.effects.supply_sag import SupplySag
@@ -25,6 +26,7 @@ from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
 from physics.effects.torque_constant_scale import TorqueConstantScale
 from physics.effects.turn_slip import TurnSlip
 from physics.effects.viscous_friction_scale import ViscousFrictionScale
+from physics.effects.wheel_eccentricity import WheelEccentricity
 from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheelbase_scale import WheelbaseScale
@@ -279,6 +281,50 @@ class TestPose:
         for a, b in zip(predicted, late, strict=True):
             np.testing.assert_allclose(a[1:], b[1:], atol=1e-4)
         assert predicted[2][0] == pytest.approx(self.W * (0.5 - 0.083))
+
+    @pytest.mark.parametrize(("side", "index"), [("left", 0), ("right", 1)])
+    def test_a_wheel_that_is_not_round_travels_by_its_angle(self, robot, side, index):
+        """In steps of 0.5 ms; its counts do not begin at 0, and those of the second trial elsewhere."""
+        fine_s = 5e-4 * np.arange(1 + 100 * (self.ROWS - 1))
+        trials, expected = [], []
+        for name, begin_rad in (("1", 0.8), ("2", 2.3)):
+            turned = np.array([4.0, 6.0])[:, None] * fine_s
+            share = np.ones_like(turned)
+            share[index] += 0.06 * np.cos(begin_rad + turned[index] + 1.9)
+            travel = RADIUS * 0.5 * (share[:, 1:] + share[:, :-1]) * np.diff(turned)
+            yaw = np.append(0.0, np.cumsum((travel[1] - travel[0]) / BASE))
+            middle, ahead = 0.5 * (yaw[1:] + yaw[:-1]), travel.mean(axis=0)
+            place = [np.append(0.0, np.cumsum(ahead * way(middle))) for way in (np.cos, np.sin)]
+            expected.append(np.stack([*place, yaw], axis=-1)[::100])
+            columns = {**ticks_of(begin_rad + 4.0 * self.T, begin_rad + 6.0 * self.T), **pose_columns(self.circle())}
+            trials.append(trial(name, **columns))
+        effect = WheelEccentricity(side=side, amplitude=0.06, phase_rad=1.9)
+        predicted = means(stages(robot, *trials)["pose"], robot, effect)
+        for k, path in enumerate(expected):
+            self.check([each[7 * k : 7 * k + 7] for each in predicted], path, atol=5e-5)
+
+    def test_on_a_slope_the_robot_creeps_in_one_direction_of_the_room(self, robot):
+        """By 2 % of the travel of its wheels, 5 rad/s in the mean; its tracked heading is askew by 0.2 rad."""
+        sloping = robot.with_effect(FloorSlope(gradient=0.02, direction_rad=2.5)).with_effect(MarkerYaw(angle_rad=0.2))
+        crept = 0.02 * RADIUS * 5.0 * self.T[:, None] * np.array([math.cos(2.5), math.sin(2.5), 0.0])
+        log = self.circle(askew=0.2) + crept
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
+        stage = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
+        for predicted, expected in zip(means(stage, sloping), self.windows(log), strict=True):
+            np.testing.assert_allclose(predicted, np.tile(expected, 2), atol=5e-5)
+        np.testing.assert_allclose(stage.path(sloping, np.tile(log[:1], (2, 1))), np.tile(log, (2, 1)), atol=2e-4)
+
+    def test_several_slopes_and_wheels_are_predicted_at_once_as_one_by_one(self, pose, robot):
+        robots = [
+            robot.with_effect(FloorSlope(gradient=0.01 * k, direction_rad=k)).with_effect(
+                WheelEccentricity(side="left", amplitude=0.02 * k, phase_rad=-k)
+            )
+            for k in (1.0, 2.0)
+        ]
+        together = pose.predict(robots)
+        for k, each in enumerate(robots):
+            for several, alone in zip(together, pose.predict([each]), strict=True):
+                np.testing.assert_allclose(several.mean[k], alone.mean[0], atol=1e-12)
 
     def test_a_drifting_clock_makes_poses_older_and_older(self, robot):
         """Both signs, of several robots at once; the last window of a fast clock ends with the log."""

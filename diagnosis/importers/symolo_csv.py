@@ -1,0 +1,191 @@
+"""A data.csv of a SyMoLo dataset without other files, in a known arena (a measured case)."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from diagnosis.importers.base import Importer
+from diagnosis.importers.case import case_folder, recognises, scale_note
+from diagnosis.importers.log_column import LogColumn
+from diagnosis.importers.order import check_increasing
+from diagnosis.measured.case_format import CAMERA_CHANNELS, DATA
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.csv_table import read_csv
+from diagnosis.measured.holdout import hold_out
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from diagnosis.measured.nominal import NOMINAL, NominalLog, read_nominal
+from diagnosis.measured.scale import Reach
+from symolo.core.arrays import Array
+from symolo.core.errors import FaultList, InputError
+from symolo.core.table import CsvTable
+
+RUNS = "runs"
+"""Folder with a folder for each of several runs."""
+TEN_ROWS = 10
+MIN_TURN_RAD = 1.0
+"""Turn of a log, from which its columns theta and w can be compared."""
+
+_PLACE, _TURN, _SPEED = Reach(-50.0, 50.0), Reach(-1e4, 1e4), Reach(-50.0, 50.0)
+_RANGE, _REFLECTANCE = Reach(-0.1, 50.0), Reach(-0.5, 1.5)
+
+
+def _time(name: str) -> LogColumn:
+    return LogColumn(
+        name, "ms", Role.INPUT, Reach(-1e3, 1e10), 0, may_be_empty=False, channel="t_s", channel_unit="s", factor=1e-3
+    )
+
+
+def _reading(name: str, channel: str, unit: str, reach: Reach) -> LogColumn:
+    clock = "camera" if channel in CAMERA_CHANNELS else "log"
+    is_heading = channel == "theta_rad"
+    return LogColumn(
+        name, unit, Role.READING, reach, channel=channel, channel_unit=unit, is_wrapped=is_heading, clock=clock
+    )
+
+
+def _whole(name: str) -> LogColumn:
+    return LogColumn(name, "", Role.INPUT, Reach(0.0, 1e9), 0, may_be_empty=False, channel=name, channel_unit="")
+
+
+RANGES = {"d_f": "tof_front_m", "d_l": "tof_left_m", "d_r": "tof_right_m"}
+LINE = {f"L{i}": f"line_{i}" for i in range(8)}
+READINGS = (
+    _reading("x", "x_m", "m", _PLACE),
+    _reading("y", "y_m", "m", _PLACE),
+    _reading("theta", "theta_rad", "rad", _TURN),
+    _reading("v", "v_m_s", "m/s", _SPEED),
+    _reading("w", "w_rad_s", "rad/s", _SPEED),
+    *(_reading(name, channel, "m", _RANGE) for name, channel in RANGES.items()),
+    *(_reading(name, channel, "1", _REFLECTANCE) for name, channel in LINE.items()),
+)
+COLUMNS = (_time("t"), *READINGS[:3], _whole("state"), *READINGS[3:], _whole("img"))
+"""Columns of data.csv, with the channels that they become."""
+
+
+def _read(path: Path) -> Measurement:
+    folder, faults = case_folder(path), FaultList()
+    nominal, trials, notes = None, [], []
+    with faults.noted():
+        nominal = _nominal(folder)
+    files = list(_files(folder))
+    if not files:
+        with faults.noted():
+            cure = f"put the data.csv of a dataset there, or several into {RUNS}/<name>/"
+            raise InputError(f"there is no {DATA}", where=str(folder), cure=cure)
+    for name, file in files:
+        with faults.noted():
+            table = read_csv(file, COLUMNS, may_lack_columns=True)
+            check_increasing(table, "t")
+            trials.append(_trial(name, table, nominal))
+            notes += table.notes
+    if nominal is None:
+        faults.check()
+    source = MeasurementSource("a SyMoLo data.csv", (*(str(file) for _, file in files), str(folder / NOMINAL)))
+    measurement = None
+    if len(trials) == len(files) and trials and nominal is not None:
+        measurement = Measurement(folder.absolute().name, CaseKind.SYMOLO_CSV, source, tuple(trials), nominal)
+        with faults.noted():
+            measurement = _held_out(measurement, nominal, str(folder / NOMINAL))
+    faults.check()
+    assert measurement is not None  # noqa: S101 - else there was a fault
+    return replace(measurement, notes=(*notes, *_notes(measurement)))
+
+
+def _nominal(folder: Path) -> NominalLog:
+    if not (folder / NOMINAL).is_file():
+        cure = f"write one with kind: {CaseKind.SYMOLO_CSV}, arena, robot and noise"
+        raise InputError(f"there is no {NOMINAL}", where=str(folder), cure=cure)
+    nominal = read_nominal(folder / NOMINAL)
+    if not isinstance(nominal, NominalLog):
+        raise InputError("kind", where=str(folder / NOMINAL), got=nominal.kind, allowed=CaseKind.SYMOLO_CSV.value)
+    return nominal
+
+
+def _files(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Yield the name and the data.csv of each run: that of the folder itself, or those in `runs`."""
+    if (folder / DATA).is_file():
+        yield "1", folder / DATA
+        return
+    yield from ((file.parent.name, file) for file in sorted((folder / RUNS).glob(f"*/{DATA}")))
+
+
+def _trial(name: str, table: CsvTable, nominal: NominalLog | None) -> Trial:
+    t_s = 1e-3 * table.numbers["t"]
+    channels = [column.read(table, t_s) for column in COLUMNS if column.name != "t"]
+    if nominal is not None:
+        channels = [_with_noise(channel, nominal) for channel in channels]
+    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels))
+
+
+def _with_noise(channel: Channel, nominal: NominalLog) -> Channel:
+    """Return a channel with the noise that the case states, and ranges with the code of the robot for no target."""
+    noise = nominal.noise
+    stated = {"x_m": noise.pose_xy_m, "y_m": noise.pose_xy_m, "theta_rad": noise.pose_theta_rad}
+    stated |= {"v_m_s": noise.v_m_s, "w_rad_s": noise.w_rad_s}
+    stated |= dict.fromkeys(RANGES.values(), noise.d_m) | dict.fromkeys(LINE.values(), noise.line)
+    sd = stated.get(channel.name)
+    no_target = None
+    if channel.name in RANGES.values():
+        with np.errstate(invalid="ignore"):
+            no_target = channel.values >= nominal.robot.tof.no_target_m
+    return Channel.logged(
+        channel.series,
+        channel.role,
+        no_target=no_target,
+        noise_sd=None if sd is None else np.full(len(channel.values), sd),
+        clock=channel.clock,
+    )
+
+
+def _held_out(measurement: Measurement, nominal: NominalLog, where: str) -> Measurement:
+    """Return the measurement with the runs or the rows held out that the case names.
+
+    Raises:
+        InputError: It names both, or runs that are not there, or leaves no row to fit.
+    """
+    from_ms = nominal.holdout_from_ms
+    if nominal.holdout and from_ms is not None:
+        raise InputError("both holdout and holdout_from_ms", where=where, cure="keep holdout for several runs")
+    if from_ms is None:
+        return hold_out(measurement, nominal.holdout) if nominal.holdout else measurement
+    (trial, *others) = measurement.trials
+    if others:
+        raise InputError("holdout_from_ms for several runs", where=where, cure="name runs in holdout instead")
+    t_ms = 1e3 * trial.t_s
+    if not t_ms[0] < from_ms <= t_ms[-1]:
+        allowed = f"a time after the first row and up to the last one: {t_ms[0]:.0f} to {t_ms[-1]:.0f} ms"
+        raise InputError("holdout_from_ms", where=where, got=from_ms, allowed=allowed)
+    return replace(measurement, trials=(replace(trial, holdout=t_ms >= from_ms),))
+
+
+def _notes(measurement: Measurement) -> Sequence[str]:
+    notes = ["not logged: voltages, currents and encoder counts"]
+    names = {column.channel: column.name for column in READINGS}
+    empty = [names[n] for n in names if not any(channel.is_offered for channel in measurement.across(n))]
+    notes += [f"not logged: {', '.join(empty)}"] if empty else []
+    if not measurement.heldout_rows:
+        notes += ["nothing is held out; holdout or holdout_from_ms in nominal.yaml would judge what is found"]
+    travels, turns = np.zeros(2), np.zeros(2)
+    for trial in measurement.trials:
+        # Over half a second, noise is small beside the motion.
+        x, y, theta = (np.diff(trial[name].values[::TEN_ROWS]) for name in ("x_m", "y_m", "theta_rad"))
+        by_v, by_w = (_integrals(trial[name].values, trial.t_s) for name in ("v_m_s", "w_rad_s"))
+        travels += np.nansum(np.hypot(x, y)), np.nansum(np.abs(by_v))
+        turns += np.nansum(np.abs(theta)), np.nansum(np.abs(by_w))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        notes += scale_note(float(travels[0] / travels[1]), "x and y", "m", "the distance by v")
+        if min(turns) > MIN_TURN_RAD:
+            notes += scale_note(float(turns[0] / turns[1]), "theta", "rad", "the turn by w")
+    return notes
+
+
+def _integrals(speed: Array, t_s: Array) -> Array:
+    """Return the integral of a speed over each ten rows."""
+    steps = np.nan_to_num(speed[1:]) * np.diff(t_s)
+    return np.add.reduceat(steps, np.arange(0, len(steps), TEN_ROWS)) if len(steps) else steps
+
+
+IMPORTER = Importer(CaseKind.SYMOLO_CSV.value, partial(recognises, CaseKind.SYMOLO_CSV), _read)

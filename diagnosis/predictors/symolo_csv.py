@@ -1,0 +1,22 @@
+"""The stages of a SyMoLo data.csv: speeds against poses, ranges and line readings, as far as the log has them."""
+
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import NominalLog
+from diagnosis.predictors.base import Stage
+from diagnosis.predictors.drive_log import POSE, offers
+from diagnosis.predictors.pose_by_speeds import PoseByBodySpeeds, PoseByWheelSpeeds
+from diagnosis.predictors.ranges_in_arena import RangesInArena
+
+SPEEDS = ("v_m_s", "w_rad_s")
+
+
+def symolo_csv_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
+    """Return the stages that the log has the inputs and readings for."""
+    case = measurement.nominal
+    if not isinstance(case, NominalLog) or not offers(measurement, POSE):
+        return ()
+    by_speeds = PoseByWheelSpeeds if case.twist == "odometry" else PoseByBodySpeeds
+    stages: list[Stage] = [by_speeds(measurement, nominal)] if offers(measurement, SPEEDS) else []
+    stages.append(RangesInArena(measurement, case, nominal))
+    return tuple(stage for stage in stages if any(observed.usable.any() for observed in stage.observed))

@@ -1,0 +1,30 @@
+"""A floor that is not level, on which the robot creeps downhill."""
+
+from typing import Annotated
+
+import numpy as np
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Angle, Parameter, Plausible
+from symolo.core.arrays import Array
+
+
+class FloorSlope(Effect):
+    slot = Slot.CREEP
+    cause = "a slope, or the nap of a carpet"
+    excitation = "drives in many directions: the creep stays in its direction when the robot turns"
+    setups = (Setup.DRIVE,)
+
+    gradient: Annotated[
+        float,
+        Parameter("1", null=0.0, start=0.02, low=0.0, high=0.5),
+        Plausible(0.0, 0.2, "tyres that creep by a fifth of their travel slide"),
+    ]
+    """Creep over the floor per travel of the wheels, the mean of both without their signs."""
+    direction_rad: Angle
+    """Direction of the creep in W, counter-clockwise from +x."""
+
+    def apply(self, creep_m: Array, travel_m: Array) -> Array:
+        """Return the creep x, y [m] in W, (..., 2)."""
+        ways = [np.atleast_1d(way(self.direction_rad)) for way in (np.cos, np.sin)]
+        return creep_m + self.gradient * travel_m * np.concatenate(ways, axis=-1)

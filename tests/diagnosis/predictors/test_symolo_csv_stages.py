@@ -1,0 +1,204 @@
+"""Ranges and pose increments of a bare data.csv against closed forms of a wall and of arcs."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.arena import ArenaConfig
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from diagnosis.measured.nominal import LogNoise, NominalLog
+from diagnosis.predictors import STAGES
+from physics.effects.turn_slip import TurnSlip
+from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from physics.effects.wheel_radius_scale import WheelRadiusScale
+from physics.effects.wheelbase_scale import WheelbaseScale
+from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.pose_time_offset import PoseTimeOffset
+from sensors.effects.tof_mount_yaw import TofMountYaw
+from sensors.effects.tof_range_offset import TofRangeOffset
+from sensors.effects.tof_time_offset import TofTimeOffset
+from symolo.core.time_series import TimeSeries
+
+ROW_S, ROWS = 0.05, 41
+WALL_X = 1.0
+"""Place of the wall's face, which reaches from y = -5 m to y = 5 m."""
+BOARD_M = 0.25e-3
+"""White board reads 100.25 mm at 100 mm (Table 3 of the paper)."""
+NOISE = LogNoise(d_m=0.002, line=0.01, pose_xy_m=0.001, pose_theta_rad=0.003, v_m_s=0.001, w_rad_s=0.01)
+SPEED = 0.1
+
+
+@pytest.fixture(scope="module")
+def robot():
+    """A robot whose front sensor is a single ray from the middle of the axle, without the error of Eq. 24."""
+    nominal = draw_robot(load_section("robot", "nominal"), 1, "test")[0]
+    mounts = nominal.tof.mounts
+    front = mounts.front.model_copy(update={"x_m": 0.0, "y_m": 0.0, "yaw_deg": 0.0})
+    ray = {"rays": 1, "field_of_view_deg": 1e-3, "error_scale": 0.0, "noise_scale": 0.0, "quantisation_m": 0.0}
+    ray |= {"mounts": mounts.model_copy(update={"front": front}), "period_s": 1e-6}
+    return nominal.with_section("tof", ray)
+
+
+def arena(*obstacles):
+    wall = {"name": "W", "start": (WALL_X, -5.0), "end": (WALL_X, 5.0), "thickness_m": 0.02}
+    line = {"pieces": []}
+    return ArenaConfig.model_validate({"name": "test", "line": line, "walls": [wall], "obstacles": obstacles})
+
+
+def drive(speed=SPEED, turn_rate=0.0, **start):
+    """Poses of a drive at constant speed, on a straight or an arc."""
+    t_s = ROW_S * np.arange(ROWS)
+    theta = start.get("theta", 0.0) + turn_rate * t_s
+    if turn_rate:
+        x, y = (speed / turn_rate * (f(theta) - f(theta[:1])) for f in (np.sin, lambda a: -np.cos(a)))
+    else:
+        x, y = (speed * t_s * f(theta) for f in (np.cos, np.sin))
+    return np.column_stack([start.get("x", 0.0) + x, start.get("y", 0.0) + y, theta])
+
+
+def stages(robot, pose, *, speeds=(SPEED, 0.0), twist="odometry", where=None):
+    t_s = ROW_S * np.arange(len(pose))
+    columns = dict(zip(("x_m", "y_m", "theta_rad"), pose.T, strict=True))
+    columns |= {"v_m_s": np.full(len(pose), speeds[0]), "w_rad_s": np.full(len(pose), speeds[1])}
+    columns |= dict.fromkeys(("tof_front_m", "tof_left_m", "tof_right_m"), np.full(len(pose), 0.5))
+    channels = [Channel.logged(TimeSeries(k, "", t_s, np.array(v)), Role.READING) for k, v in columns.items()]
+    trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), tuple(channels))
+    case = NominalLog(kind="symolo_csv", arena=where or arena(), robot=robot, noise=NOISE, twist=twist)
+    source = MeasurementSource("here", ())
+    of_log = STAGES[CaseKind.SYMOLO_CSV](Measurement("m", CaseKind.SYMOLO_CSV, source, (trial,), case), robot)
+    return {stage.name: stage for stage in of_log}
+
+
+def front(stage, robot, *effects):
+    for effect in effects:
+        robot = robot.with_effect(effect)
+    observed, predicted = stage.observed[0], stage.predict([robot])[0]
+    return predicted.mean[0][observed.usable], np.broadcast_to(predicted.sd, predicted.mean.shape)[0][observed.usable]
+
+
+class TestRanges:
+    def test_a_ray_ends_at_the_wall_and_its_noise_is_that_of_sensor_and_pose(self, robot):
+        pose = drive(x=0.2)
+        mean, sd = front(stages(robot, pose)["tof"], robot)
+        np.testing.assert_allclose(mean, WALL_X - pose[:, 0] + BOARD_M, atol=1e-6)
+        np.testing.assert_allclose(sd, math.hypot(NOISE.d_m, NOISE.pose_xy_m), rtol=0.01)
+
+    def test_an_oblique_ray_is_as_long_as_trigonometry_says_and_turns_with_the_noise_of_the_heading(self, robot):
+        tilt = 0.4
+        pose = drive(x=0.3, theta=tilt)
+        mean, sd = front(stages(robot, pose)["tof"], robot)
+        length = (WALL_X - pose[:, 0]) / math.cos(tilt)
+        np.testing.assert_allclose(mean, length + BOARD_M, atol=1e-6)
+        by_place, by_turn = NOISE.pose_xy_m / math.cos(tilt), NOISE.pose_theta_rad * length * math.tan(tilt)
+        np.testing.assert_allclose(sd, np.sqrt(NOISE.d_m**2 + by_place**2 + by_turn**2), rtol=0.01)
+
+    def test_an_obstacle_hides_the_wall(self, robot):
+        box = {"name": "O", "center": (0.8, 0.0), "size": (0.1, 0.4, 0.2), "surface": "white_board"}
+        mean, _ = front(stages(robot, drive(x=0.2), where=arena(box))["tof"], robot)
+        np.testing.assert_allclose(mean, 0.75 - drive(x=0.2)[:, 0] + BOARD_M, atol=1e-6)
+
+    def test_an_obstacle_that_moves_is_where_it_is_at_the_time_of_the_row(self, robot):
+        motion = {"waypoints": [{"t_s": 2.0, "offset": (0.1, 0.0)}]}
+        box = {"name": "O", "center": (0.7, 0.0), "size": (0.1, 1.0, 0.2), "surface": "white_board", "motion": motion}
+        pose = drive(speed=0.0, x=0.2)
+        mean, _ = front(stages(robot, pose, where=arena(box))["tof"], robot)
+        np.testing.assert_allclose(mean, 0.45 + 0.05 * ROW_S * np.arange(ROWS) + BOARD_M, atol=1e-6)
+
+    def test_rows_beside_an_edge_and_beyond_the_range_are_left_out(self, robot):
+        box = {"name": "O", "center": (0.8, 0.0), "size": (0.1, 0.4, 0.2), "surface": "white_board"}
+        beside = np.column_stack([np.full(ROWS, 0.2), np.linspace(-0.4, 0.4, ROWS), np.zeros(ROWS)])
+        clear = stages(robot, beside, where=arena(box))["tof"].observed[0].usable
+        near_edge = np.abs(np.abs(beside[:, 1]) - 0.2) < 0.015
+        assert near_edge.any()
+        assert not clear[near_edge].any()
+        assert clear[np.abs(np.abs(beside[:, 1]) - 0.2) > 0.05].all()
+        far = stages(robot, drive(x=-0.1825))["tof"].observed[0]
+        distance = WALL_X - drive(x=-0.1825)[:, 0]
+        np.testing.assert_array_equal(far.usable, distance <= robot.tof.max_range_m - 0.03)
+
+    @pytest.mark.parametrize(
+        ("effect", "longer_m"),
+        [
+            (TofRangeOffset(sensor="front", offset_m=0.01), 0.01),
+            (TofTimeOffset(delay_s=0.08), 0.08 * SPEED),
+            (PoseTimeOffset(delay_s=0.08), -0.08 * SPEED),
+            (MarkerOffset(offset_m=0.02), 0.02),
+        ],
+        ids=lambda value: getattr(value, "name", ""),
+    )
+    def test_an_effect_moves_the_ranges_by_as_much_as_it_says(self, robot, effect, longer_m):
+        pose = drive(x=0.2)
+        stage = stages(robot, pose)["tof"]
+        bare, moved = front(stage, robot)[0], front(stage, robot, effect)[0]
+        inner = slice(3, -3)  # a pose before the first row or after the last is not in the log
+        np.testing.assert_allclose((moved - bare)[inner], longer_m, atol=1e-6)
+
+    @pytest.mark.parametrize("angle", [0.1, 0.137, -0.203])
+    def test_a_turned_sensor_sees_the_wall_at_a_slant(self, robot, angle):
+        pose = drive(x=0.2)
+        mean, _ = front(stages(robot, pose)["tof"], robot, TofMountYaw(sensor="front", angle_rad=angle))
+        # Between two points of its grid, 0.01 rad apart, a length is off by at most its curvature times 0.01^2 / 8.
+        np.testing.assert_allclose(mean, (WALL_X - pose[:, 0]) / math.cos(angle) + BOARD_M, atol=2e-5)
+
+    def test_many_robots_at_once_are_each_of_them_alone(self, robot):
+        stage = stages(robot, drive(x=0.2))["tof"]
+        several = [
+            robot,
+            robot.with_effect(TofTimeOffset(delay_s=0.05)),
+            robot.with_effect(MarkerOffset(offset_m=0.01)),
+        ]
+        together = stage.predict(several)
+        for m, one in enumerate(several):
+            for whole, alone in zip(together, stage.predict([one]), strict=True):
+                np.testing.assert_array_equal(whole.mean[m], alone.mean[0])
+
+
+class TestIncrements:
+    V, W = 0.12, 0.6
+    LASTS_S = 0.5
+
+    def increments(self, robot, *effects, twist="odometry"):
+        pose = drive(self.V, self.W)
+        stage = stages(robot, pose, speeds=(self.V, self.W), twist=twist)["pose"]
+        for effect in effects:
+            robot = robot.with_effect(effect)
+        return np.stack([p.mean[0] for p in stage.predict([robot])], axis=-1), stage
+
+    def arc(self, v, w):
+        turn = w * self.LASTS_S
+        return [v / w * math.sin(turn), v / w * (1.0 - math.cos(turn)), turn]
+
+    def test_speeds_give_the_arc_that_they_describe_and_its_columns_are_named(self, robot):
+        got, stage = self.increments(robot)
+        np.testing.assert_allclose(got, np.broadcast_to(self.arc(self.V, self.W), got.shape), rtol=1e-3)
+        assert [observed.channel for observed in stage.observed] == ["v", "w", "w"]
+        for observed in stage.observed:
+            np.testing.assert_allclose(observed.values, got[:, stage.observed.index(observed)], rtol=1e-3)
+
+    @pytest.mark.parametrize(
+        ("effect", "v", "w"),
+        [
+            (WheelRadiusScale(scale=1.05), 1.05 * V, 1.05 * W),
+            (WheelbaseScale(scale=1.06), V, W / 1.06),
+            # r_right = r (1 - a/2), r_left = r (1 + a/2), with the rims at v +- w b/2.
+            (WheelRadiusAsymmetry(asymmetry=0.04), V - 0.02 * W * 0.07, W - 0.04 * V / 0.14),
+            (TurnSlip(coefficient_s2_m=1.0), V, W / (1.0 + V * W)),
+        ],
+        ids=lambda value: getattr(value, "name", ""),
+    )
+    def test_speeds_of_the_encoders_show_the_wheels(self, robot, effect, v, w):
+        got, _ = self.increments(robot, effect)
+        np.testing.assert_allclose(got, np.broadcast_to(self.arc(v, w), got.shape), rtol=1e-3)
+
+    @pytest.mark.parametrize(
+        "effect", [WheelRadiusScale(scale=1.05), WheelbaseScale(scale=1.06), TurnSlip(coefficient_s2_m=1.0)]
+    )
+    def test_speeds_of_the_body_say_nothing_of_the_wheels(self, robot, effect):
+        bare, _ = self.increments(robot, twist="truth")
+        got, _ = self.increments(robot, effect, twist="truth")
+        np.testing.assert_array_equal(got, bare)
+        np.testing.assert_allclose(bare, np.broadcast_to(self.arc(self.V, self.W), bare.shape), rtol=1e-3)
