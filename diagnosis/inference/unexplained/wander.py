@@ -14,7 +14,7 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.rivals import confidence
-from diagnosis.inference.selection import PER_PARAMETER, THRESHOLD, TOLL, needed, without
+from diagnosis.inference.selection import PER_PARAMETER, THRESHOLD, TOLL
 from diagnosis.inference.unexplained.adequacy import LEVEL, Adequacy
 from diagnosis.predictors.base import ROW_TIME
 from sensors.effects.range_wander import RangeWander
@@ -49,8 +49,6 @@ class Wander:
     """(N,), the most probable error at each sample; 0 outside the quantity. Held-out rows were not used for it."""
     span_s: tuple[float, float]
     """First and last time at which it was seen."""
-    cost: float
-    """-2 log-likelihood of the residuals."""
 
     def answer(self) -> dict[str, object]:
         """Return the error in GAP_FORMAT, ready for JSON."""
@@ -74,19 +72,10 @@ def wander(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Wander |
     """
     if not any(s.is_over_time and s.p < LEVEL and s.observed == READING for s in result.structures):
         return None
-    beside = _beside(evidence, fit)
-    drifts = [effect for effect in fit.hypothesis.effects if effect.kind is WarmupDrift]
-    if not drifts:
-        return beside
-    # A drift after power-on imitates a wandering error, so it must be needed beside one. It also imitates a part of a
-    # jump and leaves a rest that seems to wander; without the drift, the jump is seen.
-    alone = _beside(evidence, without(evidence, fit, drifts[0]))
-    is_needed = alone is not None and beside is not None and alone.cost > beside.cost + needed(drifts[0])
-    return beside if is_needed else alone
-
-
-def _beside(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
-    """Return the wandering error in the residuals of a fit."""
+    # A drift after power-on and a wandering error imitate each other, and each a part of a jump, so that what one of
+    # them leaves is no evidence for the other.
+    if any(effect.kind is WarmupDrift for effect in fit.hypothesis.effects):
+        return None
     number = next(k for k, observed in enumerate(evidence.observed) if observed.name == READING)
     observed, place = evidence.observed[number], evidence.places[number]
     time_s = next(c.values for c in observed.covariates if c.name == ROW_TIME)
@@ -127,7 +116,6 @@ def _beside(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
         confidence([other - cost for other in others], white - cost - THRESHOLD - PER_PARAMETER),
         path_m,
         (float(t.min()), float(t.max())),
-        cost,
     )
 
 
