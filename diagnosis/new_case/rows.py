@@ -85,7 +85,11 @@ def _values(log: LogFile, mapping: LogMapping) -> dict[str, Array]:
         if source is None:
             continue
         with faults.noted():
-            if source.constant is not None:
+            if name in {"trial", "sweep"} and source.column:  # trials may have words for names
+                cells = log.columns[source.column]
+                number_of_name = {cell: float(k) for k, cell in enumerate(dict.fromkeys(cells))}
+                numbers = np.array([number_of_name[cell] for cell in cells])
+            elif source.constant is not None:
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")

@@ -92,16 +92,17 @@ def init(
     kinds = [str(one) for one in NEEDED]
     if kind is not None and kind not in kinds:
         raise InputError("--kind", got=kind, allowed=", ".join(kinds), nearest=nearest(kind, kinds))
+    known = parsed(settings or ())
     table = read_log(log)
     warnings: tuple[str, ...] = ()
     if mapping is None:
-        proposal = propose(table, None if kind is None else CaseKind(kind))
+        proposal = propose(table, None if kind is None else CaseKind(kind), known.get("supply_voltage_V"))
         chosen, warnings = proposal.mapping, proposal.warnings
     else:
         chosen = read_mapping(mapping)
         check_mapping(chosen, table, str(mapping))
     case = new_case(table, chosen, out.absolute().name)
-    case = case.knowing(parsed(settings or ()))
+    case = case.knowing(known)
     if sys.stdin.isatty() and sys.stdout.isatty():
         case = case.knowing(_asked(case))
     measurement = case.write(out)

@@ -116,6 +116,27 @@ def test_a_new_trial_begins_where_the_time_goes_back(log):
     assert begins == sorted(begins)
 
 
+def test_trials_may_have_words_for_names(log):
+    t = np.round(0.05 * np.arange(40), 6)
+    lines = drive(t).splitlines()
+    rows = [f"{line},{name}" for name in ("circle", "square") for line in lines[1:]]
+    found = measured(log("\n".join([f"{lines[0]},run", *rows]) + "\n"))
+    assert [(trial.name, len(trial.t_s)) for trial in found.trials] == [("1", 40), ("2", 40)]
+
+
+@pytest.mark.parametrize(
+    ("largest", "supply_V", "factor"), [(250, 8.4, 8.4 / 255), (0.9, 6.0, 6.0), (80, None, 7.4 / 100)]
+)
+def test_a_duty_cycle_is_a_share_of_the_supply(log, largest, supply_V, factor):
+    t = np.round(0.05 * np.arange(40), 6)
+    text = drive(t, volts=np.where(t > 1, 0.5, 1.0) * largest, header=DRIVE.replace("uL,uR", "pwmL,pwmR"))
+    proposal = propose(log(text), supply_V=supply_V)
+    assert any(re.search(r"pwmL \(u_left_V\): taken for a duty cycle", warning) for warning in proposal.warnings)
+    (trial,) = measured(log(text), proposal.mapping).trials
+    np.testing.assert_allclose(trial["u_left_V"].values[0], factor * largest)
+    np.testing.assert_allclose(trial["u_right_V"].values[-1], -0.5 * factor * largest)
+
+
 def test_a_constant_takes_the_place_of_a_column(log):
     distances = np.repeat([0.1, 0.2, 0.3, 0.4], 3)
     readings = log(table("distance_m,tof_m", distances, distances + 0.01))
