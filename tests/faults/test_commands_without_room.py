@@ -54,7 +54,7 @@ COMMANDS = {
     "download": Command(("download", f"file://{RELEASE}", "--out", OUT)),
     "upload": Command(("upload", RELEASE, f"file://{OUT}"), leaves_parts=True),
     "pack": Command(("pack", RELEASE, "--about", "FACTS", "--out", OUT)),
-    "report": Command(("report", RELEASE, "--out", f"{OUT}.html")),
+    "report": Command(("report", RELEASE, "--out", f"{OUT}.html"), is_slow=True),
     "contact-sheet": Command(("contact-sheet", RELEASE, "--out", f"{OUT}.jpg")),
     "preview": Command(
         ("preview", "smoke", "--engine", "flat", "-n", "1", "--width-px", "32", "--out", f"{OUT}.jpg"), is_slow=True
