@@ -26,6 +26,7 @@ from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequa
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
+from diagnosis.inference.unexplained.wander import Wander, wander
 from diagnosis.inference.verdict import Verdict, WithheldName, conclusion
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalLog
@@ -92,6 +93,8 @@ class Diagnosis:
     """Gain of the extended model over the nominal one."""
     calibrated: Gain | None
     """Gain of plain calibration: the nominal model with its nuisances fitted and without effects."""
+    wander: Wander | None = None
+    """The slow error of a range sensor, which is random and therefore not part of the fit; `evidence` is without it."""
 
     @property
     def unexplained(self) -> Structure | None:
@@ -99,10 +102,15 @@ class Diagnosis:
         return None if self.adequacy.is_adequate else self.adequacy.worst
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects with their choices."""
+        return (*(named.effect.name for named in self.named), *((self.wander.effect.name,) if self.wander else ()))
+
+    @property
     def conclusion(self) -> Verdict:
         structures = self.adequacy.structures
         return conclusion(
-            [named.name for named in self.named],
+            self.names,
             self.withheld,
             is_adequate=self.adequacy.is_adequate,
             chance=structures[0].p if structures else 1.0,
@@ -119,7 +127,7 @@ class Diagnosis:
     @property
     def extended(self) -> RobotConfig:
         """The robot with fitted nuisances and the named effects."""
-        return self.fit.robot
+        return self.fit.robot.with_effect(self.wander.effect) if self.wander else self.fit.robot
 
     def answer(self) -> dict[str, object]:
         """Return the answer in GAP_FORMAT, ready for JSON."""
@@ -134,7 +142,8 @@ class Diagnosis:
                     "range": {seen.covariate: [seen.low, seen.high] for seen in named.ranges},
                 }
                 for named in self.named
-            ],
+            ]
+            + ([self.wander.answer()] if self.wander else []),
             "unexplained": self.unexplained is not None,
         }
         if self.unexplained is not None:
@@ -177,6 +186,13 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         selection = replace(selection, fit=better)
         result = adequacy(evidence, better)
     result = _structures_of(evidence, selection, result)
+    measured, slow = evidence, wander(evidence, selection.fit, result)
+    if slow is not None:
+        steady, without_it = _selected(evidence.without(slow.path_m), bare, library.testable)
+        rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
+        # Beside a structure that the error leaves, it may be a part of the unknown cause.
+        slow = slow if rest.is_adequate else None
+        evidence, selection, result = (steady, without_it, rest) if slow else (evidence, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     comparisons = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
@@ -211,8 +227,9 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         withheld=withheld_names,
         withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
         adequacy=result,
-        gain=gain(evidence, robot, fit.robot),
-        calibrated=gain(evidence, robot, selection.nominal.robot),
+        gain=gain(measured, robot, fit.robot),
+        calibrated=gain(measured, robot, selection.nominal.robot),
+        wander=slow,
     )
 
 

@@ -88,7 +88,7 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
         config = config.model_copy(update={"effects": config.effects.without(effect.name)})
     measured = diagnosis.measurement
     source = f"{measured.name} ({measured.kind})"
-    named = ", ".join(effect.name for effect in diagnosis.named) or "no effect"
+    named = ", ".join(name.partition("[")[0] for name in diagnosis.names) or "no effect"
     config = config.model_copy(
         update={"name": _slug(measured.name), "description": f"Fitted to {source}: the nominal model with {named}"}
     )
@@ -221,6 +221,10 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
             comments["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}{seen}"
         for name, _ in named.effect.choices:
             comments["effects", named.effect.kind.name, name] = "named by the diagnosis"
+    if diagnosis.wander is not None:
+        for name, error in diagnosis.wander.std.items():
+            text = f"named by the diagnosis; standard error {error:.2g}"
+            comments["effects", diagnosis.wander.effect.name, name] = text
     comments["chassis", "width_m"] = "widened to cover the wheels"
     comments["effect_ranges",] = "range of the data in which the effect was seen"
     return comments
