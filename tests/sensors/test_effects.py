@@ -176,6 +176,14 @@ class TestRangeSensorsInTheSimulation:
         expected = distance * (1.0 + 0.2 * math.sin(tilt) ** 2)
         assert read(effect, at=at)[0] == pytest.approx(expected, abs=2e-4)
 
+    @pytest.mark.parametrize("tilt_deg", [0.0, 20.0])
+    def test_the_incidence_on_a_wall_in_front_is_acute(self, read, monkeypatch, tilt_deg):
+        """Its sine alone would be that of the obtuse angle to the other side of the wall, too."""
+        seen = []
+        monkeypatch.setattr(IncidenceBias, "apply", lambda _, reading, view: seen.append(view.incidence_rad) or reading)
+        read(IncidenceBias(coefficient=0.2), at=(0.0, 0.0, math.radians(tilt_deg)))
+        assert np.degrees(seen[0][0]) == pytest.approx(tilt_deg, abs=1e-3)
+
     def test_a_saturated_range_is_flat_through_its_noise(self, read):
         """reading <= saturation: of the reading as it is given, or the plateau would not be exactly flat."""
         saturated = read(RangeSaturation(saturation_m=0.3), noise_scale=10.0, quantisation_m=0.001)
