@@ -20,6 +20,7 @@ import gc
 import hashlib
 import importlib
 import json
+import math
 import os
 import random
 import resource
@@ -91,7 +92,10 @@ KINDS = (
 NEEDS_ARGUMENTS = ("VariableReplacer", "VariableInserter")
 """Changes that need names of variables."""
 SPARE_SECONDS = 20.0
-"""Beyond three times the time of the unchanged tests; then a change that makes an endless loop counts as noticed."""
+"""Of the processor, beyond three times those of the unchanged tests; then a change that makes an endless loop counts as
+noticed."""
+WAITING = 20
+"""Times its limit on the processor that a process may take by the clock, as it does on a machine with other work."""
 MEMORY_BYTES = 8 << 30
 SURVIVED, CAUGHT, ENDLESS, UNIMPORTABLE = "survived", "caught", "endless", "unimportable"
 
@@ -250,16 +254,16 @@ def _judge_module(tree: Path, graph: grimp.ImportGraph, module: str, mutations: 
         stale.unlink()
     if collected:
         _preload(loaded.read_text().split(), {name, *graph.find_downstream_modules(name)})
-    begin = time.monotonic()
+    begin = _processor_s()
     if not collected or name in sys.modules or _forked(lambda: _tests(module, durations), 600.0):
         print(f"{module}: its tests cannot be collected, or fail before any change", file=sys.stderr)
         return 1
-    seconds = time.monotonic() - begin
+    seconds = _processor_s() - begin
     gc.freeze()  # a collection in a child would copy all of it
     text = (tree / module).read_text()
     operators = _operators()
     for mutation in mutations:
-        begin = time.monotonic()
+        begin = _processor_s()
         changed = mutate_code(text, operators[mutation.operator], mutation.occurrence) or text
         (tree / module).write_text(changed)
         if _forked(lambda: importlib.import_module(name) is None, SPARE_SECONDS):
@@ -268,7 +272,7 @@ def _judge_module(tree: Path, graph: grimp.ImportGraph, module: str, mutations: 
             code = _forked(lambda: _tests(module, durations), SPARE_SECONDS + 3 * seconds)
             outcome = {0: SURVIVED, -signal.SIGKILL: ENDLESS}.get(code, CAUGHT)
         before, after = _difference(text, changed)
-        took = round(time.monotonic() - begin, 1)
+        took = round(_processor_s() - begin, 1)
         _append(table, Row(**asdict(mutation), before=before, after=after, outcome=outcome, seconds=took))
     (tree / module).write_text(text)
     return 0
@@ -323,8 +327,14 @@ def _preload(names: list[str], later: set[str]) -> None:
                 continue
 
 
+def _processor_s() -> float:
+    """Return the processor time of all children that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def _forked(work: Callable[[], int], limit_s: float = float("inf")) -> int:
-    """Return the exit code of some work in a child, -SIGKILL after a time limit."""
+    """Return the exit code of some work in a child, -SIGKILL after so much time of the processor."""
     sys.stdout.flush()
     child = os.fork()
     if child == 0:
@@ -333,13 +343,14 @@ def _forked(work: Callable[[], int], limit_s: float = float("inf")) -> int:
             if limit_s < float("inf"):
                 os.setsid()
                 resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+                resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit_s), math.ceil(limit_s)))
                 sink = os.open(os.devnull, os.O_RDWR)
                 for stream in (0, 1, 2):
                     os.dup2(sink, stream)
             code = int(work())
         finally:
             os._exit(code)
-    ends = time.monotonic() + limit_s
+    ends = time.monotonic() + WAITING * limit_s
     while time.monotonic() < ends:
         ended, status = os.waitpid(child, os.WNOHANG)
         if ended:

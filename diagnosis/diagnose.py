@@ -17,14 +17,17 @@ from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import HypothesisFit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.named_model import NamedModel, standing
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.seen_range import SeenRange, seen_ranges
-from diagnosis.inference.selection import Selection, is_at_bound, is_of_noise, needed, rescued, select, without
-from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, change_by, survivors
+from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
+from diagnosis.inference.transfer import groups
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.inference.verdict import SUBSTITUTE, NameEvidence, Verdict, WithheldName, cancel, conclusion, withheld
+from diagnosis.inference.unexplained.wander import Wander, wander
+from diagnosis.inference.verdict import Verdict, WithheldName, conclusion
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalLog
 from diagnosis.nominal_robot import nominal_robot
@@ -90,6 +93,8 @@ class Diagnosis:
     """Gain of the extended model over the nominal one."""
     calibrated: Gain | None
     """Gain of plain calibration: the nominal model with its nuisances fitted and without effects."""
+    wander: Wander | None = None
+    """The slow error of a range sensor, which is random and therefore not part of the fit; `evidence` is without it."""
 
     @property
     def unexplained(self) -> Structure | None:
@@ -97,10 +102,15 @@ class Diagnosis:
         return None if self.adequacy.is_adequate else self.adequacy.worst
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects with their choices."""
+        return (*(named.effect.name for named in self.named), *((self.wander.effect.name,) if self.wander else ()))
+
+    @property
     def conclusion(self) -> Verdict:
         structures = self.adequacy.structures
         return conclusion(
-            [named.name for named in self.named],
+            self.names,
             self.withheld,
             is_adequate=self.adequacy.is_adequate,
             chance=structures[0].p if structures else 1.0,
@@ -117,7 +127,7 @@ class Diagnosis:
     @property
     def extended(self) -> RobotConfig:
         """The robot with fitted nuisances and the named effects."""
-        return self.fit.robot
+        return self.fit.robot.with_effect(self.wander.effect) if self.wander else self.fit.robot
 
     def answer(self) -> dict[str, object]:
         """Return the answer in GAP_FORMAT, ready for JSON."""
@@ -132,7 +142,8 @@ class Diagnosis:
                     "range": {seen.covariate: [seen.low, seen.high] for seen in named.ranges},
                 }
                 for named in self.named
-            ],
+            ]
+            + ([self.wander.answer()] if self.wander else []),
             "unexplained": self.unexplained is not None,
         }
         if self.unexplained is not None:
@@ -175,13 +186,21 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         selection = replace(selection, fit=better)
         result = adequacy(evidence, better)
     result = _structures_of(evidence, selection, result)
+    measured, slow = evidence, wander(evidence, selection.fit, result)
+    if slow is not None:
+        steady, without_it = _selected(evidence.without(slow.path_m), bare, library.testable)
+        rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
+        # Beside a structure that the error leaves, it may be a part of the unknown cause.
+        slow = slow if rest.is_adequate else None
+        evidence, selection, result = (steady, without_it, rest) if slow else (evidence, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     comparisons = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
     if result.is_adequate:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
-    model, withheld_names = _standing(
-        evidence, selection.nominal, _NamedModel(fit, comparisons, result), library.testable
+    parts = groups(evidence, [trial.name for trial in measurement.trials])
+    model, withheld_names = standing(
+        evidence, selection.nominal, NamedModel(fit, comparisons, result), library.testable, parts
     )
     fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
@@ -208,8 +227,9 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         withheld=withheld_names,
         withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
         adequacy=result,
-        gain=gain(evidence, robot, fit.robot),
-        calibrated=gain(evidence, robot, selection.nominal.robot),
+        gain=gain(measured, robot, fit.robot),
+        calibrated=gain(measured, robot, selection.nominal.robot),
+        wander=slow,
     )
 
 
@@ -322,78 +342,3 @@ def _best_named(
         return fit, comparisons
     best = min(better, key=lambda rival: rival.worse).fit
     return best, [compare_rivals(evidence, best, effect, effects) for effect in best.hypothesis.effects]
-
-
-@dataclass(frozen=True)
-class _NamedModel:
-    """A fit with the rivals of each of its names, and the test of its residuals."""
-
-    fit: HypothesisFit
-    comparisons: Sequence[RivalComparison]
-    result: Adequacy
-
-
-def _standing(
-    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, effects: Sequence[CandidateEffect]
-) -> tuple[_NamedModel, tuple[WithheldName, ...]]:
-    """Return the model with only those names that stand, and the names withheld.
-
-    Names are withheld one at a time, the weakest first, since the others may stand without it.
-    """
-    withheld_names: list[WithheldName] = []
-    while True:
-        found = [_name_evidence(evidence, nominal, model, comparison) for comparison in model.comparisons]
-        failing = [
-            (each, comparison) for each, comparison in zip(found, model.comparisons, strict=True) if withheld(each)
-        ]
-        if not failing:
-            return model, tuple(withheld_names)
-        # Effects that cancel each other imitate the same thing, so they go together.
-        cancelling = [pair for pair in failing if pair[0].cancelled_by]
-        going = cancelling or [min(failing, key=lambda pair: pair[0].rise)]
-        withheld_names += [WithheldName(each.name, withheld(each)) for each, _ in going]
-        fit = model.fit
-        for _, comparison in going:
-            fit = without(evidence, fit, comparison.effect)
-        left = adequacy(evidence, fit)
-        if left.has_cause and fit.hypothesis.effects:
-            kept = survivors(evidence, nominal, fit, left.worst)
-            substitutes = [effect for effect in fit.hypothesis.effects if effect not in kept]
-            withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
-            for effect in substitutes:
-                fit = without(evidence, fit, effect)
-        comparisons = [compare_rivals(evidence, fit, effect, effects) for effect in fit.hypothesis.effects]
-        model = _NamedModel(fit, comparisons, model.result if left.is_adequate else left)
-
-
-def _cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> str:
-    """Return the name of another effect of a fit that undoes what this one does; empty if there is none."""
-    others = [other for other in fit.hypothesis.effects if other != effect]
-    if not others:
-        return ""
-    change = change_by(evidence, nominal, fit, effect)
-    return next((other.name for other in others if cancel(change, change_by(evidence, nominal, fit, other))), "")
-
-
-def _name_evidence(
-    evidence: Evidence, nominal: HypothesisFit, model: _NamedModel, comparison: RivalComparison
-) -> NameEvidence:
-    """Return what the data say of one name of a model, which leaves an unexplained structure or none.
-
-    Beside such a structure a rival may win by taking over a part of it, so rivals count only without.
-    """
-    fit, effect, has_rest = model.fit, comparison.effect, not model.result.is_adequate
-    base = without(evidence, fit, effect)
-    heldout_rise = float((base.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None
-    rival = None if has_rest else next((rival for rival in comparison.rivals if not rival.refused), None)
-    return NameEvidence(
-        name=effect.name,
-        rise=base.cost - fit.cost,
-        needed=needed(effect),
-        rise_of_prior=base.prior_cost - fit.prior_cost,
-        heldout_rise=heldout_rise,
-        is_at_bound=is_at_bound(fit, effect),
-        cancelled_by=_cancelled_by(evidence, nominal, fit, effect),
-        closest_rival=None if rival is None else (rival.effect.name, rival.worse),
-        confidence=1.0 if has_rest else comparison.confidence,
-    )

@@ -24,6 +24,7 @@ from pydantic import ValidationError
 from configs.checks import robot_faults
 from configs.draw import draw_robot
 from configs.loader import load_section
+from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.nuisances import Nuisance
@@ -35,6 +36,16 @@ DIGITS = 7
 """Digits of a number in the file; the last is far below any standard error."""
 UNTOUCHED = 5e-3
 """Deviation in tolerances that may be rounding error of a parameter without data."""
+RECORDED = {
+    "v_m_s": "v_m_s",
+    "w_rad_s": "w_rad_s",
+    "omega_rad_s": "wheel_speed_rad_s",
+    "u_V": "voltage_V",
+    "u_cmd_V": "voltage_V",
+    "current_A": "current_A",
+    "distance_m": "tof_m",
+}
+"""Quantity of a run by the covariate of an effect. A run is not warned about the others."""
 REACH_SD = 3.0
 """Standard deviations up to which a varied number is drawn."""
 
@@ -77,11 +88,12 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
         config = config.model_copy(update={"effects": config.effects.without(effect.name)})
     measured = diagnosis.measurement
     source = f"{measured.name} ({measured.kind})"
-    named = ", ".join(effect.name for effect in diagnosis.named) or "no effect"
+    named = ", ".join(name.partition("[")[0] for name in diagnosis.names) or "no effect"
     config = config.model_copy(
         update={"name": _slug(measured.name), "description": f"Fitted to {source}: the nominal model with {named}"}
     )
     config, moved = _rounded(config, diagnosis.nominal)
+    config = config.model_copy(update={"effect_ranges": tuple(_ranges(diagnosis, config))})
     head = [
         f"# The robot that symolo diagnose fitted to {source}. Everything else is as in the shipped robot {BASE}.",
         "# Standard errors are those of a number with all other numbers fitted too.",
@@ -93,6 +105,15 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     comments = {path: "of the nominal model" for path in _paths(tree) if len(path) > 1} | _comments(diagnosis) | moved
     text = "\n".join([*head, *_lines(tree, comments)]) + "\n"
     return ExtendedRobot(config, text, _varied(diagnosis, config), tuple(left_out), problem)
+
+
+def _ranges(diagnosis: Diagnosis, config: RobotConfig) -> Iterator[EffectRange]:
+    """Yield the ranges in which the effects of the robot were seen, of those quantities that a run records."""
+    for named in diagnosis.named:
+        for seen in named.ranges if config.effects.get(named.effect.kind) is not None else ():
+            if (quantity := RECORDED.get(seen.covariate)) is not None:
+                low, high = (float(f"{value:.4g}") for value in (seen.low, seen.high))
+                yield EffectRange.model_validate({"effect": named.name, "quantity": quantity, "low": low, "high": high})
 
 
 def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
@@ -200,7 +221,12 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
             comments["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}{seen}"
         for name, _ in named.effect.choices:
             comments["effects", named.effect.kind.name, name] = "named by the diagnosis"
+    if diagnosis.wander is not None:
+        for name, error in diagnosis.wander.std.items():
+            text = f"named by the diagnosis; standard error {error:.2g}"
+            comments["effects", diagnosis.wander.effect.name, name] = text
     comments["chassis", "width_m"] = "widened to cover the wheels"
+    comments["effect_ranges",] = "range of the data in which the effect was seen"
     return comments
 
 
@@ -228,8 +254,12 @@ def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: Fi
         if isinstance(value, Mapping) and value:
             yield f"{indent}{key}:"
             yield from _lines(value, comments, path)
+            continue
+        comment = f"  # {comments[path]}" if path in comments else ""
+        if isinstance(value, list) and value:
+            yield f"{indent}{key}:"
+            yield from (f"{indent}  - {json.dumps(item, ensure_ascii=False)}{comment}" for item in value)
         else:
-            comment = f"  # {comments[path]}" if path in comments else ""
             yield f"{indent}{key}: {json.dumps(value, ensure_ascii=False)}{comment}"
 
 

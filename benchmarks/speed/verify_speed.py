@@ -1,7 +1,8 @@
 """How long `symolo verify` takes on a dataset of many runs, with several versions of the code in turn.
 
 The runs are copies of the small one of `tests/fuzz/corpus`, with 9 rows, 3 images and all annotations, so the figure is
-that of many small files. Each line is the processor time and the elapsed time of one whole command.
+that of many small files. Each line is the processor time and the elapsed time of one whole command; the last ones are
+the ratios of processor times in the same round, to those of the first tree.
 
     python benchmarks/speed/verify_speed.py [--runs 1000] [--times 3] [TREE ...]
 
@@ -18,6 +19,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from statistics import median
 
 ROOT = Path(__file__).parents[2]
 COMMAND = (sys.executable, "-c", "import sys; from pipeline.cli import main; sys.exit(main())", "verify")
@@ -33,9 +35,11 @@ def main() -> None:
         data = Path(folder) / "data"
         files = make_dataset(data, arguments.runs)
         print(f"{arguments.runs} runs, {files} files")
-        for _ in range(arguments.times):
-            for tree in arguments.trees:
-                print(f"{tree.name}: {measure(tree, data)}", flush=True)
+        rounds = [[measured(tree, data) for tree in arguments.trees] for _ in range(arguments.times)]
+    for number, tree in enumerate(arguments.trees[1:], start=1):
+        ratios = [seconds[number] / seconds[0] for seconds in rounds]
+        extent = f"({min(ratios):.2f} to {max(ratios):.2f})"
+        print(f"{tree.name}: {median(ratios):.2f} times the time of {arguments.trees[0].name} {extent}")
 
 
 def make_dataset(root: Path, runs: int) -> int:
@@ -62,15 +66,17 @@ def make_dataset(root: Path, runs: int) -> int:
     return len(hashes)
 
 
-def measure(tree: Path, data: Path) -> str:
-    """Return processor time and elapsed time of one command, and how it ended."""
+def measured(tree: Path, data: Path) -> float:
+    """Return the processor time of one command [s], and print how long it took and how it ended."""
     environment = {**os.environ, "PYTHONPATH": str(tree), "OPENBLAS_NUM_THREADS": "1"}
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     ended = subprocess.run([*COMMAND, str(data)], env=environment, capture_output=True, text=True, check=False)
     elapsed_s, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     lines = len((ended.stdout + ended.stderr).splitlines())
-    return f"{cpu_s:.1f} s of the processor, {elapsed_s:.1f} s elapsed, exit code {ended.returncode}, {lines} lines"
+    times = f"{cpu_s:.1f} s of the processor, {elapsed_s:.1f} s elapsed"
+    print(f"{tree.name}: {times}, exit code {ended.returncode}, {lines} lines", flush=True)
+    return cpu_s
 
 
 if __name__ == "__main__":

@@ -1,15 +1,16 @@
 """The robot: body, drive and sensors. R is the frame at the middle of the axle, x forward, y left."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from configs.effects.base import Effect
 from configs.effects.robot_effects import RobotEffects
 from configs.robot_sensors import RobotSensors
-from configs.schema.base import Section, Slug
+from configs.schema.base import FromList, Section, Slug
 from configs.schema.controller import Controller
+from configs.schema.effect_range import EffectRange
 
 
 class Chassis(Section):
@@ -274,6 +275,11 @@ class RobotConfig(Section):
     """Sensors beside line sensor, range sensors and encoders; each has its table in `side/`."""
     effects: RobotEffects = Field(default_factory=RobotEffects, json_schema_extra={"default": {}})
     """Deviations of the real robot from the values above, which its controller does not know."""
+    effect_ranges: Annotated[tuple[EffectRange, ...], FromList] = Field(
+        default=(), exclude_if=lambda ranges: not ranges
+    )
+    """Ranges in which the effects were observed, as `symolo diagnose` writes them; a run that leaves them gets a
+    warning."""
 
     def with_effect(self, effect: Effect) -> "RobotConfig":
         """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""

@@ -41,5 +41,6 @@ def _read_measurement(path: Path, importers: Sequence[Importer], name: str | Non
         "is not measured data of a known form",
         where=str(path),
         allowed=f"data for one of {', '.join(names)}",
-        cure="write nominal.yaml and data.csv as in docs/measured.md, or choose the form with --importer",
+        cure="make a case with `symolo case init LOG.csv`, write nominal.yaml and data.csv as in docs/measured.md, or "
+        "choose the form with --importer",
     )

@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from configs.effects.base import Effect, Setup
+from configs.effects.base import Effect, Setup, Slot
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
@@ -44,7 +44,8 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     effects = [
         CandidateEffect(effect, choices)
         for effect in EFFECTS.classes()
-        if SETUPS[measurement.kind] in effect.setups
+        # An error that wanders is random and moves no prediction; see `diagnosis.inference.unexplained.wander`.
+        if SETUPS[measurement.kind] in effect.setups and effect.slot is not Slot.RANGE_WANDER
         for choices in _choices(effect, measurement)
     ]
     robots = [hypothesis.robot(hypothesis.null())]

@@ -63,5 +63,8 @@ def seen_ranges(
 def _conditions(observed: Observed) -> Iterator[tuple[str, Array]]:
     for covariate in observed.covariates:
         is_number = covariate.shape is CovariateShape.SMOOTH and covariate.second is None
-        if is_number and covariate.name not in _ORDER_OF_ROWS:
+        if is_number and covariate.as_rate is not None:
+            name, duration_s = covariate.as_rate
+            yield name, covariate.values / duration_s
+        elif is_number and covariate.name not in _ORDER_OF_ROWS:
             yield covariate.name, covariate.values

@@ -1,7 +1,8 @@
 """From the evidence to the verdict, by rules that cannot contradict each other.
 
 The selection proposes names; here each of them must stand alone. A name is withheld if its number lies at a bound, if
-held-out rows do not become worse without it, or if another effect explains the data better. What remains decides the
+held-out rows do not become worse without it, if a manoeuvre, a session or a range of speed contradicts it, or if
+another effect explains the data better. What remains decides the
 conclusion: a model may only be called an explanation if no test of the residuals and no effect in addition is anywhere
 near significance. Between explanation and discovery lies what the data leave open.
 """
@@ -69,6 +70,8 @@ class NameEvidence:
     """Rise of the cost of the held-out rows; None if none are held out."""
     is_at_bound: bool
     """Whether one of its numbers lies at a bound of its range."""
+    contradicted_by: str
+    """Manoeuvre, session or range of speed that contradicts the effect when it is fitted to the rest; empty if none."""
     cancelled_by: str
     """Name of another effect of the model that undoes nearly all that this one does; empty if there is none."""
     closest_rival: tuple[str, float] | None
@@ -102,6 +105,8 @@ def withheld(evidence: NameEvidence) -> str:
         and evidence.rise_of_prior <= MOST_BY_PRIOR * evidence.rise
     ):
         return "the held-out rows are predicted as well without it"
+    if evidence.contradicted_by:
+        return f"it is a description and no cause: fitted to the rest, it is contradicted by {evidence.contradicted_by}"
     if evidence.closest_rival is not None and evidence.closest_rival[1] < -CHEAPER:
         return f"{evidence.closest_rival[0]} explains the data better"
     if evidence.rise < evidence.needed + MARGIN:

@@ -91,21 +91,32 @@ def _of_drive(measurement: Measurement) -> Sequence[KnownNumber]:
     return numbers
 
 
-def parsed(settings: Sequence[str], numbers: Sequence[KnownNumber]) -> dict[str, float]:
+NUMBERS = (
+    _TICKS,
+    *_WHEELS,
+    *_MOTOR,
+    _INERTIA,
+    *_ROOM,
+    _MAX_RANGE,
+    *(number for side in SIDES for number in _mount(side)),
+)
+"""All numbers that may matter for some log."""
+
+
+def parsed(settings: Sequence[str]) -> dict[str, float]:
     """Return the numbers of settings such as `track_m=0.14`, by key.
 
     Raises:
         InputError: A setting is no such number; all faults are reported.
     """
-    by_key = {number.key: number for number in numbers}
+    by_key = {number.key: number for number in NUMBERS}
     faults, values = FaultList(), {}
     for setting in settings:
         with faults.noted():
             key, equals, text = (part.strip() for part in setting.partition("="))
             if not equals or key not in by_key:
-                allowed = f"one of {', '.join(by_key)}, for this log" if by_key else "none, for this log"
                 close = nearest(key, by_key)
-                raise InputError("--set", got=setting, allowed=allowed, nearest=close, cure="write KEY=VALUE")
+                raise InputError("--set", got=setting, allowed=f"KEY=VALUE with {', '.join(by_key)}", nearest=close)
             values[key] = value_of(text, by_key[key])
     faults.check()
     return values

@@ -13,7 +13,7 @@ from diagnosis.measured.scale import beyond_scale, likely_unit
 from diagnosis.measured.screening import usual
 from diagnosis.new_case.log_file import LogFile
 from diagnosis.new_case.mapping import MAPPING, LogMapping, Source, check_needed
-from diagnosis.new_case.quantities import NEEDED, matched, our_columns
+from diagnosis.new_case.quantities import DUTY, NEEDED, matched, our_columns
 from diagnosis.new_case.units import factor_to, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -23,6 +23,9 @@ STEADY_FROM_S = 0.25
 FASTEST_TURN_RAD_S = 12.0
 """Speed at which no small robot turns for long; a heading that changes faster is in degrees."""
 LARGEST_ROOM_M = 20.0
+FULL_DUTIES = (1.0, 100.0, 255.0, 1023.0, 4095.0)
+"""Values of a full duty cycle in logs: share, per cent, 8, 10 and 12 bit."""
+USUAL_SUPPLY_V = 7.4
 SMALLEST_MM = 600.0
 """Extent from which a length that is no metre is in millimetres rather than in centimetres."""
 
@@ -34,12 +37,13 @@ class Proposal:
     """Guesses that the user has to check, in one sentence each."""
 
 
-def propose(log: LogFile, kind: CaseKind | None = None) -> Proposal:
+def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None = None) -> Proposal:
     """Return a mapping for a log.
 
     Args:
         log: The log.
         kind: Kind of the case; recognised from the columns by default.
+        supply_V: Voltage of a duty cycle of 1, if it is known.
 
     Raises:
         InputError: The columns of no kind, or not those of this one, are in the log.
@@ -52,12 +56,28 @@ def propose(log: LogFile, kind: CaseKind | None = None) -> Proposal:
     warnings = []
     for name, column in found.items():
         unit = taken_apart(column).unit if column != name else ""
+        if DUTY & set(taken_apart(column).words) and not unit:
+            factor, reason = _of_duty(log, [other for other in found.values() if DUTY & set(taken_apart(other).words)])
+            sources[name] = Source(column=column, factor=factor * (supply_V or USUAL_SUPPLY_V))
+            supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, which is not known"
+            warnings.append(f"{column} ({name}): {reason}, times {supply}")
+            continue
         if name in ours and not unit and column != name and ours[name].unit:
             with suppress(InputError):  # wrong cells are reported together, when the rows are read
                 unit, reason = _guessed(name, ours[name].unit, log.numbers(column), log, _step_s(log, sources))
                 warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
         sources[name] = Source(column=column, unit="" if name in ours and unit == ours[name].unit else unit)
     return Proposal(LogMapping.model_validate({"kind": kind.value, "columns": sources}), tuple(warnings))
+
+
+def _of_duty(log: LogFile, columns: Sequence[str]) -> tuple[float, str]:
+    """Return the share of the supply for a value of 1, and the reason, by the largest value of all such columns."""
+    largest = 0.0
+    for column in columns:
+        with suppress(InputError):
+            largest = max(largest, float(np.nanmax(np.abs(log.numbers(column)), initial=0.0)))
+    full = next((full for full in FULL_DUTIES if largest <= full), largest)
+    return 1.0 / full, f"taken for a duty cycle of which {full:g} is full, since the values are up to {largest:.4g}"
 
 
 def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:

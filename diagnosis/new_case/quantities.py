@@ -21,7 +21,9 @@ _FILLERS = _any(
 _LEFT, _RIGHT = _any("left l lhs links"), _any("right r rhs rechts")
 _FRONT = _any("front f fwd forward centre center middle")
 _TIME = _any("t time timestamp stamp clock")
-_VOLTAGE = _any("u voltage volt volts motor vm umot")
+DUTY = _any("pwm duty")
+"""Words for a voltage as a share of the supply's."""
+_VOLTAGE = _any("u voltage volt volts motor vm umot") | DUTY
 _COUNTS = _any("enc encoder encoders ticks tick counts count cnt pulses steps")
 _RANGE = _any("tof range ranges dist distance d lidar ir sonar ultrasonic")
 _HEADING = _any("theta th heading yaw phi angle orientation rotation psi")

@@ -26,6 +26,8 @@ IRREGULAR = 0.2
 """Share of a step by which most steps may differ from the usual one without a new sampling."""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
+LONG_AFTER_S = 1e6
+"""Time after switching on when nothing warms up any more."""
 DECIMALS = 9
 """Decimals of a converted number, whose last digits are rounding errors of the factor."""
 HELD_OUT_EACH = 4
@@ -59,8 +61,8 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         constant = "" if material is None else str(material.constant or "")
         words = log.columns[material.column] if material and material.column else (constant,) * log.rows
     if "t_s" not in values:
-        values["t_s"] = np.arange(log.rows, dtype=np.float64)
-        notes.append("no times were logged: rows are numbered in their place, so that nothing can depend on time")
+        values["t_s"] = LONG_AFTER_S + np.arange(log.rows)
+        notes.append("no times were logged: rows count as taken long after the device was switched on")
     parts = _trials(values, words, kind, log, notes)
     if kind in _IN_TIME:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
@@ -77,20 +79,25 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
 
 def _values(log: LogFile, mapping: LogMapping) -> dict[str, Array]:
     """Return the numbers of a log in our units by our names, (N,) each."""
-    faults, values = FaultList(), {}
-    for name, column in our_columns(mapping.case_kind).items():
+    faults, values, kind = FaultList(), {}, mapping.case_kind
+    for name, column in our_columns(kind).items():
         source = mapping.columns.get(name)
         if source is None:
             continue
         with faults.noted():
-            if source.constant is not None:
+            if name in {"trial", "sweep"} and source.column:  # trials may have words for names
+                cells = log.columns[source.column]
+                number_of_name = {cell: float(k) for k, cell in enumerate(dict.fromkeys(cells))}
+                numbers = np.array([number_of_name[cell] for cell in cells])
+            elif source.constant is not None:
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
                 numbers = factor * log.numbers(source.column)
             if name == "t_s":
                 _check_times(numbers, log, source.column)
-                numbers = numbers - numbers[0]  # time stamps of a computer count from 1970
+                if kind in _IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970
+                    numbers = numbers - numbers[0]
             values[name] = np.round(numbers, DECIMALS)
     if not faults.faults:
         faults.faults += unit_faults(mapping, values, log)

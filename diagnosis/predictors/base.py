@@ -53,6 +53,8 @@ class Covariate:
     """(n,), signed size of the event since which a time is counted, or of what turns; the effect grows with it."""
     beside: str = ""
     """Name of a covariate that acts together with this one, as the current value does with the previous one."""
+    as_rate: "tuple[str, Array] | None" = None
+    """Name of the rate, and the duration [s] (n,) by which this is divided to get it; None if it is no change."""
 
 
 @dataclass(frozen=True)

@@ -224,9 +224,11 @@ class Pose:
         middle = (first + last) // 2
         angle_rad = 2.0 * pi / nominal.encoder.counts_per_revolution * self._ticks[middle]
         trial = trial_of_rows(measurement)[first]
+        moved_m = np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])
+        lasts_s = self._t_s[last] - self._t_s[first]
         covariates = (
-            Covariate("ds", np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])),
-            Covariate("dtheta", predicted[:, 2]),
+            Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
+            Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
             Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
@@ -285,7 +287,7 @@ def seen_from_body(yaw_rad: Array, change: Array) -> Array:
     """Return changes of pose (..., 3) in W with their places in the frame of a body with this yaw (...)."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     x, y, turn = change[..., 0], change[..., 1], change[..., 2]
-    return np.stack([c * x + s * y, c * y - s * x, turn], axis=-1)
+    return np.stack(np.broadcast_arrays(c * x + s * y, c * y - s * x, turn), axis=-1)
 
 
 def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:

@@ -33,7 +33,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         plots=plots,
         source=summary_line(diagnosis.measurement),
         headline=verdict.headline(diagnosis),
-        effect_sentences=[verdict.effect_sentence(named) for named in diagnosis.named],
+        effect_sentences=verdict.effect_sentences(diagnosis),
         gain_sentences=verdict.gain_sentences(data),
         measured=source_text(diagnosis.measurement),
         stages=", ".join(stage.name for stage in diagnosis.evidence.stages),

@@ -15,12 +15,16 @@ from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.profile import Interval, profiles
+from diagnosis.inference.transfer import trial_groups
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.row_sentences import row_sentences
 from diagnosis.report.run_ends import run_ends
 from diagnosis.report.signatures import Signatures, signatures
 from symolo.core.arrays import Array
+
+_Robots = tuple[RobotConfig, RobotConfig, RobotConfig]
+"""The nominal robot, the same with its nuisances fitted, and the extended robot."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +41,8 @@ class Ablation:
 
 
 @dataclass(frozen=True)
-class QuantityGain:
-    """Gains of one observed quantity."""
+class PartGain:
+    """Gains on a part of the held-out samples."""
 
     name: str
     calibrated: Gain
@@ -57,7 +61,9 @@ class ReportData:
     """Model without each named effect, in the order of the effects."""
     intervals: Mapping[str, Mapping[str, tuple[Interval, ...]]]
     """Profile intervals by effect and parameter, for the parameters that the data determine."""
-    by_quantity: tuple[QuantityGain, ...]
+    by_quantity: tuple[PartGain, ...]
+    by_group: tuple[PartGain, ...]
+    """Gains in each manoeuvre or group of trials; empty if there is one only."""
     signatures: Signatures
     means: tuple[Array, Array, Array]
     """Predictions (N,) of the nominal robot, of the same with its nuisances fitted, and of the extended robot."""
@@ -94,6 +100,7 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
         ablations=tuple(_ablations(diagnosis)),
         intervals=profiles(evidence, diagnosis.fit),
         by_quantity=tuple(_by_quantity(evidence, robots)),
+        by_group=tuple(_by_group(diagnosis, robots)),
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
         row_sentences=(*row_sentences(diagnosis), *run_ends(diagnosis)),
         means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
@@ -127,10 +134,20 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
         )
 
 
-def _by_quantity(evidence: Evidence, robots: tuple[RobotConfig, RobotConfig, RobotConfig]) -> Iterator[QuantityGain]:
-    nominal, adjusted, extended = robots
+def _by_quantity(evidence: Evidence, robots: _Robots) -> Iterator[PartGain]:
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        alone = of_quantity(evidence, place)
-        calibration, extension = gain(alone, nominal, adjusted), gain(alone, nominal, extended)
-        if calibration is not None and extension is not None:
-            yield QuantityGain(observed.name, calibration, extension)
+        yield from _gains(observed.name, of_quantity(evidence, place), robots)
+
+
+def _by_group(diagnosis: Diagnosis, robots: _Robots) -> Iterator[PartGain]:
+    evidence = diagnosis.evidence
+    names = [trial.name for trial in diagnosis.measurement.trials]
+    for group in trial_groups(evidence, names, evidence.heldout):
+        yield from _gains(group.name, evidence.with_rows(heldout=group.rows), robots)
+
+
+def _gains(name: str, evidence: Evidence, robots: _Robots) -> Iterator[PartGain]:
+    nominal, adjusted, extended = robots
+    calibration, extension = gain(evidence, nominal, adjusted), gain(evidence, nominal, extended)
+    if calibration is not None and extension is not None:
+        yield PartGain(name, calibration, extension)

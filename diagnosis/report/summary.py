@@ -21,6 +21,7 @@ from diagnosis.report.verdict import (
     reach,
     to_measure,
     unexplained_sentence,
+    wander_sentence,
     without_effect,
 )
 
@@ -35,6 +36,8 @@ def summary(data: ReportData) -> list[str]:
     lines = [summary_line(diagnosis.measurement), "", *wrap(headline(diagnosis), WIDTH)]
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
         lines += ["", *_effect(named, ablation, data.intervals.get(named.name, {}))]
+    if diagnosis.wander is not None:
+        lines += ["", *wrap(wander_sentence(diagnosis.wander), WIDTH)]
     lines += _not_named(diagnosis)
     lines += ["", *(line for text in (*gain_sentences(data), *data.row_sentences) for line in wrap(text, WIDTH))]
     if data.dataset is not None:

@@ -1,15 +1,17 @@
 """The verdict in plain sentences, the same on a terminal and on the page."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, log10
 
 import numpy as np
 
+from configs.effects.base import Effect
 from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.selection import needed
 from diagnosis.inference.unexplained.adequacy import Structure
+from diagnosis.inference.unexplained.wander import Wander
 from diagnosis.inference.verdict import DOUBT, NEARLY, NOISY, Verdict
 from diagnosis.report.quantities import (
     along,
@@ -31,7 +33,7 @@ _MIN_SURE = 0.9
 
 def headline(diagnosis: Diagnosis) -> str:
     """Return what is wrong, in one sentence."""
-    names = [named.effect.name for named in diagnosis.named]
+    names = diagnosis.names
     structure = diagnosis.unexplained
     if structure is None:
         if names:
@@ -65,14 +67,27 @@ def listed(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def effect_sentence(named: NamedEffect) -> str:
-    """Return the name, the parameters, the meaning and the possible causes of an effect."""
+def effect_sentences(diagnosis: Diagnosis) -> list[str]:
+    """Return the name, the parameters, the meaning and the possible causes of each effect."""
+    sentences = [_sentence(n.effect.name, n.effect.kind, n.values, n.std) for n in diagnosis.named]
+    if diagnosis.wander is not None:
+        sentences.append(wander_sentence(diagnosis.wander))
+    return sentences
+
+
+def wander_sentence(wander: Wander) -> str:
+    """Return what is known of the slow error of a range sensor."""
+    effect = wander.effect
+    sentence = _sentence(effect.name, type(effect), effect.model_dump(), wander.std)
+    return f"{sentence} It is random: held-out rows are predicted without it, and plots show the residuals beside it."
+
+
+def _sentence(label: str, kind: type[Effect], values: Mapping[str, float], std: Mapping[str, float]) -> str:
     parameters = []
-    for name, value in named.values.items():
-        unit = named.effect.kind.parameters()[name].unit
-        parameters.append(f"{name} = {with_error(value, named.std[name])}{'' if unit == '1' else f' {unit}'}")
-    kind = named.effect.kind
-    return f"{named.effect.name}: {', '.join(parameters)}. {meaning(kind)} Possible causes: {kind.cause}."
+    for name, value in values.items():
+        unit = kind.parameters()[name].unit
+        parameters.append(f"{name} = {with_error(value, std[name])}{'' if unit == '1' else f' {unit}'}")
+    return f"{label}: {', '.join(parameters)}. {meaning(kind)} Possible causes: {kind.cause}."
 
 
 def certainty(named: NamedEffect) -> str:
@@ -162,4 +177,10 @@ def gain_sentences(data: ReportData) -> list[str]:
     if not diagnosis.named:
         return [f"{calibration}."]
     error = f"the error falls from {diagnosis.gain.before:.3g} to {diagnosis.gain.after:.3g} sigma"
-    return [f"On the held-out rows {error}: a gain of {gain_text(diagnosis.gain)}.", f"{calibration}."]
+    calibrated, extended = diagnosis.calibrated.after, diagnosis.gain.after
+    change = f"{100.0 * abs(1.0 - extended / calibrated):.0f} % {'lower' if extended < calibrated else 'higher'}"
+    names = listed([named.name for named in diagnosis.named])
+    return [
+        f"On the held-out rows {error}: a gain of {gain_text(diagnosis.gain)}.",
+        f"{calibration}. With {names}, the error is {change} than after this calibration alone.",
+    ]

@@ -92,20 +92,23 @@ def init(
     kinds = [str(one) for one in NEEDED]
     if kind is not None and kind not in kinds:
         raise InputError("--kind", got=kind, allowed=", ".join(kinds), nearest=nearest(kind, kinds))
+    known = parsed(settings or ())
     table = read_log(log)
     warnings: tuple[str, ...] = ()
     if mapping is None:
-        proposal = propose(table, None if kind is None else CaseKind(kind))
+        proposal = propose(table, None if kind is None else CaseKind(kind), known.get("supply_voltage_V"))
         chosen, warnings = proposal.mapping, proposal.warnings
     else:
         chosen = read_mapping(mapping)
         check_mapping(chosen, table, str(mapping))
     case = new_case(table, chosen, out.absolute().name)
-    case = case.knowing(parsed(settings or (), case.numbers))
+    case = case.knowing(known)
     if sys.stdin.isatty() and sys.stdout.isatty():
         case = case.knowing(_asked(case))
     measurement = case.write(out)
     notes = [*case.measurement.notes, *(note for note in measurement.notes if not note.startswith("not logged"))]
+    unused = sorted(case.known.keys() - {number.key for number in case.numbers})
+    notes += [f"not needed for what was logged: {', '.join(unused)}"] if unused else []
     _print(case, out, (*warnings, *dict.fromkeys(notes)))
 
 

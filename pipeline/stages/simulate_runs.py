@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from configs.schema.board import Board
 from configs.schema.scenario import RunSpec
@@ -14,6 +14,7 @@ from hil.loop import BoardEvent
 from hil.pilot import PilotFromBoard, build_for, counted, firmware_id_of, pilot_from_board
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
+from pipeline.stages.beyond_range import range_warnings
 from pipeline.user_files import hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import UnitFailure
@@ -58,16 +59,18 @@ class RunOutcome(BaseModel):
     """The board that drove the robot in place of the built-in controller."""
     events: tuple[str, ...] = ()
     """Events on the line to the board with their times, at most MAX_EVENTS."""
+    beyond_ranges: tuple[str, ...] = Field(default=(), exclude_if=lambda texts: not texts)
+    """Warnings about effects outside the range in which they were observed."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings for users of the run."""
         board = self.board
         if board is None or not (board.rows_unanswered or board.events):
-            return ()
+            return self.beyond_ranges
         faults = [f"{plural(board.rows_unanswered, 'row')} unanswered"] if board.rows_unanswered else []
         faults += [f"{count} {name.replace('_', ' ')}" for name, count in board.events.items()]
-        return (f"the line to the board was disturbed: {', '.join(faults)}",)
+        return (f"the line to the board was disturbed: {', '.join(faults)}", *self.beyond_ranges)
 
 
 def simulation_inputs(spec: RunSpec) -> dict:
@@ -108,6 +111,10 @@ def simulate_runs(
         with report.stage("simulate", len(units), "runs") as stage:
             failures = failed_runs("simulate", executor.do(units, partial(report_event, stage)), report)
     stopped = {failure.run for failure in failures} | others
+    for spec in specs:
+        if spec.robot.effect_ranges and spec.key not in stopped:
+            for text in read_outcome(workspace.simulate(spec.key).path).beyond_ranges:
+                report.say(f"simulate: {spec.key}: {text}")
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in stopped])
 
 
@@ -198,6 +205,7 @@ def _publish(
         cpu=cpu_class(),
         board=_board_record(spec.board, pilot) if spec.board and pilot else None,
         events=_event_lines(pilot.events, spec.rates.control_hz) if pilot else (),
+        beyond_ranges=range_warnings(spec.robot, recording),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))
     folder.publish(partial, key, over=bool(spec.board and spec.board.kind == "serial"))

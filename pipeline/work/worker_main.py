@@ -80,7 +80,7 @@ def diagnose_case(unit: DiagnoseUnit, _on_progress: OnProgress) -> None:
     except (EnvironmentLacking, OSError):
         raise
     except Exception as error:
-        if unit.alone:
+        if unit.alone or lacking(error):
             raise
         if isinstance(error, InputError):
             raise RunFailed(str(error)) from error

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import numpy as np
 
-from configs.effects.base import Effect, Slot
+from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import DriftTime, Parameter
 from symolo.core.arrays import Array
 
@@ -13,7 +13,7 @@ class RangeWander(Effect):
     slot = Slot.RANGE_WANDER
     cause = "temperature and reference voltage of the device, which drift slowly"
     excitation = "a target at rest, for many times the time constant"
-    setups = ()
+    setups = (Setup.RANGE_BENCH,)
 
     sd_m: Annotated[float, Parameter("m", null=0.0, start=0.002, low=0.0, high=0.1)]
     """reading + first-order Gauss-Markov error of this standard deviation and time constant."""

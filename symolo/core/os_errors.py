@@ -43,6 +43,8 @@ def lacking(error: BaseException) -> str:
         reason = "".join(f": {line}" for line in str(shortage).strip().splitlines()[:1])
         return f"there is not enough memory{reason}; {_CURES[errno.ENOMEM]}"
     cure = _CURES.get(error.errno or 0, "") if isinstance(error, OSError) else ""
+    if isinstance(error, FileNotFoundError) and "No usable temporary directory" in str(error):
+        cure = f"free some space there or set TMPDIR, and {_AGAIN}"
     return f"{error}; {cure}" if cure else ""
 
 

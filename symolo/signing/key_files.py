@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from symolo.core.errors import InputError
-from symolo.core.files.atomic_files import write_file
+from symolo.core.files.atomic_files import remove_file, write_file
 from symolo.core.files.plain_files import FileKind, read_named_file
 from symolo.signing.minisign import MAX_BYTES, PublicKey
 from symolo.signing.secret_key import SecretKey, SecretKeyFile
@@ -36,8 +36,12 @@ def write_new_keys(secret: Path, passphrase: str) -> PublicKey:
     if secret == public:
         raise InputError("is the name of a public key", where=f"--new-key {secret}", cure="name it symolo.key")
     key = SecretKey.new()
-    write_file(secret, key.to_text(passphrase).encode(), OWNER_ALONE)
     write_file(public, key.public.to_text().encode())
+    try:
+        write_file(secret, key.to_text(passphrase).encode(), OWNER_ALONE)
+    except BaseException:
+        remove_file(public)  # of a key that nobody has
+        raise
     return key.public
 
 

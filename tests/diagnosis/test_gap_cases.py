@@ -291,6 +291,34 @@ def test_the_noise_of_ranges_is_the_polynomial_times_its_effects(part, world):
     assert found[2] == pytest.approx(found[0] * np.sqrt([1.0, 4.0, 10.0]))
 
 
+def test_a_wandering_error_forgets_as_an_exponential(part):
+    """At 3 s and 10 s later, with a time constant of 10 s."""
+    rng, times = np.random.default_rng(1), np.array([0.0, 3.0, 13.0])
+    walks = np.array([part("tof_bench").wandering(rng, times, 10.0) for _ in range(3000)])
+    expected = np.exp(-np.array([[0.0, 0.3, 1.3], [0.3, 0.0, 1.0], [1.3, 1.0, 0.0]]))
+    assert walks.T @ walks / len(walks) == pytest.approx(expected, abs=0.08)
+
+
+def test_the_drop_of_a_wandering_error_is_its_lead_in_likelihood(gap, part):
+    """Over white noise of the best level, in the mean over many cases."""
+    kind, expected, leads = part("tof_bench"), [], []
+    hidden = [("range_wander", {"sd_m": 0.003, "time_constant_s": 30.0})]
+    day = gap.Day(outliers=gap.Outliers({"reading_m": 0.0}, (5.0, 6.0), 0.0, 0.0, together=False))
+    for seed in range(40):
+        case = gap.make_case("tof_bench", seed, hidden, rows="some")
+        columns, _ = kind.observe(case.true_bench, case.world, np.random.default_rng(seed), day)
+        frame = kind.frame(case.bench, columns)
+        error = frame.measured - kind.predict(case.bench, columns, [case.world])[0]
+        rows = ~frame.holdout & np.isfinite(error)
+        time, z = columns["t_s"][rows], (error / frame.sigma)[rows]
+        slow = 0.003**2 * np.exp(-np.abs(np.subtract.outer(time, time)) / 30.0)
+        true = np.eye(len(z)) + slow / np.outer(frame.sigma[rows], frame.sigma[rows])
+        white = len(z) * (np.log(np.mean(z**2)) + 1.0)
+        leads.append(white - np.linalg.slogdet(true)[1] - z @ np.linalg.solve(true, z))
+        expected.append(gap.judge(replace(case, columns=columns), with_rivals=False).drops[0])
+    assert np.mean(leads) == pytest.approx(np.mean(expected), rel=0.25)
+
+
 def test_noise_has_the_spread_and_the_correlation_it_should(part):
     noise = part("noise").correlated(np.random.default_rng(0), (200, 500), 0.3)
     assert noise.std() == pytest.approx(1.0, abs=0.01)

@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -119,6 +120,39 @@ def whole(server: Server, tmp_path_factory: pytest.TempPathFactory) -> Whole:
     assert len(done.operations) > 100
     sizes = [path.stat().st_size for path in out.rglob("*") if path.is_file()]
     return Whole(tree_of(out), sizes, done.seconds, done.operations)
+
+
+class Disk:
+    """One of tmpfs, whose files take whole pages of 4096 bytes. Only root can mount one."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def leave(self, pages: int) -> None:
+        """Make the disk so small that this many pages are free; one of an empty disk, since 0 sets no limit."""
+        status = os.statvfs(self.folder)
+        self._resize(f"{max(4, (status.f_blocks - status.f_bfree) * status.f_frsize // 1024 + 4 * pages)}k")
+
+    def enlarge(self) -> None:
+        """Make room for all."""
+        self._resize("64m")
+
+    def _resize(self, size: str) -> None:
+        _run("mount", "-o", f"remount,size={size}", self.folder)
+
+
+def _run(program: str, *arguments: object) -> None:
+    subprocess.run([shutil.which(program) or program, *map(str, arguments)], check=True, capture_output=True)
+
+
+@pytest.fixture
+def disk(tmp_path: Path) -> Iterator[Disk]:
+    """Mounted at `tmp_path / "work"`."""
+    folder = tmp_path / "work"
+    folder.mkdir()
+    _run("mount", "-t", "tmpfs", "-o", "size=64m", "tmpfs", folder)
+    yield Disk(folder)
+    _run("umount", folder)
 
 
 @pytest.fixture(scope="session")

@@ -29,7 +29,9 @@ from blender_scenes.render.frame_files import FrameFile, put_in_place
 from blender_scenes.render.job import RenderJob
 from configs.draw import draw_all
 from configs.loader import load_scenario
+from pipeline import cli
 from pipeline.cli import main
+from pipeline.diagnosing import diagnose
 from pipeline.executors import local
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.work import batch
@@ -39,6 +41,7 @@ from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
 from symolo.core.child_process import Failed
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.files import disk_space
 from symolo.dataset.layout import frame_name
 
 MARK = "\n--- operations ---\n"
@@ -62,6 +65,10 @@ class Order:
     """Largest file that the system lets the command write."""
     any_disk: bool = False
     """Not to look first whether there is room; it may go while the command works."""
+    address_bytes: int | None = None
+    """Address space that the command may take beyond that of the process that it is forked from."""
+    scratch: str = ""
+    """Folder for temporary files; empty for that of the system."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +96,7 @@ def _painted(request, camera_samples: int, on_begin: Callable[[int], None]) -> I
 def _here(shuffle: int | None) -> Callable:
     """In place of child processes: the units one by one in this one, with a worker's words for what goes wrong."""
 
-    def run_units(units: Sequence, workers: int, on_event: Callable, **options: object) -> list[UnitFailure]:
-        del workers, options
+    def run_units(units: Sequence, _workers: int, on_event: Callable, *_: object, **_options: object) -> list:
         failures = []
         order = list(range(len(units)))
         if shuffle is not None:
@@ -111,9 +117,11 @@ def _here(shuffle: int | None) -> Callable:
 
 def _command(order: Order) -> int:
     renderer._blender_files = _painted
-    local.run_units = _here(order.shuffle)
+    local.run_units = diagnose.run_units = _here(order.shuffle)
     if order.any_disk:
-        batch.check_disk = lambda _out, _needed: None
+        disk_space._check_room = lambda *_: None
+    if order.scratch:
+        tempfile.tempdir = order.scratch
     return main(order.arguments)
 
 
@@ -129,16 +137,24 @@ def _in_the_child(order: Order, log: int) -> None:
         operations.install()
     if order.file_bytes is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (order.file_bytes, resource.RLIM_INFINITY))
+    if order.address_bytes is not None:
+        resource.setrlimit(resource.RLIMIT_AS, (_address_space() + order.address_bytes, resource.RLIM_INFINITY))
+        cli.check_address_space = lambda: None  # which the process that has loaded all libraries is past
     code = 1
     try:
         code = _command(order)
     finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        for limit in (resource.RLIMIT_FSIZE, resource.RLIMIT_AS):
+            resource.setrlimit(limit, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
         sys.stdout.flush()
         sys.stderr.flush()
         with contextlib.suppress(OSError):
             os.write(log, (MARK + json.dumps(operations.noted)).encode())
         os._exit(code)
+
+
+def _address_space() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 
 
 def _do(order: Order) -> Outcome:

@@ -1,4 +1,4 @@
-"""A release whose processes may address little memory: one line that names memory, and the same command goes on."""
+"""Commands whose processes may address little memory: one line that names memory, and the same command goes on."""
 
 import os
 import resource
@@ -14,6 +14,7 @@ from pipeline.cli import main
 MB = 1_000_000
 CURE = "run the same command again"
 SCENARIO = Path(__file__).with_name("bare.yaml")
+DATASET = Path(__file__).parents[1] / "fuzz/corpus/dataset/valid"
 
 
 def limited(limit_mb, *arguments):
@@ -69,3 +70,33 @@ def test_with_any_limit_a_release_is_whole_or_names_the_memory_and_goes_on_witho
         assert tree(out) == expected
         codes.add(code)
     assert codes > {0}
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("verify", DATASET),
+        ("export", DATASET, "--format", "tum,parquet,mcap,hdf5", "--out"),
+        ("diagnose", "table-1", "--workers", 1, "--out"),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_with_any_limit_it_is_done_or_names_the_memory_and_is_done_without_the_limit(arguments, wrong, tree, tmp_path):
+    writes = arguments[-1] == "--out"
+    assert limited(0, *arguments, *([tmp_path / "whole"] * writes))[0] == 0
+    expected = tree(tmp_path / "whole")
+    codes = set()
+    for limit_mb in (900, 1200, 1300, 1400, 1600, 1800, 2000, 2500, 3000):
+        out = tmp_path / str(limit_mb)
+        code, messages = limited(limit_mb, *arguments, *([out] * writes))
+        named = [line for line in messages.splitlines() if line.startswith("symolo: ")]
+        assert "Traceback" not in messages
+        assert (code, len(named)) in {(0, 0), (5, 1)}, messages
+        assert all("memory" in line for line in named)
+        assert wrong(out, expected) == []
+        if writes and (code or tree(out) != expected):
+            assert limited(0, *arguments, out)[0] == 0
+        assert tree(out) == expected
+        codes.add(code)
+    assert codes == {0, 5}

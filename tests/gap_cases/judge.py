@@ -100,7 +100,7 @@ def judge(case: Case, *, with_rivals: bool = True) -> Verdict:
         bent = kind.predict(bench, case.columns, free) - means[0] if free else np.zeros((0, len(bare)))
         space = _space(frame, means[0], slopes, bent)
         shape = space.projected((means[0] - bare)[None])[0]
-        drop = float(shape @ shape) + _of_spread(case, without[k])
+        drop = float(shape @ shape) + _of_spread(case, without[k]) + _of_wander(case, without[k])
         drops.append(drop)
         taken = _rivals(case, kind, space, (without[k], bare), others, shape) if others else {}
         close = {name: (cosine, drop * (1.0 - cosine**2)) for name, cosine in taken.items()}
@@ -198,6 +198,19 @@ def _of_spread(case: Case, without: World) -> float:
     if case.bench.kind != "tof_bench":
         return 0.0
     return _deviance(_unstated(case, _spread(case, case.world) / _spread(case, without)))
+
+
+def _of_wander(case: Case, without: World) -> float:
+    """What noise of the best level, in rows that do not know of each other, lacks of the true likelihood."""
+    sd_m, bare_m = (world.value("range_wander", "sd_m", 0.0) for world in (case.world, without))
+    if case.bench.kind != "tof_bench" or sd_m == bare_m:
+        return 0.0
+    frame = tof_bench.frame(case.true_bench, case.columns)
+    rows = ~frame.holdout & np.isfinite(frame.measured)
+    apart_s = np.abs(np.subtract.outer(case.columns["t_s"][rows], case.columns["t_s"][rows]))
+    slow = sd_m**2 * np.exp(-apart_s / case.world.value("range_wander", "time_constant_s", 1.0))
+    parts = 1.0 + np.linalg.eigvalsh(slow / np.outer(frame.sigma[rows], frame.sigma[rows])).clip(0.0)
+    return float(len(parts) * np.log(parts.mean()) - np.log(parts).sum())
 
 
 def _unstated(case: Case, ratio: Array) -> Array:

@@ -151,6 +151,7 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "near_field_error": _both(_either("amplitude_m", 0.004, 0.025), _positive("decay_length_m", 0.02, 0.08)),
         "range_saturation": _positive("saturation_m", 0.6, 0.95),
         "warmup_drift": _both(_either("amplitude_m", 0.004, 0.02), _of_session("time_constant_s", 0.06, 0.5)),
+        "range_wander": _both(_positive("sd_m", 0.0015, 0.006), _of_session("time_constant_s", 0.04, 0.15)),
         "noise_scale": _factor("scale", 0.3, 1.1),
         "ambient_noise": _positive("coefficient_per_klux", 0.3, 8.0),
     },
@@ -180,6 +181,7 @@ SIZES: dict[str, dict[str, Sampler]] = {
 }
 WIDE_NOISE_SCALE = _factor("scale", 0.92, 1.8)
 """Where the stated noise may be wrong by a factor of two, only what is beyond 2.5 is an effect."""
+ROWS_FOR_WANDER = 100
 SHAPES = 4
 """Sizes that are tried of an effect whose first number is not all there is to it."""
 WORDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
@@ -203,6 +205,8 @@ def names(bench: Bench) -> list[str]:
         found = [name for name in found if name not in NEEDS_VOLTAGES]
     if bench.kind == "tof_bench" and (bench.inputs["incidence_rad"] >= 0.0).all():
         found.remove("tilt_asymmetry")
+    if bench.kind == "tof_bench" and len(bench.inputs["row"]) < ROWS_FOR_WANDER:
+        found.remove("range_wander")
     return found
 
 

@@ -140,6 +140,9 @@ def observe(
     clamp_is_last = day.clamp_is_last is not False
     reading = (unlimited if clamp_is_last else mean)(bench.inputs, [world])[0]
     good = correlated(rng, (len(spread),), noise.get("lag1_correlation", 0.0), day.degrees)
+    if sd_m := world.value("range_wander", "sd_m", 0.0):
+        tau_s = world.value("range_wander", "time_constant_s", np.inf)
+        reading = reading + sd_m * wandering(rng, bench.inputs["t_s"], tau_s)
     reading = reading + spread * (good + day.zero("reading_m", bench.inputs["row"] * 0.0, bench.inputs["t_s"]))
     reading = np.minimum(reading, limit_m(world)) if clamp_is_last else reading
     hit = rng.random(len(reading))
@@ -149,6 +152,15 @@ def observe(
     reading = np.where((hit >= 0.5 * odd) & (hit < odd), NO_TARGET_M, reading)
     reading = np.where(rng.random(len(reading)) < lost, np.nan, np.round(np.maximum(reading, 0.0), 3))
     return {**bench.inputs, "reading_m": reading}, bench.blind
+
+
+def wandering(rng: np.random.Generator, t_s: Array, tau_s: float) -> Array:
+    """A walk of variance 1 that forgets as exp(-t / tau), at rising times."""
+    kept = np.exp(-np.diff(t_s, prepend=-np.inf) / tau_s)
+    walk, now = np.zeros(len(t_s)), 0.0
+    for k, deviate in enumerate(rng.standard_normal(len(t_s))):
+        now = walk[k] = kept[k] * now + np.sqrt(1.0 - kept[k] ** 2) * deviate
+    return walk
 
 
 def frame(bench: Bench, columns: Columns) -> Frame:

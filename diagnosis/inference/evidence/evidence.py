@@ -107,6 +107,19 @@ class Evidence:
         others.heldout = self.heldout if heldout is None else heldout
         return others
 
+    def with_noises(self, noises: Mapping[str, EstimatedNoise]) -> "Evidence":
+        """Return the same evidence with other estimated noises."""
+        others = Evidence(self.stages, noises)
+        others.values = self.values
+        return others
+
+    def without(self, error: Array) -> "Evidence":
+        """Return the same evidence with an error (N,), in the units of the samples, taken out of what was measured."""
+        others = copy(self)
+        others.known = {}
+        others.values = self.values - error
+        return others
+
     def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
         mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))

@@ -50,7 +50,7 @@ def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
         noise = _estimated(quantity, rows, fit.z[place] * fit.noise.levels[k])
         before = evidence.noises.get(quantity.name, EstimatedNoise(1.0, 0.0))
         noises[quantity.name] = replace(noise, factor=noise.factor * before.factor)
-    return Evidence(evidence.stages, noises)
+    return evidence.with_noises(noises)
 
 
 def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:

@@ -28,6 +28,7 @@ evidences = st.builds(
     rise_of_prior=numbers,
     heldout_rise=st.none() | numbers,
     is_at_bound=st.booleans(),
+    contradicted_by=st.sampled_from(["", "the trials line/* (it describes arc/*)"]),
     cancelled_by=st.sampled_from(["", "range_offset"]),
     closest_rival=st.none() | st.tuples(st.just("speed_scale"), numbers),
     confidence=st.floats(0.0, 1.0),
@@ -42,6 +43,7 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
         return
     assert not evidence.is_at_bound
     assert not evidence.cancelled_by
+    assert not evidence.contradicted_by
     assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
     assert evidence.rise >= evidence.needed
     assert evidence.confidence >= LEAST_WEIGHT
@@ -54,6 +56,7 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
     reason = withheld(evidence)
     assert ("end of the possible range" in reason) <= evidence.is_at_bound
     assert ("cancel" in reason) <= bool(evidence.cancelled_by)
+    assert ("description" in reason) <= bool(evidence.contradicted_by)
     if "explains the data better" in reason:
         assert evidence.closest_rival is not None
         assert evidence.closest_rival[1] < 0.0

@@ -151,11 +151,17 @@ def test_without_poses_the_ticks_per_turn_cannot_be_guessed(init, columns):
 
 
 def test_every_wrong_setting_is_reported(init, columns):
-    code, _, err, _ = init(columns, "--set", "trak_m=0.14", "--set", "wheel_diameter_m=65", "--set", "room_x_m=2")
+    code, _, err, _ = init(columns, "--set", "trak_m=0.14", "--set", "wheel_diameter_m=65")
     assert code == 2
     assert re.search(r"'trak_m=0.14'.*did you mean track_m", err)
     assert re.search(r"wheel_diameter_m: got '65', allowed: a number, above 0 to 0.5", err)
-    assert "'room_x_m=2'" in err  # no range was logged
+
+
+def test_a_number_that_does_not_matter_for_the_log_is_noted(init, columns):
+    code, out, _, nominal = init(columns, "--set", "ticks_per_turn=1440", "--set", "room_x_m=2")
+    assert code == 0
+    assert "note: not needed for what was logged: room_x_m" in out
+    assert "world" not in nominal
 
 
 def test_a_corrected_mapping_is_taken_again(init, columns, tmp_path):

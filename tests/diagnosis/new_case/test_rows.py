@@ -116,6 +116,27 @@ def test_a_new_trial_begins_where_the_time_goes_back(log):
     assert begins == sorted(begins)
 
 
+def test_trials_may_have_words_for_names(log):
+    t = np.round(0.05 * np.arange(40), 6)
+    lines = drive(t).splitlines()
+    rows = [f"{line},{name}" for name in ("circle", "square") for line in lines[1:]]
+    found = measured(log("\n".join([f"{lines[0]},run", *rows]) + "\n"))
+    assert [(trial.name, len(trial.t_s)) for trial in found.trials] == [("1", 40), ("2", 40)]
+
+
+@pytest.mark.parametrize(
+    ("largest", "supply_V", "factor"), [(250, 8.4, 8.4 / 255), (0.9, 6.0, 6.0), (80, None, 7.4 / 100)]
+)
+def test_a_duty_cycle_is_a_share_of_the_supply(log, largest, supply_V, factor):
+    t = np.round(0.05 * np.arange(40), 6)
+    text = drive(t, volts=np.where(t > 1, 0.5, 1.0) * largest, header=DRIVE.replace("uL,uR", "pwmL,pwmR"))
+    proposal = propose(log(text), supply_V=supply_V)
+    assert any(re.search(r"pwmL \(u_left_V\): taken for a duty cycle", warning) for warning in proposal.warnings)
+    (trial,) = measured(log(text), proposal.mapping).trials
+    np.testing.assert_allclose(trial["u_left_V"].values[0], factor * largest)
+    np.testing.assert_allclose(trial["u_right_V"].values[-1], -0.5 * factor * largest)
+
+
 def test_a_constant_takes_the_place_of_a_column(log):
     distances = np.repeat([0.1, 0.2, 0.3, 0.4], 3)
     readings = log(table("distance_m,tof_m", distances, distances + 0.01))
@@ -129,6 +150,14 @@ def test_a_constant_takes_the_place_of_a_column(log):
     assert set(trial.label("material").values) == {"wood"}
     np.testing.assert_array_equal(trial["temperature_C"].values, 21.5)
     assert trial.holdout.tolist() == [False, False, False, True] * 3
+
+
+def test_the_clock_of_a_bench_counts_from_switching_on_but_a_date_does_not(log):
+    distances = np.repeat([0.1, 0.2, 0.3, 0.4], 3)
+    for first, begins in ((62.0, 62.0), (1.7e9, 0.0)):
+        times = first + 2.0 * np.arange(12)
+        (trial,) = measured(log(table("t [s],distance_m,tof_m", times, distances, distances + 0.01))).trials
+        np.testing.assert_allclose(trial.t_s, begins + 2.0 * np.arange(12))
 
 
 @pytest.mark.parametrize(
@@ -222,4 +251,5 @@ def test_a_motor_s_log_is_a_step_or_a_sweep_by_the_time_between_its_rows(log):
     np.testing.assert_allclose(trial.t_s[:2], [0.005, 0.01])  # at rest one sample before the first row
     rpm = table("u,speed [rpm]", u, 60 * u)
     (trial,) = measured(log(rpm)).trials
+    assert trial.t_s[0] > 1e5  # without times, nothing may look like warming up
     np.testing.assert_allclose(trial["omega_rad_s"].values, 2 * math.pi * u, atol=1e-8)

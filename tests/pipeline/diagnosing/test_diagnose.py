@@ -6,7 +6,7 @@ import pytest
 
 from configs.loader import load_scenario
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
-from pipeline.work.worker_main import diagnose_case
+from pipeline.work.worker_main import diagnose_case, do
 from symolo.core.errors import RunFailed
 
 
@@ -123,3 +123,13 @@ def test_a_bug_that_one_of_several_cases_brings_out_fails_that_case_alone(tmp_pa
     assert "ZeroDivisionError" in (tmp_path / "out" / "one" / "traceback.txt").read_text()
     with pytest.raises(ZeroDivisionError):
         diagnose_case(unit(tmp_path, alone=True), print)
+
+
+def test_too_little_memory_for_one_of_several_cases_is_no_bug(tmp_path, monkeypatch):
+    def lacks_memory(*_arguments, **_options):
+        raise MemoryError
+
+    monkeypatch.setattr("pipeline.diagnosing.diagnose.diagnose_into", lacks_memory)
+    failed = do(unit(tmp_path, alone=False), print)
+    assert (failed.error, "there is not enough memory" in failed.text) == ("environment", True)
+    assert not (tmp_path / "out").exists()

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import tempfile
 
 import cv2
 import numpy as np
@@ -64,6 +65,16 @@ def test_each_limit_has_its_cure(number, cure):
     text = lacking(OSError(number, os.strerror(number), "data.csv"))
     assert text.startswith(f"[Errno {number}] {os.strerror(number)}: 'data.csv'; ")
     assert cure in text
+
+
+def test_a_machine_without_a_place_for_temporary_files_is_recognised(monkeypatch):
+    """As where the disk of all of them is full; in /proc nobody can make a file."""
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(tempfile, "_candidate_tempdir_list", lambda: ["/proc"])
+    with pytest.raises(FileNotFoundError) as refused:
+        tempfile.gettempdir()
+    text = lacking(refused.value)
+    assert text.endswith("['/proc']; free some space there or set TMPDIR, and run the same command again")
 
 
 @pytest.mark.parametrize("error", [ValueError("wrong"), ImportError("No module named x"), FileNotFoundError(2, "x")])

@@ -1,10 +1,12 @@
 """Keys and signatures in the formats of minisign; what is expected is in RFC 8032 and in files of minisign 0.11."""
 
+import errno
 from pathlib import Path
 
 import pytest
 
 from symolo.core.errors import InputError
+from symolo.core.files.atomic_files import write_file
 from symolo.signing.ed25519 import is_signature, public_key, sign
 from symolo.signing.key_files import read_public_key, read_secret_key, write_new_keys
 from symolo.signing.minisign import PublicKey, Signature, name_of
@@ -131,6 +133,24 @@ def test_a_key_file_that_asks_for_too_much_memory_is_refused():
     greedy = SecretKeyFile(encrypted=True, salt=bytes(32), operations=1 << 60, memory_bytes=1 << 60, secret=bytes(104))
     with pytest.raises(ValueError, match="GiB of memory"):
         greedy.opened("x")
+
+
+def test_a_disk_that_is_full_before_the_second_key_leaves_none(tmp_path, monkeypatch):
+    written = []
+
+    def write(path, data, *mode):
+        if written:
+            raise OSError(errno.ENOSPC, "No space left on device", str(path))
+        written.append(path)
+        write_file(path, data, *mode)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("symolo.signing.key_files.write_file", write)
+        with pytest.raises(OSError, match="No space"):
+            write_new_keys(tmp_path / "a.key", "")
+    assert len(written) == 1
+    assert list(tmp_path.iterdir()) == []
+    write_new_keys(tmp_path / "a.key", "")
 
 
 def test_new_keys_are_written_once_and_the_secret_one_is_for_its_owner(tmp_path):

@@ -1,0 +1,138 @@
+"""Whether an effect transfers: is it the same in every manoeuvre, in every session and at every speed?
+
+An effect with a cause acts everywhere. A law that only describes one manoeuvre makes the predictions of another one
+worse. Each group of rows is left out in turn, and the models with and without the effect are fitted to the rest. The
+fall of the cost by the effect is the logarithm of a likelihood ratio, so its difference with and without the group is
+what the group says about the effect, given the rest (a partial Bayes factor: O'Hagan, J. Royal Statist. Soc. B 57
+(1995) 99-138). If the group speaks clearly against the effect, the effect is no cause.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.measured.channel import Mask
+
+MAX_SESSIONS = 3
+"""Greatest number of groups of successive trials."""
+MIN_SAMPLES = 10
+"""Least number of samples of the fit in a group, and in the rest."""
+OUTER = 1.0 / 3.0
+"""Share of the samples that count as slow or near, and as fast or far."""
+MAIN_COVARIATES = ("omega_rad_s", "dtheta", "distance_m")
+"""Covariates that tell manoeuvres apart."""
+AGAINST = 8.0
+"""Rise of the cost from which a group contradicts an effect. Of 120 right names in cases of the family `wide_a`, none
+was contradicted by more than 6.4, and all but one by less than 3."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Samples that are left out together."""
+
+    name: str
+    rows: Mask
+    """(N,), samples of the fit."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """What one group of samples says about an effect."""
+
+    group: str
+    fall: float
+    """Fall of the cost by the effect over all samples, minus that without the group; below zero, the group speaks
+    against the effect."""
+
+
+def groups(evidence: Evidence, trial_names: Sequence[str]) -> tuple[Group, ...]:
+    """Return the manoeuvres, the sessions and the outer ranges of speed or distance.
+
+    Args:
+        evidence: The observations.
+        trial_names: Names of the trials.
+    """
+    found = [*trial_groups(evidence, trial_names, evidence.fit), *_of_ranges(evidence)]
+    fitted = int(np.count_nonzero(evidence.fit))
+    return tuple(group for group in found if MIN_SAMPLES <= np.count_nonzero(group.rows) <= fitted - MIN_SAMPLES)
+
+
+def supports(
+    evidence: Evidence, fit: HypothesisFit, bases: Sequence[HypothesisFit], parts: Sequence[Group]
+) -> tuple[tuple[Support, ...], ...]:
+    """Return what each group says about each effect of a fit.
+
+    Args:
+        evidence: The observations.
+        fit: The fit with all effects.
+        bases: The fits without one of the effects, in the order of the effects of `fit`.
+        parts: The groups.
+
+    Returns:
+        For each effect a tuple with one entry for each group.
+    """
+    rows = []
+    for part in parts:
+        rest = evidence.with_rows(fit=evidence.fit & ~part.rows)
+        model, *without = fits(rest, [(each.hypothesis, each.x) for each in (fit, *bases)])
+        rows.append(
+            [
+                Support(part.name, (base.cost - fit.cost) - (fewer.cost - model.cost))
+                for base, fewer in zip(bases, without, strict=True)
+            ]
+        )
+    return tuple(zip(*rows, strict=True)) if rows else tuple(() for _ in bases)
+
+
+def contradiction(found: Sequence[Support]) -> str:
+    """Return which group contradicts an effect and which one shows it; empty if none contradicts it."""
+    least = min(found, key=lambda support: support.fall, default=None)
+    if least is None or least.fall > -AGAINST:
+        return ""
+    most = max(found, key=lambda support: support.fall)
+    return f"{least.group} (it describes {most.group})"
+
+
+def trial_groups(evidence: Evidence, trial_names: Sequence[str], rows: Mask) -> tuple[Group, ...]:
+    """Return the manoeuvres if the names of the trials tell them, or else up to four groups of successive trials.
+
+    Args:
+        evidence: The observations.
+        trial_names: Names of the trials; those of one manoeuvre are equal up to the last slash.
+        rows: (N,), samples to group.
+    """
+    manoeuvres = np.array([name.rpartition("/")[0] for name in trial_names])
+    names = np.unique(manoeuvres[np.unique(evidence.trial[rows])]).tolist()
+    if len(names) > 1:
+        return tuple(Group(f"{name}/*", rows & (manoeuvres == name)[evidence.trial]) for name in names)
+    trials = np.unique(evidence.trial[rows])
+    if len(trials) < 2:
+        return ()
+    parts = np.array_split(trials, min(MAX_SESSIONS, len(trials)))
+    return tuple(Group(_trials_text(part), rows & np.isin(evidence.trial, part)) for part in parts)
+
+
+def _trials_text(numbers: NDArray[np.int64]) -> str:
+    first, last = int(numbers[0]) + 1, int(numbers[-1]) + 1
+    return f"trial {first}" if first == last else f"trials {first} to {last}"
+
+
+def _of_ranges(evidence: Evidence) -> Iterator[Group]:
+    """Yield the samples with the least and with the greatest sizes of each main covariate."""
+    for name in MAIN_COVARIATES:
+        size = np.full(len(evidence.values), np.nan)
+        for observed, place in zip(evidence.observed, evidence.places, strict=True):
+            for covariate in observed.covariates:
+                if covariate.name == name:
+                    size[place] = np.abs(covariate.values)
+        known = evidence.fit & np.isfinite(size)
+        if not known.any():
+            continue
+        low, high = np.quantile(size[known], [OUTER, 1.0 - OUTER]).tolist()
+        if low < high:
+            yield Group(f"{name} below {low:.3g}", known & (size < low))
+            yield Group(f"{name} above {high:.3g}", known & (size > high))

@@ -1,0 +1,76 @@
+"""A slow error of a range sensor is named if nothing simpler is as likely."""
+
+import importlib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from diagnosis.diagnose import diagnose
+from diagnosis.extended_robot import extended_robot
+from diagnosis.importers import tof_bench
+from diagnosis.inference.verdict import Verdict
+from diagnosis.report.verdict import effect_sentences, headline
+from sensors.effects.range_wander import RangeWander
+
+TESTS = Path(__file__).parents[3]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _cases_on_the_path():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(TESTS))
+        yield
+
+
+@pytest.fixture
+def diagnosed(tmp_path):
+    """The diagnosis of a bench of 150 rows, 2 s apart, whose readings have an error [m] that is a function of time."""
+
+    def of(error_m):
+        gap = importlib.import_module("gap_cases")
+        case = gap.make_case("tof_bench", 8, rows="some")
+        columns = {**case.columns, "reading_m": np.round(case.columns["reading_m"] + error_m(case.columns["t_s"]), 3)}
+        gap.write(replace(case, columns=columns), tmp_path / "case")
+        return diagnose(tof_bench.IMPORTER.read(tmp_path / "case"))
+
+    return of
+
+
+def gauss_markov(t_s, sd_m, tau_s, seed=2):
+    """By the Cholesky factor of its covariance."""
+    covariance = np.exp(-np.abs(np.subtract.outer(t_s, t_s)) / tau_s)
+    factor = np.linalg.cholesky(covariance + 1e-9 * np.eye(len(t_s)))
+    return sd_m * factor @ np.random.default_rng(seed).standard_normal(len(t_s))
+
+
+def test_an_error_that_wanders_is_named_with_its_size_and_time(diagnosed):
+    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 25.0))
+    answer = diagnosis.answer()
+    (effect,) = answer["effects"]
+    assert effect["name"] == "range_wander"
+    assert not answer["unexplained"]
+    for name, value in (("sd_m", 0.006), ("time_constant_s", 25.0)):
+        assert effect["parameters"][name] == pytest.approx(value, abs=3.0 * effect["std"][name])
+    assert diagnosis.conclusion is Verdict.NAMED
+    assert headline(diagnosis) == "The real robot differs from the nominal one by range_wander."
+    assert effect_sentences(diagnosis)[0].startswith("range_wander: sd_m = 0.00")
+    # It is random: no prediction of the held-out rows uses it.
+    assert answer["heldout_gain"] == pytest.approx(0.0, abs=0.1)
+    assert extended_robot(diagnosis).config.effects.get(RangeWander).time_constant_s == pytest.approx(
+        effect["parameters"]["time_constant_s"], rel=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    "error_m",
+    [
+        lambda t_s: 1e-4 * t_s,
+        lambda t_s: np.where(t_s > 140.0, 0.012, 0.0),
+        lambda t_s: gauss_markov(t_s, 0.006, 2.5),
+    ],
+    ids=["linear drift", "jump", "noise correlated over few rows"],
+)
+def test_what_is_simpler_than_wandering_is_not_called_so(diagnosed, error_m):
+    assert "range_wander" not in diagnosed(error_m).names
