@@ -287,7 +287,7 @@ def seen_from_body(yaw_rad: Array, change: Array) -> Array:
     """Return changes of pose (..., 3) in W with their places in the frame of a body with this yaw (...)."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     x, y, turn = change[..., 0], change[..., 1], change[..., 2]
-    return np.stack([c * x + s * y, c * y - s * x, turn], axis=-1)
+    return np.stack(np.broadcast_arrays(c * x + s * y, c * y - s * x, turn), axis=-1)
 
 
 def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:

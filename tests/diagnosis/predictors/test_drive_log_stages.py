@@ -314,17 +314,23 @@ class TestPose:
             np.testing.assert_allclose(predicted, np.tile(expected, 2), atol=5e-5)
         np.testing.assert_allclose(stage.path(sloping, np.tile(log[:1], (2, 1))), np.tile(log, (2, 1)), atol=2e-4)
 
-    def test_several_slopes_and_wheels_are_predicted_at_once_as_one_by_one(self, pose, robot):
-        robots = [
-            robot.with_effect(FloorSlope(gradient=0.01 * k, direction_rad=k)).with_effect(
-                WheelEccentricity(side="left", amplitude=0.02 * k, phase_rad=-k)
-            )
-            for k in (1.0, 2.0)
-        ]
+    @pytest.mark.parametrize(
+        "several",
+        [
+            [(FloorSlope(gradient=0.01 * k, direction_rad=k), MarkerYaw(angle_rad=0.1)) for k in (1.0, 2.0)],
+            [(WheelEccentricity(side="left", amplitude=0.02 * k, phase_rad=-k),) for k in (1.0, 2.0)],
+            [(FloorSlope(gradient=0.02, direction_rad=0.5), MarkerYaw(angle_rad=0.1 * k)) for k in (1.0, 2.0)],
+            [(FloorSlope(gradient=0.02, direction_rad=0.5), WheelbaseScale(scale=1.1 * k)) for k in (1.0, 1.1)],
+            [(FloorSlope(gradient=0.02, direction_rad=0.5), PoseClockDrift(rate=0.01 * k)) for k in (1.0, 2.0)],
+        ],
+    )
+    def test_several_slopes_and_wheels_are_predicted_at_once_as_one_by_one(self, pose, robot, several):
+        """In each set the robots differ in one effect only, so that the other one has no axis of robots."""
+        robots = [robot.with_effect(effects[0]).with_effect(effects[-1]) for effects in several]
         together = pose.predict(robots)
         for k, each in enumerate(robots):
-            for several, alone in zip(together, pose.predict([each]), strict=True):
-                np.testing.assert_allclose(several.mean[k], alone.mean[0], atol=1e-12)
+            for all_of_them, alone in zip(together, pose.predict([each]), strict=True):
+                np.testing.assert_allclose(all_of_them.mean[k], alone.mean[0], atol=1e-12)
 
     def test_a_drifting_clock_makes_poses_older_and_older(self, robot):
         """Both signs, of several robots at once; the last window of a fast clock ends with the log."""
