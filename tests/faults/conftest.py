@@ -129,9 +129,9 @@ class Disk:
         self.folder = folder
 
     def leave(self, pages: int) -> None:
-        """Make the disk so small that this many pages are free."""
+        """Make the disk so small that this many pages are free; one of an empty disk, since 0 sets no limit."""
         status = os.statvfs(self.folder)
-        self._resize(f"{(status.f_blocks - status.f_bfree) * status.f_frsize // 1024 + 4 * pages}k")
+        self._resize(f"{max(4, (status.f_blocks - status.f_bfree) * status.f_frsize // 1024 + 4 * pages)}k")
 
     def enlarge(self) -> None:
         """Make room for all."""

@@ -184,7 +184,7 @@ def test_a_disk_of_any_size(name, disk, trial):
     tried = trial(name)
     needed = 4 * sum(-(-path.stat().st_size // 4096) + 1 for path in tried.work.rglob("*"))
     statuses = set()
-    for pages in np.unique(np.linspace(1, needed, 6 if tried.command.is_slow else 20).astype(int)).tolist():
+    for pages in np.unique(np.linspace(0, needed, 6 if tried.command.is_slow else 20).astype(int)).tolist():
         disk.enlarge()
         tried.begin()
         disk.leave(pages)
