@@ -1,14 +1,43 @@
 """QTR-8A row of reflectance sensors: eight channels, each of which measures the floor over a blurred spot."""
 
+from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
 
+from configs.effects.base import Slot
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import LineSensor, RobotConfig
+from physics.robot.model import through
 from sensors.base import Sampling, Sensor, World
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import LINE
+
+NO_EFFECTS = RobotEffects()
+
+
+@dataclass(frozen=True)
+class LineOptics:
+    """Places and spots of the channels; numbers of many robots may be stacked and are then broadcast."""
+
+    place_m: Array
+    """(8,), places of the channels to the left of the robot's middle."""
+    spot_sd_m: float
+    level: float
+    """Light relative to that at the specified height."""
+
+    @classmethod
+    def of(cls, config: LineSensor, effects: RobotEffects) -> "LineOptics":
+        place_m = through(effects.functions(Slot.LINE_PLACE), channel_weights(config.channels) * config.pitch_m)
+        ratio = through(effects.functions(Slot.LINE_HEIGHT), 1.0)
+        # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
+        spot_sd_m = 0.25 * (config.spot_diameter_at_floor_m + config.spot_growth * config.height_m * ratio)
+        return cls(place_m, spot_sd_m, ratio**-2.0)
+
+    def light(self, ink: Array, arena: Arena) -> Array:
+        """Return the reflectance that is read for shares of the spots on the tape, in any shape."""
+        return self.level * (arena.floor_reflectance + ink * (arena.line.reflectance - arena.floor_reflectance))
 
 
 class LineSensorModel(Sensor):
@@ -18,35 +47,42 @@ class LineSensorModel(Sensor):
     Settings = LineSensor
     series = (LINE,)
 
-    def __init__(self, config: LineSensor, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        config: LineSensor,
+        arena: Arena,
+        physics_hz: int,
+        rng: np.random.Generator,
+        effects: RobotEffects = NO_EFFECTS,
+    ) -> None:
         self.sampling = Sampling.from_seconds(config.period_s, config.delay_s, physics_hz)
         self._config = config
         self._arena = arena
         self._rng = rng
-        y_m = channel_weights(config.channels) * config.pitch_m
+        self._optics = LineOptics.of(config, effects)
+        self._effects = effects
+        y_m = self._optics.place_m
         self._channels_R = np.stack([np.full_like(y_m, config.x_m), y_m, np.ones_like(y_m)], axis=1)
-        # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
-        self._spot_sd_m = 0.25 * (config.spot_diameter_at_floor_m + config.spot_growth * config.height_m)
         self._gain = 1.0 + config.gain_sd * rng.standard_normal(config.channels)
         self._offset = config.offset_sd * rng.standard_normal(config.channels)
         self._last = np.ones(config.channels)
 
     @classmethod
     def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "LineSensorModel":
-        return cls(robot.line_sensor, arena, physics_hz, rng)
+        return cls(robot.line_sensor, arena, physics_hz, rng, robot.effects)
 
     def sample(self, world: World) -> Array:
         """Return the readings (8,) after gain, offset, noise and the ADC."""
         x, y, yaw = world.pose()
         c, s = cos(yaw), sin(yaw)
         points = self._channels_R @ np.array([[c, s], [-s, c], [x, y]])
-        ink = tape_share(self._arena.line, points, self._spot_sd_m)
-        reflectance = self._arena.floor_reflectance + ink * (
-            self._arena.line.reflectance - self._arena.floor_reflectance
-        )
+        ink = tape_share(self._arena.line, points, self._optics.spot_sd_m)
+        reflectance = self._optics.light(ink, self._arena)
         noise = self._config.noise_sd * self._rng.standard_normal(len(points))
         full_scale = 2**self._config.adc_bits - 1
-        reading = np.minimum(np.maximum(self._gain * reflectance + self._offset + noise, 0.0), 1.0)
+        read = through(self._effects.functions(Slot.LINE_READING), self._gain * reflectance + self._offset)
+        reading = np.minimum(np.maximum(read + noise, 0.0), 1.0)
+        reading = through(self._effects.functions(Slot.LINE_LIMIT), reading)
         reading = np.rint(reading * full_scale) / full_scale
         lost = self._rng.random(len(points)) < self._config.dropout_probability
         self._last = np.where(lost, self._last, reading)

@@ -79,12 +79,12 @@ def run(plan: LogPlan, out: Path) -> dict:
         seconds = time.process_time() - begin
     except Exception:  # noqa: BLE001 - whatever it is, this log is one that failed
         return {**result, "failed": traceback.format_exc()}
-    names = [named.name for named in diagnosis.named]
-    sets = [{named.name, *named.comparison.ambiguous_with} for named in diagnosis.named]
+    names = [named.effect.name for named in diagnosis.named]
+    sets = [{named.effect.name, *named.comparison.ambiguous_with} for named in diagnosis.named]
     off = [
         (named.values[key] - value) / named.std[key]
         for named in diagnosis.named
-        if named.name == truth.variant
+        if named.effect.name == truth.variant
         for key, value in dict(truth.parameters).items()
         if isinstance(value, float)
     ]

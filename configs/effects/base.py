@@ -89,6 +89,14 @@ class Slot(TextEnum):
     """reading [m] with its noise, rounded -> reading [m]."""
     RANGE_DELAY = "range delay"
     """delay [s] -> delay [s]."""
+    LINE_PLACE = "line place"
+    """places of the line channels to the left [m] -> places."""
+    LINE_HEIGHT = "line height"
+    """height of the line sensor over the specified height -> the same."""
+    LINE_READING = "line reading"
+    """reflectances (..., 8) as read without noise -> the same."""
+    LINE_LIMIT = "line limit"
+    """readings (..., 8) with their noise -> readings."""
 
 
 class Setup(TextEnum):

@@ -12,8 +12,8 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
-from diagnosis.predictors.pose import earlier
-from diagnosis.predictors.rows import bridged, good_values, joined, session_time_s, trial_covariate, trial_of_rows
+from diagnosis.predictors.rows import good_values, joined, session_time_s, trial_covariate, trial_of_rows
+from diagnosis.predictors.tracked_axle import TrackedAxle
 from physics.robot.model import through
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
@@ -79,16 +79,14 @@ class Ranges(ABC):
     """Name of each range in an answer by that of its channel, in the order of the sensors."""
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
-        self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
         self._age_s = self._ages_s(measurement, nominal)
-        log = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
-        self._log = bridged(log, self._t_s, self._trials)
+        self._tracked = TrackedAxle(measurement)
         around = self._around(nominal)
         mean, sd = self._expected([nominal])
         incidence_rad = np.broadcast_to(self._sight([nominal]).incidence_rad, mean.shape)[0]
-        clear = around.clear & np.isfinite(log).all(axis=-1, keepdims=True)
+        clear = around.clear & self._tracked.is_logged[:, None]
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(
                 measurement,
@@ -129,8 +127,8 @@ class Ranges(ABC):
         covariates = (
             Covariate("distance_m", nominal.mean),
             *around,
-            Covariate("position", self._log[:, 0], second=self._log[:, 1]),
-            Covariate("theta_rad", self._log[:, 2], CovariateShape.PERIODIC),
+            Covariate("position", self._tracked.pose[:, 0], second=self._tracked.pose[:, 1]),
+            Covariate("theta_rad", self._tracked.pose[:, 2], CovariateShape.PERIODIC),
             Covariate("t_s", self._t_s),
             Covariate("session_time_s", self._since_on_s),
             trial_covariate(measurement),
@@ -151,16 +149,8 @@ class Ranges(ABC):
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
-        effects = stacked_effects(robots, axes=1)
-        range_delay_s = through(effects.functions(Slot.RANGE_DELAY), 0.0)
-        pose_delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s)
-        # The logged pose is older than its row by the pose delay, the reading by the range delay.
-        tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s + self._age_s)
-        point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
-        # The effects turn every axle by the same angle and shift it by a vector that depends on its yaw only. So one
-        # step back from the tracked pose gives the yaw of the axle, and a second one its place.
-        axle = 2.0 * tracked - through(point, tracked)
-        return axle + (tracked - through(point, axle))
+        range_delay_s = through(stacked_effects(robots, axes=1).functions(Slot.RANGE_DELAY), 0.0)
+        return self._tracked.at(robots, range_delay_s + self._age_s)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Return mean and standard deviation, (M, n, 3) each."""

@@ -5,6 +5,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalLog
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.drive_log import POSE, offers
+from diagnosis.predictors.line_readings import LineReadings
 from diagnosis.predictors.pose_by_speeds import PoseByBodySpeeds, PoseByWheelSpeeds
 from diagnosis.predictors.ranges_in_arena import RangesInArena
 
@@ -19,4 +20,5 @@ def symolo_csv_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[S
     by_speeds = PoseByWheelSpeeds if case.twist == "odometry" else PoseByBodySpeeds
     stages: list[Stage] = [by_speeds(measurement, nominal)] if offers(measurement, SPEEDS) else []
     stages.append(RangesInArena(measurement, case, nominal))
+    stages.append(LineReadings(measurement, case, nominal))
     return tuple(stage for stage in stages if any(observed.usable.any() for observed in stage.observed))

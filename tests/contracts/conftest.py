@@ -43,7 +43,7 @@ def _sensed(robot: RobotConfig, arena: Arena, world: BulletSimulation | Replayed
     found = []
     for tick in range(TICKS):
         readings = suite.read_at_tick(world, tick)
-        found += [readings[name].tobytes() for name in ("tof", "encoders")]
+        found += [readings[name].tobytes() for name in ("tof", "line", "encoders")]
         pose = readings.get("pose_log", np.array(world.pose()))
         found.append(np.asarray(pose).tobytes())
     return found

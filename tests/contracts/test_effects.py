@@ -66,6 +66,13 @@ CANONICAL = {
     "wheel_eccentricity": "side, amplitude, phase_rad",
     "floor_slope": "gradient, direction_rad",
     "turn_slip": "coefficient_s2_m",
+    "line_lateral_offset": "offset_m",
+    "line_height": "height_scale",
+    "line_crosstalk": "share",
+    "line_gain": "channel, scale",
+    "line_ambient": "offset",
+    "line_offset": "channel, offset",
+    "line_adc_saturation": "low, high",
     "marker_offset": "offset_m",
     "marker_yaw": "angle_rad",
     "pose_clock_drift": "rate",
@@ -118,8 +125,8 @@ def test_bounds_are_finite_and_hold_null_and_start(effect):
 @pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
 def test_a_multiplicative_parameter_is_1_without_effect_and_any_other_0(effect):
     for name, number in effect.parameters().items():
-        if number.null is not None and name not in {"limit_A", "saturation_m"}:
-            assert number.null == (1.0 if name in {"scale", "gain"} else 0.0)
+        if number.null is not None and name not in {"limit_A", "saturation_m", "high"}:
+            assert number.null == (1.0 if name in {"scale", "gain", "height_scale"} else 0.0)
 
 
 @pytest.mark.parametrize(("effect", "choices"), CASES)

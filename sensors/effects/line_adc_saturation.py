@@ -1,0 +1,24 @@
+"""Readings of the line sensor that stop short of the ends of the scale."""
+
+from typing import Annotated
+
+import numpy as np
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
+from symolo.core.arrays import Array
+
+
+class LineAdcSaturation(Effect):
+    slot = Slot.LINE_LIMIT
+    cause = "a converter whose range is smaller than that of the signal"
+    excitation = "line and bare floor"
+    setups = (Setup.DRIVE,)
+
+    low: Annotated[float, Parameter("1", null=0.0, start=0.1, low=0.0, high=0.5)]
+    """Smallest reading."""
+    high: Annotated[float, Parameter("1", null=1.0, start=0.8, low=0.3, high=1.0)]
+    """Largest reading: readings are clipped to [low, high]."""
+
+    def apply(self, reading: Array) -> Array:
+        return np.minimum(np.maximum(reading, self.low), self.high)
