@@ -17,17 +17,17 @@ from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import HypothesisFit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.named_model import NamedModel, standing
+from diagnosis.inference.naming.named_model import NamedModel, standing
+from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
+from diagnosis.inference.naming.transfer import groups
+from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclusion
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
-from diagnosis.inference.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
-from diagnosis.inference.transfer import groups
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.wander import Wander, wander
-from diagnosis.inference.verdict import Verdict, WithheldName, conclusion
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalLog
 from diagnosis.nominal_robot import nominal_robot
@@ -107,7 +107,7 @@ class Diagnosis:
         return (*(named.effect.name for named in self.named), *((self.wander.effect.name,) if self.wander else ()))
 
     @property
-    def conclusion(self) -> Verdict:
+    def conclusion(self) -> CaseVerdict:
         structures = self.adequacy.structures
         return conclusion(
             self.names,

@@ -34,7 +34,7 @@ class _Motion:
 
 
 @dataclass(frozen=True)
-class Odometry:
+class PoseByTicks:
     """How the pose moves with the ticks, by least squares over all rows."""
 
     m_per_tick: float
@@ -51,7 +51,7 @@ class Odometry:
     """The same of the turns."""
 
 
-def odometry(measurement: Measurement) -> Odometry | None:
+def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
     """Return how the pose moves with the ticks; None if one of them is not logged, or nothing moves."""
     if not has(measurement, "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad"):
         return None
@@ -71,10 +71,10 @@ def odometry(measurement: Measurement) -> Odometry | None:
         float(each @ each) / max(float(whole @ whole), 1e-30)
         for each, whole in zip(followed, (steps[:, 4], turn_rad), strict=True)
     ]
-    return Odometry(m_per_tick, rad_per_tick, *sds, *shares)
+    return PoseByTicks(m_per_tick, rad_per_tick, *sds, *shares)
 
 
-def contradictions(moved: Odometry) -> list[str]:
+def contradictions(moved: PoseByTicks) -> list[str]:
     """Return a sentence for each sign that poses and ticks do not belong together as they are mapped."""
     lines = []
     if moved.turn_share < MIN_SHARE:
@@ -103,7 +103,7 @@ def _steps(trial: Trial) -> Array:
     return np.stack([forward, turn, 0.5 * (left + right), right - left, np.hypot(x, y)], axis=1)
 
 
-def wheels_of(moved: Odometry | None, known: dict[str, float]) -> dict[str, float]:
+def wheels_of(moved: PoseByTicks | None, known: dict[str, float]) -> dict[str, float]:
     """Return diameter, track or ticks, as far as they follow from counts, poses and the known ones of them."""
     if moved is None or contradictions(moved):
         return {}

@@ -10,7 +10,7 @@ from diagnosis.measured.case_format import DATA
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NOMINAL
 from diagnosis.measured.write_case import csv_of
-from diagnosis.new_case.estimates import contradictions, odometry
+from diagnosis.new_case.estimates import contradictions, pose_by_ticks
 from diagnosis.new_case.known_numbers import SIDES, KnownNumber, has, missing, numbers_of
 from diagnosis.new_case.log_file import LogFile
 from diagnosis.new_case.mapping import MAPPING, LogMapping, mapping_text
@@ -110,7 +110,7 @@ class NewCase:
 
     def contradictions(self) -> list[str]:
         """Return one sentence for each sign that columns or signs are mixed up."""
-        moved = odometry(self.measurement) if self.measurement.kind is CaseKind.DRIVE_LOG else None
+        moved = pose_by_ticks(self.measurement) if self.measurement.kind is CaseKind.DRIVE_LOG else None
         return [] if moved is None else contradictions(moved)
 
     def unknown(self) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.screening import noise_of, usual
-from diagnosis.new_case.estimates import contradictions, motor_of, odometry, speed_noise, wheels_of
+from diagnosis.new_case.estimates import contradictions, motor_of, pose_by_ticks, speed_noise, wheels_of
 from diagnosis.new_case.known_numbers import SIDES, has
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
@@ -137,7 +137,7 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     given = set(known)
     if not given & {"ticks_per_turn", "wheel_diameter_m"}:
         known["wheel_diameter_m"] = USUAL_DIAMETER_M
-    moved = odometry(measurement)
+    moved = pose_by_ticks(measurement)
     known |= wheels_of(moved, known)
     if "ticks_per_turn" not in known:
         raise InputError(

@@ -143,7 +143,7 @@ class LineReadings:
         """Return the standard deviation of shares by the noise of the pose, by their means (rows, 8).
 
         On one edge, the share of a spot at a distance u is Phi(u / s), and its mean over the noise p of the place is
-        Phi(u / hypot(s, p)), so that the mean tells the distance.
+        Phi(u / hypot(s, p)), so that the distance follows from the mean.
         """
         from scipy.special import ndtr  # noqa: PLC0415 - as in sensors.line_sensor
 

@@ -14,8 +14,8 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
+from diagnosis.inference.naming.transfer import trial_groups
 from diagnosis.inference.profile import Interval, profiles
-from diagnosis.inference.transfer import trial_groups
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.row_sentences import row_sentences

@@ -8,11 +8,11 @@ import numpy as np
 from configs.effects.base import Effect
 from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.selection import needed
 from diagnosis.inference.unexplained.adequacy import Structure
 from diagnosis.inference.unexplained.wander import Wander
-from diagnosis.inference.verdict import DOUBT, NEARLY, NOISY, Verdict
 from diagnosis.report.quantities import (
     along,
     confidence,
@@ -38,7 +38,7 @@ def headline(diagnosis: Diagnosis) -> str:
     if structure is None:
         if names:
             return f"The real robot differs from the nominal one by {listed(names)}."
-        if diagnosis.conclusion is Verdict.UNDECIDED:
+        if diagnosis.conclusion is CaseVerdict.UNDECIDED:
             return f"These data neither confirm the nominal simulation nor name what differs: {_open(diagnosis)}."
         return "The nominal simulation explains these data, within the tolerances of its parameters."
     where = f"{structure.channel} depends on {along(structure.covariate)}, and no known effect explains this"

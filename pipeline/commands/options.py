@@ -122,7 +122,7 @@ Part = Annotated[
 
 
 class ExecutorName(TextEnum):
-    """Where work is done."""
+    """Machines that do the work."""
 
     LOCAL = "local"
     RAY = "ray"

@@ -1,4 +1,4 @@
-"""Where a moving obstacle is at any time, in closed form; rays, contacts, pictures and tables all ask here."""
+"""Place of a moving obstacle at any time, in closed form, for rays, contacts, images and tables."""
 
 from dataclasses import dataclass
 from functools import cached_property

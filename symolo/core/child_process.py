@@ -32,7 +32,7 @@ _SECONDS_BETWEEN_BEATS = 5.0
 _SECONDS_BETWEEN_CHECKS = 0.2
 _LOG_BYTES = 20_000
 _OF_LITTLE_MEMORY = frozenset({signal.SIGKILL, signal.SIGABRT, signal.SIGSEGV})
-"""With which the system, C++ and Blender end a process that gets no more memory; the last two have other causes too."""
+"""Signals that end a process which gets no more memory; the last two have other causes too."""
 
 
 class Message(BaseModel):

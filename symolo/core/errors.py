@@ -91,7 +91,7 @@ class RunFailed(Exception):  # noqa: N818 - a run that fails is an outcome with 
 
 
 class EnvironmentLacking(Exception):  # noqa: N818 - as above
-    """The machine lacks something; the text ends with the line that mends it."""
+    """The machine lacks something; the text ends with what to do about it."""
 
 
 def one_line(text: str) -> str:

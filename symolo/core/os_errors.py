@@ -1,4 +1,4 @@
-"""What a refusal of the operating system means for the user: what the machine lacks, and what mends it."""
+"""What a refusal of the operating system means for the user: what the machine lacks, and what to do about it."""
 
 import errno
 import re

@@ -10,19 +10,19 @@ SECONDS_BETWEEN_LINES = 10.0
 
 
 class StageReport(Protocol):
-    """What a stage tells while it works."""
+    """Receiver of the progress of one stage."""
 
     def update(self, name: str, done: float) -> None:
-        """How much of the part `name` is done, in the stage's unit."""
+        """Report how much of the part `name` is done, in the unit of the stage."""
         ...
 
     def say(self, text: str) -> None:
-        """One line that stays."""
+        """Report a line that stays on the screen."""
         ...
 
 
 class Report(Protocol):
-    """Where the stages of a command report to."""
+    """Receiver of the reports of a command's stages."""
 
     def stage(self, name: str, total: float, unit: str) -> AbstractContextManager[StageReport]: ...
 

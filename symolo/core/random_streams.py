@@ -1,4 +1,4 @@
-"""Random streams keyed by what they serve, never by the order in which they are asked for."""
+"""Random streams keyed by what they serve, never by the order in which they are drawn."""
 
 import hashlib
 import json

@@ -42,7 +42,7 @@ NORMAL_ZERO = 2**15
 NORMAL_SCALE = 2**15 - 1
 FLOW_ZERO = 2**15
 FLOW_PER_PX = 64
-"""As the KITTI flow benchmark encodes it (Menze and Geiger 2015, development kit)."""
+"""Steps of the flow per pixel, as in the KITTI flow benchmark (Menze and Geiger 2015, development kit)."""
 
 PixelBox = tuple[int, int, int, int]
 """First column, first row, number of columns, number of rows, as in COCO; all 0 if the box is empty."""

@@ -3,7 +3,7 @@
 DESCRIPTION = "README.md"
 DATA, POSITIONS, SIDE, IMAGES, ANNOTATIONS = "data.csv", "image_positions.txt", "side", "images", "annotations"
 SPEC = "spec.json"
-"""In `side/`, and in the folder of the first stage."""
+"""Run specification, in `side/` and in the folder of the first stage."""
 JOB, LOOK = "job.json", "look.json"
 """In the folder of the images of `rerender`: the input of the renderer, and the values that were drawn."""
 STAGES, DONE = ".stages", "done.json"

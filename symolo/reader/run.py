@@ -155,7 +155,7 @@ class Run:
 
     @property
     def image_rows(self) -> pd.DataFrame:
-        """Those rows at which an image was taken, by its number: the i-th is that of the i-th image and X_WC."""
+        """Rows at which an image was taken, by its number. Row i belongs to the i-th image and the i-th X_WC."""
         rows = self.rows
         return rows[rows["img"] > 0].set_index("img", drop=False)
 
@@ -222,7 +222,7 @@ class Run:
 
     @cached_property
     def numbers(self) -> tuple[int, ...]:
-        """Of the images, in their order."""
+        """Numbers of the images, in their order."""
         return tuple(self.table.image[self.table.image > 0].tolist())
 
     def index_of(self, number: int) -> int:
@@ -244,7 +244,7 @@ class Run:
         return tuple(Image(self, number, index, row) for index, (number, row) in enumerate(taken))
 
     def image(self, number: int) -> Image:
-        """That of a number, as in the column `img`.
+        """Return the image of a number, as in the column `img`.
 
         Raises:
             InputError: There is none.

@@ -45,7 +45,7 @@ class Remote:
 
     @classmethod
     def of(cls, store: Store) -> "Remote":
-        """By its lists of checksums.
+        """Return the stored release, as its lists of checksums describe it.
 
         Raises:
             InputError: There is no finished release, or its lists are damaged or name what is not there.

@@ -68,7 +68,7 @@ class Structure:
     size: float
     """Root mean square of the structure [sigma], over the rows of the fit of its quantity."""
     is_over_time: bool
-    """Whether the covariate tells only when a row was taken in a measurement."""
+    """Whether the covariate is only the time at which a row was taken."""
 
     @property
     def is_drift(self) -> bool:

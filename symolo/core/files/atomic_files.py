@@ -91,7 +91,7 @@ def _lost(place: Path) -> OSError:
 
 
 def _unfinished(path: Path) -> Path:
-    """By chance, not by the number of the process: after a restart of the machine another one may have that."""
+    """Return a random name. The number of the process would not do: after a restart, another process may have it."""
     return path.with_name(f".{path.name}.{os.environ.get(WRITER) or new_writer()}{secrets.token_hex(4)}.tmp")
 
 

@@ -58,7 +58,7 @@ def sizes_below(folder: Path) -> Iterator[tuple[Path, int]]:
 
 
 def _files_below(folder: Path) -> Iterator[Path]:
-    """As `rglob`, which passes over folders that it has no right to read."""
+    """Yield all files, and raise an error for a folder that cannot be read, which `rglob` leaves out."""
 
     def stop(error: OSError) -> None:
         raise error

@@ -20,16 +20,16 @@ Numbers = NDArray[Any]
 """(N,) or (N, K), of floating-point or whole numbers; numpy cannot say so."""
 
 MAX_ENTRIES = 1000
-"""Of an archive; a run has about thirty, two for each series."""
+"""Greatest number of entries of an archive; a run has about thirty, two for each series."""
 _ENTRY = b"PK\x01\x02"
 """Signature with which each entry of the archive's directory begins."""
 _PLAIN = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-"""Of these, zipfile unpacks no more than it is asked for; of the others, whole blocks at once."""
+"""Methods of compression of which zipfile unpacks no more than requested; of others it unpacks whole blocks."""
 _MAGIC = b"\x93NUMPY\x01\x00"
 _HEADER = re.compile(
     rb"\{'descr': '([<>|][biuf][1248])', 'fortran_order': (True|False), 'shape': \((\d{1,12}), ?(\d{1,12})?\), \} *\n"
 )
-"""Of the format's version 1.0, with one or two dimensions (numpy.lib.format)."""
+"""Header of version 1.0 of the format, with one or two dimensions (numpy.lib.format)."""
 
 
 def arrays_of(data: bytes, max_bytes: int) -> dict[str, Numbers]:

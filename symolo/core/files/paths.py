@@ -1,4 +1,4 @@
-"""Whether a path from the command line can be one; asked of each, before any work starts."""
+"""Check that a path from the command line is possible, before any work starts."""
 
 import os
 from collections.abc import Iterable

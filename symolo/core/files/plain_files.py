@@ -34,7 +34,7 @@ class FileKind(Enum):
     IMAGE = "an image", 64 * _MIB
     ANNOTATIONS = "a list of annotations", 256 * _MIB
     JOB = "a render job", 512 * _MIB
-    """Also the journal of its frames."""
+    """A render job, or the journal of its frames."""
     TRAJECTORY = "a trajectory", 512 * _MIB
     """Packed or not; 18 hours at 20 rows a second."""
     LOG = "a log", 100_000_000

@@ -17,9 +17,9 @@ NO_DISTORTION: Coefficients = (0.0, 0.0, 0.0, 0.0, 0.0)
 _STEPS = 24
 _NEWTON_STEPS = 3
 _LAST_NEWTON_STEPS = 15
-"""It is slow near a fold."""
+"""Number of Newton steps at full distortion; the method is slow near a fold."""
 _BORDER_POINTS = 65
-"""On each side."""
+"""Number of points on each side of the image."""
 
 
 class Distortion(Protocol):
@@ -73,7 +73,7 @@ def undistorted(lens: Coefficients, points: Array) -> Array:
     """
     rays = np.zeros_like(points)
     whole = np.ones(len(points), bool)
-    with np.errstate(all="ignore"):  # what diverges is told by NaN
+    with np.errstate(all="ignore"):  # rays that diverge become NaN
         for step in range(1, _STEPS + 1):
             before = rays
             rays = refined(lens, points * (step / _STEPS), rays, _NEWTON_STEPS if step < _STEPS else _LAST_NEWTON_STEPS)

@@ -59,7 +59,7 @@ class Node:
         return node.plain() if node else None
 
     def place_of(self, path: FieldPath) -> str:
-        """Where the deepest node on the way to a path was written."""
+        """Return the place in a file of the deepest node on the way to a path."""
         node = self
         for key in path:
             inner = node.child(key)

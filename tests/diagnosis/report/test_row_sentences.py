@@ -6,8 +6,8 @@ from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import NamedEffect, diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import RivalComparison
-from diagnosis.inference.verdict import Verdict
 from diagnosis.report.row_sentences import row_sentences, too_large
 from diagnosis.report.verdict import headline
 
@@ -35,7 +35,7 @@ def test_the_row_of_table_1_that_stands_still_and_rows_left_out(table_1):
 
 def test_21_rows_are_too_few_to_name_the_bow_of_table_1_and_too_many_to_call_it_explained(table_1):
     """A parabola has leave-one-out errors of 0.061 rad/s where a line has 0.101, but 21 rows leave its cause open."""
-    assert table_1.conclusion is Verdict.UNDECIDED
+    assert table_1.conclusion is CaseVerdict.UNDECIDED
     text = headline(table_1)
     assert text.startswith("These data neither confirm the nominal simulation nor name what differs: supply_sag would")
 

@@ -10,7 +10,7 @@ import pytest
 from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import extended_robot
 from diagnosis.importers import tof_bench
-from diagnosis.inference.verdict import Verdict
+from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.report.verdict import effect_sentences, headline
 from sensors.effects.range_wander import RangeWander
 
@@ -53,7 +53,7 @@ def test_an_error_that_wanders_is_named_with_its_size_and_time(diagnosed):
     assert not answer["unexplained"]
     for name, value in (("sd_m", 0.006), ("time_constant_s", 25.0)):
         assert effect["parameters"][name] == pytest.approx(value, abs=3.0 * effect["std"][name])
-    assert diagnosis.conclusion is Verdict.NAMED
+    assert diagnosis.conclusion is CaseVerdict.NAMED
     assert headline(diagnosis) == "The real robot differs from the nominal one by range_wander."
     assert effect_sentences(diagnosis)[0].startswith("range_wander: sd_m = 0.00")
     # It is random: no prediction of the held-out rows uses it.

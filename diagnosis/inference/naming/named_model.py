@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.naming.transfer import Group, contradiction, supports
+from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, cancel, withheld
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.selection import is_at_bound, needed, without
-from diagnosis.inference.transfer import Group, contradiction, supports
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy, change_by, survivors
-from diagnosis.inference.verdict import SUBSTITUTE, NameEvidence, WithheldName, cancel, withheld
 
 
 @dataclass(frozen=True)

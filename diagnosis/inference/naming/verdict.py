@@ -40,7 +40,7 @@ SUBSTITUTE = "only a substitute for what is unexplained"
 """Reason of a name that is not needed beside a structure that has another cause."""
 
 
-class Verdict(TextEnum):
+class CaseVerdict(TextEnum):
     """What a diagnosis comes to."""
 
     EXPLAINED = "explained"
@@ -124,7 +124,7 @@ def conclusion(
     chance: float,
     nearly: float,
     scatter: float,
-) -> Verdict:
+) -> CaseVerdict:
     """Return the conclusion.
 
     Args:
@@ -136,9 +136,9 @@ def conclusion(
         scatter: Greatest scatter of good readings relative to the stated noise.
     """
     if not is_adequate:
-        return Verdict.NAMED_IN_PART if names else Verdict.UNEXPLAINED
+        return CaseVerdict.NAMED_IN_PART if names else CaseVerdict.UNEXPLAINED
     if names:
-        return Verdict.NAMED
+        return CaseVerdict.NAMED
     if withheld_names or chance < DOUBT or nearly >= NEARLY or scatter >= NOISY:
-        return Verdict.UNDECIDED
-    return Verdict.EXPLAINED
+        return CaseVerdict.UNDECIDED
+    return CaseVerdict.EXPLAINED

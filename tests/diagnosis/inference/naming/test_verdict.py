@@ -5,14 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from diagnosis.inference.verdict import (
+from diagnosis.inference.naming.verdict import (
     CHEAPER,
     DOUBT,
     LEAST_WEIGHT,
     NEARLY,
     NOISY,
+    CaseVerdict,
     NameEvidence,
-    Verdict,
     WithheldName,
     cancel,
     conclusion,
@@ -73,9 +73,9 @@ doubts = st.fixed_dictionaries(
 @given(names, withheld_names, st.booleans(), doubts)
 def test_the_conclusion_never_contradicts_the_evidence(standing, not_standing, is_adequate, doubt):
     found = conclusion(standing, not_standing, is_adequate=is_adequate, **doubt)
-    assert (found in {Verdict.NAMED, Verdict.NAMED_IN_PART}) == bool(standing)
-    assert (found in {Verdict.NAMED_IN_PART, Verdict.UNEXPLAINED}) == (not is_adequate)
-    if found is Verdict.EXPLAINED:
+    assert (found in {CaseVerdict.NAMED, CaseVerdict.NAMED_IN_PART}) == bool(standing)
+    assert (found in {CaseVerdict.NAMED_IN_PART, CaseVerdict.UNEXPLAINED}) == (not is_adequate)
+    if found is CaseVerdict.EXPLAINED:
         assert doubt["chance"] >= DOUBT
         assert doubt["nearly"] < NEARLY
         assert doubt["scatter"] < NOISY
@@ -85,7 +85,7 @@ def test_the_conclusion_never_contradicts_the_evidence(standing, not_standing, i
 @given(doubts)
 def test_more_doubt_never_makes_a_model_an_explanation(doubt):
     def explained(**more):
-        return conclusion([], [], is_adequate=True, **{**doubt, **more}) is Verdict.EXPLAINED
+        return conclusion([], [], is_adequate=True, **{**doubt, **more}) is CaseVerdict.EXPLAINED
 
     assert explained(chance=0.5 * doubt["chance"]) <= explained()
     assert explained(nearly=doubt["nearly"] + 1.0) <= explained()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.fit import fits
-from diagnosis.inference.transfer import AGAINST, Support, contradiction, groups, supports, trial_groups
+from diagnosis.inference.naming.transfer import AGAINST, Support, contradiction, groups, supports, trial_groups
 
 SD_A = 0.01
 N = 120

@@ -3,7 +3,7 @@
 import numpy as np
 
 from diagnosis.inference.fit import fits
-from diagnosis.inference.seen_range import seen_ranges
+from diagnosis.inference.naming.seen_range import seen_ranges
 
 
 def test_the_range_is_that_of_the_rows_of_the_fit_in_which_the_effect_matters(evidence_of, hypothesis, effect):
