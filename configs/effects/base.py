@@ -101,13 +101,14 @@ class Slot(TextEnum):
 
 class Setup(TextEnum):
     """The object of a measurement: a motor alone, a range sensor before one target at a time, a range sensor that is
-    moved past an object, or a robot that drives.
+    moved past an object, a robot that drives, or one whose log has the channels of its line sensor.
     """
 
     MOTOR_BENCH = "motor bench"
     RANGE_BENCH = "range bench"
     RANGE_SCAN = "range scan"
     DRIVE = "drive"
+    LINE_LOG = "log with a line sensor"
 
 
 class Effect(Section):

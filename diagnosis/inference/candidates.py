@@ -17,14 +17,14 @@ from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.measured.measurement import CaseKind, Measurement
 
 SETUPS = {
-    CaseKind.MOTOR_STEADY: Setup.MOTOR_BENCH,
-    CaseKind.MOTOR_STEP: Setup.MOTOR_BENCH,
-    CaseKind.TOF_BENCH: Setup.RANGE_BENCH,
-    CaseKind.RANGE_SCAN: Setup.RANGE_SCAN,
-    CaseKind.DRIVE_LOG: Setup.DRIVE,
-    CaseKind.SYMOLO_CSV: Setup.DRIVE,
+    CaseKind.MOTOR_STEADY: {Setup.MOTOR_BENCH},
+    CaseKind.MOTOR_STEP: {Setup.MOTOR_BENCH},
+    CaseKind.TOF_BENCH: {Setup.RANGE_BENCH},
+    CaseKind.RANGE_SCAN: {Setup.RANGE_SCAN},
+    CaseKind.DRIVE_LOG: {Setup.DRIVE},
+    CaseKind.SYMOLO_CSV: {Setup.DRIVE, Setup.LINE_LOG},
 }
-"""Setup of each kind of measurement. An effect names the setups to which it applies: a drive has range effects of its
+"""Setups of each kind of measurement. An effect names the setups to which it applies: a drive has range effects of its
 own, by sensor, since those of the bench would be the same under another name."""
 VISIBLE = 1e-3
 """Change of a prediction in sigmas, at the start values, from which an effect is testable."""
@@ -36,7 +36,7 @@ class Candidates:
 
     testable: tuple[CandidateEffect, ...]
     untestable: tuple[str, ...]
-    """Names of effects that the data cannot show."""
+    """Names of effects that the data cannot show, and of single choices where the data show others."""
 
 
 def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothesis) -> Candidates:
@@ -45,7 +45,7 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
         CandidateEffect(effect, choices)
         for effect in EFFECTS.classes()
         # An error that wanders is random and moves no prediction; see `diagnosis.inference.unexplained.wander`.
-        if SETUPS[measurement.kind] in effect.setups and effect.slot is not Slot.RANGE_WANDER
+        if not SETUPS[measurement.kind].isdisjoint(effect.setups) and effect.slot is not Slot.RANGE_WANDER
         for choices in _choices(effect, measurement)
     ]
     robots = [hypothesis.robot(hypothesis.null())]
@@ -57,10 +57,10 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     moves = np.abs((prediction.mean[1:] - prediction.mean[:1]) / evidence.sd)[:, evidence.fit].max(axis=1, initial=0.0)
     spreads = np.abs(np.log(prediction.sd[1:] / prediction.sd[:1]))[:, evidence.fit].max(axis=1, initial=0.0)
     visible = ((moves > VISIBLE) | (spreads > VISIBLE)).tolist()
-    return Candidates(
-        tuple(effect for effect, is_visible in zip(effects, visible, strict=True) if is_visible),
-        tuple(effect.name for effect, is_visible in zip(effects, visible, strict=True) if not is_visible),
-    )
+    testable = tuple(effect for effect, is_visible in zip(effects, visible, strict=True) if is_visible)
+    kinds = {effect.kind for effect in testable}
+    hidden = [effect.name if effect.kind in kinds else effect.kind.name for effect in effects if effect not in testable]
+    return Candidates(testable, tuple(dict.fromkeys(hidden)))
 
 
 def _choices(effect: type[Effect], measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:

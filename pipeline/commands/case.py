@@ -58,7 +58,7 @@ def init(
 ) -> None:
     """Make a measured case from the log of your own robot or test bench, whatever its columns are called.
 
-    The command recognises columns and units from names such as `time_ms`, `x [cm]`, `heading_deg` or `encL`. It
+    The command recognises columns and units from names such as `time_ms`, `x_cm`, `heading_deg` or `encL`. It
     converts them to SI units, samples a drive 20 times a second, and holds out a quarter of the rows. It asks for the
     numbers that no log contains, such as the diameter of the wheels; Enter means that you do not know it. Without a
     terminal it asks nothing, and takes the numbers of --set.

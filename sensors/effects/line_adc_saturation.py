@@ -13,7 +13,7 @@ class LineAdcSaturation(Effect):
     slot = Slot.LINE_LIMIT
     cause = "a converter whose range is smaller than that of the signal"
     excitation = "line and bare floor"
-    setups = (Setup.DRIVE,)
+    setups = (Setup.LINE_LOG,)
 
     low: Annotated[float, Parameter("1", null=0.0, start=0.1, low=0.0, high=0.5)]
     """Smallest reading."""

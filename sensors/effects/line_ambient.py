@@ -11,7 +11,7 @@ class LineAmbient(Effect):
     slot = Slot.LINE_READING
     cause = "sunlight or lamps in the near infrared"
     excitation = "line and bare floor"
-    setups = (Setup.DRIVE,)
+    setups = (Setup.LINE_LOG,)
 
     offset: Annotated[float, Parameter("1", null=0.0, start=0.05, low=-0.5, high=0.5)]
     """Reading of every channel + offset; 1 is full scale."""

@@ -13,7 +13,7 @@ class LineCrosstalk(Effect):
     slot = Slot.LINE_READING
     cause = "emitters that also light the spots of the neighbouring receivers"
     excitation = "the edges of the line"
-    setups = (Setup.DRIVE,)
+    setups = (Setup.LINE_LOG,)
 
     share: Annotated[float, Parameter("1", null=0.0, start=0.05, low=0.0, high=0.33)]
     """Share of the reading of each neighbour that a channel takes in place of its own."""

@@ -14,7 +14,7 @@ class LineGain(Effect):
     slot = Slot.LINE_READING
     cause = "an aged or dirty photodiode, another resistor"
     excitation = "line and bare floor under that channel"
-    setups = (Setup.DRIVE,)
+    setups = (Setup.LINE_LOG,)
 
     channel: ChannelName
     scale: Annotated[float, Parameter("1", null=1.0, start=1.15, low=0.05, high=5.0)]

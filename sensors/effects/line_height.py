@@ -11,7 +11,7 @@ class LineHeight(Effect):
     slot = Slot.LINE_HEIGHT
     cause = "a bent bracket, a worn caster"
     excitation = "the edges of the line, and the level of the bare floor"
-    setups = (Setup.DRIVE,)
+    setups = (Setup.LINE_LOG,)
 
     height_scale: Annotated[float, Parameter("1", null=1.0, start=1.3, low=0.3, high=4.0)]
     """Height above the floor * scale. The spots grow with it, and the light falls as its inverse square."""

@@ -11,7 +11,7 @@ class LineLateralOffset(Effect):
     slot = Slot.LINE_PLACE
     cause = "a board that is screwed on askew"
     excitation = "the edges of the line"
-    setups = (Setup.DRIVE,)
+    setups = (Setup.LINE_LOG,)
 
     offset_m: Annotated[float, Parameter("m", null=0.0, start=0.003, low=-0.05, high=0.05)]
     """Distance by which the row of channels sits further left."""

@@ -14,7 +14,7 @@ class LineOffset(Effect):
     slot = Slot.LINE_READING
     cause = "leakage current, light that leaks from the emitter to the receiver"
     excitation = "line and bare floor under that channel"
-    setups = (Setup.DRIVE,)
+    setups = (Setup.LINE_LOG,)
 
     channel: ChannelName
     offset: Annotated[float, Parameter("1", null=0.0, start=0.05, low=-0.5, high=0.5)]
