@@ -1,7 +1,7 @@
 """The range in which an effect was seen: where its law is an observation, and not an extrapolation.
 
 A law that fits slow arcs may be wrong in fast ones. Every named effect therefore carries the range of each covariate
-over the rows of the fit in which it matters.
+over the rows in which it matters. Held-out rows count as well, since no effect is named that they contradict.
 """
 
 from collections.abc import Iterator
@@ -38,7 +38,7 @@ class SeenRange:
 def seen_ranges(
     evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect
 ) -> tuple[SeenRange, ...]:
-    """Return the range of each smooth covariate over the rows of the fit in which an effect matters.
+    """Return the range of each smooth covariate over the rows, fitted or held out, in which an effect matters.
 
     Args:
         evidence: The observations.
@@ -47,7 +47,9 @@ def seen_ranges(
         effect: One of the effects of `fit`.
     """
     spread = np.abs(fit.spreads[fit.hypothesis.parameters(effect)]).max(axis=0)
-    matters = (np.abs(change_by(evidence, nominal, fit, effect)) > MATTERS) | (evidence.fit & (spread > 0.0))
+    rows = evidence.fit | evidence.heldout
+    change = change_by(evidence.with_rows(fit=rows), nominal, fit, effect)
+    matters = (np.abs(change) > MATTERS) | (rows & (spread > 0.0))
     ranges: dict[str, SeenRange] = {}
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
         for name, values in _conditions(observed):

@@ -6,10 +6,10 @@ from diagnosis.inference.fit import fits
 from diagnosis.inference.naming.seen_range import seen_ranges
 
 
-def test_the_range_is_that_of_the_rows_of_the_fit_in_which_the_effect_matters(evidence_of, hypothesis, effect):
+def test_the_range_is_that_of_the_rows_in_which_the_effect_matters(evidence_of, hypothesis, effect):
     """A gain of 1.05 changes a reading x by 0.05 x, which is a tenth of the noise of 0.01 at x = 0.02.
 
-    The last rows, of up to 3, are held out.
+    The last rows, of up to 3, are held out, and count as well.
     """
     x = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(2.0, 3.0, 20)])
     evidence = evidence_of(x, 1.05 * x, heldout=20)
@@ -19,4 +19,4 @@ def test_the_range_is_that_of_the_rows_of_the_fit_in_which_the_effect_matters(ev
     (seen,) = seen_ranges(evidence, nominal, fit, model.effects[0])
     assert seen.covariate == "x"
     assert seen.low == np.ceil(0.1 * 0.01 * nominal.noise.levels[0] / (held - 1.0) / 0.01) * 0.01
-    assert seen.high == 1.0
+    assert seen.high == 3.0
