@@ -13,6 +13,8 @@ MARGIN = 0.1
 """Distance beyond the range, as a share of its width, that does not count."""
 MIN_SHARE = 0.01
 """Least share of the run outside the range that is worth a warning."""
+MEAN_S = 0.5
+"""Time over which the speeds of the robot are averaged, as in the diagnosis, which sees them as changes of the pose."""
 
 
 def range_warnings(robot: RobotConfig, recording: Recording) -> tuple[str, ...]:
@@ -43,7 +45,9 @@ def _left(seen: EffectRange, recording: Recording) -> Iterator[str]:
 def _values(quantity: str, recording: Recording) -> Array:
     """Return a quantity at every control tick and, if there are several, of every wheel or sensor."""
     if quantity in {"v_m_s", "w_rad_s"}:
-        return recording.trajectory.twist[:, ("v_m_s", "w_rad_s").index(quantity)]
+        speed = recording.trajectory.twist[:, ("v_m_s", "w_rad_s").index(quantity)]
+        rows = min(len(speed), max(1, round(MEAN_S / np.median(np.diff(recording.trajectory.t_s, append=np.inf)))))
+        return np.convolve(speed, np.full(rows, 1.0 / rows), mode="valid")
     values = np.asarray(recording[quantity].values, dtype=np.float64)
     if quantity == "tof_m":
         values = np.where(np.asarray(recording["tof_status"].values) == 0, values, np.nan)
