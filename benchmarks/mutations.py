@@ -14,15 +14,12 @@ listed with its reason in `mutations_equivalent.yaml`.
 """
 
 import argparse
-import ast
 import csv
 import gc
-import hashlib
 import importlib
 import json
 import math
 import os
-import random
 import resource
 import shutil
 import signal
@@ -31,16 +28,14 @@ import sys
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-import cosmic_ray.ast  # pyright: ignore[reportMissingImports]
 import grimp
 import yaml
 from cosmic_ray.mutating import mutate_code  # pyright: ignore[reportMissingImports]
-from cosmic_ray.operators.operator import Operator  # pyright: ignore[reportMissingImports]
-from cosmic_ray.plugins import get_operator, operator_names  # pyright: ignore[reportMissingImports]
+from drawn_mutations import Mutation, drawn_mutations, operators_by_name
 
 ROOT = Path(__file__).parents[1]
 EQUIVALENT = Path(__file__).with_name("mutations_equivalent.yaml")
@@ -82,15 +77,6 @@ TESTS = {
     ),
 }
 """Tests that judge the changes of a module: those of its own package that are about it."""
-KINDS = (
-    {"Add", "Sub", "Mul", "Div", "FloorDiv", "Mod", "Pow"},
-    {"BitOr", "BitAnd", "BitXor"},
-    {"Eq", "NotEq", "Lt", "LtE", "Gt", "GtE"},
-    {"Is", "IsNot"},
-)
-"""An operator is replaced by one of its kind only, for no number has bits and an error of types is always noticed."""
-NEEDS_ARGUMENTS = ("VariableReplacer", "VariableInserter")
-"""Changes that need names of variables."""
 SPARE_SECONDS = 20.0
 """Of the processor, beyond three times those of the unchanged tests; then a change that makes an endless loop counts as
 noticed."""
@@ -98,35 +84,6 @@ WAITING = 20
 """Times its limit on the processor that a process may take by the clock, as it does on a machine with other work."""
 MEMORY_BYTES = 8 << 30
 SURVIVED, CAUGHT, ENDLESS, UNIMPORTABLE = "survived", "caught", "endless", "unimportable"
-
-
-class ScaledNumber(Operator):
-    """Replaces a number that is not whole by one half as large again, which a sum of 1 may hide or exaggerate."""
-
-    def mutation_positions(self, node):  # noqa: ANN001, ANN201 - a node of parso
-        if node.type == "number" and isinstance(ast.literal_eval(node.value), float) and float(node.value):
-            yield node.start_pos, node.end_pos
-
-    def mutate(self, node, index):  # noqa: ANN001, ANN201, ARG002
-        node.value = repr(1.5 * float(node.value))
-        return node
-
-    @classmethod
-    def examples(cls):  # noqa: ANN206
-        return (("x = 2.0", "x = 3.0"),)
-
-
-@dataclass(frozen=True)
-class Mutation:
-    """One change of one module."""
-
-    module: str
-    line: int
-    operator: str
-    occurrence: int
-    """Number of the place among those of the operator in the module."""
-    source: str
-    """Short hash of the module's text."""
 
 
 TYPES = {str: str, int: int, float: float}
@@ -149,7 +106,7 @@ class Row(Mutation):
 
 def main() -> int:
     options = _options()
-    drawn = list(_drawn(options.modules or list(TESTS), options.number, options.seed))
+    drawn = list(drawn_mutations(options.modules or list(TESTS), options.number, options.seed))
     rows = {row.mutation: row for row in _read(options.table)}
     judged = {m for m, row in rows.items() if not (options.again and row.outcome == SURVIVED)}
     failed = 0
@@ -182,41 +139,6 @@ def _options() -> argparse.Namespace:
     if unknown := set(options.modules) - set(TESTS):
         parser.error(f"no tests are named for {', '.join(sorted(unknown))}; there are {', '.join(TESTS)}")
     return options
-
-
-def _operators() -> dict[str, Operator]:
-    names = [name for name in operator_names() if not name.endswith(NEEDS_ARGUMENTS)]
-    pairs = {name: set(name.split("_")[1:]) for name in names if "BinaryOp" in name or "Comparison" in name}
-    names = [name for name in names if name not in pairs or any(pairs[name] <= kind for kind in KINDS)]
-    return {name: get_operator(name)() for name in names} | {"scaled number": ScaledNumber()}
-
-
-def _drawn(modules: Iterable[str], number: int, seed: int) -> Iterator[Mutation]:
-    """Yield one change each of randomly drawn places."""
-    operators = _operators()
-    places, sources = defaultdict(list), {}
-    for module in modules:
-        text = (ROOT / module).read_text()
-        sources[module] = hashlib.sha256(text.encode()).hexdigest()[:12]
-        lines, annotations = text.splitlines(), list(_annotations(text))
-        nodes = list(cosmic_ray.ast.ast_nodes(cosmic_ray.ast.get_ast(text)))
-        for name, operator in operators.items():
-            spans = [span for node in nodes for span in operator.mutation_positions(node)]
-            for occurrence, (start, end) in enumerate(spans):
-                is_separator = lines[start[0] - 1].startswith("*,", start[1])  # of arguments, and no product
-                if not is_separator and not any(low <= start and end <= high for low, high in annotations):
-                    places[module, start, end].append((name, occurrence))
-    draw = random.Random(seed)  # noqa: S311 - a sample, not a secret
-    for module, start, end in draw.sample(sorted(places), min(number, len(places))):
-        name, occurrence = draw.choice(places[module, start, end])
-        yield Mutation(module, start[0], name, occurrence, sources[module])
-
-
-def _annotations(text: str) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
-    for node in ast.walk(ast.parse(text)):
-        for name in ("annotation", "returns"):
-            if (part := getattr(node, name, None)) is not None:
-                yield (part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)
 
 
 def _difference(text: str, changed: str) -> tuple[str, str]:
@@ -261,7 +183,7 @@ def _judge_module(tree: Path, graph: grimp.ImportGraph, module: str, mutations: 
     seconds = _processor_s() - begin
     gc.freeze()  # a collection in a child would copy all of it
     text = (tree / module).read_text()
-    operators = _operators()
+    operators = operators_by_name()
     for mutation in mutations:
         begin = _processor_s()
         changed = mutate_code(text, operators[mutation.operator], mutation.occurrence) or text

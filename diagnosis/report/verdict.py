@@ -178,7 +178,8 @@ def gain_sentences(data: ReportData) -> list[str]:
         return [f"{calibration}."]
     error = f"the error falls from {diagnosis.gain.before:.3g} to {diagnosis.gain.after:.3g} sigma"
     calibrated, extended = diagnosis.calibrated.after, diagnosis.gain.after
-    change = f"{100.0 * abs(1.0 - extended / calibrated):.0f} % {'lower' if extended < calibrated else 'higher'}"
+    share = abs(1.0 - extended / calibrated) if calibrated > 0.0 else 0.0
+    change = f"{100.0 * share:.0f} % {'lower' if extended < calibrated else 'higher'}"
     names = listed([named.name for named in diagnosis.named])
     return [
         f"On the held-out rows {error}: a gain of {gain_text(diagnosis.gain)}.",

@@ -1,5 +1,7 @@
 """Logs of drives by the twin, of robots that are known."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,14 @@ from symolo.core.time_series import TimeSeries
 
 ROWS = 60
 ROW_S = 0.05
+
+
+@pytest.fixture(scope="module")
+def cases_on_the_path():
+    """The package `gap_cases` of the folder of tests can be imported, as long as the tests of a module run."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(Path(__file__).parents[1]))
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -23,13 +23,7 @@ MOTOR = {
     "coulomb_friction_N_m": Tc,
     "rotor_inertia_kg_m2": J,
 }
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _cases_on_the_path():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(TESTS))
-        yield
+pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
 
 @pytest.fixture(scope="module")

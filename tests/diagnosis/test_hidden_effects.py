@@ -5,22 +5,14 @@ often, over all effects and sizes.
 """
 
 import importlib
-from pathlib import Path
 
 import pytest
 
 from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 
-TESTS = Path(__file__).parents[1]
 READERS = {importer.name: importer for importer in IMPORTERS}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _cases_on_the_path():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(TESTS))
-        yield
+pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
 
 @pytest.fixture

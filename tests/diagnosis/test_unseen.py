@@ -1,7 +1,6 @@
 """Predictions of unseen runs against the oracle of the hide-and-find cases, which shares no code with ours."""
 
 import importlib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,14 +13,7 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.unseen import csv_text, unseen_runs
 from pipeline.diagnosing.importers import IMPORTERS
 
-TESTS = Path(__file__).parents[1]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _cases_on_the_path():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(TESTS))
-        yield
+pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
 
 @pytest.fixture

@@ -2,21 +2,13 @@
 
 import importlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
-TESTS = Path(__file__).parents[1]
 ROWS = 2000
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _cases_on_the_path():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(TESTS))
-        yield
+pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
 
 @pytest.fixture(scope="module")

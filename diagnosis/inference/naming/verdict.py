@@ -17,7 +17,7 @@ from symolo.core.text_enum import TextEnum
 
 CHEAPER = 0.5
 """Fall of the cost by which a rival explains the data better."""
-MOST_BY_PRIOR = 0.5
+MAX_BY_PRIOR = 0.5
 """Share of the rise of the cost without a name, above which it comes from parameters that leave their tolerances. Then
 these imitate the effect in held-out rows too, which therefore cannot say anything."""
 DOUBT = 0.05
@@ -33,7 +33,7 @@ stated, chance reaches a little more."""
 NOISY = 1.6
 """Scatter of good readings relative to the stated noise, from which a model is no explanation. The statement may be
 wrong by a factor of two, but then it may as well be the model."""
-LEAST_WEIGHT = 0.1
+MIN_WEIGHT = 0.1
 """Confidence below which a name is one of too many."""
 
 SUBSTITUTE = "only a substitute for what is unexplained"
@@ -102,7 +102,7 @@ def withheld(evidence: NameEvidence) -> str:
     if (
         evidence.heldout_rise is not None
         and evidence.heldout_rise <= 0.0
-        and evidence.rise_of_prior <= MOST_BY_PRIOR * evidence.rise
+        and evidence.rise_of_prior <= MAX_BY_PRIOR * evidence.rise
     ):
         return "the held-out rows are predicted as well without it"
     if evidence.contradicted_by:
@@ -111,7 +111,7 @@ def withheld(evidence: NameEvidence) -> str:
         return f"{evidence.closest_rival[0]} explains the data better"
     if evidence.rise < evidence.needed + MARGIN:
         return f"the cost falls by {evidence.rise:.1f} only, little more than by chance"
-    if evidence.confidence < LEAST_WEIGHT:
+    if evidence.confidence < MIN_WEIGHT:
         return f"its weight among the alternatives is only {100.0 * evidence.confidence:.2g} %"
     return ""
 

@@ -24,7 +24,7 @@ from symolo.core.arrays import Array
 READING = "reading_m"
 OUTLIER = 4.0
 """Residual in sigmas from which a row is left out."""
-MIN_ROWS, MOST_ROWS = 40, 400
+MIN_ROWS, MAX_ROWS = 40, 400
 """Fewest rows, and number of rows from which neighbours are averaged, since the time grows with its third power."""
 MIN_LASTING_ROWS = 5.0
 """Least time constant in rows; noise that is correlated over fewer rows does not wander."""
@@ -122,7 +122,7 @@ def wander(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Wander |
 def _blocks(t: Array, residual_m: Array, sd_m: Array) -> tuple[Array, Array, Array]:
     """Return times, residuals and their noise in order of time, as means over neighbours if there are many."""
     order = np.argsort(t, kind="stable")
-    begins = np.arange(0, len(t), -(-len(t) // MOST_ROWS))
+    begins = np.arange(0, len(t), -(-len(t) // MAX_ROWS))
     weight = sd_m[order] ** -2.0
     total = np.add.reduceat(weight, begins)
     mean_s, mean_m = (np.add.reduceat(weight * values[order], begins) / total for values in (t, residual_m))

@@ -90,7 +90,7 @@ def test_two_releases_lose_workers_and_a_node_and_are_those_of_one_machine_with_
 ):
     (tmp_path / "other.yaml").write_text(OTHER)
     scenarios = {"smoke": "smoke", "other": str(tmp_path / "other.yaml")}
-    outs = [tmp_path / "shared" / name for name in scenarios]
+    outs = [tmp_path / "datasets" / name for name in scenarios]
     outs[0].parent.mkdir()
     address, shelf = ("--executor", "ray", "--address", cluster.address), tmp_path / "shelf"
     upload = {"other": ["--upload", f"file://{shelf}"]}

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from diagnosis.inference.naming.verdict import (
     CHEAPER,
     DOUBT,
-    LEAST_WEIGHT,
+    MIN_WEIGHT,
     NEARLY,
     NOISY,
     CaseVerdict,
@@ -46,7 +46,7 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
     assert not evidence.contradicted_by
     assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
     assert evidence.rise >= evidence.needed
-    assert evidence.confidence >= LEAST_WEIGHT
+    assert evidence.confidence >= MIN_WEIGHT
     # Held-out rows become worse without it, unless parameters bent far out of their tolerances do its work there.
     assert evidence.heldout_rise is None or evidence.heldout_rise > 0.0 or evidence.rise_of_prior > 0.5 * evidence.rise
 

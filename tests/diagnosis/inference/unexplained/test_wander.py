@@ -2,7 +2,6 @@
 
 import importlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,14 +13,7 @@ from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.report.verdict import effect_sentences, headline
 from sensors.effects.range_wander import RangeWander
 
-TESTS = Path(__file__).parents[3]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _cases_on_the_path():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(TESTS))
-        yield
+pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
 
 @pytest.fixture
