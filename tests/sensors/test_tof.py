@@ -1,22 +1,26 @@
 """VL53L0X: readings of worlds with a closed form, against the paper's tables and equations."""
 
 import math
+from functools import reduce
 
 import numpy as np
 import pytest
 
+from configs.effects.robot_effects import RobotEffects
 from sensors.base import Sampling
 from sensors.effects.range_offset import RangeOffset
+from sensors.effects.range_signal_weighting import RangeSignalWeighting
 from sensors.tof import TofArray, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.dataset.codes import TofStatus
 
 FRONT = 0
+NONE = RobotEffects()
 NO_TARGET_M = 2.0
 
 
-def sensors(robot, arena, seed=0, **changes):
+def sensors(robot, arena, *effects, **changes):
     config = robot.tof.model_copy(update={"error_scale": 0.0} | changes)
-    return TofArray(config, arena, 1000, np.random.default_rng(seed))
+    return TofArray(config, arena, 1000, np.random.default_rng(0), reduce(RobotEffects.with_effect, effects, NONE))
 
 
 def wall_ahead(plane_world, robot, distance_m):
@@ -111,9 +115,14 @@ def test_the_least_signal_and_both_ends_of_the_range_are_still_a_target(robot, a
     assert tof._judged(signal, range_m) == expected
 
 
-def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, arena_of, plane_world):
-    """Against a quadrature over the cone, for a front sensor that sees the floor and a wall 0.6 m ahead."""
-    tof = sensors(robot, arena_of(), noise_scale=0.0, quantisation_m=0.0, rays=1000, field_of_view_deg=50.0)
+@pytest.mark.parametrize("exponent", [0.0, 2.0])
+def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, arena_of, plane_world, exponent):
+    """Against a quadrature over the cone, for a front sensor that sees the floor and a wall 0.6 m ahead.
+
+    By an effect, near rays may have more weight besides. Then the device is calibrated head-on with these weights.
+    """
+    exact = {"noise_scale": 0.0, "quantisation_m": 0.0, "rays": 1000, "field_of_view_deg": 50.0}
+    tof = sensors(robot, arena_of(), RangeSignalWeighting(exponent=exponent), **exact)
     # Even in the square of the angle off the axis, as the spiral is, and in the angle around it.
     angle = np.radians(25.0) * np.sqrt((np.arange(400) + 0.5) / 400)[:, None]
     roll = (np.arange(400) + 0.5) * 2.0 * np.pi / 400
@@ -121,9 +130,10 @@ def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, a
     ahead, down = np.cos(angle) * np.ones(400), -np.sin(angle) * np.sin(roll)
     slant_m = np.minimum(0.6 / ahead, robot.tof.mounts.front.z_m / np.maximum(down, 1e-9))
     is_wall = ahead * slant_m > 0.6 - 1e-9
-    weight = beam * np.where(is_wall, ahead, down)
+    weight = beam * np.where(is_wall, ahead, down) * slant_m**-exponent
     offset_m = 0.00025 * np.average(is_wall, weights=weight)
-    expected_m = np.average(slant_m, weights=weight) * np.average(np.cos(angle), weights=beam) + offset_m
+    head_on = np.average(np.cos(angle), weights=beam * np.cos(angle) ** exponent)
+    expected_m = np.average(slant_m, weights=weight) * head_on + offset_m
     reading_m = tof.sample(plane_world(wall_x_m=robot.tof.mounts.front.x_m + 0.6, floor=True))[FRONT, 0]
     assert reading_m == pytest.approx(expected_m, rel=2e-3)
 
@@ -202,6 +212,17 @@ def test_the_floor_has_no_offset_and_the_noise_of_equation_23(robot, arena_of, p
     noisy = sensors(robot, arena_of("metal"), mounts=mounts, quantisation_m=0.0)
     readings_mm = 1e3 * np.array([noisy.sample(world)[FRONT, 0] for _ in range(1000)])
     assert readings_mm.std() == pytest.approx(1.41, rel=0.1)
+
+
+def test_weights_of_near_rays_change_the_mean_and_not_whether_enough_light_returns(robot, arena_of, plane_world):
+    """Of a wall that is met at 50 degrees, the share cos 50 of the light of one head-on, whatever its distance."""
+    yaw = math.radians(50.0)
+    for weighting in ((), (RangeSignalWeighting(exponent=6.0),)):
+        for distance_m in (0.1, 0.5):
+            world = plane_world(robot.tof.mounts.front.x_m * math.cos(yaw) + distance_m, at=(0.0, 0.0, yaw))
+            for signal, status in ((0.995, TofStatus.VALID), (1.005, TofStatus.NO_TARGET)):
+                settings = {"signal_threshold": signal * math.cos(yaw), "noise_scale": 0.0}
+                assert sensors(robot, arena_of(), *weighting, **settings).sample(world)[FRONT, 1] == status
 
 
 def test_rays_end_a_quarter_beyond_the_largest_range(robot, arena_of, plane_world):
