@@ -1,4 +1,4 @@
-"""Each motor effect against the definition of the shared format, worked out by hand for a motor with round numbers."""
+"""Each motor effect against its definition in docs/reference/effects.md, by hand for a motor with round numbers."""
 
 import math
 
