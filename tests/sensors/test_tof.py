@@ -23,6 +23,36 @@ def sensors(robot, arena, *effects, **changes):
     return TofArray(config, arena, 1000, np.random.default_rng(0), reduce(RobotEffects.with_effect, effects, NONE))
 
 
+class Draws:
+    """A generator that gives these uniform numbers, and normal deviates that are all equal."""
+
+    def __init__(self, numbers=(1.0, 1.0, 1.0), deviate=0.0):
+        self.numbers, self.deviate = np.array(numbers), deviate
+
+    def random(self, size):
+        assert size == len(self.numbers)
+        return self.numbers
+
+    def standard_normal(self, size):
+        return np.full(size, self.deviate)
+
+
+@pytest.fixture
+def mean_and_sd_mm(monkeypatch):
+    """The reading of the front sensor for a deviate of 0, and by how much that of 1 is longer."""
+
+    def of(tof, world):
+        readings_mm = []
+        for deviate in (0.0, 1.0, -1.0):
+            monkeypatch.setattr(tof, "_rng", Draws(deviate=deviate))
+            readings_mm.append(1e3 * tof.sample(world)[FRONT, 0])
+        mean_mm, above_mm, below_mm = readings_mm
+        assert above_mm - mean_mm == pytest.approx(mean_mm - below_mm)
+        return mean_mm, above_mm - mean_mm
+
+    return of
+
+
 def wall_ahead(plane_world, robot, distance_m):
     return plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m)
 
@@ -50,13 +80,11 @@ def test_a_wall_met_head_on_reads_its_distance(robot, arena_of, plane_world, dis
         ("plastic", 99.7, 1.31),
     ],
 )
-def test_readings_at_100_mm_are_those_of_tables_3_and_4(robot, arena_of, plane_world, surface, mean_mm, sd_mm):
+def test_readings_at_100_mm_are_those_of_tables_3_and_4(
+    robot, arena_of, plane_world, mean_and_sd_mm, surface, mean_mm, sd_mm
+):
     tof = sensors(robot, arena_of(surface), quantisation_m=0.0)
-    world = wall_ahead(plane_world, robot, 0.1)
-    readings_mm = 1e3 * np.array([tof.sample(world)[FRONT, 0] for _ in range(2000)])
-    # Three standard errors of 2,000 readings.
-    assert readings_mm.mean() == pytest.approx(mean_mm, abs=3 * sd_mm / math.sqrt(2000))
-    assert readings_mm.std() == pytest.approx(sd_mm, rel=0.05)
+    assert mean_and_sd_mm(tof, wall_ahead(plane_world, robot, 0.1)) == pytest.approx((mean_mm, sd_mm))
 
 
 def test_noise_of_a_surface_with_the_equations_own_deviation_is_equation_23():
@@ -67,14 +95,13 @@ def test_noise_of_a_surface_with_the_equations_own_deviation_is_equation_23():
 
 @pytest.mark.parametrize(("surface", "own_mm"), [("white_board", 0.84), ("glass", 1.77)])
 def test_readings_at_600_mm_scatter_as_equation_23_and_the_surface_add_up(
-    robot, arena_of, plane_world, surface, own_mm
+    robot, arena_of, plane_world, mean_and_sd_mm, surface, own_mm
 ):
     tof = sensors(robot, arena_of(surface), quantisation_m=0.0)
-    world = wall_ahead(plane_world, robot, 0.6)
-    readings_mm = 1e3 * np.array([tof.sample(world)[FRONT, 0] for _ in range(2000)])
+    _, sd_mm = mean_and_sd_mm(tof, wall_ahead(plane_world, robot, 0.6))
     eq_23_mm = 1.15 * 0.42**3 + 2.51 * 0.42**2 + 4.88 * 0.42 + 1.40
-    assert readings_mm.std() == pytest.approx(math.sqrt(own_mm**2 + eq_23_mm**2 - 1.41**2), rel=0.05)
-    assert readings_mm.std() == pytest.approx(eq_23_mm, rel=0.10)
+    assert sd_mm == pytest.approx(math.sqrt(own_mm**2 + eq_23_mm**2 - 1.41**2), rel=1e-4)
+    assert sd_mm == pytest.approx(eq_23_mm, rel=0.10)
 
 
 def test_the_error_is_equation_24_with_its_zero_at_180_mm():
@@ -173,20 +200,6 @@ def test_a_log_has_range_and_status_in_columns_of_their_own(robot, arena_of):
     assert status.dtype == np.int64
 
 
-class Draws:
-    """A generator that gives these uniform numbers, and no noise."""
-
-    def __init__(self, numbers):
-        self.numbers = np.array(numbers)
-
-    def random(self, size):
-        assert size == len(self.numbers)
-        return self.numbers
-
-    def standard_normal(self, size):
-        return np.zeros(size)
-
-
 def test_an_update_is_lost_where_its_number_is_below_the_probability(robot, arena_of, plane_world, monkeypatch):
     """Before the first update there is no target, so that this is what is held."""
     tof = sensors(robot, arena_of(), dropout_probability=0.3)
@@ -210,7 +223,7 @@ def test_the_floor_has_no_offset_and_the_noise_of_equation_23(robot, arena_of, p
     still = sensors(robot, arena_of("metal"), mounts=mounts, noise_scale=0.0, quantisation_m=0.0)
     assert still.sample(world)[FRONT, 0] == pytest.approx(front.z_m, rel=1e-6)
     noisy = sensors(robot, arena_of("metal"), mounts=mounts, quantisation_m=0.0)
-    readings_mm = 1e3 * np.array([noisy.sample(world)[FRONT, 0] for _ in range(1000)])
+    readings_mm = 1e3 * np.array([noisy.sample(world)[FRONT, 0] for _ in range(400)])
     assert readings_mm.std() == pytest.approx(1.41, rel=0.1)
 
 
