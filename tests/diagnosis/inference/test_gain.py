@@ -79,6 +79,14 @@ def test_the_error_of_several_stages_is_the_root_mean_square_of_theirs():
     assert found.value == found.low == found.high == pytest.approx(1.0 - np.sqrt(5.0 / 12.5))
 
 
+def test_a_single_row_counts_whole_in_the_interval_too():
+    found = gain_of_sizes([(np.array([[2.0], [1.0]]), np.zeros(1, int))])
+    assert (found.before, found.after, found.value) == (2.0, 1.0, 0.5)
+    both = gain_of_sizes([(np.array([[2.0], [1.0]]), np.zeros(1, int)), (np.full((2, 4), 2.0), np.zeros(4, int))])
+    # Each draw of a single block is that block: the root of (1 + 4) / 2 over the root of (4 + 4) / 2.
+    assert both.low == both.high == pytest.approx(1.0 - np.sqrt(2.5 / 4.0))
+
+
 def test_half_of_an_error_below_the_noise_is_a_gain_of_a_half():
     found = gain_of_sizes([(np.tile([[0.4], [0.2]], 50), np.arange(50))])
     assert (found.value, found.low, found.high) == pytest.approx((0.5, 0.5, 0.5))
