@@ -6,10 +6,11 @@ from math import radians
 
 import numpy as np
 
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.screening import noise_of, usual
 from diagnosis.new_case.estimates import contradictions, motor_of, pose_by_ticks, speed_noise, wheels_of
-from diagnosis.new_case.known_numbers import SIDES, has
+from diagnosis.new_case.known_numbers import has
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
 from symolo.core.errors import InputError
@@ -24,7 +25,8 @@ USUAL_MOTOR: Mapping[str, float] = {
     "rotor_inertia_kg_m2": 0.003,
 }
 """Round numbers of the motors of the paper, at the wheel, with half of the robot's inertia."""
-USUAL_DIAMETER_M = 0.065
+USUAL_DIAMETER_M, USUAL_TRACK_M = 0.065, 0.14
+"""Wheels of the robot of the paper."""
 REFLECTANCE: Mapping[str, float] = {"white": 0.85, "grey": 0.18, "gray": 0.18, "black": 0.05, "wood": 0.45}
 """Reflectances by a word of the material's name; 0.5 for any other."""
 _ESTIMATED = "NOT KNOWN: estimated from this log"
@@ -132,8 +134,9 @@ def _range_noise(prefix: str) -> Iterator[str]:
 
 def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     has_ticks = has(measurement, "enc_left_ticks", "enc_right_ticks")
+    usual_wheels = {"wheel_diameter_m": USUAL_DIAMETER_M, "track_m": USUAL_TRACK_M}
     if not has_ticks:
-        known = {"ticks_per_turn": 1000.0, "wheel_diameter_m": USUAL_DIAMETER_M, "track_m": 0.14} | known
+        known = {"ticks_per_turn": 1000.0, **usual_wheels} | known
     given = set(known)
     if not given & {"ticks_per_turn", "wheel_diameter_m"}:
         known["wheel_diameter_m"] = USUAL_DIAMETER_M
@@ -145,7 +148,7 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
             where=measurement.where,
             cure="give it with --set ticks_per_turn=NUMBER: pulses of the encoder, times edges, times gear ratio",
         )
-    known = {"wheel_diameter_m": USUAL_DIAMETER_M, "track_m": 0.14} | known
+    known = usual_wheels | known
     if has_ticks and has(measurement, "u_left_V", "u_right_V"):
         motor = {key: value for key, value in known.items() if key in {*given, "ticks_per_turn"}}
         yield from _motor(measurement, motor, list(USUAL_MOTOR), gear=False)
@@ -195,6 +198,6 @@ def compared_sides(measurement: Measurement, known: Mapping[str, float]) -> list
         return []
     return [
         side
-        for side in SIDES
+        for side in RANGE_SIDES
         if has(measurement, f"tof_{side}_m") and {f"{side}_x_m", f"{side}_y_m", f"{side}_yaw_deg"} <= set(known)
     ]

@@ -135,11 +135,7 @@ def _guessed(name: str, ours: str, values: Array, log: LogFile, step_s: float) -
         below = known[known < NO_TARGET_FROM_M * 1e3 - 1.0]
         largest = float(below.max()) if len(below) else largest
     if ours == "m":
-        extent = largest if name in RANGES else float(np.ptp(known))
-        if extent <= LARGEST_ROOM_M and largest <= LARGEST_ROOM_M:
-            return "", f"taken for metres, since the values are up to {largest:.3g}"
-        unit = "mm" if extent >= SMALLEST_MM or name in RANGES else "cm"
-        return unit, f"taken for {unit}, since the values are up to {largest:.4g}"
+        return _guessed_length(known, largest, is_range=name in {*RANGES, "distance_m"})
     if ours == "rad":
         return _guessed_angle(known, step_s)
     if ours in {"V", "A"} and largest > 60.0:
@@ -148,6 +144,16 @@ def _guessed(name: str, ours: str, values: Array, log: LogFile, step_s: float) -
         unit = "rpm" if largest > 60.0 else ""
         return unit, f"taken for {unit or ours}, since the values are up to {largest:.4g}"
     return "", ""
+
+
+def _guessed_length(known: Array, largest: float, *, is_range: bool) -> tuple[str, str]:
+    """Return the unit of places in a room or of ranges; range sensors of small robots report millimetres."""
+    extent = largest if is_range else float(np.ptp(known))
+    if max(extent, largest) <= LARGEST_ROOM_M:
+        return "", f"taken for metres, since the values are up to {largest:.3g}"
+    unit, other = ("mm", "cm") if is_range or extent >= SMALLEST_MM else ("cm", "mm")
+    reason = f"taken for {unit}, since the values are up to {largest:.4g}"
+    return unit, f"{reason}; if they are {other}, correct it in {MAPPING}"
 
 
 def _guessed_time(known: Array, log: LogFile) -> tuple[str, str]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from diagnosis.measured.case_format import COLUMNS
+from diagnosis.measured.case_format import COLUMNS, RANGE_SIDES
 from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.units import HeaderName, taken_apart, units_for
@@ -99,13 +99,18 @@ NEEDED: Mapping[CaseKind, tuple[frozenset[str], ...]] = {
     DRIVE: (
         frozenset({"t_s", "enc_left_ticks", "enc_right_ticks", "u_left_V", "u_right_V"}),
         frozenset({"t_s", "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad"}),
-        *(frozenset({"t_s", "x_m", "y_m", "theta_rad", f"tof_{side}_m"}) for side in ("front", "left", "right")),
+        *(frozenset({"t_s", "x_m", "y_m", "theta_rad", f"tof_{side}_m"}) for side in RANGE_SIDES),
     ),
     BENCH: (frozenset({"distance_m", "reading_m"}),),
     STEP: (frozenset({"t_s", "u_cmd_V", "omega_rad_s"}), frozenset({"t_s", "u_cmd_V", "current_A"})),
     STEADY: (frozenset({"u_cmd_V", "omega_rad_s"}), frozenset({"u_cmd_V", "current_A"})),
 }
 """Sets of quantities of which a log of a kind must have one, in the order in which the kinds are tried."""
+
+
+def quantity_names(kind: CaseKind) -> tuple[str, ...]:
+    """Return the columns of data.csv of a kind that can come from a log."""
+    return tuple(quantity.name for quantity in QUANTITIES if kind in quantity.kinds)
 
 
 def our_columns(kind: CaseKind) -> dict[str, MeasuredColumn]:

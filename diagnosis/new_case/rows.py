@@ -12,7 +12,7 @@ from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.screening import usual
 from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.mapping import LogMapping
+from diagnosis.new_case.mapping import MAPPING, LogMapping
 from diagnosis.new_case.proposal import unit_faults
 from diagnosis.new_case.quantities import our_columns
 from diagnosis.new_case.units import factor_to
@@ -64,6 +64,8 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         values["t_s"] = LONG_AFTER_S + np.arange(log.rows)
         notes.append("no times were logged: rows count as taken long after the device was switched on")
     parts = _trials(values, words, kind, log, notes)
+    if kind is CaseKind.DRIVE_LOG:
+        parts = [_unwrapped(part, "theta_rad") for part in parts]
     if kind in _IN_TIME:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
         parts = [_shifted(part, offsets) for part in parts]
@@ -115,11 +117,18 @@ def _check_times(t_s: Array, log: LogFile, column: str) -> None:
 def _trials(
     values: Mapping[str, Array], words: Sequence[str], kind: CaseKind, log: LogFile, notes: list[str]
 ) -> list[_Rows]:
-    """Return the trials: those of the column, or else a new one wherever the time goes back."""
+    """Return the trials: those of the column, or else a new one wherever the time goes back.
+
+    Raises:
+        InputError: The time goes back within a trial, or on a range bench, which has one trial only.
+    """
     t_s = values["t_s"]
     group = values.get("trial", values.get("sweep"))
     steps = np.diff(t_s)
     new = steps < 0.0 if group is None else np.diff(group) != 0.0
+    if kind is CaseKind.TOF_BENCH and new.any():
+        cure = f"sort the rows by time, or leave t_s out of {MAPPING}"
+        raise InputError("the time goes back", where=f"{log.path}: row {int(np.argmax(new)) + 3}", cure=cure)
     if group is None and new.any() and kind in _IN_TIME:
         notes.append(f"the time goes back {np.count_nonzero(new)} times; a new trial begins at each of these rows")
     kept = np.concatenate([[True], new | (steps != 0.0)])
@@ -167,8 +176,6 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
             cure="log at 10 Hz or faster; slower rows say too little about turns and starts",
         )
     off = np.quantile(np.abs(steps - wanted_s), 0.9)
-    angles = {"theta_rad"} if kind is CaseKind.DRIVE_LOG else set()
-    parts = [_unwrapped(part, angles) for part in parts]
     first_s = 0.0 if kind is CaseKind.DRIVE_LOG else wanted_s
     if off <= IRREGULAR * wanted_s:
         return [_Rows(part.t_s - part.t_s[0] + first_s, part.values, part.words) for part in parts]
@@ -179,14 +186,14 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
     return [_sampled(part, step_s, wanted_s, first_s) for part in parts]
 
 
-def _unwrapped(part: _Rows, names: set[str]) -> _Rows:
-    values = dict(part.values)
-    for name in names & values.keys():
-        known = np.isfinite(values[name])
-        angle = values[name].copy()
-        angle[known] = np.unwrap(angle[known])
-        values[name] = angle
-    return _Rows(part.t_s, values, part.words)
+def _unwrapped(part: _Rows, name: str) -> _Rows:
+    """Return the rows with an angle that continues beyond a whole turn, so that it can be interpolated."""
+    if name not in part.values:
+        return part
+    angle = part.values[name].copy()
+    known = np.isfinite(angle)
+    angle[known] = np.unwrap(angle[known])
+    return _Rows(part.t_s, {**part.values, name: angle}, part.words)
 
 
 def _sampled(part: _Rows, step_s: float, wanted_s: float, first_s: float) -> _Rows:

@@ -205,6 +205,24 @@ def test_in_a_terminal_the_command_asks_and_enter_leaves_a_number_out(init, colu
     assert re.search(r"^  wheel_diameter_m ", out, re.MULTILINE)
 
 
+def test_a_supply_that_the_user_types_scales_the_duty_cycles(init, columns, monkeypatch, tmp_path):
+    duties = {f"pwm_{side}": np.round(columns[f"motor_{side} [mV]"] / 9.1e3 * 255).astype(int) for side in "lr"}
+    logged = {name: column for name, column in columns.items() if not name.startswith("motor")} | duties
+    answers = {"supply_voltage_V": "9.1", "ticks_per_turn": "1440"}
+    asked = []
+    monkeypatch.setattr("typer.prompt", lambda text, **_: asked.append(text) or answers.get(text.split(", ")[-1], ""))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    code, out, err, nominal = init(logged)
+    assert (code, err) == (0, "")
+    assert nominal["motor"]["supply_voltage_V"] == 9.1
+    (trial,) = read_measurement(tmp_path / "run", IMPORTERS).trials
+    np.testing.assert_allclose(trial["u_left_V"].values, 1e-3 * columns["motor_l [mV]"], atol=0.5 * 9.1 / 255 + 1e-4)
+    assert "times 9.1 V" in out
+    assert "7.4" not in out
+    assert len(asked) == len(set(asked))
+
+
 def test_logs_with_strange_values_are_read_or_refused(columns, tmp_path, monkeypatch, capsys):
     """Never a traceback: each of these damaged logs gives a case that can be read, or a message."""
     monkeypatch.chdir(tmp_path)
