@@ -15,6 +15,7 @@ from diagnosis.new_case.log_file import LogFile
 from diagnosis.new_case.mapping import MAPPING, LogMapping
 from diagnosis.new_case.proposal import unit_faults
 from diagnosis.new_case.quantities import our_columns
+from diagnosis.new_case.sample_times import are_even, even_times
 from diagnosis.new_case.units import factor_to
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
@@ -22,8 +23,10 @@ from symolo.core.time_series import TimeSeries
 
 SLOWEST_S = 0.1
 """Longest usual step of a drive: windows of half a second need a few rows."""
-IRREGULAR = 0.2
-"""Share of a step by which most steps may differ from the usual one without a new sampling."""
+IRREGULAR: Mapping[CaseKind, float] = {CaseKind.DRIVE_LOG: 0.02, CaseKind.MOTOR_STEP: 0.2}
+"""Share of a step by which most steps may differ from the usual one without a new sampling. In a drive, speeds are
+changes of counts from row to row: 2 % of the step are 2 % of the speed.
+"""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
 LONG_AFTER_S = 1e6
@@ -66,6 +69,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
     parts = _trials(values, words, kind, log, notes)
     if kind is CaseKind.DRIVE_LOG:
         parts = [_unwrapped(part, "theta_rad") for part in parts]
+        parts = _at_sample_times(parts, notes)
     if kind in _IN_TIME:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
         parts = [_shifted(part, offsets) for part in parts]
@@ -151,6 +155,23 @@ def _trials(
     return parts
 
 
+def _at_sample_times(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows]:
+    """Return the rows at even times where counts, or else poses, show that only the time stamps scatter."""
+    names = [name for name in ("enc_left_ticks", "enc_right_ticks") if name in parts[0].values]
+    names = names or [name for name in ("x_m", "y_m", "theta_rad") if name in parts[0].values]
+    even_s = [even_times(part.t_s) for part in parts]
+    columns = [[part.values[name] for name in names] for part in parts]
+    if not are_even([part.t_s for part in parts], even_s, columns):
+        return parts
+    scatter_s = np.std(np.concatenate([part.t_s - even for part, even in zip(parts, even_s, strict=True)]))
+    motion = "counts grow" if names[0].endswith("_ticks") else "poses move"
+    notes.append(
+        f"the times of rows scatter by {scatter_s:.2g} s, but {motion} evenly from row to row: rows are taken for "
+        f"evenly sampled, {usual(np.diff(even_s[0])):.4g} s apart"
+    )
+    return [_Rows(even, part.values, part.words) for part, even in zip(parts, even_s, strict=True)]
+
+
 def _shifted(part: _Rows, offsets_s: Mapping[str, float]) -> _Rows:
     """Return the rows with those columns moved back to the time at which they were measured."""
     shifted = {
@@ -177,11 +198,13 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
         )
     off = np.quantile(np.abs(steps - wanted_s), 0.9)
     first_s = 0.0 if kind is CaseKind.DRIVE_LOG else wanted_s
-    if off <= IRREGULAR * wanted_s:
+    if off <= IRREGULAR[kind] * wanted_s:
         return [_Rows(part.t_s - part.t_s[0] + first_s, part.values, part.words) for part in parts]
+    scatter_s = float(np.quantile(np.abs(steps - step_s), 0.9))
+    within = f", 9 of 10 within {scatter_s:.2g} s" if scatter_s > 1e-3 * step_s else ""
     notes.append(
-        f"rows are {step_s:.4g} s apart, 9 of 10 within {np.quantile(np.abs(steps - step_s), 0.9):.2g} s: sampled "
-        f"again every {wanted_s:.4g} s; voltages are means, counts and poses are interpolated, ranges are the nearest"
+        f"rows are {step_s:.4g} s apart{within}: sampled again every {wanted_s:.4g} s; voltages are means, counts and "
+        "poses are interpolated, ranges are the nearest"
     )
     return [_sampled(part, step_s, wanted_s, first_s) for part in parts]
 

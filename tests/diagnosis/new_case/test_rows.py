@@ -91,6 +91,32 @@ def test_an_irregular_log_is_sampled_again_and_its_gaps_stay_gaps(log):
     assert np.count_nonzero(known) > 0.8 * len(since)
 
 
+@pytest.mark.parametrize("period_s", [0.01, 0.05])
+@pytest.mark.parametrize("late", ["stamps", "samples"])
+def test_the_counts_decide_whether_stamps_or_samples_are_late(late, period_s, log):
+    rng = np.random.Generator(np.random.PCG64(8))
+    even = period_s * np.arange(round(20 / period_s))
+    even = even[(even < 8.0) | (even > 9.0)]  # rows that were lost
+    delay = np.abs(rng.normal(0.0, 0.002, len(even)))
+    stamps, sampled = even + delay, even + (delay if late == "samples" else 0.0)
+
+    def counts(t):
+        return 1900.0 * (t + 0.3 * np.sin(1.7 * t) / 1.7)
+
+    ticks = np.floor(counts(sampled)).astype(int)
+    times = np.rint(1e6 * stamps).astype(int)
+    found = measured(log(table("time_us,encL,encR,uL,uR", times, ticks, 2 * ticks, 3 + 0 * times, 3 + 0 * times)))
+    (trial,) = found.trials
+    t_s = trial.t_s + (stamps[0] if late == "samples" else 0.0)
+    next_row = np.abs(np.diff(t_s) - 0.05) < 1e-4
+    grown = np.diff(trial["enc_left_ticks"].values)[next_row]
+    usable = np.isfinite(grown)
+    np.testing.assert_allclose(grown[usable], np.diff(counts(t_s))[next_row][usable], atol=2.5)
+    assert 374 <= np.count_nonzero(usable) <= 380
+    noted = [note for note in found.notes if "taken for evenly sampled" in note]
+    assert len(noted) == (late == "stamps")
+
+
 def test_a_log_that_is_too_slow_is_refused_with_the_reason(log):
     with pytest.raises(InputError, match=r"run.csv: rows are 0.2 s apart; allowed: at most 0.1 s; log at 10 Hz"):
         measured(log(drive(np.round(0.2 * np.arange(50), 6))))
