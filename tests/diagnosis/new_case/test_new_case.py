@@ -13,6 +13,7 @@ from configs.loader import load_section
 from diagnosis.examples.example import FOLDER
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
+from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.new_case.known_numbers import numbers_of
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
@@ -126,6 +127,7 @@ def test_the_case_has_the_stages_of_what_was_logged(init, columns, tmp_path):
         assert (code, err) == (0, "")
         assert line in out
         measurement = read_measurement(tmp_path / f"case_{number}", IMPORTERS)
+        assert measurement.nominal is not None
         stages = STAGES[measurement.kind](measurement, nominal_robot(measurement.nominal, carrier))
         observed = {stage.name for stage in stages if any(o.usable.any() for o in stage.observed)}
         assert observed == names - ({"pose"} if start == "x_cm" else set())
@@ -287,6 +289,7 @@ def test_a_bench_comes_back_from_its_rows_under_other_names(name, init, tmp_path
         assert [label.values for label in after.labels] == [label.values for label in before.labels]
     assert again.heldout_rows > 0
     if "motor" in nominal:
+        assert isinstance(original.nominal, NominalSteady | NominalStep)
         # Least squares of the data find the motor that made them, but for what the case hides.
         for key in ("winding_resistance_ohm", "torque_constant_N_m_A"):
             assert values(nominal["motor"])[key] == pytest.approx(getattr(original.nominal.motor, key).value, rel=0.1)

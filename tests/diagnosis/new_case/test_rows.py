@@ -151,8 +151,8 @@ def test_a_new_trial_begins_where_the_time_goes_back(log):
     found = measured(log(drive(np.round(np.tile(t, 5), 6))))
     assert [len(trial.t_s) for trial in found.trials] == [40] * 5
     assert [trial.holdout.all() for trial in found.trials] == [False, False, False, True, False]
-    begins = [trial.begins_s for trial in found.trials]
-    assert begins == sorted(begins)
+    begins = np.array([trial.begins_s for trial in found.trials], dtype=float)
+    assert (np.diff(begins) > 0.0).all()
 
 
 def test_trials_may_have_words_for_names(log):
@@ -342,6 +342,7 @@ def test_a_mapping_reads_back_as_it_was_written(name, log, tmp_path):
     command = re.search(r"^#   (symolo case init .*)$", path.read_text(), re.MULTILINE)
     case = tmp_path / "my case"
     options = ["--mapping", str(case / "mapping.yaml"), "--out", f"{case}-2"]
+    assert command is not None
     assert shlex.split(command[1]) == ["symolo", "case", "init", str(readings.path), *options]
 
 
