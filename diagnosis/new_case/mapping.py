@@ -97,7 +97,7 @@ def check_mapping(mapping: LogMapping, log: LogFile, where: str) -> None:
         with faults.noted():
             factor_to(ours[name].unit if name in ours else "", source.unit, place)
     with faults.noted():
-        check_needed(kind, mapping.columns, where)
+        _check_needed(kind, mapping.columns, where)
     faults.check()
 
 
@@ -111,7 +111,7 @@ def _check_constant(name: str, source: Source, where: str, *, is_number: bool) -
         raise InputError(what, where=where, cure="write it in the unit of data.csv")
 
 
-def check_needed(kind: CaseKind, names: Mapping[str, object], where: str) -> None:
+def _check_needed(kind: CaseKind, names: Mapping[str, object], where: str) -> None:
     """Refuse too few quantities for a diagnosis of a kind of case.
 
     Raises:

@@ -12,7 +12,7 @@ from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.scale import beyond_scale, likely_unit
 from diagnosis.measured.screening import usual
 from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.mapping import MAPPING, LogMapping, Source, check_needed
+from diagnosis.new_case.mapping import MAPPING, LogMapping, Source
 from diagnosis.new_case.quantities import DUTY, NEEDED, matched, our_columns
 from diagnosis.new_case.units import factor_to, taken_apart
 from symolo.core.arrays import Array
@@ -50,7 +50,8 @@ def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None =
     """
     kind = kind or _kind(log)
     found = matched(kind, list(log.columns))
-    check_needed(kind, found, f"{log.path}: row 1")
+    if not _suffices(kind, found):
+        raise _missing(log, kind, found)
     ours = our_columns(kind)
     sources: dict[str, Source] = {}
     warnings = []
@@ -91,7 +92,10 @@ def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
 def _kind(log: LogFile) -> CaseKind:
     """Return the kind whose needs the columns meet, and most of whose quantities they hold."""
     found = {kind: matched(kind, list(log.columns)) for kind in NEEDED}
-    fitting = [kind for kind in NEEDED if any(needed <= set(found[kind]) for needed in NEEDED[kind])]
+    fitting = [kind for kind in NEEDED if _suffices(kind, found[kind])]
+    closest = max(NEEDED, key=lambda kind: len(found[kind]))
+    if not fitting and len(found[closest]) > 1:
+        raise _missing(log, closest, found[closest])
     if not fitting:
         raise InputError(
             "cannot recognise what was logged from the names of the columns",
@@ -106,6 +110,23 @@ def _kind(log: LogFile) -> CaseKind:
             CaseKind.MOTOR_STEP if _is_fast(log, found[CaseKind.MOTOR_STEP].get("t_s", "")) else CaseKind.MOTOR_STEADY
         )
     return best
+
+
+def _suffices(kind: CaseKind, found: Mapping[str, str]) -> bool:
+    """Return whether a log has one of the sets of quantities that a kind needs."""
+    return any(needed <= set(found) for needed in NEEDED[kind])
+
+
+def _missing(log: LogFile, kind: CaseKind, found: Mapping[str, str]) -> InputError:
+    """Return an error that names what is missing of the set of quantities that is nearest to complete."""
+    missing = min((needed - set(found) for needed in NEEDED[kind]), key=len)
+    unused = [name for name in log.columns if name not in found.values()]
+    names = ", ".join(unused) or "none"
+    return InputError(
+        f"no column was recognised as {' '.join(sorted(missing))}, which a case of the kind {kind} needs",
+        where=f"{log.path}: row 1",
+        cure=f"not recognised: {names}; rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping",
+    )
 
 
 def _is_fast(log: LogFile, column: str) -> bool:

@@ -277,6 +277,18 @@ def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):
         propose(log("foo,bar\n1,2\n"))
 
 
+@pytest.mark.parametrize("kind", [None, CaseKind.DRIVE_LOG])
+def test_a_quantity_without_a_column_is_named_beside_the_columns_that_are_not_recognised(kind, log):
+    columns = log(table("t,encL,encR,x_cm,y_cm,spin,foo", *([1, 2, 3] for _ in range(7))))
+    with pytest.raises(InputError) as raised:
+        propose(columns, kind)
+    assert re.search(
+        r"no column was recognised as theta_rad, which a case of the kind drive_log needs; not recognised: spin, foo; "
+        r"rename them, or write a mapping.yaml",
+        str(raised.value),
+    )
+
+
 def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
     path = tmp_path / "mapping.yaml"
     path.write_text(
