@@ -1,5 +1,6 @@
 """The text of nominal.yaml for a new case, with a comment on the source of each number."""
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
@@ -123,7 +124,7 @@ def _range_bench(measurement: Measurement, _known: dict[str, float]) -> Iterator
     yield "  reflectance:"
     for material in sorted(set(trial.label("material").values)) or ["any"]:
         share = next((share for word, share in REFLECTANCE.items() if word in material.lower()), 0.5)
-        yield f'    "{material or "any"}": {share:g}  # a usual value'
+        yield f"    {json.dumps(material or 'any', ensure_ascii=False)}: {share:g}  # a usual value"
     yield from ("noise:", *_range_noise(""))
 
 

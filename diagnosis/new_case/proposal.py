@@ -60,7 +60,8 @@ def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None =
         if DUTY & set(taken_apart(column).words) and not unit:
             factor, reason = _of_duty(log, [other for other in found.values() if DUTY & set(taken_apart(other).words)])
             sources[name] = Source(column=column, factor=factor * (supply_V or USUAL_SUPPLY_V))
-            supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, which is not known"
+            cure = "which is not known: give it with --set supply_voltage_V=NUMBER"
+            supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, {cure}"
             warnings.append(f"{column} ({name}): {reason}, times {supply}")
             continue
         if name in ours and not unit and column != name and ours[name].unit:
@@ -121,11 +122,11 @@ def _missing(log: LogFile, kind: CaseKind, found: Mapping[str, str]) -> InputErr
     """Return an error that names what is missing of the set of quantities that is nearest to complete."""
     missing = min((needed - set(found) for needed in NEEDED[kind]), key=len)
     unused = [name for name in log.columns if name not in found.values()]
-    names = ", ".join(unused) or "none"
+    cure = f"rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping"
     return InputError(
         f"no column was recognised as {' '.join(sorted(missing))}, which a case of the kind {kind} needs",
         where=f"{log.path}: row 1",
-        cure=f"not recognised: {names}; rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping",
+        cure=f"not recognised: {', '.join(unused) or 'none'}; {cure}",
     )
 
 
@@ -183,7 +184,7 @@ def _guessed_time(known: Array, log: LogFile) -> tuple[str, str]:
     if not is_whole or (step < 100.0 and log.rows < 100):
         return "", ""
     unit = "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
-    return unit, f"taken for {unit}, since rows are {step:.4g} apart"
+    return unit, f"taken for {unit}, since rows are {step:.6g} apart"
 
 
 def _guessed_angle(known: Array, step_s: float) -> tuple[str, str]:

@@ -221,8 +221,27 @@ def test_a_supply_that_the_user_types_scales_the_duty_cycles(init, columns, monk
     (trial,) = read_measurement(tmp_path / "run", IMPORTERS).trials
     np.testing.assert_allclose(trial["u_left_V"].values, 1e-3 * columns["motor_l [mV]"], atol=0.5 * 9.1 / 255 + 1e-4)
     assert "times 9.1 V" in out
+    assert "give it" not in out
     assert "7.4" not in out
     assert len(asked) == len(set(asked))
+
+
+def test_a_supply_that_is_not_known_is_asked_for(init, columns):
+    logged = {name.replace("motor", "pwm").replace(" [mV]", ""): column for name, column in columns.items()}
+    _, out, _, _ = init(logged, "--set", "ticks_per_turn=1440")
+    assert "times a supply of 7.4 V, which is not known: give it with --set supply_voltage_V=NUMBER" in out
+
+
+def test_a_material_may_have_any_name(init):
+    names = ['matt "grey" #2', "back\\slash: black", "{white}"]
+    columns = {
+        "distance_m": np.repeat([0.1, 0.2, 0.3], 8),
+        "reading_m": np.repeat([0.12, 0.21, 0.33], 8),
+        "material": np.repeat(names, 8),
+    }
+    code, out, err, nominal = init(columns)
+    assert (code, err) == (0, ""), out
+    assert nominal["tof"]["reflectance"] == dict(zip(sorted(names), (0.05, 0.18, 0.85), strict=True))
 
 
 def test_logs_with_strange_values_are_read_or_refused(columns, tmp_path, monkeypatch, capsys):
