@@ -27,6 +27,8 @@ IRREGULAR: Mapping[CaseKind, float] = {CaseKind.DRIVE_LOG: 0.02, CaseKind.MOTOR_
 """Share of a step by which most steps may differ from the usual one without a new sampling. In a drive, speeds are
 changes of counts from row to row: 2 % of the step are 2 % of the speed.
 """
+AT_REST = 0.25
+"""Largest speed in the first row, as a share of that in the second, of a motor that is still at rest in the first."""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
 LONG_AFTER_S = 1e6
@@ -70,6 +72,8 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
     if kind is CaseKind.DRIVE_LOG:
         parts = [_unwrapped(part, "theta_rad") for part in parts]
         parts = _at_sample_times(parts, notes)
+    if kind is CaseKind.MOTOR_STEP:
+        parts = _from_first_motion(parts, notes)
     if kind in _IN_TIME:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
         parts = [_shifted(part, offsets) for part in parts]
@@ -170,6 +174,25 @@ def _at_sample_times(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows
         f"evenly sampled, {usual(np.diff(even_s[0])):.4g} s apart"
     )
     return [_Rows(even, part.values, part.words) for part, even in zip(parts, even_s, strict=True)]
+
+
+def _from_first_motion(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows]:
+    """Return the trials of a step log without a first row in which the voltage is on and the motor is still at rest.
+
+    A case begins one sample after rest. If such a row counted as that sample, all speeds would seem a sample late.
+    """
+    if not {"u_cmd_V", "omega_rad_s"} <= parts[0].values.keys():
+        return parts
+    is_on = [len(part.t_s) > 2 and part.values["u_cmd_V"][0] != 0.0 for part in parts]
+    speeds = [part.values["omega_rad_s"][:2] for part, on in zip(parts, is_on, strict=True) if on]
+    first, second = np.nansum(np.abs(speeds), axis=0) if speeds else (0.0, 0.0)
+    if not first < AT_REST * second:
+        return parts
+    notes.append(f"first rows in which the motor is still at rest: {len(speeds)}; they are left out")
+    return [
+        _Rows(part.t_s[1:], {name: column[1:] for name, column in part.values.items()}) if on else part
+        for part, on in zip(parts, is_on, strict=True)
+    ]
 
 
 def _shifted(part: _Rows, offsets_s: Mapping[str, float]) -> _Rows:

@@ -272,6 +272,23 @@ def test_a_last_row_that_is_cut_off_is_left_out_and_quotes_are_no_part_of_a_name
     assert measured(log(whole[:-1])).rows == 99
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_step_log_whose_first_row_is_still_at_rest_begins_one_row_later(first, log):
+    step_s, tau_s = 0.004, 0.03
+    since = step_s * np.arange(first, 80)
+    rng = np.random.Generator(np.random.PCG64(4))
+    volts = np.repeat([2.5, 4.5], len(since))
+    speeds = volts / 0.36 * np.tile(1.0 - np.exp(-since / tau_s), 2)
+    noisy = np.round(speeds + rng.normal(0.0, 0.03, len(speeds)), 4)
+    clock = np.round(5.0 + np.tile(since, 2) + np.repeat([0.0, 2.0], len(since)), 6)
+    found = measured(log(table("t [s],run,u,omega [rad/s]", clock, np.repeat([1, 2], len(since)), volts, noisy)))
+    for trial, volt in zip(found.trials, (2.5, 4.5), strict=True):
+        np.testing.assert_allclose(trial.t_s, step_s * np.arange(1, 80), atol=1e-6)
+        expected = volt / 0.36 * (1.0 - np.exp(-trial.t_s / tau_s))
+        np.testing.assert_allclose(trial["omega_rad_s"].values, expected, atol=0.15)
+    assert any("still at rest" in note for note in found.notes) == (first == 0)
+
+
 def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):
     with pytest.raises(InputError, match=r"cannot recognise what was logged.*for drive_log: enc_left_ticks"):
         propose(log("foo,bar\n1,2\n"))
