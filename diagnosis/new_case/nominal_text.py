@@ -1,7 +1,7 @@
 """The text of nominal.yaml for a new case, with a comment on the source of each number."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
 
@@ -142,7 +142,8 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     if not given & {"ticks_per_turn", "wheel_diameter_m"}:
         known["wheel_diameter_m"] = USUAL_DIAMETER_M
     moved = pose_by_ticks(measurement)
-    known |= wheels_of(moved, known)
+    estimated = wheels_of(moved, known)
+    known |= estimated
     if "ticks_per_turn" not in known:
         raise InputError(
             "ticks_per_turn is missing, and without poses it cannot be estimated",
@@ -160,9 +161,10 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     ):
         value = scale * known[key]
         is_given = key in given and (key != "wheel_diameter_m" or "ticks_per_turn" in given)
-        comment = "given; usual tolerance" if is_given else _ESTIMATED if has_ticks else "not used: no counts"
+        comment = "given; usual tolerance" if is_given else _origin(key, given, estimated, has_ticks=has_ticks)
         yield _Value(value, (share if is_given else UNKNOWN_WHEELS) * value, comment).line(name)
-    comment = "given" if "ticks_per_turn" in given else _ESTIMATED if has_ticks else "not used: no counts"
+    key = "ticks_per_turn"
+    comment = "given" if key in given else _origin(key, given, estimated, has_ticks=has_ticks)
     yield f"  encoder_ticks_per_revolution: {known['ticks_per_turn']:g}  # {comment}"
     yield from _ranges(measurement, known)
     yield "noise:  # standard deviations; a factor of two off does no harm"
@@ -175,6 +177,15 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
         yield f"  pose_theta_rad: {max(moved.pose_theta_rad, 1e-4):.3g}  # estimated from this log"
     yield "  travel_m_per_sqrt_m: 0.001  # slip: a millimetre per metre"
     yield from _range_noise("tof_")
+
+
+def _origin(key: str, given: Container[str], estimated: Container[str], *, has_ticks: bool) -> str:
+    """Return the comment for a number of the wheels that may be wrong."""
+    if not has_ticks:
+        return "not used: no counts"
+    if key in given:
+        return "given, but the ticks were estimated with it"
+    return _ESTIMATED if key in estimated else _ASSUMED
 
 
 def _ranges(measurement: Measurement, known: Mapping[str, float]) -> Iterator[str]:

@@ -114,6 +114,29 @@ def test_known_numbers_are_taken_with_the_usual_tolerance(init, columns):
     assert not re.search(r"^  (track_m|wheel_diameter_m|torque_constant)", out, re.MULTILINE)
 
 
+@pytest.mark.parametrize(
+    ("known", "comments"),
+    [
+        ({}, ("NOT KNOWN: a usual value", "NOT KNOWN: estimated from this log", "NOT KNOWN: estimated from this log")),
+        (
+            {"wheel_diameter_m": 2 * RADIUS},
+            ("given, but the ticks were", "NOT KNOWN: estimated from this log", "NOT KNOWN: estimated from this log"),
+        ),
+        ({"ticks_per_turn": TICKS}, (*["NOT KNOWN: estimated from this log"] * 2, "given")),
+        (
+            {"ticks_per_turn": TICKS, "wheel_diameter_m": 0.07, "track_m": 0.16},
+            ("given; usual tolerance", "given; usual tolerance", "given"),
+        ),
+    ],
+)
+def test_a_comment_states_whether_a_number_is_given_estimated_or_assumed(known, comments, init, columns, tmp_path):
+    init(columns, *(word for key, value in known.items() for word in ("--set", f"{key}={value}")))
+    text = (tmp_path / "run" / "nominal.yaml").read_text()
+    names = ("wheel_radius_m", "wheel_separation_m", "encoder_ticks_per_revolution")
+    for name, comment in zip(names, comments, strict=True):
+        assert re.search(rf"^  {name}: .*  # {comment}", text, re.MULTILINE), text
+
+
 def test_the_case_has_the_stages_of_what_was_logged(init, columns, tmp_path):
     carrier = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
     lacking = {
