@@ -1,4 +1,4 @@
-"""Held by every member of every family: pure, numbers only, physically possible."""
+"""Rules that every material must obey: pure, numbers only, physically possible."""
 
 import math
 import operator
