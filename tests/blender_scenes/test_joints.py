@@ -68,7 +68,7 @@ JOINTS = {
     "vinyl": Joints((6.5 * 0.06, 0.06), 0.002, stagger=0.31, depth_m=0.0),
     "brick": Joints((0.22, 0.1), 0.02, stagger=0.5, depth_m=0.004),
 }
-WITHOUT = {"linoleum", "concrete", "image"}
+WITHOUT_JOINTS = {"linoleum", "concrete", "image"}
 STEPS = 16
 """Number of points across a joint."""
 
@@ -183,7 +183,7 @@ def lines(request) -> Lines:
 
 
 def test_every_floor_has_its_joints_checked_or_has_none():
-    assert set(JOINTS) - {"brick"} | WITHOUT == set(FLOORS)
+    assert set(JOINTS) - {"brick"} | WITHOUT_JOINTS == set(FLOORS)
 
 
 def test_joints_are_as_wide_as_their_settings_say(lines):
