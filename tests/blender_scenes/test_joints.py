@@ -4,8 +4,10 @@ The expressions are evaluated in Python here: noises and random numbers have the
 Blender's brick texture, which `blender_side/test_shaders.py` compares with Cycles.
 """
 
+import re
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +31,7 @@ from configs.schema.floors import FloorLook
 from configs.schema.look import LookConfig
 from sensors.camera.colour import paint_rgb
 
+PAGE = (Path(__file__).parents[2] / "docs/looks.md").read_text()
 JOINT = {"reflectance": 0.15, "hue_deg": 120, "saturation": 0.5}
 FLOOR = FloorLook.model_validate(
     {
@@ -78,17 +81,24 @@ def _surface(name: str) -> Surface:
     return FLOORS[name](FLOOR, patch) if name in FLOORS else SURFACES[name](LOOK, patch)
 
 
-def _value(texture: Expression, u_m: np.ndarray, v_m: np.ndarray) -> np.ndarray:
-    """Return a texture at points (H, W) as (H, W, 3), or in a shape that is broadcast to this."""
+def _value(texture: Expression, u_m: np.ndarray, v_m: np.ndarray, clouds: float = 0.5) -> np.ndarray:
+    """Return a texture at points (H, W) as (H, W, 3), or in a shape that is broadcast to this.
+
+    Args:
+        texture: What is evaluated.
+        u_m: Coordinates along u.
+        v_m: Coordinates along v.
+        clouds: Value of all noises whose features are larger than 1 cm.
+    """
 
     def at(inner: Expression) -> np.ndarray:
-        return _value(inner, u_m, v_m)
+        return _value(inner, u_m, v_m, clouds)
 
     match texture:
         case Constant(value) | Color(value):
             return np.broadcast_to(np.array(value), (1, 1, 3))
         case NoiseTexture() | Cells() | Tiles(value="random"):
-            return np.full((1, 1, 1), 0.5)
+            return np.full((1, 1, 1), clouds if _is_cloud(texture) else 0.5)
         case Tiles():
             return _joint(texture, u_m, v_m)[..., None]
         case SurfaceCoordinate(axis):
@@ -103,6 +113,10 @@ def _value(texture: Expression, u_m: np.ndarray, v_m: np.ndarray) -> np.ndarray:
         case Arithmetic(operation, a, b):
             return getattr(np, operation)(at(a), at(b))
     raise TypeError(type(texture))
+
+
+def _is_cloud(texture: Expression) -> bool:
+    return isinstance(texture, NoiseTexture) and max(texture.per_m) < 100
 
 
 def _joint(tiles: Tiles, u_m: np.ndarray, v_m: np.ndarray) -> np.ndarray:
@@ -145,10 +159,10 @@ class Lines:
         return np.zeros(1) if height is None else _at(height, u_m, v_m)[..., 0]
 
 
-def _at(texture: Expression, u_m: object, v_m: object) -> np.ndarray:
+def _at(texture: Expression, u_m: object, v_m: object, clouds: float = 0.5) -> np.ndarray:
     """Return a texture at points (H, W), given in shapes that are broadcast to this, as (H, W, C)."""
     u_m, v_m = np.broadcast_arrays(np.atleast_2d(u_m), np.atleast_2d(v_m))
-    value = _value(texture, u_m, v_m)
+    value = _value(texture, u_m, v_m, clouds)
     return np.broadcast_to(value, (*u_m.shape, value.shape[-1]))
 
 
@@ -219,3 +233,20 @@ def test_the_middle_of_a_joint_has_the_colour_of_its_setting(name):
     lines = _lines(name)
     seen = _at(lines.surface.base_color, lines.tile[0], lines.rows[0].mean())
     assert seen.ravel() == pytest.approx(paint_rgb(FLOOR.ceramic_tile.joint))
+
+
+def test_patches_of_dirt_make_a_joint_darker_by_the_share_that_the_page_says():
+    lines = _lines("ceramic_tile")
+    clean, dirty = (
+        _at(lines.surface.base_color, lines.tile[0], lines.rows[0].mean(), clouds).ravel() for clouds in (0.5, 1.0)
+    )
+    (percent,) = re.findall(r"Patches of dirt make the joints of ceramic tiles up to (\d+) %", PAGE)
+    assert 1 - dirty / clean == pytest.approx(np.full(3, 0.01 * int(percent)), abs=0.005)
+
+
+def test_the_page_has_the_depths_that_are_checked_here():
+    depths_mm = dict(re.findall(r"^\| \[`(\w+)`].* \| ([\d.]+)(?: mm|;)? ?.*\|$", PAGE, re.MULTILINE))
+    assert {name: float(text) for name, text in depths_mm.items() if name != "carpet"} == {
+        name: pytest.approx(1000 * JOINTS[name].depth_m) for name in set(JOINTS) - {"brick", "carpet"}
+    }
+    assert "| 0.4 times `carpet.loop_m` |" in PAGE
