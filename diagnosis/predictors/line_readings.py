@@ -11,13 +11,13 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalLog
+from diagnosis.measured.symolo_columns import LINE_READINGS
 from diagnosis.predictors.base import Covariate, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.rows import good_values, joined, trial_of_rows
 from diagnosis.predictors.tracked_axle import TrackedAxle
 from diagnosis.predictors.unit_spread import UnitSpread
 from physics.robot.model import through
-from sensors.line_channels import CHANNELS
 from sensors.line_sensor import LineOptics, tape_share
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -28,7 +28,8 @@ SLOTS = MOVING | {Slot.LINE_READING, Slot.LINE_LIMIT}
 FLOOR_SD, TAPE_SD = 0.05, 0.03
 """Tolerances of the reflectances of floor and tape: shipped scenarios draw them for each run."""
 MAX_ROWS = 500
-"""Rows that are predicted; eight channels have as many samples as all other stages together."""
+"""Greatest number of rows that are predicted, evenly spaced. The eight channels of 500 rows are 4000 samples, more than
+all other stages have, and more rows would take longer."""
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(31)
 
 
@@ -57,19 +58,19 @@ class LineReadings:
         self._ink_of_nominal = self._ink(nominal, LineOptics.of(self._sensor, nominal.effects))
         trial, holdout = trial_of_rows(measurement)[self._rows], joined(t.holdout for t in measurement.trials)
         t_s = joined(t.t_s for t in measurement.trials)[self._rows]
-        values = np.stack([good_values(measurement, f"line_{k}")[self._rows] for k in range(len(CHANNELS))], axis=-1)
+        values = np.stack([good_values(measurement, name)[self._rows] for name in LINE_READINGS], axis=-1)
         usable = self._tracked.is_logged[self._rows, None] & np.isfinite(values)
-        fitted = usable & ~holdout[self._rows, None]
         self._spreads = [
-            self._spread(values, np.flatnonzero(trial == number), fitted) for number in np.unique(trial).tolist()
+            self._spread(values, np.flatnonzero(trial == number), usable, holdout[self._rows, None])
+            for number in np.unique(trial).tolist()
         ]
         cleaned = self._cleaned(values)
         observed = []
-        for k, name in enumerate(CHANNELS.tolist()):
+        for k, (name, column) in enumerate(LINE_READINGS.items()):
             observed.append(
                 Observed(
-                    name=f"line_{k}",
-                    channel=name,
+                    name=name,
+                    channel=column,
                     unit="1",
                     values=np.where(usable[:, k], cleaned[:, k], np.nan),
                     sd=sd[:, k],
@@ -87,12 +88,21 @@ class LineReadings:
         several, which = distinct(robots, ("line_sensor",), SLOTS)
         mean, sd = self._expected(several)
         cleaned = self._cleaned(mean)
-        return tuple(Predicted(cleaned[which, :, k], sd[which, :, k]) for k in range(len(CHANNELS)))
+        return tuple(Predicted(cleaned[which, :, k], sd[which, :, k]) for k in range(len(LINE_READINGS)))
 
-    def _spread(self, values: Array, rows: NDArray[np.int64], fitted: Mask) -> tuple[NDArray[np.int64], UnitSpread]:
-        """Return the rows of one run, and the tolerances of gains, offsets and floor in it, each for itself."""
+    def _spread(
+        self, values: Array, rows: NDArray[np.int64], usable: Mask, holdout: Mask
+    ) -> tuple[NDArray[np.int64], UnitSpread]:
+        """Return the rows of one run, and the spread of its readings by gains, offsets, floor and tape.
+
+        Args:
+            values: (N, 8), readings of all runs.
+            rows: (n,), indices of the rows of the run.
+            usable: (N, 8), readings that can be compared.
+            holdout: (N, 1), rows that are held out.
+        """
         mean, sd = self._nominal[rows], self._sd[rows]
-        each = np.eye(len(CHANNELS))
+        each = np.eye(len(LINE_READINGS))
         # One column for the gain and one for the offset of each channel, (rows, 8, 8) each, one for floor and tape.
         gains = self._sensor.gain_sd * mean[..., None] * each
         offsets = np.broadcast_to(self._sensor.offset_sd * each, gains.shape)
@@ -100,7 +110,8 @@ class LineReadings:
         tape = TAPE_SD * self._ink_of_nominal[rows, :, None]
         spread = np.concatenate([gains, offsets, floor, tape], axis=-1) / sd[..., None]
         residuals = (values[rows] - mean) / sd
-        return rows, UnitSpread.of(spread.reshape(-1, spread.shape[-1]), residuals.ravel(), fitted[rows].ravel())
+        fitted, heldout = ((usable & which)[rows].ravel() for which in (~holdout, holdout))
+        return rows, UnitSpread.of(spread.reshape(-1, spread.shape[-1]), residuals.ravel(), fitted, heldout)
 
     def _cleaned(self, readings: Array) -> Array:
         """Return readings (..., rows, 8) without the tolerances of gains, offsets and floor."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.pose import earlier
 from diagnosis.predictors.rows import bridged, good_values, joined
@@ -20,7 +21,7 @@ class TrackedAxle:
     def __init__(self, measurement: Measurement) -> None:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
-        logged = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
+        logged = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         self.is_logged = np.isfinite(logged).all(axis=-1)
         """(n,), rows with a pose."""
         self.pose = bridged(logged, self._t_s, self._trials)

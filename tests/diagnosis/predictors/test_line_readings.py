@@ -122,27 +122,67 @@ class TestUnitSpread:
         rng = np.random.default_rng(3)
         return np.column_stack([5.0 * rng.random(self.N), np.full(self.N, 2.0)])
 
-    def test_the_cost_is_that_of_correlated_noise(self, spread):
+    @pytest.fixture
+    def covariance(self, spread):
+        return np.eye(self.N) + spread @ spread.T
+
+    def residuals(self, spread, seed):
+        """A draw of the numbers and of the noise."""
+        rng = np.random.default_rng(seed)
+        return spread @ rng.standard_normal(2) + rng.standard_normal(self.N)
+
+    def test_the_cost_is_that_of_correlated_noise(self, spread, covariance):
         """r' (I + A A')^-1 r is the sum of the squares of the cleaned residuals."""
-        residuals = np.random.default_rng(4).standard_normal(self.N)
-        cleaned = UnitSpread.of(spread, residuals, np.ones(self.N, dtype=bool)).without(residuals)
-        expected = residuals @ np.linalg.solve(np.eye(self.N) + spread @ spread.T, residuals)
-        assert np.sum(cleaned**2) == pytest.approx(expected)
+        residuals, every = self.residuals(spread, 4), np.ones(self.N, dtype=bool)
+        cleaned = UnitSpread.of(spread, residuals, every, ~every).without(residuals)
+        assert np.sum(cleaned**2) == pytest.approx(residuals @ np.linalg.solve(covariance, residuals))
 
-    def test_readings_that_are_not_fitted_are_predicted_from_the_others(self, spread):
-        """Conditional mean of a normal distribution."""
-        fitted = np.arange(self.N) < 20
-        residuals = np.random.default_rng(5).standard_normal(self.N)
-        cleaned = UnitSpread.of(spread, residuals, fitted).without(residuals)
-        joint = np.eye(self.N) + spread @ spread.T
-        expected = joint[20:, :20] @ np.linalg.solve(joint[:20, :20], residuals[:20])
-        np.testing.assert_allclose(residuals[20:] - cleaned[20:], expected)
+    @pytest.mark.parametrize("fitted_rows", [0, 1, 20])
+    def test_readings_that_are_not_fitted_are_judged_by_their_distribution_given_the_others(
+        self, spread, covariance, fitted_rows
+    ):
+        """The conditional normal distribution, whose covariance has the spread that the fitted rows leave."""
+        fitted, residuals = np.arange(self.N) < fitted_rows, self.residuals(spread, 5)
+        cleaned = UnitSpread.of(spread, residuals, fitted, ~fitted).without(residuals)
+        given, rest = slice(0, fitted_rows), slice(fitted_rows, self.N)
+        by_given = covariance[rest, given] @ np.linalg.inv(covariance[given, given])
+        off = residuals[rest] - by_given @ residuals[given]
+        left = covariance[rest, rest] - by_given @ covariance[given, rest]
+        assert np.sum(cleaned[rest] ** 2) == pytest.approx(off @ np.linalg.solve(left, off))
+        # The fitted rows are those of a log without the others, so that these cannot tell them anything.
+        alone = UnitSpread.of(spread[given], residuals[given], fitted[given], ~fitted[given]).without(residuals[given])
+        np.testing.assert_allclose(cleaned[given], alone)
 
-    def test_wild_readings_determine_nothing(self, spread):
+    @pytest.mark.parametrize("fitted_rows", [0, 15, 30])
+    def test_cleaned_readings_of_many_units_are_white_noise_fitted_or_not(self, spread, fitted_rows):
+        """The standard error of a mean square over 2000 units is the root of 2 / 2000, and of a mean 1 / root 2000."""
+        fitted = np.arange(self.N) < fitted_rows
+        units = np.stack([self.residuals(spread, seed) for seed in range(2000)])
+        cleaned = UnitSpread.of(spread, np.zeros(self.N), fitted, ~fitted).without(units)
+        covariance = cleaned.T @ cleaned / len(units)
+        np.testing.assert_allclose(np.diag(covariance), 1.0, atol=5.0 * math.sqrt(2.0 / 2000))
+        np.testing.assert_allclose(covariance - np.diag(np.diag(covariance)), 0.0, atol=5.0 / math.sqrt(2000))
+
+    @pytest.mark.parametrize("fitted_rows", [0, 30])
+    def test_wild_readings_determine_nothing(self, spread, fitted_rows):
+        fitted = np.arange(self.N) < fitted_rows
         noise = 0.1 * np.random.default_rng(6).standard_normal(self.N)
         residuals = spread @ [1.5, -2.0] + noise
         residuals[::7] += 100.0
-        of = UnitSpread.of(spread, residuals, np.ones(self.N, dtype=bool))
-        assert not of.rows[::7].any()
+        cleaned = UnitSpread.of(spread, residuals, fitted, ~fitted).without(residuals)
+        tame = np.arange(self.N) % 7 != 0
         # The likelihood chooses the best numbers, and these would cost 1.5^2 + 2^2.
-        assert np.sum(of.without(residuals)[of.rows] ** 2) < 1.5**2 + 2.0**2 + np.sum(noise**2)
+        assert np.sum(cleaned[tame] ** 2) < 1.5**2 + 2.0**2 + np.sum(noise**2)
+        assert cleaned[~tame].min() > 90.0
+
+    def test_a_wild_reading_is_as_uncertain_as_the_others_leave_it(self, spread):
+        """sqrt(1 + a P a') with P the inverse of I + A'A of the other rows."""
+        residuals = 0.1 * np.random.default_rng(7).standard_normal(self.N)
+        residuals[3] = 100.0
+        every = np.ones(self.N, dtype=bool)
+        others = np.arange(self.N) != 3
+        cleaned = UnitSpread.of(spread, residuals, every, ~every).without(residuals)
+        posterior = np.linalg.inv(np.eye(2) + spread[others].T @ spread[others])
+        mean = posterior @ spread[others].T @ residuals[others]
+        sd = math.sqrt(1.0 + spread[3] @ posterior @ spread[3])
+        assert cleaned[3] == pytest.approx((100.0 - spread[3] @ mean) / sd)
