@@ -15,6 +15,7 @@ from diagnosis.measured.symolo_columns import LINE_READINGS
 from diagnosis.predictors.base import Covariate, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.rows import by_other_rows, good_values, joined, trial_of_rows
+from diagnosis.predictors.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.tracked_axle import TrackedAxle
 from diagnosis.predictors.unit_spread import cleaned
 from physics.robot.model import through
@@ -30,6 +31,9 @@ FLOOR_SD, TAPE_SD = 0.05, 0.03
 MAX_ROWS = 500
 """Greatest number of rows that are predicted, evenly spaced. The eight channels of 500 rows are 4000 samples, more than
 all other stages have, and more rows would take longer."""
+SHARED = 0.5
+"""Correlation that stands for the noise of the pose which readings share: successive rows by the smoothing, and the
+channels on the two edges of the line. Each reading then counts as a third of an independent one."""
 AT_LIMIT = 2.0
 """Distance of a reading from the limit of the converter, in sigmas of its noise, up to which it may be at the limit."""
 LIMIT_ROUNDS = 4
@@ -58,9 +62,8 @@ class _Readings:
 class LineReadings:
     """Shares of the spots on the tape from the pose of the axle, as the simulated sensor has them.
 
-    The poses are smoothed. Their noise is less than that of single rows, but rows close to each other share it, so that
-    all together are as uncertain as rows with the noise of their own pose. This noise blurs the edges of the line: the
-    mean is that of a wider spot, and the noise of a reading is largest on an edge.
+    The poses are smoothed. What is left of their noise blurs the edges of the line: the mean is that of a wider spot,
+    and the noise of a reading is largest on an edge.
     """
 
     name = "line"
@@ -70,7 +73,7 @@ class LineReadings:
         self._arena, self._sensor = Arena.from_config(case.arena), nominal.line_sensor
         noise = case.noise
         self._reading_sd = float(np.hypot(noise.line, 2.0**-self._sensor.adc_bits / np.sqrt(12.0)))
-        self._place_sd_m = float(np.hypot(noise.pose_xy_m, self._sensor.x_m * noise.pose_theta_rad))
+        self._place_sd_m = NOISE_SHARE * float(np.hypot(noise.pose_xy_m, self._sensor.x_m * noise.pose_theta_rad))
         self._tracked = TrackedAxle(measurement, is_smoothed=True)
         rows = len(self._tracked.is_logged)
         self._known: dict[Hashable, Array] = {}
@@ -95,7 +98,7 @@ class LineReadings:
                 unit="1",
                 values=self._values[:, k],
                 sd=bare.sd[:, k],
-                correlation=0.0,
+                correlation=SHARED,
                 trial=trial,
                 t_s=t_s,
                 holdout=holdout,
@@ -155,7 +158,7 @@ class LineReadings:
         low, high = through(limits, np.array([0.0, 1.0])).tolist()
         mean = through(limits, np.clip(reading, 0.0, 1.0))
         contrast = optics.level * abs(self._arena.line.reflectance - self._arena.floor_reflectance)
-        sd = np.hypot(self._reading_sd, contrast * together(self._edge_sd(ink, optics.spot_sd_m)))
+        sd = np.hypot(self._reading_sd, contrast * self._edge_sd(ink, optics.spot_sd_m))
         return _Readings(mean, reading, (low, high), sd, ink, optics.level)
 
     def _ink(self, robot: RobotConfig, optics: LineOptics) -> Array:
@@ -175,8 +178,8 @@ class LineReadings:
     def _edge_sd(self, ink: Array, spot_sd_m: float) -> Array:
         """Return the standard deviation of shares by the noise of the pose, by their means (rows, 8).
 
-        On one edge, the share of a spot at a distance u is Phi(u / s), and its mean over the noise p of the place is
-        Phi(u / hypot(s, p)), so that the distance follows from the mean.
+        On one edge, the share of a spot at a distance u is Phi(u / s), and its mean over the noise q of the smoothed
+        place is Phi(u / hypot(s, q)), so that the distance follows from the mean.
         """
         from scipy.special import ndtr  # noqa: PLC0415 - as in sensors.line_sensor
 
@@ -185,15 +188,3 @@ class LineReadings:
         mean = ndtr(u / np.hypot(spot_sd_m, self._place_sd_m))
         variance = squares @ (_WEIGHTS / _WEIGHTS.sum()) - mean**2
         return np.sqrt(np.maximum(np.interp(ink, mean, variance), 0.0))
-
-
-def together(sd: Array) -> Array:
-    """Return standard deviations (rows, 8) that are larger where several channels of a row share their noise.
-
-    The noise of a pose moves all spots of a row together, so that those on an edge are worth one reading and not
-    several. Kish's effective number of readings says how many they are.
-    """
-    variance = sd**2
-    total, squares = variance.sum(axis=1), (variance**2).sum(axis=1)
-    number = np.divide(total**2, squares, out=np.ones_like(total), where=squares > 0.0)
-    return sd * np.sqrt(number)[:, None]

@@ -89,7 +89,7 @@ class Ranges(ABC):
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
         self._age_s = self._ages_s(measurement, nominal)
-        self._tracked = self._tracked_axle(measurement)
+        self._tracked = TrackedAxle(measurement)
         around = self._around(nominal)
         mean, sd = self._expected([nominal])
         incidence_rad = np.broadcast_to(self._sight([nominal]).incidence_rad, mean.shape)[0]
@@ -107,10 +107,6 @@ class Ranges(ABC):
             )
             for k, name in enumerate(self.channels)
         )
-
-    def _tracked_axle(self, measurement: Measurement) -> TrackedAxle:
-        """Return the path of the axle by the logged poses."""
-        return TrackedAxle(measurement)
 
     @abstractmethod
     def _around(self, nominal: RobotConfig) -> Surroundings:

@@ -21,7 +21,6 @@ from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.measured.symolo_columns import RANGE_READINGS
 from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, SENSORS, Ranges, Sight, Surroundings
 from diagnosis.predictors.rows import trial_of_rows
-from diagnosis.predictors.tracked_axle import TrackedAxle
 from physics.arena.rays import RayScene
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
@@ -118,9 +117,6 @@ class RangesInArena(Ranges):
         super().__init__(measurement, nominal)
         self._rows = [np.flatnonzero(observed.usable) for observed in self.observed]
         self._known.clear()
-
-    def _tracked_axle(self, measurement: Measurement) -> TrackedAxle:
-        return TrackedAxle(measurement, is_smoothed=True)
 
     def _ages_s(self, measurement: Measurement, nominal: RobotConfig) -> Array:
         del measurement

@@ -16,6 +16,8 @@ from symolo.core.arrays import Array
 REACH_ROWS = 3.5
 """Distance in rows at which a row has no more weight. The parabola through the rows within 0.35 s at 20 rows per second
 follows a robot that starts or ends a turn."""
+NOISE_SHARE = 0.62
+"""Standard deviation of a smoothed pose, relative to that of a row."""
 ROWS = 8
 """Number of rows of which some have a weight."""
 
