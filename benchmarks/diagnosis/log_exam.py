@@ -62,7 +62,7 @@ def plans(cases: int, seed: int, turns: Sequence[str] = TURNS) -> list[LogPlan]:
         rng = np.random.default_rng([seed, number])
         lap, place = divmod(number, len(turns))
         name = turns[place]
-        sampler = (SIZES | UNSEEN).get(name)
+        sampler = {**SIZES, **UNSEEN}.get(name)
         hidden = Hidden(name, sampler(rng)) if sampler else Hidden()
         # In the next lap each name is in the next arena, whatever the number of names.
         scenario = SCENARIOS[(lap + place) % len(SCENARIOS)]

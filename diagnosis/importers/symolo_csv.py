@@ -167,10 +167,10 @@ def _notes(measurement: Measurement) -> Sequence[str]:
     empty = [column for channel, column in COLUMN_OF.items() if channel not in offered]
     notes += [f"not logged: {', '.join(empty)}"] if empty else []
     if not measurement.heldout_rows:
-        notes += ["nothing is held out; holdout or holdout_from_ms in nominal.yaml would judge what is found"]
+        notes += ["no rows are held out to test the result; name some with holdout or holdout_from_ms in nominal.yaml"]
     travels, turns = np.zeros(2), np.zeros(2)
     for trial in measurement.trials:
-        # Over half a second, noise is small beside the motion.
+        # In half a second, a robot moves much further than the noise of a pose.
         x, y, theta = (np.diff(trial[name].values[::TEN_ROWS]) for name in POSE)
         by_v, by_w = (_integrals(trial[name].values, trial.t_s) for name in SPEEDS)
         travels += np.nansum(np.hypot(x, y)), np.nansum(np.abs(by_v))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalLog
 from diagnosis.measured.symolo_columns import LINE_READINGS
@@ -17,7 +18,7 @@ from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.rows import by_other_rows, good_values, joined, trial_of_rows
 from diagnosis.predictors.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.tracked_axle import TrackedAxle
-from diagnosis.predictors.unit_spread import cleaned
+from diagnosis.predictors.unit_spread import Cleaned, cleaned
 from physics.robot.model import through
 from sensors.line_sensor import LineOptics, tape_share
 from symolo.arena.geometry import Arena
@@ -36,8 +37,8 @@ SHARED = 0.5
 channels on the two edges of the line. Each reading then counts as a third of an independent one."""
 AT_LIMIT = 2.0
 """Distance of a reading from the limit of the converter, in sigmas of its noise, up to which it may be at the limit."""
-LIMIT_ROUNDS = 4
-"""Rounds in which the readings that are beyond the limit are found; most are after the first."""
+LIMIT_ROUNDS = 3
+"""Repetitions by which the readings beyond the limit are known."""
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(31)
 
 
@@ -124,22 +125,31 @@ class LineReadings:
         These are known from what was measured. They are such that the residuals are those without the tolerances
         (`unit_spread`). A reading at a limit says only that the unit is beyond the limit.
         """
-        mean, by_tolerances, (low, high) = expected.mean.copy(), 0.0, expected.limits
+        mean, by_tolerances = expected.mean.copy(), 0.0
         for rows in self._runs:
-            values, free, sd = self._values[rows], expected.free[rows], expected.sd[rows]
-            off, near = (values - free) / sd, AT_LIMIT * self._reading_sd
-            spread = (self._spread(expected, rows) / sd[..., None]).reshape(off.size, -1)
-            at_low, at_high = values <= low + near, values >= high - near
-            unit = free
-            for _ in range(LIMIT_ROUNDS if (at_low | at_high).any() else 1):
-                beyond = (at_low & (unit <= low)) | (at_high & (unit >= high))
-                fitted, heldout = ((which[rows] & ~beyond).ravel() for which in (self._fitted, self._heldout))
-                result = cleaned(spread, off.ravel(), fitted, heldout)
-                unit = free + sd * (spread @ result.numbers).reshape(off.shape)
-            known = np.where(beyond, np.clip(unit, low, high), values - sd * result.z.reshape(off.shape))
-            mean[rows] = np.where(np.isfinite(off), known, expected.mean[rows])
-            by_tolerances += float(result.numbers @ result.numbers)
+            known, numbers = self._of_run(expected, rows)
+            mean[rows] = np.where(np.isfinite(known), known, expected.mean[rows])
+            by_tolerances += float(numbers @ numbers)
         return replace(expected, mean=mean, by_tolerances=by_tolerances)
+
+    def _of_run(self, expected: "_Readings", rows: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Return the readings of the unit in the rows of a run, NaN where none was measured, and its numbers (18,)."""
+        (low, high), near = expected.limits, AT_LIMIT * self._reading_sd
+        values, free, sd = self._values[rows], expected.free[rows], expected.sd[rows]
+        off = (values - free) / sd
+        spread = (self._spread(expected, rows) / sd[..., None]).reshape(off.size, -1)
+        at_low, at_high = values <= low + near, values >= high - near
+
+        def judged(unit: Array) -> tuple[Mask, Cleaned, Array]:
+            beyond = (at_low & (unit <= low)) | (at_high & (unit >= high))
+            fitted, heldout = ((which[rows] & ~beyond).ravel() for which in (self._fitted, self._heldout))
+            result = cleaned(spread, off.ravel(), fitted, heldout)
+            return beyond, result, free + sd * (spread @ result.numbers).reshape(off.shape)
+
+        beyond, result, unit = judged(free)
+        for _ in range(LIMIT_ROUNDS if (at_low | at_high).any() else 0):
+            beyond, result, unit = judged(unit)
+        return np.where(beyond, np.clip(unit, low, high), values - sd * result.z.reshape(off.shape)), result.numbers
 
     def _spread(self, expected: "_Readings", rows: NDArray[np.int64]) -> Array:
         """Return the change of readings in some rows by one tolerance of each number, (rows, 8, 18)."""

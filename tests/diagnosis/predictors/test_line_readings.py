@@ -187,9 +187,11 @@ class TestUnitWithTolerances:
     def test_what_looks_like_tolerances_is_counted_as_such(self, usual):
         """Light on all channels is about that of the floor, which is 0.4 / 0.05 tolerances."""
         stage = stage_of(usual, run("1", self.readings(4) + 0.3))
-        nominal, lit = (p[0].by_tolerances[0] for p in map(stage.predict, ([usual], [usual.with_effect(LIGHT)])))
+        first, second, *_ = stage.predict([usual, usual.with_effect(LIGHT)])
+        assert first.by_tolerances is not None
+        nominal, lit = first.by_tolerances
         assert nominal > 20.0 + lit
-        assert stage.predict([usual])[1].by_tolerances is None
+        assert second.by_tolerances is None
 
 
 LIGHT = LineAmbient(offset=0.3)

@@ -70,7 +70,9 @@ def run(name, pose, v, w):
 
 
 def stages_of(robot, runs, *, twist="odometry", where=None):
-    case = NominalLog(kind="symolo_csv", arena=where or arena(), robot=robot, noise=NOISE, twist=twist)
+    case = NominalLog(kind="symolo_csv", arena=where or arena(), robot=robot, noise=NOISE).model_copy(
+        update={"twist": twist}
+    )
     measurement = Measurement("m", CaseKind.SYMOLO_CSV, MeasurementSource("here", ()), tuple(runs), case)
     return {stage.name: stage for stage in STAGES[CaseKind.SYMOLO_CSV](measurement, robot)}
 
