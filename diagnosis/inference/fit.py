@@ -58,7 +58,9 @@ class HypothesisFit:
     cost: float
     """Cost over the rows of the fit, priors included."""
     z: Array
-    """(N,), standardised residuals at x, including held-out rows."""
+    """(N,), standardised residuals at x, including held-out rows; 0 where `lost`."""
+    lost: Mask
+    """(N,), usable samples without a finite prediction, which make the cost infinite."""
     sd: Array
     """(N,), standard deviation of the fitted noise of a good reading at x."""
     noise: NoiseFit
@@ -87,7 +89,7 @@ class HypothesisFit:
     @property
     def costs(self) -> Array:
         """Return the cost of each sample, (N,), including held-out rows."""
-        return costs_of_residuals(self.evidence, self.z, self.sd, self.noise)
+        return costs_of_residuals(self.evidence, np.where(self.lost, np.inf, self.z), self.sd, self.noise)
 
     def root_weights(self, z: Array | None = None) -> Array:
         """Return the roots of the weights (N,) of samples in a linear test; 0 outside the rows of the fit.
@@ -266,11 +268,11 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     spreads = np.where(np.isfinite(spreads), spreads, 0.0)
     start = stated_noise(evidence)
     z = residuals(evidence, here, start)[0]
-    noise = fitted_noise(
-        evidence, z, prediction.sd[0], state.noise or start, _with_own_level(evidence, hypothesis, spreads)
-    )
+    lost = np.isinf(z)
+    z, sd = np.where(lost, 0.0, z), np.where(lost, evidence.sd, prediction.sd[0])
+    noise = fitted_noise(evidence, z, sd, state.noise or start, _with_own_level(evidence, hypothesis, spreads))
     level = noise.levels[evidence.quantity]
-    z, sd = z / level, prediction.sd[0] * level
+    z, sd = z / level, sd * level
     slopes = (prediction.mean[1:] - prediction.mean[0]) / (sd * offsets)
     slopes = np.where(np.isfinite(slopes), slopes, 0.0)
     rows = evidence.fit
@@ -286,7 +288,7 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     state.noise = noise
     by_tolerances = float(prediction.by_tolerances[0])
     state.fit = HypothesisFit(
-        evidence, hypothesis, x.copy(), state.cost, z, sd, noise, slopes, spreads, information, by_tolerances
+        evidence, hypothesis, x.copy(), state.cost, z, lost, sd, noise, slopes, spreads, information, by_tolerances
     )
 
 
