@@ -36,6 +36,8 @@ RATIOS = np.geomspace(0.01, 30.0, 40)
 """Variance of the wandering error over that of the white noise."""
 TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
+LIMITS = RangeWander.parameters()["time_constant_s"]
+"""Least and greatest time constant of the effect, which hold for rows of any distance."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +87,10 @@ def wander(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Wander |
         return None
     t, rest_m, sd = _blocks(time_s[rows], residual_m[rows], sd_m[rows])
     z, row_s, span_s = rest_m / sd, float(np.median(np.diff(t))), float(np.ptp(t))
-    if not 2.0 * MIN_LASTING_ROWS * row_s < span_s:
+    shortest_s, longest_s = max(MIN_LASTING_ROWS * row_s, LIMITS.low), min(span_s, LIMITS.high)
+    if not (2.0 * MIN_LASTING_ROWS * row_s < span_s and shortest_s < longest_s):
         return None
-    times = np.geomspace(MIN_LASTING_ROWS * row_s, span_s, TIMES)
+    times = np.geomspace(shortest_s, longest_s, TIMES)
     # (TIMES, RATIOS) costs and levels of the white noise.
     costs, levels = (np.array(part) for part in zip(*(_likelihoods(t, z, sd, tau) for tau in times), strict=True))
     cost, rows_count = float(costs.min()), len(z)
