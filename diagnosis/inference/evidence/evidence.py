@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
@@ -45,7 +45,7 @@ class Prediction:
 
     def moved(self, change: Array | float) -> "Prediction":
         """Return the predictions with a change (..., N) of all means, such as the errors of a session."""
-        return self if np.ndim(change) == 0 and change == 0.0 else Prediction(self.mean + change, self.sd)
+        return self if np.ndim(change) == 0 and change == 0.0 else replace(self, mean=self.mean + change)
 
 
 class Evidence:
