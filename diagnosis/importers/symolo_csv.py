@@ -113,11 +113,13 @@ def _files(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _trial(name: str, table: CsvTable, nominal: NominalLog | None) -> Trial:
-    t_s = 1e-3 * table.numbers["t"]
+    # Drifts are counted from the start of a drive, and the clock of a log may show any time then.
+    begins_ms = float(table.numbers["t"][0]) if len(table.numbers["t"]) else 0.0
+    t_s = 1e-3 * (table.numbers["t"] - begins_ms)
     channels = [column.read(table, t_s) for column in COLUMNS if column.name != "t"]
     if nominal is not None:
         channels = [_with_noise(channel, nominal) for channel in channels]
-    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels))
+    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels), begins_s=1e-3 * begins_ms)
 
 
 def _with_noise(channel: Channel, nominal: NominalLog) -> Channel:
@@ -154,7 +156,7 @@ def _held_out(measurement: Measurement, nominal: NominalLog, where: str) -> Meas
     (trial, *others) = measurement.trials
     if others:
         raise InputError("holdout_from_ms for several runs", where=where, cure="name runs in holdout instead")
-    t_ms = 1e3 * trial.t_s
+    t_ms = np.rint(1e3 * (trial.t_s + (trial.begins_s or 0.0)))
     if not t_ms[0] < from_ms <= t_ms[-1]:
         allowed = f"a time after the first row and up to the last one: {t_ms[0]:.0f} to {t_ms[-1]:.0f} ms"
         raise InputError("holdout_from_ms", where=where, got=from_ms, allowed=allowed)

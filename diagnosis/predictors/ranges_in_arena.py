@@ -216,7 +216,7 @@ class RangesInArena(Ranges):
         along[..., 0], along[..., 1] = np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)
         along[..., 2] = z
         origins = np.concatenate([axle[:, :2] + ahead, np.full((len(axle), 1), mount.z_m)], axis=1)
-        fraction, surface, normal = self._hits(origins, along, self._t_s[self._rows[k]])
+        fraction, surface, normal = self._hits(origins, along, self._since_on_s[self._rows[k]])
         toward = -np.einsum("nri,nri->nr", along, normal)
         light = cone.profile * toward
         share = light / np.maximum(light.sum(axis=1, keepdims=True), 1e-12)

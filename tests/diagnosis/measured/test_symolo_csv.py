@@ -68,6 +68,18 @@ def test_rows_from_a_time_on_are_held_out(case):
     np.testing.assert_array_equal(trial.holdout, np.arange(20) >= 10)
 
 
+def test_times_count_from_the_first_row_and_the_start_of_the_log_is_kept(case):
+    """A clock drift is counted from the start of a drive; a clock may show any time then."""
+    rows = [row(k, t=1_000_000 + 50 * k) for k in range(20)]
+    (trial,) = read(case(rows, holdout_from_ms=1_000_500)).trials
+    np.testing.assert_allclose(trial.t_s, 0.05 * np.arange(20))
+    np.testing.assert_allclose(trial["x_m"].series.t_s, trial.t_s)
+    assert trial.begins_s == 1000.0
+    np.testing.assert_array_equal(trial.holdout, np.arange(20) >= 10)
+    refused = refusal(case(rows, holdout_from_ms=500))
+    assert "1000000 to 1000950 ms" in refused
+
+
 def test_of_several_runs_those_with_a_name_are_held_out(case):
     trials = read(case(runs=("a", "b", "c"), holdout=["b"])).trials
     assert {trial.name: trial.holdout.all() for trial in trials} == {"a": False, "b": True, "c": False}

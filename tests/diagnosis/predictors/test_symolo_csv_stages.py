@@ -60,13 +60,13 @@ def drive(speed=SPEED, turn_rate=0.0, **start):
     return np.column_stack([start.get("x", 0.0) + x, start.get("y", 0.0) + y, theta])
 
 
-def stages(robot, pose, *, speeds=(SPEED, 0.0), twist="odometry", where=None):
+def stages(robot, pose, *, speeds=(SPEED, 0.0), twist="odometry", where=None, begins_s=0.0):
     t_s = ROW_S * np.arange(len(pose))
     columns = dict(zip(("x_m", "y_m", "theta_rad"), pose.T, strict=True))
     columns |= {"v_m_s": np.full(len(pose), speeds[0]), "w_rad_s": np.full(len(pose), speeds[1])}
     columns |= dict.fromkeys(("tof_front_m", "tof_left_m", "tof_right_m"), np.full(len(pose), 0.5))
     channels = [Channel.logged(TimeSeries(k, "", t_s, np.array(v)), Role.READING) for k, v in columns.items()]
-    trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), tuple(channels))
+    trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), tuple(channels), begins_s=begins_s)
     case = NominalLog(kind="symolo_csv", arena=where or arena(), robot=robot, noise=NOISE, twist=twist)
     source = MeasurementSource("here", ())
     of_log = STAGES[CaseKind.SYMOLO_CSV](Measurement("m", CaseKind.SYMOLO_CSV, source, (trial,), case), robot)
@@ -107,6 +107,9 @@ class TestRanges:
         pose = drive(speed=0.0, x=0.2)
         mean, _ = front(stages(robot, pose, where=arena(box))["tof"], robot)
         np.testing.assert_allclose(mean, 0.45 + 0.05 * ROW_S * np.arange(ROWS) + BOARD_M, atol=1e-6)
+        # The obstacle waits at its last place, which it reached before this log began.
+        mean, _ = front(stages(robot, pose, where=arena(box), begins_s=3.0)["tof"], robot)
+        np.testing.assert_allclose(mean, 0.55 + BOARD_M, atol=1e-6)
 
     def test_rows_beside_an_edge_and_beyond_the_range_are_left_out(self, robot):
         box = {"name": "O", "center": (0.8, 0.0), "size": (0.1, 0.4, 0.2), "surface": "white_board"}
