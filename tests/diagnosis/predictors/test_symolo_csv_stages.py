@@ -12,6 +12,7 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.predictors import STAGES
+from physics.effects.floor_slope import FloorSlope
 from physics.effects.turn_slip import TurnSlip
 from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheel_radius_scale import WheelRadiusScale
@@ -205,3 +206,16 @@ class TestIncrements:
         got, _ = self.increments(robot, effect, twist="truth")
         np.testing.assert_array_equal(got, bare)
         np.testing.assert_allclose(bare, np.broadcast_to(self.arc(self.V, self.W), bare.shape), rtol=1e-3)
+
+    @pytest.mark.parametrize("twist", ["odometry", "truth"])
+    def test_a_prediction_does_not_depend_on_the_robots_beside_it(self, robot, twist):
+        stage = stages(robot, drive(self.V, self.W), speeds=(self.V, self.W), twist=twist)["pose"]
+        several = [robot, robot.with_effect(FloorSlope(gradient=0.1, direction_rad=0.0))]
+        alone = [[p.mean[0] for p in stage.predict([each])] for each in several]
+        for order in ([0, 1], [1, 0]):
+            together = stage.predict([several[k] for k in order])
+            for place, k in enumerate(order):
+                for whole, single in zip(together, alone[k], strict=True):
+                    np.testing.assert_allclose(whole.mean[place], single, atol=1e-12)
+        changes = np.abs(np.array(alone[1]) - np.array(alone[0])).max()
+        assert (changes > 1e-3) == (twist == "odometry")
