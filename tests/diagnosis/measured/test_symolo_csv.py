@@ -96,6 +96,32 @@ def test_arena_and_robot_may_be_mappings_as_in_a_scenario(case):
     assert nominal.robot.drive.wheel_diameter_m == 0.065
 
 
+@pytest.mark.parametrize(
+    ("effects", "twist", "name"),
+    [
+        ({"range_wander": {"sd_m": 0.01, "time_constant_s": 60.0}}, "truth", "range_wander"),
+        ({"encoder_ticks_scale": {"scale": 1.05}}, "odometry", "encoder_ticks_scale"),
+        (
+            {"wheel_eccentricity": {"side": "left", "amplitude": 0.1, "phase_rad": 0.0}},
+            "odometry",
+            "wheel_eccentricity",
+        ),
+        ({"floor_slope": {"gradient": 0.1, "direction_rad": 0.0}}, "truth", "floor_slope"),
+        ({"floor_slope": {"gradient": 0.1, "direction_rad": 0.0}}, "odometry", None),
+        ({"encoder_ticks_scale": {"scale": 1.05}}, "truth", None),
+        ({"range_gathering_time": {"duration_s": 0.1}}, "truth", None),
+    ],
+)
+def test_an_effect_of_the_robot_that_no_stage_predicts_is_refused(case, effects, twist, name):
+    folder = case(robot={"extends": "nominal", "effects": effects}, twist=twist)
+    if name is None:
+        assert list(read(folder).nominal.robot.effects)
+    else:
+        text = refusal(folder)
+        assert f"robot.effects.{name}" in text
+        assert "no prediction of a bare log" in text
+
+
 def test_every_fault_of_a_case_is_named_at_once(case):
     folder = case([row(0), row(1, v="fast"), row(2, x="nan")], noise={**NOISE, "line": -1.0, "d": 2.0}, twist="wheels")
     text = refusal(folder)
