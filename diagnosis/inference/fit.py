@@ -36,6 +36,8 @@ to steepest descent."""
 SETTLED = 0.02
 """Change of the cost at which a fit ends; far below the changes that affect the choice of effects."""
 MAX_STEPS = 15
+LOCAL_STEPS = 2
+"""Steps for nuisances that enter linearly; only the weights of outliers change from one to the next."""
 FAR = 40.0
 """Cost above the best simultaneous fit from which a slow fit is stopped: it is no rival, so its exact cost is not
 needed."""
@@ -78,6 +80,11 @@ class HypothesisFit:
     def robot(self) -> RobotConfig:
         """Return the fitted robot."""
         return self.hypothesis.robot(self.x)
+
+    @property
+    def local_change(self) -> Array | float:
+        """Return the change (N,) of the samples by all that is no property of the robot."""
+        return self.hypothesis.local_change(self.x)
 
     @property
     def prior_cost(self) -> float:
@@ -175,6 +182,20 @@ def _continues(fall: float, behind: float, far: float) -> bool:
 def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> HypothesisFit:
     """Return a hypothesis at given coordinates (P,), without fitting them."""
     (fit,) = _linearised(evidence, [_State(hypothesis, x)])
+    return fit
+
+
+def with_local_fitted(fit: HypothesisFit) -> HypothesisFit:
+    """Return a fit with the nuisances of single sessions fitted, and everything else unchanged."""
+    hypothesis, x = fit.hypothesis, fit.x.copy()
+    local = hypothesis.is_local
+    if not local.any():
+        return fit
+    for _ in range(LOCAL_STEPS):
+        tangents = fit.slopes[local] * (root := fit.root_weights())
+        system = tangents @ tangents.T + np.eye(len(tangents))
+        x[local] += np.linalg.solve(system, tangents @ (root * fit.z) - x[local])
+        fit = at(fit.evidence, hypothesis, x)
     return fit
 
 
@@ -330,4 +351,5 @@ def _predicted(evidence: Evidence, requests: Sequence[tuple[Hypothesis, Array]])
         return []
     batch = evidence.predicted([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
     ends = np.cumsum([len(x) for _, x in requests]).tolist()
-    return [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]
+    parts = [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]
+    return [part.moved(hypothesis.local_change(x)) for part, (hypothesis, x) in zip(parts, requests, strict=True)]
