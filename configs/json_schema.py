@@ -20,7 +20,10 @@ _NORMAL = {
     "additionalProperties": False,
 }
 _OPTIONS = {"type": "array", "items": {"type": ["number", "string", "boolean"]}, "minItems": 1}
-_FOLDER = {"type": "string", "description": "folder of your images and panoramas, relative to this file"}
+_FOLDER = {
+    "type": "string",
+    "description": "Folder of your images and panoramas, relative to the YAML file that names it.",
+}
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
@@ -52,12 +55,14 @@ def _one_of(kind: str) -> dict[str, Any]:
 
 
 def _reference(kind: str) -> dict[str, Any]:
-    path = {"type": "string", "pattern": r"/|\.ya?ml$", "description": "path, relative to this file"}
+    path = {"type": "string", "pattern": r"/|\.ya?ml$", "description": "path, relative to the YAML file that names it"}
     return {"anyOf": [{"enum": list(shipped_names(kind)), "description": f"name of a shipped {kind}"}, path]}
 
 
 def _base(kind: str) -> dict[str, Any]:
-    about = f"{kind.capitalize()} that this one changes: a shipped name, or a path relative to this file."
+    about = (
+        f"{kind.capitalize()} that this one changes: a shipped name, or a path relative to the YAML file that names it."
+    )
     return {**_reference(kind), "description": about}
 
 

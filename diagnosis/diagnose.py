@@ -7,14 +7,16 @@ from math import isfinite
 import numpy as np
 
 from configs.draw import draw_robot
+from configs.effects.base import Effect
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
+from diagnosis.inference.evidence.sessions import session_nuisances, within_sessions
 from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
-from diagnosis.inference.fit import HypothesisFit, at, fits
+from diagnosis.inference.fit import HypothesisFit, at, fits, with_local_fitted
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.naming.named_model import NamedModel, standing
@@ -41,6 +43,8 @@ MIN_BETTER = 0.5
 """Fall of the cost by which a rival must explain more to replace an effect."""
 MAX_WEIGHT_RATIO = 1.25
 """Ratio of the new to the old weight of a row, from which the effects are selected again."""
+SESSION_ROUNDS = 2
+"""Fits after which the errors of the sessions are where the predictions are linear in them."""
 NOISE_ROUNDS = 2
 """Fits after which an unknown noise has converged; the first guess may be far off."""
 
@@ -179,7 +183,9 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     evidence = _evidence(stages, bare)
     if not evidence.fit.any():
         raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
+    bare, of_sessions = _with_sessions(measurement, evidence, bare)
     library = candidates(measurement, evidence, bare)
+    library = replace(library, testable=tuple(e for e in library.testable if e.kind not in of_sessions))
     evidence, selection = _selected(evidence, bare, library.testable)
     result = adequacy(evidence, selection.fit)
     if not result.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
@@ -227,8 +233,8 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         withheld=withheld_names,
         withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
         adequacy=result,
-        gain=gain(measured, robot, fit.robot),
-        calibrated=gain(measured, robot, selection.nominal.robot),
+        gain=gain(measured, robot, fit.robot, (0.0, fit.local_change)),
+        calibrated=gain(measured, robot, selection.nominal.robot, (0.0, selection.nominal.local_change)),
         wander=slow,
     )
 
@@ -241,6 +247,21 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
         (fit,) = fits(evidence, [(bare, bare.null())])
         evidence = with_estimated_noises(evidence, fit)
     return evidence
+
+
+def _with_sessions(
+    measurement: Measurement, evidence: Evidence, bare: Hypothesis
+) -> tuple[Hypothesis, Collection[type[Effect]]]:
+    """Return a hypothesis with the nuisances of the sessions, linearised where the data have them, and their effects.
+
+    The effects are those that the sessions explain, so that they are none of the robot.
+    """
+    errors, of_sessions = session_nuisances(measurement, evidence, bare.nominal), ()
+    for _ in range(SESSION_ROUNDS if errors else 0):
+        hypothesis = replace(bare, nuisances=(*bare.nuisances, *errors))
+        (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
+        errors, of_sessions = session_nuisances(measurement, evidence, bare.nominal, fit), within_sessions(fit)
+    return replace(bare, nuisances=(*bare.nuisances, *errors)), of_sessions
 
 
 def _selected(evidence: Evidence, bare: Hypothesis, effects: Sequence[CandidateEffect]) -> tuple[Evidence, Selection]:
@@ -326,10 +347,12 @@ def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Hypothes
         return fit
     # The residuals are those of the windows, as in every report; the errors are those of the fit to whole runs, except
     # of what only windows show.
-    information = np.linalg.pinv(whole.covariance, hermitian=True)
+    seen = ~fit.hypothesis.is_local
+    information, x = np.zeros_like(fit.information), fit.x.copy()
+    information[np.ix_(seen, seen)], x[seen] = np.linalg.pinv(whole.covariance, hermitian=True), whole.x
     unseen = np.flatnonzero(np.diag(information) <= 0.0)
     information[np.ix_(unseen, unseen)] = fit.information[np.ix_(unseen, unseen)]
-    return replace(at(evidence, fit.hypothesis, whole.x), information=information)
+    return replace(with_local_fitted(at(evidence, fit.hypothesis, x)), information=information)
 
 
 def _best_named(

@@ -5,7 +5,7 @@ them as a parameter with that prior, in addition to the effects that it tests.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from physics.effects.input_delay import InputDelay
 from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.range_scale import RangeScale
+from symolo.core.arrays import Array
 
 Number = float | NDArray[np.float64]
 
@@ -44,6 +45,11 @@ class Nuisance:
     """Function that returns a robot with another value of the parameter, or with an array for many robots at once
     (`physics.robot.stack`). The robot has all its effects: what they add or scale applies on top of the value, and an
     effect of the same name, added later, would replace it."""
+    change: Array | None = field(default=None, compare=False, repr=False)
+    """(N,), change of each sample by one tolerance, of a parameter that only some of the rows have, such as those of a
+    session; None for parameters of the robot."""
+    rest: Array | None = field(default=None, compare=False, repr=False)
+    """(N,), change of each sample that the multiple of `change` lacks at any size; None for none."""
 
 
 def nuisances(nominal: Nominal) -> tuple[Nuisance, ...]:

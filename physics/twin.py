@@ -84,17 +84,19 @@ class KinematicTwin:
         commands = np.concatenate([late, commands[: steps - len(late)]])
         voltage, speed, turned = (np.zeros((steps + 1, lanes, 2)) for _ in range(3))
         voltage[1:] = self._voltages(commands)
+        time_s = np.arange(-1, steps)[:, None, None] * self._step_s
+        supply = np.broadcast_to(self._driveline.supply_V(time_s), time_s.shape)
         if self._driveline.is_bare and lanes <= MAX_SCALAR_TRIALS:
             for lane in range(lanes):
                 speed[1:, lane], turned[1:, lane] = self._turned_alone(voltage[1:, lane])
         else:
-            speed[1:], turned[1:] = self._turned_together(voltage[1:])
+            speed[1:], turned[1:] = self._turned_together(voltage[1:], supply[1:])
         counted = np.cumsum(through(self._counting, turned, self._step_s), axis=0)
         return TwinRun(
             t_s=np.arange(steps + 1) * self._step_s,
             pose=self._path(starts, turned),
             wheel_speed_rad_s=speed,
-            current_A=self._driveline.current_A(voltage, speed),
+            current_A=self._driveline.current_A(voltage, speed, supply),
             counts=np.floor(counted * self._counts_per_rad + 0.5).astype(np.int64),
         )
 
@@ -108,8 +110,8 @@ class KinematicTwin:
             held, voltage_V[k] = self._driveline.voltage_V(held, command_V, float(time_s[k]), self._step_s)
         return voltage_V
 
-    def _turned_together(self, voltage_V: Array) -> tuple[Array, Array]:
-        """Return speeds after each step and angles turned in it, (T, N, 2) each.
+    def _turned_together(self, voltage_V: Array, supply_V: Array) -> tuple[Array, Array]:
+        """Return speeds after each step and angles turned in it, (T, N, 2) each, at the supply's voltages (T, 1, 1).
 
         The coupling between the wheels uses the acceleration of the previous step.
         """
@@ -117,7 +119,7 @@ class KinematicTwin:
         speeds, turned = np.zeros_like(voltage_V), np.zeros_like(voltage_V)
         speed = acceleration = np.zeros(voltage_V.shape[1:])
         for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
-            torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed)
+            torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed, supply_V[k])
             friction = driveline.friction_N_m(torque, speed, k * self._step_s)
             # The body couples the wheels: the acceleration of each one loads the other.
             torque = torque - acceleration @ self._coupling

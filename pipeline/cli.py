@@ -144,7 +144,7 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
         check_address_space()
         code = command_line()(arguments, standalone_mode=False)
     except typer.TyperException as error:
-        return _fail(BAD_INPUT, f"{error.format_message()} (see symolo --help)")
+        return _fail(BAD_INPUT, _usage_problem(error))
     except (InputError, RunFailed, EnvironmentLacking) as error:
         code = next(code for kind, code in CODE_OF.items() if isinstance(error, kind))
         return _fail(code, str(error))
@@ -188,6 +188,14 @@ def _interrupts_noted() -> Iterator[threading.Event]:
     finally:
         for number in handled:
             signal.signal(number, before[number])
+
+
+def _usage_problem(error: typer.TyperException) -> str:
+    """Return what is wrong with the arguments; an option of all commands may stand at the wrong place."""
+    context, name = getattr(error, "ctx", None), getattr(error, "option_name", None)
+    if context is not None and name in {option for each in context.find_root().command.params for option in each.opts}:
+        return f"write {name} before the command: symolo {name} ... {context.info_name}"
+    return f"{error.format_message()} (see symolo --help)"
 
 
 def _fail(code: int, text: str) -> int:

@@ -74,7 +74,7 @@ class Sampling:
 
     period_steps: int
     delay_steps: int
-    looks_before: tuple[int, ...] = ()
+    glances_before: tuple[int, ...] = ()
     """Steps before each sample at which the sensor looks at the world, the earliest first."""
 
     @classmethod
@@ -144,8 +144,8 @@ class Sensor(ABC):
         meaning = " ".join(inspect.cleandoc(cls.__doc__ or cls.name).partition("\n\n")[0].split())
         return sensor_table(cls.name, meaning, cls.columns)
 
-    def look(self, world: World) -> None:
-        """Look at the world before a sample, at the times that `sampling.looks_before` names."""
+    def glance(self, world: World) -> None:
+        """Look at the world before a sample, at the times that `sampling.glances_before` names."""
         raise NotImplementedError
 
     @abstractmethod

@@ -49,8 +49,8 @@ class RangeEffects:
         """Return mean and standard deviation [m] of readings that are rounded to a resolution.
 
         Rounding adds the variance resolution^2 / 12 of a uniform error. A limit is not linear, so the mean after it is
-        an integral over the normal noise, computed by Gauss-Hermite quadrature. The standard deviation is that before
-        the limit: a device may limit what it measures before the noise, so readings at the limit can scatter as others.
+        an integral over the normal noise, computed by Gauss-Hermite quadrature. The standard deviation is
+        that before the limit, because in some devices the noise is added after the limit.
         """
         mean, sd = self.seen(reading_m, sd_m, view)
         if self.limit:

@@ -28,8 +28,8 @@ from symolo.dataset.tables.rows import RANGES
 from symolo.dataset.tables.side_tables import RANGE_STATUS
 
 NO_EFFECTS = RobotEffects()
-LOOKS = 8
-"""Looks at the world within the time over which light is gathered, besides the one at its end."""
+GLANCES = 8
+"""Number of moments within the time over which light is gathered, besides its end, at which the scene is evaluated."""
 
 NOISE_AT_NEAR_MM = 1.41
 """Standard deviation of Eq. 23 up to 0.18 m."""
@@ -42,7 +42,7 @@ class _Light:
     """Light that returns to the three sensors at one moment."""
 
     signal: Array
-    """(3,), light relative to that of a white wall head-on."""
+    """(3,), light relative to that of a flat wall head-on that fills the cone, at any reflectance and distance."""
     share: Array
     """(3, rays), share of each ray in the mean."""
     range_m: Array
@@ -70,10 +70,10 @@ class TofArray(Sensor):
     ) -> None:
         delay_s = through(effects.functions(Slot.RANGE_DELAY), config.delay_s)
         self._gathering_s = through(effects.functions(Slot.RANGE_GATHERING), 0.0)
-        gathering = {round(physics_hz * self._gathering_s * k / LOOKS) for k in range(1, LOOKS + 1)} - {0}
-        looks = tuple(sorted(gathering, reverse=True))
-        self.sampling = replace(Sampling.from_seconds(config.period_s, delay_s, physics_hz), looks_before=looks)
-        self._looked: list[tuple[float, _Light]] = []
+        gathering = {round(physics_hz * self._gathering_s * k / GLANCES) for k in range(1, GLANCES + 1)} - {0}
+        glances = tuple(sorted(gathering, reverse=True))
+        self.sampling = replace(Sampling.from_seconds(config.period_s, delay_s, physics_hz), glances_before=glances)
+        self._glances: list[tuple[float, _Light]] = []
         self._wandering = effects.functions(Slot.RANGE_WANDER)
         # A stream of its own, so that the noise is the same with and without a wandering error.
         self._wander_rng = rng.spawn(1)[0] if self._wandering else rng
@@ -99,7 +99,7 @@ class TofArray(Sensor):
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
         # Index 0 is the floor, which the paper did not measure. It has no offset and the noise of Eq. 23.
         offset_m = np.array([0.0] + [s.offset_m for s in surfaces])
-        sd_m = 1e-3 * np.array([NOISE_AT_NEAR_MM] + [s.sd_at_100_mm_mm for s in surfaces])
+        sd_m = 1e-3 * np.array([NOISE_AT_NEAR_MM] + [s.sd_mm_at_100_mm for s in surfaces])
         self._offset_and_sd_m = np.stack([offset_m, sd_m])
         self._reflectance = np.array([arena.floor_reflectance] + [s.reflectance for s in surfaces])
         self._materials = np.array(["floor"] + [box.surface for box in arena.boxes])
@@ -134,8 +134,8 @@ class TofArray(Sensor):
         ]
         return np.array(self._last)
 
-    def look(self, world: World) -> None:
-        self._looked.append((world.time_s, self._light(world)))
+    def glance(self, world: World) -> None:
+        self._glances.append((world.time_s, self._light(world)))
 
     def _light(self, world: World) -> "_Light":
         """Return the light that returns at this moment."""
@@ -152,15 +152,15 @@ class TofArray(Sensor):
     def _gathered(self, time_s: float, light: "_Light") -> Array:
         """Return the mean range (3,) over the gathering time; moments without returned light do not count."""
         begin_s = time_s - self._gathering_s - 1e-9
-        self._looked = [look for look in self._looked if look[0] >= begin_s] + [(time_s, light)]
-        if len(self._looked) == 1:
+        self._glances = [glance for glance in self._glances if glance[0] >= begin_s] + [(time_s, light)]
+        if len(self._glances) == 1:
             return light.range_m
-        times = np.array([seen_s for seen_s, _ in self._looked])
+        times = np.array([seen_s for seen_s, _ in self._glances])
         gaps = np.diff(times)
         # The trapezoidal rule.
         length_s = 0.5 * (np.append(gaps, 0.0) + np.append(0.0, gaps))
-        ranges = np.stack([seen.range_m for _, seen in self._looked])
-        signals = np.stack([seen.signal for _, seen in self._looked])
+        ranges = np.stack([seen.range_m for _, seen in self._glances])
+        signals = np.stack([seen.signal for _, seen in self._glances])
         weight = length_s[:, None] * (signals > 0.0)
         total = weight.sum(axis=0)
         return np.where(total > 0.0, (weight * ranges).sum(axis=0) / np.maximum(total, 1e-12), light.range_m)
@@ -273,7 +273,7 @@ def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
     the distance grows. The variable of the polynomial is d = x - 0.18 m, so that it is continuous at 0.18 m.
     """
     d = range_m - NEAR_LIMIT_M
-    # The polynomial grows with d and is 1.40 at 0, so that the maximum is that of short range for all d < 0.
+    # For d < 0 the polynomial is below 1.41, so that the maximum is 1.41 there.
     eq_23_mm = np.maximum(((1.15 * d + 2.51) * d + 4.88) * d + 1.40, NOISE_AT_NEAR_MM)
     return np.sqrt(surface_sd_m**2 + 1e-6 * (eq_23_mm**2 - NOISE_AT_NEAR_MM**2))
 

@@ -1,7 +1,7 @@
 """The OptiOdom robot: fitted on some runs, judged on others, by the diagnosis and by usual calibrations."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +69,33 @@ def fitted_drives(folder: Path) -> Iterator[Fitted]:
             others = [IMPORTER.read(folder / kind) for kind in KINDS if kind != path.name] if path.name in KINDS else []
             yield _fitted(path, measurement, others)
     yield _all_together(folder)
+
+
+def left_out_sessions(folder: Path) -> Iterator[Fitted]:
+    """Yield each session, judged by models that were fitted to the whole runs of all other sessions of its kind."""
+    for kind in KINDS:
+        measurement = IMPORTER.read(folder / kind)
+        if measurement.nominal is None:
+            raise ValueError(measurement.name)
+        nominal = nominal_robot(measurement.nominal, draw_robot(load_section("robot", "nominal"), 0, "real sets")[0])
+        for session in sorted({trial.session for trial in measurement.trials}):
+            out = [trial.session == session for trial in measurement.trials]
+            split = replace(
+                measurement,
+                trials=tuple(
+                    replace(trial, holdout=np.full(len(trial.t_s), is_out))
+                    for trial, is_out in zip(measurement.trials, out, strict=True)
+                ),
+            )
+            bare = Hypothesis(nominal, nuisances(measurement.nominal))
+            whole = fitted_to_whole_runs(split, bare, bare.null(), ())
+            fit = _split(split)[1]
+            wheels = {"nominal": NOMINAL, "whole paths": by_whole_paths(fit, NOMINAL, COUNTS)}
+            judge = _Judge(
+                nominal, wheels, with_turned_camera(fit, NOMINAL, COUNTS), {"extended": whole.robot} if whole else {}
+            )
+            missed = {"left out": judge.missed(split, out)}
+            yield Fitted(f"{kind}/{session}", len(fit), (), (), (), _numbers(whole), "-", missed)
 
 
 def _fitted(path: Path, measurement: Measurement, others: Sequence[Measurement]) -> Fitted:

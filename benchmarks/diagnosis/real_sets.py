@@ -1,6 +1,6 @@
 """The diagnosis of real robots: fitted on one part of each set and judged on another.
 
-    python benchmarks/diagnosis/real_sets.py --measured DIR --out DIR [--only drives,motors,range,table-1]
+    python benchmarks/diagnosis/real_sets.py --measured DIR --out DIR [--only drives,sessions,motors,range,table-1]
 
 DIR of --measured holds the sets that docs/diagnosis_evaluation.md names. The output is real_sets.md with all tables,
 drives.json with every run, and plots. One core needs some ten minutes, most of it for the drives.
@@ -9,20 +9,21 @@ drives.json with every run, and plots. One core needs some ten minutes, most of 
 import argparse
 import json
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 from real_benches import BenchResult, motors, range_sensor_at_rest
-from real_drives import METHODS, Fitted, Missed, fitted_drives
+from real_drives import METHODS, Fitted, Missed, fitted_drives, left_out_sessions
 from real_plots import by_session, one_robot
 from table_1 import plot as plot_table_1
 from table_1 import table_1
 
-PARTS = ("table-1", "range", "motors", "drives")
+PARTS = ("table-1", "range", "motors", "sessions", "drives")
 FOLDERS = {
     "range": "tof_vl53l0x_static/static_tof_dist_data_1_h.csv",
     "motors": "opatiny_micromouse",
+    "sessions": "optiodom_diff",
     "drives": "optiodom_diff",
 }
 
@@ -43,6 +44,7 @@ def main() -> None:
         "table-1": lambda: _table_1(arguments.out),
         "range": lambda: "\n".join(bench_table([range_sensor_at_rest(arguments.measured / FOLDERS["range"])])),
         "motors": lambda: "\n".join(bench_table(motors(arguments.measured / FOLDERS["motors"]))),
+        "sessions": lambda: _sessions(arguments.measured / FOLDERS["sessions"]),
         "drives": lambda: _drives(arguments.measured / FOLDERS["drives"], arguments.out),
     }
     text = ""
@@ -68,6 +70,17 @@ def _drives(folder: Path, out: Path) -> str:
     by_session(results, out / "drives_by_session.png")
     one_robot(results[-1], out / "drives_one_robot.png")
     return "\n".join([*drive_table(results), "", *fit_table(results)])
+
+
+def _sessions(folder: Path) -> str:
+    """Return the table of sessions that are left out, with a line for all of them together."""
+    results = list(left_out_sessions(folder))
+    of_all: dict[str, list[Missed]] = {}
+    for fitted in results:
+        for method, missed in fitted.missed["left out"].items():
+            of_all.setdefault(method, []).extend(missed)
+    together = replace(results[-1], name="all sessions", missed={"left out": {m: tuple(e) for m, e in of_all.items()}})
+    return "\n".join(drive_table([*results, together]))
 
 
 def rms(missed: Sequence[Missed]) -> tuple[float, float, float]:

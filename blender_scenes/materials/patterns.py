@@ -6,7 +6,8 @@ from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Arithmetic, Cells, Mix, NoiseTexture, Step, Texture, paint_color
 from configs.schema.paint import Paint
 
-_SEAM = 0.274
+_GUIDE_ROUGHNESS = 0.274
+"""Roughness above which Cycles treats gloss as diffuse in the denoiser's guide (`fabs(roughness^2) > 0.075`)."""
 
 
 def shaded(tone: Texture, paint: Paint, spread: float) -> Mix:
@@ -63,10 +64,10 @@ def either(a: Texture, b: Texture) -> Texture:
 def worn_gloss(roughness: float, by: Texture, depth: float) -> Texture:
     """Return a roughness that varies by `depth` with a pattern of mean 0.5, about `roughness` where possible.
 
-    It stays on one side of 0.274, from which on Cycles counts a gloss as colour in the denoiser's guide
-    (`fabs(roughness^2) > 0.075`): the border would be visible in the image.
+    It stays on one side of the roughness above which Cycles treats gloss as diffuse in the denoiser's guide: the border
+    would be visible in the image.
     """
     low = roughness - 0.5 * depth
-    highest_below = max(_SEAM - 0.006 - depth, 0.0)
-    low = max(low, _SEAM + 0.006) if roughness >= _SEAM else max(min(low, highest_below), 0.0)
+    highest_below = max(_GUIDE_ROUGHNESS - 0.006 - depth, 0.0)
+    low = max(low, _GUIDE_ROUGHNESS + 0.006) if roughness >= _GUIDE_ROUGHNESS else max(min(low, highest_below), 0.0)
     return low + depth * by

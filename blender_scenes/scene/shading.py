@@ -99,7 +99,8 @@ class Tiles(Expression):
     """Offset of the surface within the infinite tiling [m]."""
     value: Literal["joint", "random"] = "joint"
     softness: float = 0.1
-    """Share of the joint's width over which the value rises from 0 to 1."""
+    """Share of half the joint's width, from each of its edges, over which the value rises from 0 to 1; with 1 it rises
+    up to the middle."""
     kind: Literal["tiles"] = "tiles"
 
 

@@ -22,7 +22,7 @@ _CELL_MEANS = {"distance": 0.4, "edge": 0.2, "random": 0.5}
 
 
 def typical_color(surface: Surface) -> RGB:
-    """Return the base colour with every texture at its mean; exact for a surface of one colour."""
+    """Return the base colour with every texture at its mean, and without joints; exact for a surface of one colour."""
     value = _typical(surface.base_color)
     return value if isinstance(value, tuple) else (value, value, value)
 

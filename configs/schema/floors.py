@@ -45,9 +45,9 @@ class Parquet(Section):
 
     paint: Paint = Paint(reflectance=0.34, hue_deg=30, saturation=0.5)
     plank_length_m: float = Field(default=0.5, ge=0.05, le=5)
-    """Length of a plank [m]."""
+    """Length of a plank, from the middle of one gap to that of the next."""
     plank_width_m: float = Field(default=0.07, ge=0.01, le=1)
-    """Width of a plank [m]."""
+    """Width of a plank, from the middle of one gap to that of the next."""
     gap_m: float = Field(default=0.0005, ge=0, le=0.01)
     """Width of the gaps between planks."""
     variation: float = Field(default=0.35, ge=0, le=1)
@@ -67,7 +67,7 @@ class Concrete(Section):
 
 
 class Carpet(Section):
-    """Carpet tiles of loop pile; each is turned by 90 degrees against the next."""
+    """Carpet tiles of loop pile, each with a slightly different shade."""
 
     paint: Paint = Paint(reflectance=0.3, hue_deg=215, saturation=0.15)
     loop_m: float = Field(default=0.003, ge=0.001, le=0.02)
@@ -83,9 +83,9 @@ class PlywoodFloor(Section):
 
     paint: Paint = Paint(reflectance=0.5, hue_deg=36, saturation=0.38)
     sheet_length_m: float = Field(default=2.44, ge=0.2, le=10)
-    """Length of a sheet [m]."""
+    """Length of a sheet, from the middle of one seam to that of the next."""
     sheet_width_m: float = Field(default=1.22, ge=0.2, le=10)
-    """Width of a sheet [m]."""
+    """Width of a sheet, from the middle of one seam to that of the next."""
     seam_m: float = Field(default=0.001, ge=0, le=0.01)
     """Width of the open seams between sheets."""
     variation: float = Field(default=0.15, ge=0, le=1)
@@ -99,9 +99,9 @@ class PaperSheets(Section):
 
     paint: Paint = Paint(reflectance=0.8, hue_deg=50, saturation=0.03)
     sheet_length_m: float = Field(default=0.841, ge=0.1, le=5)
-    """Length of a sheet; by default that of A1."""
+    """Length of a sheet without its overlap, from the middle of one seam to that of the next; by default that of A1."""
     sheet_width_m: float = Field(default=0.594, ge=0.1, le=5)
-    """Width of a sheet; by default that of A1 [m]."""
+    """Width of a sheet without its overlap, from the middle of one seam to that of the next; by default that of A1."""
     variation: float = Field(default=0.03, ge=0, le=0.5)
     """Spread of reflectance from sheet to sheet."""
     buckling: float = Field(default=0.4, ge=0, le=1)

@@ -181,7 +181,8 @@ class TofSensor(Section):
     beam_sigma_deg: float = Field(gt=0, le=90)
     """Standard deviation of the Gaussian beam profile that weighs the rays."""
     signal_threshold: float = Field(ge=0, le=1)
-    """Weighted share of returned light, relative to a wall at right angles, below which there is no target."""
+    """Light that returns, weighted by the beam, relative to a flat wall head-on that fills the cone; below this share
+    there is no target. Reflectance and distance do not count."""
     period_s: float = Field(gt=0, le=1)
     """Time between readings [s]."""
     delay_s: float = Field(ge=0, le=1)
@@ -195,7 +196,8 @@ class TofSensor(Section):
     error_scale: float = Field(ge=-2, le=2)
     """Factor on Eq. 24 in the form 59.77 mm ln(x / 0.18 m)."""
     noise_scale: float = Field(ge=0, le=10)
-    """Factor on the standard deviation of the noise (Eq. 23, and per surface Tables 3 and 4); 0 for no noise."""
+    """Factor on the standard deviation of the noise (Eq. 23, and per surface Tables 3 and 4), which is 0.8 to 1.8 mm at
+    0.1 m by surface and grows to about 4 mm at 0.6 m; 0 for no noise."""
     quantisation_m: float = Field(ge=0, le=0.1)
     """Step of the readings [m]; 0 for none."""
     temperature_C: float = Field(default=25.0, ge=-40, le=125)

@@ -16,7 +16,10 @@ FOLDER = Path(__file__).parent
 
 @dataclass(frozen=True)
 class Example:
+    """A case of the package, and the truth about it."""
+
     folder: Path
+    """Folder of the case; its name is that of the example."""
     kind: str
     """Kind of the case, such as motor_steady."""
     hidden: Mapping[str, Mapping[str, object]]
@@ -30,7 +33,7 @@ class Example:
         """Copy the case into a folder that is new or empty.
 
         Raises:
-            InputError: There is something else.
+            InputError: The folder exists and is not empty.
         """
         check_new(out)
         with new_folder(out) as folder:
@@ -57,7 +60,7 @@ def example_of(name: str) -> Example:
     """Return the example of this name, or the first one with a hidden effect of this kind.
 
     Raises:
-        InputError: There is none.
+        InputError: No example has this name or kind.
     """
     cases = examples()
     for case in cases:

@@ -7,6 +7,7 @@ import numpy as np
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive
 from symolo.core.arrays import Array
@@ -51,7 +52,7 @@ def _left_out(nominal: NominalDrive, measurement: Measurement) -> list[str]:
     notes = []
     if nominal.motor is None and has("u_left_V"):
         notes.append("nominal.yaml has no section motor: speeds are not compared with voltages")
-    ranges = [side for side in ("front", "left", "right") if has(f"tof_{side}_m")]
+    ranges = [side for side in RANGE_SIDES if has(f"tof_{side}_m")]
     lacking = [name for name, section in (("tof", nominal.tof), ("world", nominal.world)) if section is None]
     if ranges and lacking:
         notes.append(f"nominal.yaml has no section {' and '.join(lacking)}: ranges are not compared")

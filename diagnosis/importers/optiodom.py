@@ -106,7 +106,7 @@ def _trial(path: Path, *, alone: bool) -> tuple[Trial, Sequence[str]]:
     name = f"{path.parent.parent.name}/{path.stem}"
     run = _RUN.fullmatch(path.name)
     is_held = not alone and run is not None and int(run[2]) % EVERY == 0
-    return Trial(name, t_s, np.full(len(t_s), is_held), tuple(channels)), table.notes
+    return Trial(name, t_s, np.full(len(t_s), is_held), tuple(channels), session=path.parent.name), table.notes
 
 
 def _metadata(session: Path) -> Mapping[str, tuple[float, ...]]:

@@ -36,6 +36,8 @@ to steepest descent."""
 SETTLED = 0.02
 """Change of the cost at which a fit ends; far below the changes that affect the choice of effects."""
 MAX_STEPS = 15
+LOCAL_STEPS = 2
+"""Steps for nuisances that enter linearly; only the weights of outliers change from one to the next."""
 FAR = 40.0
 """Cost above the best simultaneous fit from which a slow fit is stopped: it is no rival, so its exact cost is not
 needed."""
@@ -58,7 +60,9 @@ class HypothesisFit:
     cost: float
     """Cost over the rows of the fit, priors included."""
     z: Array
-    """(N,), standardised residuals at x, including held-out rows."""
+    """(N,), standardised residuals at x, including held-out rows; 0 where `lost`."""
+    lost: Mask
+    """(N,), usable samples without a finite prediction, which make the cost infinite."""
     sd: Array
     """(N,), standard deviation of the fitted noise of a good reading at x."""
     noise: NoiseFit
@@ -78,13 +82,18 @@ class HypothesisFit:
         return self.hypothesis.robot(self.x)
 
     @property
+    def local_change(self) -> Array | float:
+        """Return the change (N,) of the samples by all that is no property of the robot."""
+        return self.hypothesis.local_change(self.x)
+
+    @property
     def prior_cost(self) -> float:
         return float((self.hypothesis.prior(self.x) ** 2).sum())
 
     @property
     def costs(self) -> Array:
         """Return the cost of each sample, (N,), including held-out rows."""
-        return costs_of_residuals(self.evidence, self.z, self.sd, self.noise)
+        return costs_of_residuals(self.evidence, np.where(self.lost, np.inf, self.z), self.sd, self.noise)
 
     def root_weights(self, z: Array | None = None) -> Array:
         """Return the roots of the weights (N,) of samples in a linear test; 0 outside the rows of the fit.
@@ -176,6 +185,20 @@ def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> HypothesisFit:
     return fit
 
 
+def with_local_fitted(fit: HypothesisFit) -> HypothesisFit:
+    """Return a fit with the nuisances of single sessions fitted, and everything else unchanged."""
+    hypothesis, x = fit.hypothesis, fit.x.copy()
+    local = hypothesis.is_local
+    if not local.any():
+        return fit
+    for _ in range(LOCAL_STEPS):
+        tangents = fit.slopes[local] * (root := fit.root_weights())
+        system = tangents @ tangents.T + np.eye(len(tangents))
+        x[local] += np.linalg.solve(system, tangents @ (root * fit.z) - x[local])
+        fit = at(fit.evidence, hypothesis, x)
+    return fit
+
+
 def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[HypothesisFit]:
     """Return residuals and derivatives of each state at its coordinates; they are predicted if not known yet."""
     unknown = [state for state in states if state.fit is None]
@@ -263,11 +286,11 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     spreads = np.where(np.isfinite(spreads), spreads, 0.0)
     start = stated_noise(evidence)
     z = residuals(evidence, here, start)[0]
-    noise = fitted_noise(
-        evidence, z, prediction.sd[0], state.noise or start, _with_own_level(evidence, hypothesis, spreads)
-    )
+    lost = np.isinf(z)
+    z, sd = np.where(lost, 0.0, z), np.where(lost, evidence.sd, prediction.sd[0])
+    noise = fitted_noise(evidence, z, sd, state.noise or start, _with_own_level(evidence, hypothesis, spreads))
     level = noise.levels[evidence.quantity]
-    z, sd = z / level, prediction.sd[0] * level
+    z, sd = z / level, sd * level
     slopes = (prediction.mean[1:] - prediction.mean[0]) / (sd * offsets)
     slopes = np.where(np.isfinite(slopes), slopes, 0.0)
     rows = evidence.fit
@@ -281,7 +304,9 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     information[range(nuisances), range(nuisances)] += 1.0
     state.cost = float(cost(evidence, here, hypothesis.prior(x)[None], rows, noise)[0])
     state.noise = noise
-    state.fit = HypothesisFit(evidence, hypothesis, x.copy(), state.cost, z, sd, noise, slopes, spreads, information)
+    state.fit = HypothesisFit(
+        evidence, hypothesis, x.copy(), state.cost, z, lost, sd, noise, slopes, spreads, information
+    )
 
 
 def _with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
@@ -326,4 +351,5 @@ def _predicted(evidence: Evidence, requests: Sequence[tuple[Hypothesis, Array]])
         return []
     batch = evidence.predicted([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
     ends = np.cumsum([len(x) for _, x in requests]).tolist()
-    return [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]
+    parts = [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]
+    return [part.moved(hypothesis.local_change(x)) for part, (hypothesis, x) in zip(parts, requests, strict=True)]

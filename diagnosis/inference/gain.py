@@ -43,9 +43,25 @@ class Gain:
     """Name, error before and error after of each observed quantity."""
 
 
-def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gain | None:
-    """Return the gain on the held-out rows; None if there are none."""
-    return gain_of(evidence, evidence.predicted([nominal, extended]).mean) if evidence.heldout.any() else None
+def gain(
+    evidence: Evidence,
+    nominal: RobotConfig,
+    extended: RobotConfig,
+    changes: tuple[Array | float, Array | float] = (0.0, 0.0),
+) -> Gain | None:
+    """Return the gain on the held-out rows; None if there are none.
+
+    Args:
+        evidence: The observations.
+        nominal: The robot of the first model.
+        extended: The robot of the second model.
+        changes: (N,) each, what each model adds to the prediction by its robot, such as the errors of a session.
+    """
+    if not evidence.heldout.any():
+        return None
+    prediction = evidence.predicted([nominal, extended])
+    both = [prediction.some([k]).moved(change).mean for k, change in enumerate(changes)]
+    return gain_of(evidence, np.concatenate(both))
 
 
 def gain_of(evidence: Evidence, mean: Array) -> Gain | None:

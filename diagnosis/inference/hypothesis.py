@@ -17,6 +17,7 @@ import numpy as np
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import Coordinate
+from diagnosis.measured.channel import Mask
 from diagnosis.nuisances import Nuisance
 from symolo.core.arrays import Array
 
@@ -125,6 +126,32 @@ class Hypothesis:
         for nuisance, deviation in zip(self.nuisances, x.tolist(), strict=False):
             robot = nuisance.applied(robot, deviated(nuisance, deviation))
         return robot
+
+    def local_change(self, x: Array) -> Array | float:
+        """Return the change (..., N) of the samples by all that is no property of the robot, at coordinates (..., P).
+
+        These are small errors, such as the heading of a tracked body in one session, and enter linearly.
+        """
+        return x[..., self.is_local] @ self._changes + self._rest if self.is_local.any() else 0.0
+
+    @cached_property
+    def is_local(self) -> Mask:
+        """(P,), whether a coordinate is a nuisance of some of the rows, and no property of the robot."""
+        local = [nuisance.change is not None for nuisance in self.nuisances]
+        return np.array([*local, *(False for effect in self.effects for _ in effect.coordinates)], dtype=bool)
+
+    def of_robot(self, x: Array) -> "tuple[Hypothesis, Array]":
+        """Return the hypothesis without the nuisances that are no property of the robot, and its coordinates."""
+        kept = tuple(nuisance for nuisance in self.nuisances if nuisance.change is None)
+        return replace(self, nuisances=kept), x[~self.is_local]
+
+    @cached_property
+    def _changes(self) -> Array:
+        return np.stack([nuisance.change for nuisance in self.nuisances if nuisance.change is not None])
+
+    @cached_property
+    def _rest(self) -> Array | float:
+        return sum((nuisance.rest for nuisance in self.nuisances if nuisance.rest is not None), start=0.0)
 
     def robots(self, x: Array) -> list[RobotConfig]:
         """Return the robots with coordinates (M, P)."""

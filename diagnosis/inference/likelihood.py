@@ -74,13 +74,17 @@ def robust_weight(z: Array) -> Array:
 
 
 def residuals(evidence: Evidence, prediction: Prediction, noise: NoiseFit) -> Array:
-    """Return the residuals (M, N) in sigmas of the fitted noise; 0 at samples that are not usable."""
+    """Return the residuals (M, N) in sigmas of the fitted noise.
+
+    They are 0 at samples that are not usable, and infinite at usable ones without a finite prediction, which must not
+    be as cheap as a perfect one.
+    """
     z = (evidence.values - prediction.mean) / (prediction.sd * noise.levels[evidence.quantity])
-    return np.where(np.isfinite(z), z, 0.0)
+    return np.where(np.isfinite(z), z, np.where(evidence.fit | evidence.heldout, np.inf, 0.0))
 
 
 def sample_costs(evidence: Evidence, prediction: Prediction, noise: NoiseFit) -> Array:
-    """Return the cost of each sample (M, N); 0 at samples that are not usable."""
+    """Return the cost of each sample (M, N), 0 if it is not usable and infinite without a finite prediction."""
     sd = prediction.sd * noise.levels[evidence.quantity]
     return costs_of_residuals(evidence, residuals(evidence, prediction, noise), sd, noise)
 
@@ -94,8 +98,10 @@ def costs_of_residuals(evidence: Evidence, z: Array, sd: Array, noise: NoiseFit)
         sd: (..., N), standard deviation of the fitted noise of a good reading.
         noise: Shares of outliers; its levels are part of `sd`.
     """
-    good, outlier = _densities(evidence, z, sd, noise)
-    return np.where(np.isfinite(evidence.values), -2.0 * evidence.weight * np.log(good + outlier), 0.0)
+    lost = np.isinf(z)
+    good, outlier = _densities(evidence, np.where(lost, 0.0, z), sd, noise)
+    costs = np.where(np.isfinite(evidence.values), -2.0 * evidence.weight * np.log(good + outlier), 0.0)
+    return np.where(lost, np.inf, costs)
 
 
 def weights(evidence: Evidence, z: Array, sd: Array, noise: NoiseFit) -> tuple[Array, Array]:

@@ -61,7 +61,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
         starts.append(x)
     robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
     costs_before = fit.costs
-    predictions = evidence.predicted(robots)
+    predictions = evidence.predicted(robots).moved(fit.local_change)
     drops, sizes = _along_lines(evidence, fit, predictions.mean)
     best: dict[CandidateEffect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):

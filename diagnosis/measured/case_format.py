@@ -7,11 +7,15 @@ from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.scale import Reach
+from sensors.range_view import RANGE_SENSORS
 from symolo.core.table import WordColumn
 
 DATA = "data.csv"
 HOLDOUT = "holdout"
 SPLIT = WordColumn("split", ("fit", HOLDOUT))
+
+RANGE_SIDES: tuple[str, ...] = tuple(RANGE_SENSORS.tolist())
+"""Range sensors of a drive, in the order of their columns."""
 
 NO_TARGET_FROM_M = 8.19
 """Smallest of the device's codes for "no target", which are 8190 and 8191 mm."""
@@ -70,9 +74,7 @@ COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
             MeasuredColumn("u_right_V", "V", Role.INPUT, _VOLTAGE, 5),
             MeasuredColumn("enc_left_ticks", "ticks", Role.READING, _COUNT, 0),
             MeasuredColumn("enc_right_ticks", "ticks", Role.READING, _COUNT, 0),
-            MeasuredColumn("tof_front_m", "m", Role.READING, _RANGE, 5),
-            MeasuredColumn("tof_left_m", "m", Role.READING, _RANGE, 5),
-            MeasuredColumn("tof_right_m", "m", Role.READING, _RANGE, 5),
+            *(MeasuredColumn(f"tof_{side}_m", "m", Role.READING, _RANGE, 5) for side in RANGE_SIDES),
             MeasuredColumn("x_m", "m", Role.READING, _PLACE, 6),
             MeasuredColumn("y_m", "m", Role.READING, _PLACE, 6),
             MeasuredColumn("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4), 6),
@@ -109,7 +111,7 @@ BLIND: Mapping[CaseKind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
 ORDERING = frozenset({"row", "sweep", "trial", "split", "session_time_s", "t_s", "material"})
 """Columns that identify the row and are not channels."""
 
-RANGES = frozenset({"reading_m", "tof_front_m", "tof_left_m", "tof_right_m"})
+RANGES = frozenset({"reading_m", *(f"tof_{side}_m" for side in RANGE_SIDES)})
 """Channels that may contain the device's code for "no target"."""
 
 CAMERA_CHANNELS = frozenset(_POSE)

@@ -59,6 +59,8 @@ class Trial:
     """Whether `t_s` are times."""
     part: str = ""
     """Part of the robot that was measured; empty if it is the same in all trials."""
+    session: str = ""
+    """Session in which the trial was driven: between sessions, markers and clocks are set again. Empty if not known."""
 
     def __post_init__(self) -> None:
         rows = len(self.t_s)

@@ -38,17 +38,17 @@ class PoseByTicks:
     """How the pose moves with the ticks, by least squares over all rows."""
 
     m_per_tick: float
-    """Way forward over the mean ticks of both wheels."""
+    """Distance forward for a change of the mean of both ticks by one."""
     rad_per_tick: float
-    """Turn over the difference of the ticks, right minus left."""
+    """Turn for a change of the difference of the ticks, right minus left, by one."""
     pose_xy_m: float
-    """Standard deviation of a place."""
+    """Standard deviation of the noise of x_m and y_m in one row [m]."""
     pose_theta_rad: float
-    """Standard deviation of a heading."""
+    """Standard deviation of the noise of theta_rad in one row [rad]."""
     forward_share: float
-    """Share of the steps of the pose, as the sum of squares, that the ticks explain."""
+    """Sum of squares of the steps by the ticks, as a share of that of the steps of the pose."""
     turn_share: float
-    """The same of the turns."""
+    """Sum of squares of the turns by the ticks, as a share of that of the turns of the pose."""
 
 
 def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
@@ -94,7 +94,9 @@ def contradictions(moved: PoseByTicks) -> list[str]:
 
 
 def _steps(trial: Trial) -> Array:
-    """Return forward way [m], turn [rad], mean ticks, right minus left ticks and way [m] between rows, (N - 1, 5)."""
+    """Return distance forward [m], turn [rad], mean ticks, right minus left ticks, and distance [m] from each row to
+    the next, (N - 1, 5).
+    """
     names = ("x_m", "y_m", "theta_rad", "enc_left_ticks", "enc_right_ticks")
     columns = np.stack([trial[name].values for name in names])
     x, y, turn, left, right = columns[:, 1:] - columns[:, :-1]

@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from symolo.core.errors import FaultList, InputError, nearest
-
-SIDES = ("front", "left", "right")
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,7 @@ def _of_drive(measurement: Measurement) -> Sequence[KnownNumber]:
         numbers += [_TICKS, *(_WHEELS if has_pose else ())]
         if has(measurement, "u_left_V", "u_right_V"):
             numbers += [*_MOTOR, _INERTIA]
-    sides = [side for side in SIDES if has(measurement, f"tof_{side}_m")]
+    sides = [side for side in RANGE_SIDES if has(measurement, f"tof_{side}_m")]
     if has_pose and sides:
         numbers += [*_ROOM, _MAX_RANGE, *(number for side in sides for number in _mount(side))]
     return numbers
@@ -98,7 +97,7 @@ NUMBERS = (
     _INERTIA,
     *_ROOM,
     _MAX_RANGE,
-    *(number for side in SIDES for number in _mount(side)),
+    *(number for side in RANGE_SIDES for number in _mount(side)),
 )
 """All numbers that may matter for some log."""
 
@@ -140,4 +139,5 @@ def value_of(text: str, number: KnownNumber) -> float:
 
 
 def missing(numbers: Sequence[KnownNumber], known: Mapping[str, float]) -> list[KnownNumber]:
+    """Return the numbers that are not known, in their order."""
     return [number for number in numbers if number.key not in known]

@@ -1,6 +1,5 @@
 """A log of any origin: one header line, and below it columns of numbers or words."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -11,11 +10,9 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.files.text_file import read_text
-from symolo.core.table import cells_of, number_of
+from symolo.core.table import NO_NUMBER, cells_of, number_of
 
 SEPARATORS = (",", ";", "\t")
-_MISSING = re.compile(r"[-+]?nan|null|none|na|n/a|", re.IGNORECASE)
-"""Words by which loggers mark a sample that is missing."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +37,7 @@ class LogFile:
         values = np.array([self._number(cell) for cell in self.columns[name]])
         wrong = np.flatnonzero(np.isinf(values)).tolist()
         if wrong:
-            more = f"; so do {len(wrong) - 1} more rows" if len(wrong) > 1 else ""
+            more = f"; rows of this column with such a cell: {len(wrong)}" if len(wrong) > 1 else ""
             cure = f"leave the cell empty where nothing was measured{more}"
             where = f"{self.path}: row {wrong[0] + 2}"
             got = self.columns[name][wrong[0]]
@@ -49,7 +46,7 @@ class LogFile:
 
     def _number(self, cell: str) -> float:
         """Return the number in a cell; NaN if it is missing, and infinity if it is anything else."""
-        if _MISSING.fullmatch(cell):
+        if not cell or NO_NUMBER.fullmatch(cell):
             return np.nan
         value = number_of(cell.replace(",", ".") if self.has_decimal_commas else cell)
         return value if isfinite(value) else np.inf
@@ -80,7 +77,8 @@ def read_log(path: Path) -> LogFile:
     wrong = [number for number, row in enumerate(rows, 2) if len(row) != len(header)]
     if wrong:
         what = f"{len(rows[wrong[0] - 2])} cells under a header of {len(header)}"
-        more = f"; so do {len(wrong) - 1} more rows, the last one row {wrong[-1]}" if len(wrong) > 1 else ""
+        count = f"rows with a wrong number of cells: {len(wrong)}, the last one is row {wrong[-1]}"
+        more = f"; {count}" if len(wrong) > 1 else ""
         raise InputError(what, where=f"{path}: row {wrong[0]}", cure=f"repair or remove the row{more}")
     if not rows:
         raise InputError("has no rows below the header", where=str(path))

@@ -1,5 +1,7 @@
 """The mapping file of a log: which of its columns, in which unit, is which quantity of a case."""
 
+import json
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
@@ -9,10 +11,9 @@ from pydantic import Field, ValidationError
 from configs.schema.base import Section
 from configs.schema_faults import all_explained
 from configs.shapes import Shape
-from diagnosis.measured.case_format import COLUMNS
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.quantities import NEEDED, our_columns
+from diagnosis.new_case.quantities import NEEDED, our_columns, quantity_names
 from diagnosis.new_case.units import factor_to
 from symolo.core.errors import FaultList, InputError, nearest, together
 from symolo.core.yaml.reader import read_yaml
@@ -70,13 +71,16 @@ def check_mapping(mapping: LogMapping, log: LogFile, where: str) -> None:
         InputError: A column does not exist, a unit does not fit, or too few quantities are mapped; all are reported.
     """
     faults, kind = FaultList(), mapping.case_kind
-    known = [column.name for column in COLUMNS[kind]]
+    known, ours = quantity_names(kind), our_columns(kind)
     for name, source in mapping.columns.items():
         place = f"{where}: columns.{name}"
         with faults.noted():
             if name not in known:
                 raise InputError(
-                    "no column of data.csv", where=place, allowed=", ".join(known), nearest=nearest(name, known)
+                    "no column of data.csv that a mapping can give",
+                    where=place,
+                    allowed=", ".join(known),
+                    nearest=nearest(name, known),
                 )
             if bool(source.column) == (source.constant is not None):
                 raise InputError("give either a column or a constant", where=place)
@@ -88,15 +92,26 @@ def check_mapping(mapping: LogMapping, log: LogFile, where: str) -> None:
                     allowed=", ".join(log.columns),
                     nearest=nearest(source.column, log.columns),
                 )
+            if source.constant is not None:
+                _check_constant(name, source, place, is_number=name in ours)
         with faults.noted():
-            ours = our_columns(kind)
             factor_to(ours[name].unit if name in ours else "", source.unit, place)
     with faults.noted():
-        check_needed(kind, mapping.columns, where)
+        _check_needed(kind, mapping.columns, where)
     faults.check()
 
 
-def check_needed(kind: CaseKind, names: Mapping[str, object], where: str) -> None:
+def _check_constant(name: str, source: Source, where: str, *, is_number: bool) -> None:
+    if name == "t_s":
+        raise InputError("the time cannot be constant", where=where, cure="name the column of the times")
+    if is_number and isinstance(source.constant, str):
+        raise InputError("the constant is no number", where=where, got=source.constant, allowed="a number, unquoted")
+    if source != Source(constant=source.constant):
+        what = "a constant takes no unit, factor or time_offset_s"
+        raise InputError(what, where=where, cure="write it in the unit of data.csv")
+
+
+def _check_needed(kind: CaseKind, names: Mapping[str, object], where: str) -> None:
     """Refuse too few quantities for a diagnosis of a kind of case.
 
     Raises:
@@ -113,13 +128,19 @@ def check_needed(kind: CaseKind, names: Mapping[str, object], where: str) -> Non
         )
 
 
+def unused_columns(mapping: LogMapping, log: LogFile) -> list[str]:
+    """Return the columns of a log that a mapping does not use."""
+    used = {source.column for source in mapping.columns.values()}
+    return [name for name in log.columns if name not in used]
+
+
 def mapping_text(mapping: LogMapping, log: LogFile, out: Path) -> str:
-    """Return the text of a mapping file, with comments that say how to change it."""
-    ignored = [name for name in log.columns if name not in {source.column for source in mapping.columns.values()}]
-    ours = our_columns(mapping.case_kind)
+    """Return the text of a mapping file for the folder `out`, with comments that say how to change it."""
+    command = ["symolo", "case", "init", f"{log.path}", "--mapping", f"{out / MAPPING}", "--out", f"{out}-2"]
+    unused = unused_columns(mapping, log)
     lines = [
         f"# Which column of {log.path.name} is which column of data.csv. To change it, edit a line and run",
-        f"#   symolo case init {log.path} --mapping {MAPPING} --out {out}-2",
+        f"#   {shlex.join(command)}",
         "# unit: unit in the log, such as mm, deg, ms, rpm, mV. factor: factor besides the unit; -1 turns the sign.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
         "# A quantity that was constant: {constant: VALUE}, in the unit of data.csv.",
@@ -127,12 +148,11 @@ def mapping_text(mapping: LogMapping, log: LogFile, out: Path) -> str:
         "columns:",
     ]
     for name, source in mapping.columns.items():
-        fields = {"column": f'"{source.column}"'} if source.column else {"constant": f"{source.constant}"}
-        fields |= {"unit": f'"{source.unit}"'} if source.unit else {}
-        fields |= {"factor": f"{source.factor:.10g}"} if source.factor != 1.0 else {}
-        fields |= {"time_offset_s": f"{source.time_offset_s:g}"} if source.time_offset_s else {}
-        lines.append(f"  {name}: {{{', '.join(f'{key}: {value}' for key, value in fields.items())}}}")
-    absent = [name for name in ours if name not in mapping.columns]
-    lines += [f"# not used: {', '.join(ignored)}"] if ignored else []
+        # JSON is YAML: a name or number in it reads back exactly.
+        fields = source.model_dump(exclude_defaults=True)
+        texts = [f"{key}: {json.dumps(value, ensure_ascii=False)}" for key, value in fields.items()]
+        lines.append(f"  {name}: {{{', '.join(texts)}}}")
+    absent = [name for name in quantity_names(mapping.case_kind) if name not in mapping.columns]
+    lines += [f"# not used: {', '.join(unused)}"] if unused else []
     lines += [f"# not logged: {', '.join(absent)}"] if absent else []
     return "\n".join(lines) + "\n"

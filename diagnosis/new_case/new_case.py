@@ -6,12 +6,12 @@ from pathlib import Path
 
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.case_format import DATA
+from diagnosis.measured.case_format import DATA, RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NOMINAL
 from diagnosis.measured.write_case import csv_of
 from diagnosis.new_case.estimates import contradictions, pose_by_ticks
-from diagnosis.new_case.known_numbers import SIDES, KnownNumber, has, missing, numbers_of
+from diagnosis.new_case.known_numbers import KnownNumber, has, missing, numbers_of
 from diagnosis.new_case.log_file import LogFile
 from diagnosis.new_case.mapping import MAPPING, LogMapping, mapping_text
 from diagnosis.new_case.nominal_text import compared_sides, nominal_text
@@ -95,7 +95,7 @@ class NewCase:
             reason = f", because the log lacks {' and '.join(lacking)}" if lacking else ""
             lines.append(f"{'not compared' if lacking else 'compared'}: {title}{reason}")
         sides = compared_sides(self.measurement, self.known)
-        for side in SIDES:
+        for side in RANGE_SIDES:
             if side in sides:
                 lines.append(f"compared: range of the {side} sensor")
             elif has(self.measurement, f"tof_{side}_m"):
@@ -104,7 +104,7 @@ class NewCase:
                 has_pose = has(self.measurement, "x_m", "y_m", "theta_rad")
                 reason = f"{', '.join(lacking)} not given" if has_pose else "the log lacks poses"
                 lines.append(f"not compared: range of the {side} sensor, because {reason}")
-        if not any(has(self.measurement, f"tof_{side}_m") for side in SIDES):
+        if not any(has(self.measurement, f"tof_{side}_m") for side in RANGE_SIDES):
             lines.append("not compared: ranges, because the log lacks them")
         return lines
 

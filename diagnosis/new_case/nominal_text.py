@@ -1,15 +1,17 @@
 """The text of nominal.yaml for a new case, with a comment on the source of each number."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import json
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
 
 import numpy as np
 
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.screening import noise_of, usual
 from diagnosis.new_case.estimates import contradictions, motor_of, pose_by_ticks, speed_noise, wheels_of
-from diagnosis.new_case.known_numbers import SIDES, has
+from diagnosis.new_case.known_numbers import has
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
 from symolo.core.errors import InputError
@@ -24,7 +26,8 @@ USUAL_MOTOR: Mapping[str, float] = {
     "rotor_inertia_kg_m2": 0.003,
 }
 """Round numbers of the motors of the paper, at the wheel, with half of the robot's inertia."""
-USUAL_DIAMETER_M = 0.065
+USUAL_DIAMETER_M, USUAL_TRACK_M = 0.065, 0.14
+"""Wheels of the robot of the paper."""
 REFLECTANCE: Mapping[str, float] = {"white": 0.85, "grey": 0.18, "gray": 0.18, "black": 0.05, "wood": 0.45}
 """Reflectances by a word of the material's name; 0.5 for any other."""
 _ESTIMATED = "NOT KNOWN: estimated from this log"
@@ -121,7 +124,7 @@ def _range_bench(measurement: Measurement, _known: dict[str, float]) -> Iterator
     yield "  reflectance:"
     for material in sorted(set(trial.label("material").values)) or ["any"]:
         share = next((share for word, share in REFLECTANCE.items() if word in material.lower()), 0.5)
-        yield f'    "{material or "any"}": {share:g}  # a usual value'
+        yield f"    {json.dumps(material or 'any', ensure_ascii=False)}: {share:g}  # a usual value"
     yield from ("noise:", *_range_noise(""))
 
 
@@ -132,20 +135,22 @@ def _range_noise(prefix: str) -> Iterator[str]:
 
 def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     has_ticks = has(measurement, "enc_left_ticks", "enc_right_ticks")
+    usual_wheels = {"wheel_diameter_m": USUAL_DIAMETER_M, "track_m": USUAL_TRACK_M}
     if not has_ticks:
-        known = {"ticks_per_turn": 1000.0, "wheel_diameter_m": USUAL_DIAMETER_M, "track_m": 0.14} | known
+        known = {"ticks_per_turn": 1000.0, **usual_wheels} | known
     given = set(known)
     if not given & {"ticks_per_turn", "wheel_diameter_m"}:
         known["wheel_diameter_m"] = USUAL_DIAMETER_M
     moved = pose_by_ticks(measurement)
-    known |= wheels_of(moved, known)
+    estimated = wheels_of(moved, known)
+    known |= estimated
     if "ticks_per_turn" not in known:
         raise InputError(
             "ticks_per_turn is missing, and without poses it cannot be estimated",
             where=measurement.where,
             cure="give it with --set ticks_per_turn=NUMBER: pulses of the encoder, times edges, times gear ratio",
         )
-    known = {"wheel_diameter_m": USUAL_DIAMETER_M, "track_m": 0.14} | known
+    known = usual_wheels | known
     if has_ticks and has(measurement, "u_left_V", "u_right_V"):
         motor = {key: value for key, value in known.items() if key in {*given, "ticks_per_turn"}}
         yield from _motor(measurement, motor, list(USUAL_MOTOR), gear=False)
@@ -156,9 +161,10 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     ):
         value = scale * known[key]
         is_given = key in given and (key != "wheel_diameter_m" or "ticks_per_turn" in given)
-        comment = "given; usual tolerance" if is_given else _ESTIMATED if has_ticks else "not used: no counts"
+        comment = "given; usual tolerance" if is_given else _origin(key, given, estimated, has_ticks=has_ticks)
         yield _Value(value, (share if is_given else UNKNOWN_WHEELS) * value, comment).line(name)
-    comment = "given" if "ticks_per_turn" in given else _ESTIMATED if has_ticks else "not used: no counts"
+    key = "ticks_per_turn"
+    comment = "given" if key in given else _origin(key, given, estimated, has_ticks=has_ticks)
     yield f"  encoder_ticks_per_revolution: {known['ticks_per_turn']:g}  # {comment}"
     yield from _ranges(measurement, known)
     yield "noise:  # standard deviations; a factor of two off does no harm"
@@ -171,6 +177,15 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
         yield f"  pose_theta_rad: {max(moved.pose_theta_rad, 1e-4):.3g}  # estimated from this log"
     yield "  travel_m_per_sqrt_m: 0.001  # slip: a millimetre per metre"
     yield from _range_noise("tof_")
+
+
+def _origin(key: str, given: Container[str], estimated: Container[str], *, has_ticks: bool) -> str:
+    """Return the comment for a number of the wheels that may be wrong."""
+    if not has_ticks:
+        return "not used: no counts"
+    if key in given:
+        return "given, but the ticks were estimated with it"
+    return _ESTIMATED if key in estimated else _ASSUMED
 
 
 def _ranges(measurement: Measurement, known: Mapping[str, float]) -> Iterator[str]:
@@ -195,6 +210,6 @@ def compared_sides(measurement: Measurement, known: Mapping[str, float]) -> list
         return []
     return [
         side
-        for side in SIDES
+        for side in RANGE_SIDES
         if has(measurement, f"tof_{side}_m") and {f"{side}_x_m", f"{side}_y_m", f"{side}_yaw_deg"} <= set(known)
     ]

@@ -12,7 +12,7 @@ from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.scale import beyond_scale, likely_unit
 from diagnosis.measured.screening import usual
 from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.mapping import MAPPING, LogMapping, Source, check_needed
+from diagnosis.new_case.mapping import MAPPING, LogMapping, Source
 from diagnosis.new_case.quantities import DUTY, NEEDED, matched, our_columns
 from diagnosis.new_case.units import factor_to, taken_apart
 from symolo.core.arrays import Array
@@ -50,7 +50,8 @@ def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None =
     """
     kind = kind or _kind(log)
     found = matched(kind, list(log.columns))
-    check_needed(kind, found, f"{log.path}: row 1")
+    if not _suffices(kind, found):
+        raise _missing(log, kind, found)
     ours = our_columns(kind)
     sources: dict[str, Source] = {}
     warnings = []
@@ -59,7 +60,8 @@ def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None =
         if DUTY & set(taken_apart(column).words) and not unit:
             factor, reason = _of_duty(log, [other for other in found.values() if DUTY & set(taken_apart(other).words)])
             sources[name] = Source(column=column, factor=factor * (supply_V or USUAL_SUPPLY_V))
-            supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, which is not known"
+            cure = "which is not known: give it with --set supply_voltage_V=NUMBER"
+            supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, {cure}"
             warnings.append(f"{column} ({name}): {reason}, times {supply}")
             continue
         if name in ours and not unit and column != name and ours[name].unit:
@@ -91,7 +93,10 @@ def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
 def _kind(log: LogFile) -> CaseKind:
     """Return the kind whose needs the columns meet, and most of whose quantities they hold."""
     found = {kind: matched(kind, list(log.columns)) for kind in NEEDED}
-    fitting = [kind for kind in NEEDED if any(needed <= set(found[kind]) for needed in NEEDED[kind])]
+    fitting = [kind for kind in NEEDED if _suffices(kind, found[kind])]
+    closest = max(NEEDED, key=lambda kind: len(found[kind]))
+    if not fitting and len(found[closest]) > 1:
+        raise _missing(log, closest, found[closest])
     if not fitting:
         raise InputError(
             "cannot recognise what was logged from the names of the columns",
@@ -106,6 +111,23 @@ def _kind(log: LogFile) -> CaseKind:
             CaseKind.MOTOR_STEP if _is_fast(log, found[CaseKind.MOTOR_STEP].get("t_s", "")) else CaseKind.MOTOR_STEADY
         )
     return best
+
+
+def _suffices(kind: CaseKind, found: Mapping[str, str]) -> bool:
+    """Return whether a log has one of the sets of quantities that a kind needs."""
+    return any(needed <= set(found) for needed in NEEDED[kind])
+
+
+def _missing(log: LogFile, kind: CaseKind, found: Mapping[str, str]) -> InputError:
+    """Return an error that names what is missing of the set of quantities that is nearest to complete."""
+    missing = min((needed - set(found) for needed in NEEDED[kind]), key=len)
+    unused = [name for name in log.columns if name not in found.values()]
+    cure = f"rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping"
+    return InputError(
+        f"no column was recognised as {' '.join(sorted(missing))}, which a case of the kind {kind} needs",
+        where=f"{log.path}: row 1",
+        cure=f"not recognised: {', '.join(unused) or 'none'}; {cure}",
+    )
 
 
 def _is_fast(log: LogFile, column: str) -> bool:
@@ -135,11 +157,7 @@ def _guessed(name: str, ours: str, values: Array, log: LogFile, step_s: float) -
         below = known[known < NO_TARGET_FROM_M * 1e3 - 1.0]
         largest = float(below.max()) if len(below) else largest
     if ours == "m":
-        extent = largest if name in RANGES else float(np.ptp(known))
-        if extent <= LARGEST_ROOM_M and largest <= LARGEST_ROOM_M:
-            return "", f"taken for metres, since the values are up to {largest:.3g}"
-        unit = "mm" if extent >= SMALLEST_MM or name in RANGES else "cm"
-        return unit, f"taken for {unit}, since the values are up to {largest:.4g}"
+        return _guessed_length(known, largest, is_range=name in {*RANGES, "distance_m"})
     if ours == "rad":
         return _guessed_angle(known, step_s)
     if ours in {"V", "A"} and largest > 60.0:
@@ -150,13 +168,23 @@ def _guessed(name: str, ours: str, values: Array, log: LogFile, step_s: float) -
     return "", ""
 
 
+def _guessed_length(known: Array, largest: float, *, is_range: bool) -> tuple[str, str]:
+    """Return the unit of places in a room or of ranges; range sensors of small robots report millimetres."""
+    extent = largest if is_range else float(np.ptp(known))
+    if max(extent, largest) <= LARGEST_ROOM_M:
+        return "", f"taken for metres, since the values are up to {largest:.3g}"
+    unit, other = ("mm", "cm") if is_range or extent >= SMALLEST_MM else ("cm", "mm")
+    reason = f"taken for {unit}, since the values are up to {largest:.4g}"
+    return unit, f"{reason}; if they are {other}, correct it in {MAPPING}"
+
+
 def _guessed_time(known: Array, log: LogFile) -> tuple[str, str]:
     step = _step(known)
     is_whole = bool(np.all(known == np.rint(known)))
     if not is_whole or (step < 100.0 and log.rows < 100):
         return "", ""
     unit = "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
-    return unit, f"taken for {unit}, since rows are {step:.4g} apart"
+    return unit, f"taken for {unit}, since rows are {step:.6g} apart"
 
 
 def _guessed_angle(known: Array, step_s: float) -> tuple[str, str]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from diagnosis.measured.case_format import COLUMNS
+from diagnosis.measured.case_format import COLUMNS, RANGE_SIDES
 from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.units import HeaderName, taken_apart, units_for
@@ -15,7 +15,7 @@ def _any(text: str) -> frozenset[str]:
 
 _FILLERS = _any(
     "wheel wheels sensor log logged raw meas measured robot mocap opti optitrack vicon camera cam tracker true world "
-    "pose pos position mean value motor total abs vl53l0x vl53"
+    "pose pos position mean value motor mot total abs vl53l0x vl53"
 )
 """Words that say nothing about which quantity it is."""
 _LEFT, _RIGHT = _any("left l lhs links"), _any("right r rhs rechts")
@@ -23,10 +23,10 @@ _FRONT = _any("front f fwd forward centre center middle")
 _TIME = _any("t time timestamp stamp clock")
 DUTY = _any("pwm duty")
 """Words for a voltage as a share of the supply's."""
-_VOLTAGE = _any("u voltage volt volts motor vm umot") | DUTY
+_VOLTAGE = _any("u voltage volt volts motor mot vm umot") | DUTY
 _COUNTS = _any("enc encoder encoders ticks tick counts count cnt pulses steps")
 _RANGE = _any("tof range ranges dist distance d lidar ir sonar ultrasonic")
-_HEADING = _any("theta th heading yaw phi angle orientation rotation psi")
+_HEADING = _any("theta th heading yaw phi angle orientation rotation psi compass")
 _SPEED = _any("omega w speed velocity vel rotation")
 _SET = _any("cmd command commanded set setpoint target ref reference desired")
 _CURRENT = _any("i current cur amps")
@@ -81,7 +81,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("omega_rad_s", (_SPEED,), _MOTORS),
     Quantity(
         "distance_m",
-        (_any("distance dist true actual reference ref target truth real"),),
+        (_any("distance dist true actual reference ref target truth real set setpoint known"),),
         _BENCHES,
         unit_suffices=False,
     ),
@@ -99,13 +99,18 @@ NEEDED: Mapping[CaseKind, tuple[frozenset[str], ...]] = {
     DRIVE: (
         frozenset({"t_s", "enc_left_ticks", "enc_right_ticks", "u_left_V", "u_right_V"}),
         frozenset({"t_s", "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad"}),
-        *(frozenset({"t_s", "x_m", "y_m", "theta_rad", f"tof_{side}_m"}) for side in ("front", "left", "right")),
+        *(frozenset({"t_s", "x_m", "y_m", "theta_rad", f"tof_{side}_m"}) for side in RANGE_SIDES),
     ),
     BENCH: (frozenset({"distance_m", "reading_m"}),),
     STEP: (frozenset({"t_s", "u_cmd_V", "omega_rad_s"}), frozenset({"t_s", "u_cmd_V", "current_A"})),
     STEADY: (frozenset({"u_cmd_V", "omega_rad_s"}), frozenset({"u_cmd_V", "current_A"})),
 }
 """Sets of quantities of which a log of a kind must have one, in the order in which the kinds are tried."""
+
+
+def quantity_names(kind: CaseKind) -> tuple[str, ...]:
+    """Return the columns of data.csv of a kind that can come from a log."""
+    return tuple(quantity.name for quantity in QUANTITIES if kind in quantity.kinds)
 
 
 def our_columns(kind: CaseKind) -> dict[str, MeasuredColumn]:

@@ -12,9 +12,10 @@ from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.screening import usual
 from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.mapping import LogMapping
+from diagnosis.new_case.mapping import MAPPING, LogMapping
 from diagnosis.new_case.proposal import unit_faults
 from diagnosis.new_case.quantities import our_columns
+from diagnosis.new_case.sample_times import are_even, even_times
 from diagnosis.new_case.units import factor_to
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
@@ -22,8 +23,12 @@ from symolo.core.time_series import TimeSeries
 
 SLOWEST_S = 0.1
 """Longest usual step of a drive: windows of half a second need a few rows."""
-IRREGULAR = 0.2
-"""Share of a step by which most steps may differ from the usual one without a new sampling."""
+IRREGULAR: Mapping[CaseKind, float] = {CaseKind.DRIVE_LOG: 0.02, CaseKind.MOTOR_STEP: 0.2}
+"""Share of a step by which most steps may differ from the usual one without a new sampling. In a drive, speeds are
+changes of counts from row to row: 2 % of the step are 2 % of the speed.
+"""
+AT_REST = 0.25
+"""Largest speed in the first row, as a share of that in the second, of a motor that is still at rest in the first."""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
 LONG_AFTER_S = 1e6
@@ -64,6 +69,11 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         values["t_s"] = LONG_AFTER_S + np.arange(log.rows)
         notes.append("no times were logged: rows count as taken long after the device was switched on")
     parts = _trials(values, words, kind, log, notes)
+    if kind is CaseKind.DRIVE_LOG:
+        parts = [_unwrapped(part, "theta_rad") for part in parts]
+        parts = _at_sample_times(parts, notes)
+    if kind is CaseKind.MOTOR_STEP:
+        parts = _from_first_motion(parts, notes)
     if kind in _IN_TIME:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
         parts = [_shifted(part, offsets) for part in parts]
@@ -115,11 +125,18 @@ def _check_times(t_s: Array, log: LogFile, column: str) -> None:
 def _trials(
     values: Mapping[str, Array], words: Sequence[str], kind: CaseKind, log: LogFile, notes: list[str]
 ) -> list[_Rows]:
-    """Return the trials: those of the column, or else a new one wherever the time goes back."""
+    """Return the trials: those of the column, or else a new one wherever the time goes back.
+
+    Raises:
+        InputError: The time goes back within a trial, or on a range bench, which has one trial only.
+    """
     t_s = values["t_s"]
     group = values.get("trial", values.get("sweep"))
     steps = np.diff(t_s)
     new = steps < 0.0 if group is None else np.diff(group) != 0.0
+    if kind is CaseKind.TOF_BENCH and new.any():
+        cure = f"sort the rows by time, or leave t_s out of {MAPPING}"
+        raise InputError("the time goes back", where=f"{log.path}: row {int(np.argmax(new)) + 3}", cure=cure)
     if group is None and new.any() and kind in _IN_TIME:
         notes.append(f"the time goes back {np.count_nonzero(new)} times; a new trial begins at each of these rows")
     kept = np.concatenate([[True], new | (steps != 0.0)])
@@ -140,6 +157,42 @@ def _trials(
             )
         )
     return parts
+
+
+def _at_sample_times(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows]:
+    """Return the rows at even times where counts, or else poses, show that only the time stamps scatter."""
+    names = [name for name in ("enc_left_ticks", "enc_right_ticks") if name in parts[0].values]
+    names = names or [name for name in ("x_m", "y_m", "theta_rad") if name in parts[0].values]
+    even_s = [even_times(part.t_s) for part in parts]
+    columns = [[part.values[name] for name in names] for part in parts]
+    if not are_even([part.t_s for part in parts], even_s, columns):
+        return parts
+    scatter_s = np.std(np.concatenate([part.t_s - even for part, even in zip(parts, even_s, strict=True)]))
+    motion = "counts grow" if names[0].endswith("_ticks") else "poses move"
+    notes.append(
+        f"the times of rows scatter by {scatter_s:.2g} s, but {motion} evenly from row to row: rows are taken for "
+        f"evenly sampled, {usual(np.diff(even_s[0])):.4g} s apart"
+    )
+    return [_Rows(even, part.values, part.words) for part, even in zip(parts, even_s, strict=True)]
+
+
+def _from_first_motion(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows]:
+    """Return the trials of a step log without a first row in which the voltage is on and the motor is still at rest.
+
+    A case begins one sample after rest. If such a row counted as that sample, all speeds would seem a sample late.
+    """
+    if not {"u_cmd_V", "omega_rad_s"} <= parts[0].values.keys():
+        return parts
+    is_on = [len(part.t_s) > 2 and part.values["u_cmd_V"][0] != 0.0 for part in parts]
+    speeds = [part.values["omega_rad_s"][:2] for part, on in zip(parts, is_on, strict=True) if on]
+    first, second = np.nansum(np.abs(speeds), axis=0) if speeds else (0.0, 0.0)
+    if not first < AT_REST * second:
+        return parts
+    notes.append(f"first rows in which the motor is still at rest: {len(speeds)}; they are left out")
+    return [
+        _Rows(part.t_s[1:], {name: column[1:] for name, column in part.values.items()}) if on else part
+        for part, on in zip(parts, is_on, strict=True)
+    ]
 
 
 def _shifted(part: _Rows, offsets_s: Mapping[str, float]) -> _Rows:
@@ -167,26 +220,26 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
             cure="log at 10 Hz or faster; slower rows say too little about turns and starts",
         )
     off = np.quantile(np.abs(steps - wanted_s), 0.9)
-    angles = {"theta_rad"} if kind is CaseKind.DRIVE_LOG else set()
-    parts = [_unwrapped(part, angles) for part in parts]
     first_s = 0.0 if kind is CaseKind.DRIVE_LOG else wanted_s
-    if off <= IRREGULAR * wanted_s:
+    if off <= IRREGULAR[kind] * wanted_s:
         return [_Rows(part.t_s - part.t_s[0] + first_s, part.values, part.words) for part in parts]
+    scatter_s = float(np.quantile(np.abs(steps - step_s), 0.9))
+    within = f", 9 of 10 within {scatter_s:.2g} s" if scatter_s > 1e-3 * step_s else ""
     notes.append(
-        f"rows are {step_s:.4g} s apart, 9 of 10 within {np.quantile(np.abs(steps - step_s), 0.9):.2g} s: sampled "
-        f"again every {wanted_s:.4g} s; voltages are means, counts and poses are interpolated, ranges are the nearest"
+        f"rows are {step_s:.4g} s apart{within}: sampled again every {wanted_s:.4g} s; voltages are means, counts and "
+        "poses are interpolated, ranges are the nearest"
     )
     return [_sampled(part, step_s, wanted_s, first_s) for part in parts]
 
 
-def _unwrapped(part: _Rows, names: set[str]) -> _Rows:
-    values = dict(part.values)
-    for name in names & values.keys():
-        known = np.isfinite(values[name])
-        angle = values[name].copy()
-        angle[known] = np.unwrap(angle[known])
-        values[name] = angle
-    return _Rows(part.t_s, values, part.words)
+def _unwrapped(part: _Rows, name: str) -> _Rows:
+    """Return the rows with an angle that continues beyond a whole turn, so that it can be interpolated."""
+    if name not in part.values:
+        return part
+    angle = part.values[name].copy()
+    known = np.isfinite(angle)
+    angle[known] = np.unwrap(angle[known])
+    return _Rows(part.t_s, {**part.values, name: angle}, part.words)
 
 
 def _sampled(part: _Rows, step_s: float, wanted_s: float, first_s: float) -> _Rows:

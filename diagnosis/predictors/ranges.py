@@ -8,6 +8,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
@@ -20,7 +21,6 @@ from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
-SENSORS = ("front", "left", "right")
 PARTS = ("tof",)
 SLOTS = frozenset(
     {
@@ -117,7 +117,7 @@ class Ranges(ABC):
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         several, which = distinct(robots, PARTS, SLOTS)
         mean, sd = self._expected(several)
-        return tuple(Predicted(mean[which, :, k], sd[which, :, k]) for k in range(len(SENSORS)))
+        return tuple(Predicted(mean[which, :, k], sd[which, :, k]) for k in range(len(RANGE_SIDES)))
 
     def _observed(
         self, measurement: Measurement, name: str, nominal: Predicted, clear: Mask, around: tuple[Covariate, ...]
@@ -154,14 +154,14 @@ class Ranges(ABC):
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Return mean and standard deviation, (M, n, 3) each."""
-        mean, sd = (np.empty((len(robots), len(self._t_s), len(SENSORS))) for _ in range(2))
+        mean, sd = (np.empty((len(robots), len(self._t_s), len(RANGE_SIDES))) for _ in range(2))
         for group in alike(robots):
             several = [robots[k] for k in group]
             sight, effects, tof = self._sight(several), stacked_effects(several, axes=2), stacked(several, axes=2).tof
             view = RangeView(
                 distance_m=sight.distance_m,
                 incidence_rad=sight.incidence_rad,
-                tilt_forward_rad=np.zeros(len(SENSORS)),
+                tilt_forward_rad=np.zeros(len(RANGE_SIDES)),
                 tilt_sideways_rad=sight.tilt_rad,
                 reflectance=sight.reflectance,
                 material_share=sight.material_share,

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from configs.effects.base import Effect, Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import LogNoise, NominalLog
-from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, SENSORS, Ranges, Sight, Surroundings
+from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
 from physics.arena.rays import RayScene
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
@@ -120,15 +121,15 @@ class RangesInArena(Ranges):
 
     def _around(self, nominal: RobotConfig) -> Surroundings:
         axle = self._axle([nominal])
-        self._rows = [np.arange(len(self._t_s))] * len(SENSORS)
-        views = [self._cast(k, axle, 0.0) for k in range(len(SENSORS))]
+        self._rows = [np.arange(len(self._t_s))] * len(RANGE_SIDES)
+        views = [self._cast(k, axle, 0.0) for k in range(len(RANGE_SIDES))]
         clear = [self._is_clear(k, axle, view) for k, view in enumerate(views)]
         surface = np.stack([view.shares.argmax(axis=-1).astype(float) for view in views], axis=-1)
         return Surroundings(np.stack(clear, axis=-1), surface, self._names)
 
     def _is_clear(self, k: int, axle: Array, view: _View) -> Mask:
         """Return the rows in which a sensor has a target, and no edge beside it."""
-        mount = getattr(self._tof.mounts, SENSORS[k])
+        mount = getattr(self._tof.mounts, RANGE_SIDES[k])
         across = axle[:, 2] + np.radians(mount.yaw_deg) + 0.5 * np.pi
         aside = CORNER_M * np.stack([np.cos(across), np.sin(across), np.zeros(len(axle))], axis=-1)
         both_sides = (
@@ -142,7 +143,7 @@ class RangesInArena(Ranges):
 
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
         # Rows whose reading does not count are predicted as if nothing were there.
-        seen = np.zeros((3 + len(self._names), len(robots), len(self._t_s), len(SENSORS)))
+        seen = np.zeros((3 + len(self._names), len(robots), len(self._t_s), len(RANGE_SIDES)))
         seen[0] = self._tof.max_range_m
         for m, robot in enumerate(robots):
             for k, rows in enumerate(self._rows):
@@ -174,7 +175,7 @@ class RangesInArena(Ranges):
         """Return distance, tilt, variance and shares of the surfaces in the rows that count, (F, n)."""
         corners: list[tuple[float, tuple[Effect, ...]]] = [(1.0, ())]
         for effect in robot.effects.in_slots(MOVING):
-            if effect.slot is Slot.RANGE_MOUNT and not effect.apply(np.zeros(len(SENSORS)))[k]:
+            if effect.slot is Slot.RANGE_MOUNT and not effect.apply(np.zeros(len(RANGE_SIDES)))[k]:
                 continue
             corners = [
                 (weight * share, (*effects, near)) for weight, effects in corners for share, near in _neighbours(effect)
@@ -188,7 +189,7 @@ class RangesInArena(Ranges):
             there = robot.model_copy(update={"effects": RobotEffects(effects)})
             path = self._axle([there])
             moved = self._speed(path)[self._rows[k]] * self._tof.period_s / sqrt(12.0)
-            askew = float(through(there.effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))[k])
+            askew = float(through(there.effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))[k])
             view = self._cast(k, path[self._rows[k]], askew)
             variance = view.variance(self._noise, moved)
             self._known[key] = np.stack(
@@ -208,7 +209,7 @@ class RangesInArena(Ranges):
     def _cast(self, k: int, axle: Array, askew_rad: float) -> _View:
         """Return what a sensor sees along a path (n, 3)."""
         cone = self._cone
-        mount = getattr(self._tof.mounts, SENSORS[k])
+        mount = getattr(self._tof.mounts, RANGE_SIDES[k])
         c, s = np.cos(axle[:, 2]), np.sin(axle[:, 2])
         ahead = np.stack([c * mount.x_m - s * mount.y_m, s * mount.x_m + c * mount.y_m], axis=-1)
         x, y, z = ray_directions(mount, cone.angle_rad, cone.roll_rad, askew_rad).T

@@ -7,9 +7,10 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, SENSORS, Ranges, Sight, Surroundings
+from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
 from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
 from physics.robot.model import through
 from physics.robot.stack import stacked, stacked_effects
@@ -21,7 +22,7 @@ WALL_REFLECTANCE = 1.0
 class RangesInRoom(Ranges):
     """The room, the sensors and the noise of a drive log of the case format."""
 
-    channels = MappingProxyType({f"tof_{sensor}_m": "tof_m" for sensor in SENSORS})
+    channels = MappingProxyType({f"tof_{sensor}_m": "tof_m" for sensor in RANGE_SIDES})
 
     def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
         if nominal_case.tof is None or nominal_case.world is None:
@@ -35,7 +36,7 @@ class RangesInRoom(Ranges):
         self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
         in_reach = seen.distance_m <= self._range.max_range_m - END_M
         clear = in_reach & ~near_corner(self._room, seen, CORNER_M, CORNER_RAD)
-        clear &= [getattr(self._range.mount, sensor) is not None for sensor in SENSORS]
+        clear &= [getattr(self._range.mount, sensor) is not None for sensor in RANGE_SIDES]
         return Surroundings(clear, seen.wall.astype(float), WALLS)
 
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
@@ -46,7 +47,7 @@ class RangesInRoom(Ranges):
             sd_m=self._noise.tof.sd_m(seen.distance_m) * robots[0].tof.noise_scale,
             incidence_rad=seen.incidence_rad,
             tilt_rad=seen.tilt_rad,
-            reflectance=np.full(len(SENSORS), WALL_REFLECTANCE),
+            reflectance=np.full(len(RANGE_SIDES), WALL_REFLECTANCE),
             material_share={},
             pose_variance=self._pose_variance,
         )
@@ -54,11 +55,11 @@ class RangesInRoom(Ranges):
     def _seen(self, robots: Sequence[RobotConfig]) -> RoomRanges:
         """Return the ranges of one robot (n, 3), or of M robots (M, n, 3)."""
         several, effects = stacked(robots, axes=2), stacked_effects(robots, axes=2)
-        mounts = [getattr(several.tof.mounts, sensor) for sensor in SENSORS]
+        mounts = [getattr(several.tof.mounts, sensor) for sensor in RANGE_SIDES]
         x_m, y_m, yaw_deg = (
             _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
         )
-        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
+        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))
         return room_ranges(self._room, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
 
 

@@ -1,5 +1,6 @@
 """The answer for programs: the keys of GAP_FORMAT, and the results of removing each effect."""
 
+from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.gain import Gain
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
@@ -8,6 +9,11 @@ from diagnosis.report.report_data import ReportData
 def answer(data: ReportData) -> dict[str, object]:
     """Return the answer in GAP_FORMAT, with the conclusion, and `intervals` and `without` if effects are named."""
     result = data.diagnosis.answer() | {"conclusion": str(data.diagnosis.conclusion)}
+    if errors := fitted_errors(data.diagnosis.fit):
+        sessions: dict[str, dict[str, object]] = {}
+        for each in errors:
+            sessions.setdefault(each.session, {})[each.effect] = {each.number: each.value, "std": each.std}
+        result["sessions"] = sessions
     if data.intervals:
         result["intervals"] = {
             effect: {

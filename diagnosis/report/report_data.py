@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from configs.schema.robot import RobotConfig
 from diagnosis.dataset_comparison import DatasetComparison, compare_with_dataset
 from diagnosis.diagnose import Diagnosis
 from diagnosis.engine.gain import EngineComparison, compare_engines
@@ -20,11 +19,9 @@ from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.row_sentences import row_sentences
 from diagnosis.report.run_ends import run_ends
+from diagnosis.report.session_sentences import session_sentences
 from diagnosis.report.signatures import Signatures, signatures
 from symolo.core.arrays import Array
-
-_Robots = tuple[RobotConfig, RobotConfig, RobotConfig]
-"""The nominal robot, the same with its nuisances fitted, and the extended robot."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +67,7 @@ class ReportData:
     z: tuple[Array, Array, Array]
     """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN if not usable."""
     row_sentences: tuple[str, ...] = ()
-    """Sentences about single rows of a bench, or whole runs of a drive."""
+    """Sentences about single rows of a bench, or sessions and whole runs of a drive."""
     engines: EngineComparison | None = None
     """Errors with PyBullet; None if not requested."""
     dataset: DatasetComparison | None = None
@@ -89,21 +86,22 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
         InputError: The dataset or the measurement is no drive.
     """
     evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
-    robots = (diagnosis.nominal, nominal.robot, diagnosis.extended)
-    prediction = evidence.predicted(robots)
+    prediction = evidence.predicted((diagnosis.nominal, nominal.robot, diagnosis.extended))
+    changes = (0.0, nominal.local_change, diagnosis.fit.local_change)
+    means = [mean + change for mean, change in zip(prediction.mean, changes, strict=True)]
     usable = evidence.fit | evidence.heldout
-    z = np.where(usable, (evidence.values - prediction.mean) / evidence.sd, np.nan)
+    z = np.where(usable, (evidence.values - np.stack(means)) / evidence.sd, np.nan)
     return ReportData(
         diagnosis=diagnosis,
         robot=extended_robot(diagnosis),
         structures=tuple(_strongest(evidence, nominal)),
         ablations=tuple(_ablations(diagnosis)),
         intervals=profiles(evidence, diagnosis.fit),
-        by_quantity=tuple(_by_quantity(evidence, robots)),
-        by_group=tuple(_by_group(diagnosis, robots)),
+        by_quantity=tuple(_by_quantity(diagnosis)),
+        by_group=tuple(_by_group(diagnosis)),
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
-        row_sentences=(*row_sentences(diagnosis), *run_ends(diagnosis)),
-        means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
+        row_sentences=(*row_sentences(diagnosis), *session_sentences(diagnosis.fit), *run_ends(diagnosis)),
+        means=(means[0], means[1], means[2]),
         z=(z[0], z[1], z[2]),
         engines=compare_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
         dataset=None if release is None else compare_with_dataset(diagnosis.measurement, release, diagnosis.nominal),
@@ -129,25 +127,27 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
             name=named.effect.name,
             fit=refit,
             cost_rise=refit.cost - fit.cost,
-            gain=gain(evidence, diagnosis.nominal, refit.robot),
-            effect_gain=gain(evidence, refit.robot, diagnosis.extended),
+            gain=gain(evidence, diagnosis.nominal, refit.robot, (0.0, refit.local_change)),
+            effect_gain=gain(evidence, refit.robot, diagnosis.extended, (refit.local_change, fit.local_change)),
         )
 
 
-def _by_quantity(evidence: Evidence, robots: _Robots) -> Iterator[PartGain]:
+def _by_quantity(diagnosis: Diagnosis) -> Iterator[PartGain]:
+    evidence = diagnosis.evidence
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        yield from _gains(observed.name, of_quantity(evidence, place), robots)
+        yield from _gains(observed.name, of_quantity(evidence, place), diagnosis)
 
 
-def _by_group(diagnosis: Diagnosis, robots: _Robots) -> Iterator[PartGain]:
+def _by_group(diagnosis: Diagnosis) -> Iterator[PartGain]:
     evidence = diagnosis.evidence
     names = [trial.name for trial in diagnosis.measurement.trials]
     for group in trial_groups(evidence, names, evidence.heldout):
-        yield from _gains(group.name, evidence.with_rows(heldout=group.rows), robots)
+        yield from _gains(group.name, evidence.with_rows(heldout=group.rows), diagnosis)
 
 
-def _gains(name: str, evidence: Evidence, robots: _Robots) -> Iterator[PartGain]:
-    nominal, adjusted, extended = robots
-    calibration, extension = gain(evidence, nominal, adjusted), gain(evidence, nominal, extended)
+def _gains(name: str, evidence: Evidence, diagnosis: Diagnosis) -> Iterator[PartGain]:
+    nominal, adjusted = diagnosis.nominal, diagnosis.selection.nominal
+    calibration = gain(evidence, nominal, adjusted.robot, (0.0, adjusted.local_change))
+    extension = gain(evidence, nominal, diagnosis.extended, (0.0, diagnosis.fit.local_change))
     if calibration is not None and extension is not None:
         yield PartGain(name, calibration, extension)

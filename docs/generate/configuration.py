@@ -1,7 +1,7 @@
 """Every key of a scenario file with its meaning, allowed values and default, from the JSON Schema."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,11 @@ from configs.json_schema import scenario_json_schema
 from configs.references import SECTIONS, shipped_names
 from configs.schema.base import FIXED_KEY
 
-ABOUT = """This page lists every setting of a scenario with its bounds and its default. Units are in the names. Write a
-key below its section in a file, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. For a
-setting that is marked *fixed*, no [distribution](../scenarios.md#distributions) is allowed. If the heading of a section
-is not a path, the section is allowed wherever a key links to it."""
+ABOUT = """This page lists every setting of a scenario with its bounds and its default. The default acts only if no file
+sets a value; the shipped looks, robots, arenas and scenarios (`configs/`) set many values. Units are in the names.
+Write a key below its section in a file, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`.
+For a setting that is marked *fixed*, no [distribution](../scenarios.md#distributions) is allowed. If the heading of a
+section is not a path, the section is allowed wherever a key links to it."""
 
 ROBOTS = Path(__file__).parents[2] / "configs" / "robots"
 
@@ -85,7 +86,7 @@ def _section_parts(section: _Section, sections: Mapping[str, _Section]) -> Itera
     needed = section.schema.get("required", ())
     rows = []
     for key, value in section.schema.get("properties", {}).items():
-        default = "required" if key in needed else _default(value) or _nominal(section.paths, key)
+        default = "required" if key in needed else _default(value, sections) or _nominal(section.paths, key)
         rows.append((f"`{key}`", text(_meaning(value, sections)), _allowed(key, value, sections), default))
     yield table(("key", "meaning", "allowed values", "default"), rows)
 
@@ -96,12 +97,26 @@ def _meaning(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str
     return schema.get("description") or next(described, "").split("\n\n")[0]
 
 
-def _default(schema: Mapping[str, Any]) -> str:
-    """Return the default as text; empty for a section, whose table contains the defaults."""
+def _default(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
+    """Return the default as text; empty for a section whose table contains the same values as defaults."""
     default = schema.get("default")
-    if default is None or default == "" or isinstance(default, dict):
+    if default is None or default == "":
         return ""
+    if isinstance(default, dict):
+        own = {key: value.get("default") for name in _referred(schema) for key, value in _fields(name, sections)}
+        return "" if default.items() <= own.items() else f"`{_flow(default)}`"
     return f"`{json.dumps(default)}`" if not isinstance(default, str) else f"`{default}`"
+
+
+def _fields(name: str, sections: Mapping[str, _Section]) -> Iterable[tuple[str, Mapping[str, Any]]]:
+    return sections[name].schema["properties"].items() if name in sections else ()
+
+
+def _flow(value: object) -> str:
+    """Return a default as one writes it in a file."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_flow(inner)}" for key, inner in value.items()) + "}"
+    return json.dumps(value)
 
 
 def _nominal(paths: list[str], key: str) -> str:

@@ -67,7 +67,7 @@ confirms this. The reflectance is that at 940 nm, the wavelength of the sensor."
 
 def _readings() -> Iterator[tuple[str, ...]]:
     for name, one in RANGED.items():
-        numbers = (one.mean_at_100_mm_mm, one.sd_at_100_mm_mm, one.reflectance)
+        numbers = (one.mean_mm_at_100_mm, one.sd_mm_at_100_mm, one.reflectance)
         yield f"[{name}]({anchor(f'{name} wall')})", *(f"{number:g}" for number in numbers)
 
 

@@ -1,4 +1,4 @@
-"""Effect of each surface on a range reading at 100 mm (paper Tables 3 and 4).
+"""Bias and noise of a range reading on each surface at 100 mm (paper Tables 3 and 4).
 
 Range sensor and image use the same names: `blender_scenes.materials` has a function for each key here.
 """
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class RangeSurface:
-    mean_at_100_mm_mm: float
-    sd_at_100_mm_mm: float
+    mean_mm_at_100_mm: float
+    sd_mm_at_100_mm: float
     reflectance: float
     """Reflectance at the sensor's 940 nm. Not from the paper: usual values of such surfaces."""
 
     @property
     def offset_m(self) -> float:
-        return 1e-3 * (self.mean_at_100_mm_mm - 100.0)
+        return 1e-3 * (self.mean_mm_at_100_mm - 100.0)
 
 
 # The paper measured neither cardboard nor plywood nor brick. Cardboard is treated as paper, plywood as wood.

@@ -32,6 +32,7 @@ class WheelsWithEffects:
         self._geometry = model.geometry
         self._coming: deque[tuple[int, Array]] = deque()
         self._command_V = self._held_V = self._voltage_V = np.zeros(2)
+        self._supply_V = self._driveline.full_supply_V
         self._angles: Array | None = None
         self._friction_N_m = self._wanted_friction_N_m = self._driveline.coulomb_N_m
         self.lost_rad = np.zeros(2)
@@ -51,8 +52,9 @@ class WheelsWithEffects:
         self._count(angles_rad)
         driveline, time_s = self._driveline, step * self._period_s
         self._held_V, voltage_V = driveline.voltage_V(self._held_V, self._command_V, time_s, self._period_s)
-        self._voltage_V = voltage_V
-        torque = driveline.stall_torque_N_m(voltage_V) + driveline.extra_torque_N_m(voltage_V, speeds_rad_s)
+        self._voltage_V, self._supply_V = voltage_V, driveline.supply_V(time_s)
+        extra = driveline.extra_torque_N_m(voltage_V, speeds_rad_s, self._supply_V)
+        torque = driveline.stall_torque_N_m(voltage_V) + extra
         # The solver leaves a tiny speed on a wheel that sticks; its sign must not decide the direction of friction.
         at_rest = np.where(np.abs(speeds_rad_s) < REST_RAD_S, 0.0, speeds_rad_s)
         self._wanted_friction_N_m = driveline.friction_N_m(torque, at_rest, time_s)
@@ -72,7 +74,7 @@ class WheelsWithEffects:
         self._angles = angles_rad
 
     def currents_A(self, speeds_rad_s: Array) -> tuple[float, float]:
-        right, left = self._driveline.current_A(self._voltage_V, speeds_rad_s).tolist()
+        right, left = self._driveline.current_A(self._voltage_V, speeds_rad_s, self._supply_V).tolist()
         return right, left
 
     @property

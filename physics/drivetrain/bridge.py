@@ -12,8 +12,8 @@ from symolo.core.arrays import Array
 class Chopper:
     """One winding per motor, whose voltage the bridge switches on and off; motors along the last axis."""
 
-    full_supply_V: float | Array
-    """Supply voltage without load."""
+    no_load_V: float | Array
+    """Supply voltage without load, at this time."""
     duty: Array
     """Signed duty cycle of each motor."""
     resistance_ohm: Array
@@ -23,7 +23,7 @@ class Chopper:
 
     def supply_V(self, emf_V: Array) -> Array:
         """Return the supply voltage that belongs to u - K w [V] with u = duty * supply."""
-        size, full_V = np.abs(self.duty), np.broadcast_to(self.full_supply_V, emf_V.shape)
+        size, full_V = np.abs(self.duty), np.broadcast_to(self.no_load_V, emf_V.shape)
         return np.divide(np.abs(emf_V + self.back_emf_V), size, out=full_V.copy(), where=size > 0.0)
 
 
@@ -32,7 +32,7 @@ class Bridge:
     """One supply with its windings; motors along the last axis."""
 
     supply_V: float | Array
-    """Supply voltage without load."""
+    """Supply voltage without load, at this time."""
     duty: Array
     """Signed duty cycle of each motor."""
     resistance_ohm: Array

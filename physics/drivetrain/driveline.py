@@ -32,7 +32,8 @@ class Driveline:
         self.coulomb_N_m = _along_wheels([motor.coulomb_N_m for motor in motors])
         self.inertia_kg_m2 = _along_wheels([motor.inertia_kg_m2 for motor in motors])
         self.damping_N_m_s_rad = _along_wheels([motor.damping_N_m_s_rad for motor in motors])
-        self.supply_V: float | Array = model.config.power.battery_voltage_V
+        self.full_supply_V: float | Array = model.config.power.battery_voltage_V
+        """Voltage of the supply without load, before a battery runs down."""
         self._actuator = model.functions(Slot.ACTUATOR)
         self._battery = model.functions(Slot.BATTERY)
         self._conduction = model.functions(Slot.CONDUCTION)
@@ -88,6 +89,10 @@ class Driveline:
         """Return the part of a voltage that reaches the motors from a battery that runs down."""
         return through(self._battery, voltage_V, time_s)
 
+    def supply_V(self, time_s: float | Array) -> float | Array:
+        """Return the voltage of the supply without load, of a battery that runs down."""
+        return through(self._battery, self.full_supply_V, time_s)
+
     def lagged_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> tuple[Array, Array]:
         """Return the state of a lag after `duration_s`, and the constant voltage that brings a bare motor to the same
         speed; both before the battery.
@@ -105,27 +110,35 @@ class Driveline:
             weights = weights + left
         return lag(held_V, command_V, duration_s), command_V + weighed / weights
 
-    def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
-        """Return the winding currents, at the voltage that the bridge would give from a full supply."""
+    def current_A(self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array) -> Array:
+        """Return the winding currents.
+
+        Args:
+            voltage_V: Mean voltages that the bridge would give from a supply without load, duty * supply.
+            speed_rad_s: Speeds.
+            supply_V: Voltage of that supply at this time.
+        """
         back_emf_V = self.torque_constant_N_m_A * speed_rad_s
         emf_V = voltage_V - back_emf_V
         if not (self._conduction or self._supply):
             return through(self._limit, through(self._bridge, emf_V) / self.resistance_ohm)
-        chopper = Chopper(self.supply_V, voltage_V / self.supply_V, self.resistance_ohm, back_emf_V)
+        # An empty battery switches nothing.
+        duty = np.divide(voltage_V, supply_V, out=np.zeros_like(emf_V), where=np.asarray(supply_V) > 0.0)
+        chopper = Chopper(supply_V, duty, self.resistance_ohm, back_emf_V)
 
         def driving_V(emf_V: Array) -> Array:
             return through(self._bridge, through(self._conduction, emf_V, chopper))
 
-        bridge = Bridge(self.supply_V, chopper.duty, self.resistance_ohm, driving_V)
+        bridge = Bridge(supply_V, duty, self.resistance_ohm, driving_V)
         current_A = self._supply[0](emf_V, bridge) if self._supply else bridge.current_A(emf_V)
         return through(self._limit, current_A)
 
-    def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
-        """Return the torque that effects add to that of the bare winding at this voltage and speed."""
+    def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array) -> Array:
+        """Return the torque that effects add to that of the bare winding; arguments are those of `current_A`."""
         if not self.adds_torque:
             return np.zeros_like(speed_rad_s)
         bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
-        return self.torque_constant_N_m_A * (self.current_A(voltage_V, speed_rad_s) - bare_A)
+        return self.torque_constant_N_m_A * (self.current_A(voltage_V, speed_rad_s, supply_V) - bare_A)
 
     def stall_torque_N_m(self, voltage_V: Array) -> Array:
         """Return the torque of the bare windings at rest."""

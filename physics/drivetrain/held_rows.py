@@ -21,6 +21,8 @@ class HeldPart:
     """A period at constant voltage; all broadcast, wheels along the last axis."""
 
     voltage_V: Array
+    supply_V: float | Array
+    """Voltage of the supply without load, of which the mean voltage is a share."""
     begin_s: Array
     """Beginning of the period, since the motors were first switched on."""
     duration_s: float | Array
@@ -32,6 +34,8 @@ class HeldRow:
     """One part, or two if a delayed command takes effect within the row."""
     last_V: Array
     """Voltage at the end of the row."""
+    supply_V: float | Array
+    """Voltage of the supply without load, at the beginning of the row."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,8 @@ def held_rows(
         if cut:
             yield _cut_row(driveline, before, (old, new), since, durations)
         else:
-            yield HeldRow((HeldPart(mean, since, row_s),), last)
+            supply = driveline.supply_V(since)
+            yield HeldRow((HeldPart(mean, supply, since, row_s),), last, supply)
 
 
 def _held_before(
@@ -100,8 +105,12 @@ def _cut_row(
     last_V = held_V + np.clip(1.0 - durations.after_s / LAST_S, 0.0, 1.0) * (old_last_V - held_V)
     parts = ((old_mean_V, begin_s, durations.before_s), (mean_V, begin_s + durations.before_s, durations.after_s))
     return HeldRow(
-        tuple(HeldPart(driveline.of_battery_V(volts, time), time, duration) for volts, time, duration in parts),
+        tuple(
+            HeldPart(driveline.of_battery_V(volts, time), driveline.supply_V(time), time, duration)
+            for volts, time, duration in parts
+        ),
         driveline.of_battery_V(last_V, begin_s),
+        driveline.supply_V(begin_s),
     )
 
 

@@ -39,14 +39,15 @@ def steady_states(
     require_finite(voltage_V, "voltage_V", ("trial",))
     driveline = Driveline.of_bench(model)
     if supply_V is not None:
-        driveline.supply_V = supply_V[:, None]
+        driveline.full_supply_V = supply_V[:, None]
     time = time_s[:, None]
     command = voltage_V[:, None]
     _, voltage = driveline.voltage_V(command, command, time, np.inf)
+    no_load_V = driveline.supply_V(time)
     sign = np.sign(voltage)
 
     def surplus_N_m(speed: Array) -> Array:
-        drive = driveline.torque_constant_N_m_A * driveline.current_A(voltage, speed)
+        drive = driveline.torque_constant_N_m_A * driveline.current_A(voltage, speed, no_load_V)
         friction = driveline.friction_N_m(drive, speed, time)
         return sign * (drive - driveline.viscous_N_m_s_rad * speed) - friction
 
@@ -57,10 +58,10 @@ def steady_states(
     at_rest = surplus_N_m(rest)
     top = np.abs(voltage) / driveline.torque_constant_N_m_A
     if driveline.may_coast:
-        top = np.where(surplus_forward_N_m(top) > 0.0, driveline.supply_V / driveline.torque_constant_N_m_A, top)
+        top = np.where(surplus_forward_N_m(top) > 0.0, no_load_V / driveline.torque_constant_N_m_A, top)
     moves = at_rest > 0.0
     speed = np.where(moves, sign * _root(surplus_forward_N_m, at_rest, top, moves), 0.0)
-    return driveline.current_A(voltage, speed)[..., 0], speed[..., 0]
+    return driveline.current_A(voltage, speed, no_load_V)[..., 0], speed[..., 0]
 
 
 def _root(function: Callable[[Array], Array], at_0: Array, top: Array, wanted: NDArray[np.bool_]) -> Array:
@@ -112,13 +113,13 @@ def step_responses(
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
     rest = np.zeros((voltage_V.shape[1], 1))
     state = TwoMass(rest, rest, rest)
-    voltages, speeds = [], []
+    voltages, supplies, speeds = [], [], []
     for row in held_rows(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin):
         for part in row.parts:
             state = shaft.moved(part, state)
         voltages.append(row.last_V)
+        supplies.append(np.broadcast_to(row.supply_V, np.broadcast_shapes(np.shape(row.supply_V), rest.shape)))
         speeds.append(state.motor_rad_s)
-    voltage, speed = (np.stack(np.broadcast_arrays(*rows)) for rows in (voltages, speeds))
-    if voltage.ndim < speed.ndim:
-        voltage = voltage[:, None]
-    return driveline.current_A(voltage, speed)[..., 0], speed[..., 0]
+    voltage, supply, speed = (np.stack(np.broadcast_arrays(*rows)) for rows in (voltages, supplies, speeds))
+    voltage, supply = (rows[:, None] if rows.ndim < speed.ndim else rows for rows in (voltage, supply))
+    return driveline.current_A(voltage, speed, supply)[..., 0], speed[..., 0]

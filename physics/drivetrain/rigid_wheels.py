@@ -57,10 +57,10 @@ class RigidWheels:
 
     def _with_effects(self, part: HeldPart, stall: Array, speed_rad_s: Array, depth: int) -> tuple[Array, Array]:
         # Predict with the loads of the beginning, then repeat the step with the mean of both ends.
-        torque, friction = self._loads(part.voltage_V, stall, speed_rad_s, part.begin_s)
+        torque, friction = self._loads(part, stall, speed_rad_s, part.begin_s)
         covered = self._covered(part.duration_s)
         ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, covered)
-        torque_ahead, friction_ahead = self._loads(part.voltage_V, stall, ahead, part.begin_s + part.duration_s)
+        torque_ahead, friction_ahead = self._loads(part, stall, ahead, part.begin_s + part.duration_s)
         both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
         speed, angle = both.step(speed_rad_s, part.duration_s, covered)
         off = np.abs(speed - ahead)
@@ -73,14 +73,16 @@ class RigidWheels:
         fine_speed, fine_angle = speed_rad_s, np.zeros(())
         duration_s = part.duration_s / PARTS
         for k in range(PARTS):
-            quarter = HeldPart(part.voltage_V, part.begin_s + k * duration_s, duration_s)
+            quarter = HeldPart(part.voltage_V, part.supply_V, part.begin_s + k * duration_s, duration_s)
             fine_speed, further = self._with_effects(quarter, stall, fine_speed, depth - 1)
             fine_angle = fine_angle + further
         return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
 
-    def _loads(self, voltage_V: Array, stall: Array, speed_rad_s: Array, time_s: Array) -> tuple[Array, Array]:
+    def _loads(self, part: HeldPart, stall: Array, speed_rad_s: Array, time_s: Array) -> tuple[Array, Array]:
         """Return torque at rest and dry friction [N m]."""
         driveline = self._driveline
-        torque = stall + driveline.extra_torque_N_m(voltage_V, speed_rad_s) if driveline.adds_torque else stall
+        torque = stall
+        if driveline.adds_torque:
+            torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed_rad_s, part.supply_V)
         torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)
         return torque, driveline.friction_N_m(torque, speed_rad_s, time_s)

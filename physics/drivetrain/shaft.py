@@ -57,13 +57,14 @@ class PlayingShaft:
         substeps = max(1, ceil(float(np.max(part.duration_s)) / self._max_step_s - 1e-9))
         duration_s = part.duration_s / substeps
         for k in range(substeps):
-            state = self._step(part.voltage_V, state, part.begin_s + k * duration_s, duration_s)
+            state = self._step(part, state, part.begin_s + k * duration_s, duration_s)
         return state
 
-    def _step(self, voltage_V: Array, state: TwoMass, time_s: Array, duration_s: float | Array) -> TwoMass:
+    def _step(self, part: HeldPart, state: TwoMass, time_s: Array, duration_s: float | Array) -> TwoMass:
         driveline, speed = self._driveline, state.motor_rad_s
-        torque = driveline.stall_torque_N_m(voltage_V)
-        torque = torque + driveline.extra_torque_N_m(voltage_V, speed) if driveline.adds_torque else torque
+        torque = driveline.stall_torque_N_m(part.voltage_V)
+        if driveline.adds_torque:
+            torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed, part.supply_V)
         friction = driveline.friction_N_m(torque, speed, time_s)
         share = self._config.motor_side_friction_fraction
         load_friction = (1.0 - share) * driveline.friction_N_m(torque, state.load_rad_s, time_s)

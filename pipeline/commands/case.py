@@ -60,8 +60,8 @@ def init(
 
     The command recognises columns and units from names such as `time_ms`, `x_cm`, `heading_deg` or `encL`. It
     converts them to SI units, samples a drive 20 times a second, and holds out a quarter of the rows. It asks for the
-    numbers that no log contains, such as the diameter of the wheels; Enter means that you do not know it. Without a
-    terminal it asks nothing, and takes the numbers of --set.
+    numbers that no log contains, such as the diameter of the wheels; press Enter for a number that you do not know.
+    Without a terminal it asks nothing, and takes the numbers of --set.
 
     A number that you do not know is estimated from the log or set to a usual value, with a tolerance so wide that no
     effect is named in its place. The command prints what each of them would have allowed.
@@ -94,17 +94,22 @@ def init(
         raise InputError("--kind", got=kind, allowed=", ".join(kinds), nearest=nearest(kind, kinds))
     known = parsed(settings or ())
     table = read_log(log)
-    warnings: tuple[str, ...] = ()
-    if mapping is None:
-        proposal = propose(table, None if kind is None else CaseKind(kind), known.get("supply_voltage_V"))
-        chosen, warnings = proposal.mapping, proposal.warnings
-    else:
-        chosen = read_mapping(mapping)
-        check_mapping(chosen, table, str(mapping))
-    case = new_case(table, chosen, out.absolute().name)
-    case = case.knowing(known)
+    checked = None
+    if mapping is not None:
+        checked = read_mapping(mapping)
+        check_mapping(checked, table, str(mapping))
+
+    def case_knowing(known: Mapping[str, float]) -> "tuple[NewCase, tuple[str, ...]]":
+        """Return the case and the guesses of its mapping, which depend on the voltage of the supply."""
+        chosen, warnings = checked, ()
+        if chosen is None:
+            proposal = propose(table, None if kind is None else CaseKind(kind), known.get("supply_voltage_V"))
+            chosen, warnings = proposal.mapping, proposal.warnings
+        return new_case(table, chosen, out.absolute().name).knowing(known), warnings
+
+    case, warnings = case_knowing(known)
     if sys.stdin.isatty() and sys.stdout.isatty():
-        case = case.knowing(_asked(case))
+        case, warnings = case_knowing({**known, **_asked(case)})
     measurement = case.write(out)
     notes = [*case.measurement.notes, *(note for note in measurement.notes if not note.startswith("not logged"))]
     unused = sorted(case.known.keys() - {number.key for number in case.numbers})
@@ -116,7 +121,7 @@ def _asked(case: "NewCase") -> dict[str, float]:
     """Return the numbers that the user types; Enter leaves one out."""
     from diagnosis.new_case.known_numbers import missing, value_of
 
-    typer.echo("Please enter the numbers that you know; Enter means that you do not know it.")
+    typer.echo("Please enter the numbers that you know. Press Enter for a number that you do not know.")
     answers = {}
     for number in missing(case.numbers, case.known):
         while True:
@@ -132,13 +137,13 @@ def _asked(case: "NewCase") -> dict[str, float]:
 
 def _print(case: "NewCase", out: Path, notes: tuple[str, ...]) -> None:
     from diagnosis.measured.overview import summary_line
+    from diagnosis.new_case.mapping import unused_columns
 
     typer.echo(summary_line(case.measurement))
     for name, source in case.mapping.columns.items():
         typer.echo(f"  {name:16}from {source.column or source.constant}{f', in {source.unit}' if source.unit else ''}")
-    used = {source.column for source in case.mapping.columns.values()}
-    ignored = [name for name in case.log.columns if name not in used]
-    for line in (*([f"not used: {', '.join(ignored)}"] if ignored else []), *case.compared()):
+    unused = unused_columns(case.mapping, case.log)
+    for line in (*([f"not used: {', '.join(unused)}"] if unused else []), *case.compared()):
         typer.echo(line)
     for note in notes:
         typer.echo(f"note: {note}")

@@ -18,7 +18,7 @@ from configs.schema.scenario import Render, RunSpec
 from pipeline.assembly.scene_file import scene_file
 from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, image_bytes
-from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians
+from pipeline.rerendering.unit_checks import check_milliseconds, check_on_the_floor, check_radians
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.stored_runs import read_simulated
 from pipeline.run_folder.stored_spec import read_spec
@@ -237,6 +237,8 @@ def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, t
         arena = Arena.from_config(draws[0].appearance.arena)
         for draw in draws:
             check_on_the_floor(trajectory.rows, arena, draw.appearance.look, trajectory.at)
+    if trajectory.spec is None:  # places in millimetres are fast, too, but outside the room
+        check_milliseconds(trajectory.rows, trajectory.at)
     return trajectory, draws
 
 

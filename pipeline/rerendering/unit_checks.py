@@ -1,4 +1,4 @@
-"""Checks whether a trajectory from elsewhere is in metres and radians."""
+"""Checks whether a trajectory from elsewhere is in milliseconds, metres and radians."""
 
 import math
 from collections.abc import Callable
@@ -15,12 +15,31 @@ from symolo.dataset.tables.rows import Rows
 Where = Callable[[int], str]
 """Returns the place of a row for messages, such as `data.csv:7`."""
 
+MAX_SPEED_M_S = 10.0
+"""Largest speed that a small robot can have; most drive at 0.1 to 1 m/s, which seconds turn into 100 or more."""
 CHORD_M = 0.02
 """Length [m] of the chords whose direction is compared: some millimetres of noise turn it by some degrees only."""
 MAX_UNJUDGED_CHORDS = 5
 """Number of chords up to which the headings are not judged."""
 EXPLAINED_RAD, UNEXPLAINED_RAD = math.radians(5), math.radians(10)
 """Median angles [rad] between chords and headings, up to which they fit the path and from which on they do not."""
+
+
+def check_milliseconds(rows: Rows, at: Where) -> None:
+    """Refuse a trajectory at a speed that a small robot cannot have; the median counts, so that a jump is no reason.
+
+    Raises:
+        InputError: The robot is too fast; the suspected unit is named.
+    """
+    path_m = np.hypot(*np.diff(rows.pose[:, :2], axis=0).T)
+    moves = np.flatnonzero(path_m > 0.0)
+    speed_m_s = 1000.0 * path_m[moves] / np.diff(rows.t_ms)[moves]
+    if len(moves) and (usual_m_s := float(np.median(speed_m_s))) > MAX_SPEED_M_S:
+        raise InputError(
+            f"column t: the robot moves at {usual_m_s:.3g} m/s, more than {MAX_SPEED_M_S:g} m/s",
+            where=at(int(moves[0])),
+            cure="give t in milliseconds; this looks like seconds: multiply it by 1000",
+        )
 
 
 def check_radians(rows: Rows, at: Where) -> None:

@@ -15,6 +15,7 @@ from hil.pilot import PilotFromBoard, build_for, counted, firmware_id_of, pilot_
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.stages.beyond_range import range_warnings
+from pipeline.stages.suspicious_run import run_warnings
 from pipeline.user_files import hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import UnitFailure
@@ -61,16 +62,18 @@ class RunOutcome(BaseModel):
     """Events on the line to the board with their times, at most MAX_EVENTS."""
     beyond_ranges: tuple[str, ...] = Field(default=(), exclude_if=lambda texts: not texts)
     """Warnings about effects outside the range in which they were observed."""
+    suspicions: tuple[str, ...] = Field(default=(), exclude_if=lambda texts: not texts)
+    """Reasons why the run is probably not what the scenario was meant to make."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings for users of the run."""
-        board = self.board
+        board, of_simulation = self.board, (*self.suspicions, *self.beyond_ranges)
         if board is None or not (board.rows_unanswered or board.events):
-            return self.beyond_ranges
+            return of_simulation
         faults = [f"{plural(board.rows_unanswered, 'row')} unanswered"] if board.rows_unanswered else []
         faults += [f"{count} {name.replace('_', ' ')}" for name, count in board.events.items()]
-        return (f"the line to the board was disturbed: {', '.join(faults)}", *self.beyond_ranges)
+        return (f"the line to the board was disturbed: {', '.join(faults)}", *of_simulation)
 
 
 def simulation_inputs(spec: RunSpec) -> dict:
@@ -112,8 +115,9 @@ def simulate_runs(
             failures = failed_runs("simulate", executor.do(units, partial(report_event, stage)), report)
     stopped = {failure.run for failure in failures} | others
     for spec in specs:
-        if spec.robot.effect_ranges and spec.key not in stopped:
-            for text in read_outcome(workspace.simulate(spec.key).path).beyond_ranges:
+        if spec.key not in stopped:
+            outcome = read_outcome(workspace.simulate(spec.key).path)
+            for text in (*outcome.suspicions, *outcome.beyond_ranges):
                 report.say(f"simulate: {spec.key}: {text}")
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in stopped])
 
@@ -206,6 +210,7 @@ def _publish(
         board=_board_record(spec.board, pilot) if spec.board and pilot else None,
         events=_event_lines(pilot.events, spec.rates.control_hz) if pilot else (),
         beyond_ranges=range_warnings(spec.robot, recording),
+        suspicions=run_warnings(spec, recording),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))
     folder.publish(partial, key, over=bool(spec.board and spec.board.kind == "serial"))

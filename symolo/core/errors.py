@@ -22,7 +22,7 @@ class InputError(Exception):
 
     Args:
         what: Field path, or a short sentence that says what is wrong.
-        where: `file:line` of the node that holds it, or `--set field.path`.
+        where: `file:line` of the node that holds it, or `--set field.path`, which is not repeated as `what`.
         got: The value that is there; left out by default.
         allowed: What may stand there, in words.
         nearest: The permitted name that is closest to the one given.
@@ -32,13 +32,19 @@ class InputError(Exception):
     def __init__(
         self, what: str, *, where: str = "", got: object = ..., allowed: str = "", nearest: str = "", cure: str = ""
     ) -> None:
-        head = ": ".join(part for part in (where, _shortened(what, _LONGEST_WHAT)) if part)
+        head = ": ".join(part for part in (where, _shortened(_without_repetition(what, where), _LONGEST_WHAT)) if part)
         if got is not ...:
             head += f": got {shown(got)}"
         if allowed:
             head += f"{';' if got is ... else ','} allowed: {allowed}"
         tail = [f"did you mean {nearest}"] if nearest else []
         super().__init__(one_line("; ".join([head, *tail, *([cure] if cure else [])])))
+
+
+def _without_repetition(what: str, where: str) -> str:
+    """Return `what` without the field path at its beginning, if `where` is a `--set` of this path."""
+    path, colon, problem = what.partition(": ")
+    return problem if where == f"--set {path}" else path + colon + problem
 
 
 class FaultsError(InputError):

@@ -17,7 +17,8 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest, shown
 from symolo.core.files.text_file import LineFault, TextFile
 
-_NO_NUMBER = re.compile(r"[-+]?(nan|inf(inity)?)|null|none|na|n/a|-|#n/a", re.IGNORECASE)
+NO_NUMBER = re.compile(r"[-+]?(nan|inf(inity)?)|null|none|na|n/a|-|#n/a", re.IGNORECASE)
+"""Words by which loggers mark a sample that is missing."""
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+")
 
@@ -249,7 +250,7 @@ def number(text: str, column: str, where: str, allowed: str = "a number") -> flo
     value = number_of(text)
     if not isfinite(value):
         text = text.strip()
-        cure = "leave the cell empty where nothing was measured" if _NO_NUMBER.fullmatch(text) else ""
+        cure = "leave the cell empty where nothing was measured" if NO_NUMBER.fullmatch(text) else ""
         cure = "write decimals with a point" if _DECIMAL_COMMA.fullmatch(text) else cure
         raise InputError(f"column {column}", where=where, got=text, allowed=allowed, cure=cure)
     return value

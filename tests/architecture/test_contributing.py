@@ -17,6 +17,7 @@ from configs.effects.registry import EFFECTS
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text()
 PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
+BESIDE = ("benchmarks", "docs", "tests")
 BLOCK = re.compile(r"^```(\w+)\n# (\S+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 NEW_FILES = {name: text for kind, name, text in BLOCK.findall(PAGE) if kind == "python"}
 
@@ -29,20 +30,35 @@ class Walk:
     """The copy, with every block of the section in its place."""
     commands: tuple[str, ...]
     """Words after `symolo`, in the order of the page."""
+    scripts: tuple[str, ...]
+    """Words after `.venv/bin/python`, in the order of the page; the last runs tests, and the others write files."""
 
     def symolo(self, *arguments: str) -> str:
         """Return what the command prints; it must end with exit code 0."""
-        program = "import sys; from pipeline.cli import main; sys.exit(main())"
+        return self.python("-P", "-c", "import sys; from pipeline.cli import main; sys.exit(main())", *arguments)
+
+    def python(self, *arguments: str) -> str:
+        """Return what the interpreter prints; it must end with exit code 0."""
         done = subprocess.run(
-            [sys.executable, "-P", "-c", program, *arguments],
+            [sys.executable, *arguments],
             cwd=self.folder,
             env={**os.environ, "PYTHONPATH": str(self.folder)},
             capture_output=True,
             text=True,
             check=False,
         )
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
+
+    def pass_tests(self, chosen: str) -> None:
+        """Run the section's scripts, and of its tests those that `-k` chooses; the others run on the project itself."""
+        *writing, testing = self.scripts
+        for script in writing:
+            self.python(*shlex.split(script.replace("FOLDER", "scratch")))
+        _, pytest_, *files = shlex.split(testing)
+        files = [file for pattern in files for file in _in_braces(pattern)]
+        printed = self.python("-m", pytest_, *files, "-n", "0", "-q", "-p", "no:cacheprovider", "-k", chosen)
+        assert re.search(r"^\d+ passed", printed, re.MULTILINE), printed
 
     def type_commands(self, *more: str) -> str:
         """Return what the section's commands print, with some settings added that make them small."""
@@ -51,6 +67,13 @@ class Walk:
 
 def _section(title: str) -> str:
     return PAGE.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+
+
+def _in_braces(pattern: str) -> list[str]:
+    """Return `a1b` and `a2b` for `a{1,2}b`, as a shell does."""
+    before, brace, rest = pattern.partition("{")
+    inner, _, after = rest.partition("}")
+    return [before + one + after for one in inner.split(",")] if brace else [pattern]
 
 
 def _apply(folder: Path, kind: str, name: str, text: str) -> None:
@@ -71,16 +94,21 @@ def _apply(folder: Path, kind: str, name: str, text: str) -> None:
 @pytest.fixture
 def walk(tmp_path):
     def follow(title: str) -> Walk:
-        for package in PACKAGES:
+        for package in (*PACKAGES, *BESIDE):
             # With the compiled files, which stay valid because a copy keeps the times of the sources, but without those
             # that another process is about to rename.
             shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.pyc.*"))
+        shutil.copy2(ROOT / "pyproject.toml", tmp_path)
         section = _section(title)
         blocks = BLOCK.findall(section)
         assert blocks, f"CONTRIBUTING.md has no section {title!r} with blocks"
         for kind, name, text in blocks:
             _apply(tmp_path, kind, name, text)
-        return Walk(tmp_path, tuple(re.findall(r"^    symolo (.+)$", section, re.MULTILINE)))
+        commands, scripts = (
+            tuple(re.findall(rf"^    {program} (.+)$", section, re.MULTILINE))
+            for program in ("symolo", r"\.venv/bin/python")
+        )
+        return Walk(tmp_path, commands, scripts)
 
     return follow
 
@@ -95,6 +123,7 @@ def test_an_effect_acts_and_is_looked_for(walk):
     )
     assert 0.001 < np.nanmax(np.abs(ripple[0] - bare[0])) < 0.022  # the first row: the robot has not moved yet
     assert "tof_ripple" in (effect.folder / "ripple-diagnosis/report.html").read_text()
+    effect.pass_tests("tof_ripple or shared_format or row_of_the_documentation or every_page_is")
 
 
 def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
@@ -118,6 +147,7 @@ def test_a_sensor_is_recorded_released_and_verified(walk, tiny):
     )
     error_rad = np.angle(np.exp(1j * (heading - theta)))
     assert 0.0 < np.abs(error_rad).max() < np.radians(5 * 2.0)  # five standard deviations
+    sensor.pass_tests("key_of_the_schema or every_page_is")
 
 
 def test_a_material_is_described_previewed_and_rendered(walk):
@@ -138,8 +168,11 @@ def test_a_material_is_described_previewed_and_rendered(walk):
         check=True,
     )
     red, green, blue = (float(number) for number in done.stdout.strip("()\n").split(","))
-    assert 0.1 < green < 0.3  # the default paint reflects 0.2
+    assert 0.2 < green < 0.4  # the default paint reflects 0.3
     assert blue > red  # and is bluish
+    material.pass_tests(
+        "felt or member or the_tape_is_black or has_its_joints or has_an_image or materials.md or every_page_is"
+    )
 
 
 def test_an_export_format_is_listed_and_written(walk, dataset):
@@ -152,9 +185,11 @@ def test_an_export_format_is_listed_and_written(walk, dataset):
 
 
 def test_an_importer_recognises_and_reads_its_log(walk):
-    printed = walk("An importer").type_commands()
+    importer = walk("An importer")
+    printed = importer.type_commands()
     assert re.search(r"omega_rad_s", printed)
     assert "6 rows" in printed
+    importer.pass_tests("rpm-bench or different_names")
 
 
 def test_a_robot_is_read_and_drives(walk):
@@ -162,6 +197,8 @@ def test_a_robot_is_read_and_drives(walk):
     printed = robot.type_commands()
     assert "2 of 2 runs" in printed
     assert '"track_m": 0.12' in (robot.folder / "small/.stages/simulate/CW/test_1/spec.json").read_text()
+    (robot.folder / "small_robot.yaml").rename(robot.folder / "configs/robots/small_robot.yaml")
+    robot.pass_tests("small_robot or every_page_is")
 
 
 @pytest.mark.parametrize("name", NEW_FILES)

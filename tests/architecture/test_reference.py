@@ -1,9 +1,11 @@
 """The pages that are written from the code say what it says, and lead to something."""
 
+import operator
 import re
 from pathlib import Path
 
 import pytest
+import yaml
 from typer.main import get_command
 
 from blender_scenes.materials import FLOORS, SURFACES
@@ -44,6 +46,16 @@ def test_every_field_of_robot_and_look_is_a_key():
     keys = set(re.findall(r"^\| `(\w+)` \|", _page("configuration.md"), re.MULTILINE))
     for section in (RobotConfig, LookConfig):
         assert set(section.model_fields) - keys == set()
+
+
+@pytest.mark.parametrize(
+    ("path", "key"), [("floor.ceramic_tile", "joint"), ("floor.carpet", "paint"), ("brick", "joint")]
+)
+def test_a_colour_shows_the_default_that_it_has_in_its_section(path, key):
+    section = _page("configuration.md").partition(f"\n## look.{path}\n")[2].partition("\n## ")[0]
+    (row,) = (line for line in section.splitlines() if line.startswith(f"| `{key}` |"))
+    paint = getattr(operator.attrgetter(path)(LookConfig(name="plain")), key)
+    assert yaml.safe_load(row.rsplit("|", 2)[1].strip(" `")) == paint.model_dump()
 
 
 def test_every_part_of_a_look_that_a_page_names_is_there():

@@ -1,4 +1,4 @@
-"""Held by every member of every family: pure, numbers only, physically possible."""
+"""Rules that every material must obey: pure, numbers only, physically possible."""
 
 import math
 import operator
@@ -38,7 +38,7 @@ from blender_scenes.scene.shading import (
 from blender_scenes.scene.typical import typical_color
 from configs.schema.arena import ArenaConfig, LineConfig, SurfaceName, WallConfig
 from configs.schema.asset import Asset, ImageLook
-from configs.schema.floors import FloorLook, FloorName, Vinyl
+from configs.schema.floors import CeramicTile, FloorLook, FloorName, Vinyl
 from configs.schema.lighting import PanoramaName
 from configs.schema.look import LookConfig, TapeLook
 from physics.arena import surfaces
@@ -53,11 +53,16 @@ _SURFACE = TypeAdapter(Surface)
 
 GLOSSY = LookConfig(name="glossy", tape=TapeLook(roughness=0.18, wear=1.0, wrinkles=1.0, streaks=1.0))
 TERRAZZO = FloorLook(material="vinyl", vinyl=Vinyl(print="terrazzo"))
+GROUT = FloorLook(material="ceramic_tile", ceramic_tile=CeramicTile(size_m=0.02, joint_width_m=0.03))
+"""Tiles so small that only the joints between them are left."""
+VARIANTS = {"terrazzo": TERRAZZO, "grout": GROUT}
 
 
 def _floors(seed: int = 1) -> dict[str, Surface]:
     made = {name: make(LOOK.floor, SurfacePatch(name, (5.0, 5.0), seed)) for name, make in FLOORS.items()}
-    return made | {"terrazzo": FLOORS["vinyl"](TERRAZZO, SurfacePatch("terrazzo", (5.0, 5.0), seed))}
+    return made | {
+        name: FLOORS[look.material](look, SurfacePatch(name, (5.0, 5.0), seed)) for name, look in VARIANTS.items()
+    }
 
 
 def _worn(floor: Surface, patch: SurfacePatch) -> Surface:
@@ -78,7 +83,7 @@ EVERY = sorted(_all())
 
 
 def test_every_floor_wall_and_sky_that_a_look_can_name_has_a_member():
-    assert set(FLOORS) == set(get_args(FloorName)) == set(PAINTS) - {"terrazzo"} | {"image"}
+    assert set(FLOORS) == set(get_args(FloorName)) == set(PAINTS) - set(VARIANTS) | {"image"}
     assert set(SURFACES) == set(get_args(SurfaceName)) == set(surfaces.SURFACES)
     assert set(MEAN_COLOR) == set(get_args(PanoramaName))
 
@@ -171,6 +176,7 @@ PAINTS = {
     "paper_sheets": LOOK.floor.paper_sheets.paint,
     "vinyl": LOOK.floor.vinyl.paint,
     "terrazzo": TERRAZZO.vinyl.paint,
+    "grout": GROUT.ceramic_tile.joint,
 }
 
 

@@ -13,20 +13,20 @@ OVERRIDES = {
     "gap in the path": ("look..sun=3", "--set: got 'look..sun=3'"),
     "path without end": (".".join("a" * 5000) + "=1", "--set: got 'a.a.a.a."),
     "index of no end": (f"routes.{'9' * 5000}.runs=1", "--set routes.999"),
-    "empty value": ("seed=", "--set seed: seed: got nothing (null), allowed: whole number"),
-    "text for a number": ("seed=abc", "--set seed: seed: got 'abc', allowed: whole number"),
+    "empty value": ("seed=", "--set seed: got nothing (null), allowed: whole number"),
+    "text for a number": ("seed=abc", "--set seed: got 'abc', allowed: whole number"),
     "unknown field": (
         "look.sun.elevatoin_deg=30",
-        "--set look.sun.elevatoin_deg: look.sun.elevatoin_deg: unknown key; allowed: elevation_deg",
+        "--set look.sun.elevatoin_deg: unknown key; allowed: elevation_deg",
     ),
     "unknown section": ("lok.sun.elevation_deg=30", "--set lok.sun.elevation_deg: lok: unknown key"),
     "out of bounds": (
         "look.sun.elevation_deg=95",
-        "--set look.sun.elevation_deg: look.sun.elevation_deg: got 95, allowed: number >= 1 and <= 90",
+        "--set look.sun.elevation_deg: got 95, allowed: number >= 1 and <= 90",
     ),
     "distribution out of bounds": (
         "look.sun.elevation_deg={uniform: [0, 30]}",
-        "--set look.sun.elevation_deg: look.sun.elevation_deg: got 0.0",
+        "--set look.sun.elevation_deg: got 0.0",
     ),
     "broken YAML": ("seed=[", "--set seed: not valid YAML"),
     "index beyond the list": (
@@ -35,7 +35,7 @@ OVERRIDES = {
     ),
     "unknown item": ("routes.CWW.runs=1", "--set routes.CWW.runs: routes: item: got 'CWW'"),
     "field of a number": ("seed.low=1", "--set seed.low: seed is a single value and has no field 'low': got 7"),
-    "unknown look": ("look=clasroom", "--set look: look: got 'clasroom'"),
+    "unknown look": ("look=clasroom", "--set look: got 'clasroom'"),
     "extends": ("extends=smoke", "--set extends: 'extends' is read from files alone"),
     "tag": ("seed=!!int 3", "--set seed: value: got '!!int'; tags are not read"),
 }

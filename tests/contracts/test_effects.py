@@ -82,7 +82,7 @@ CANONICAL = {
     "tof_mount_yaw": "sensor, angle_rad",
     "tof_time_offset": "delay_s",
 }
-"""Names and parameters of the format that diagnosis and simulator share."""
+"""Names and parameters, written by hand: measured cases and stored answers name them, so a change must be noticed."""
 
 CHOICES = {"material": ("white_board",)}
 CASES = [

@@ -110,7 +110,9 @@ def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
 
 @pytest.mark.usefixtures("toy")
 def test_it_is_a_key_of_the_schema_with_bounds_and_defaults():
-    properties = scenario_json_schema()["$defs"]["Settings"]["properties"]
+    definitions = scenario_json_schema()["$defs"]
+    settings, _ = definitions["RobotSensors"]["properties"]["bumper"]["anyOf"]
+    properties = definitions[settings["$ref"].rsplit("/", 1)[1]]["properties"]
     number, _ = properties["travel_m"]["anyOf"]
     assert number == {"type": "number", "exclusiveMinimum": 0, "maximum": 1}
     assert properties["period_s"]["default"] == 0.05

@@ -117,7 +117,7 @@ def test_every_surface_has_its_mean_and_spread_from_tables_3_and_4():
         "paper": (101.42, 1.45),
         "plastic": (99.7, 1.31),
     }
-    found = {name: (s.mean_at_100_mm_mm, s.sd_at_100_mm_mm) for name, s in SURFACES.items() if name in measured}
+    found = {name: (s.mean_mm_at_100_mm, s.sd_mm_at_100_mm) for name, s in SURFACES.items() if name in measured}
     assert found == measured
     assumed = {"cardboard": "paper", "plywood": "wood", "brick": "paper"}
     assert set(SURFACES) == set(measured) | set(assumed)

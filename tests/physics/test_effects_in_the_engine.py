@@ -7,6 +7,7 @@ import pytest
 
 from physics.effects.actuator_lag import ActuatorLag
 from physics.effects.battery_decline import BatteryDecline
+from physics.effects.bridge_coast import BridgeCoast
 from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.coulomb_friction_scale import CoulombFrictionScale
 from physics.effects.current_limit import CurrentLimit
@@ -116,6 +117,18 @@ class TestMotorsOffLoad:
         late_s = m.rotor_inertia_kg_m2 / damping
         expected = (k * 4.0 * (1.0 - (12.0 - late_s) / 60.0) / r - m.coulomb_friction_N_m) / damping
         assert simulation.wheel_speeds()[0] == pytest.approx(expected, rel=1e-3)
+
+    def test_a_declining_battery_leaves_a_coasting_bridge_its_duty(self, simulate, robot):
+        """At full duty there is no off time, so that coasting changes nothing."""
+        power = robot.power.model_copy(update={"motor_voltage_limit_V": robot.power.battery_voltage_V})
+        declines = robot.model_copy(update={"power": power}).with_effect(BatteryDecline(fraction_per_minute=1.0))
+        speeds = []
+        for several in (declines, declines.with_effect(BridgeCoast(inductance_H=5e-4, diode_V=1.0))):
+            simulation = simulate(robot=several, lifted=True)
+            simulation.set_voltages(robot.power.battery_voltage_V, robot.power.battery_voltage_V)
+            simulation.advance(6_000)
+            speeds.append(simulation.wheel_speeds()[0])
+        assert speeds[1] == pytest.approx(speeds[0], rel=1e-6)
 
     def test_a_current_limit_holds_in_a_reversal(self, simulate_with):
         simulation = simulate_with(CurrentLimit(limit_A=0.7), lifted=True)

@@ -9,6 +9,7 @@ import pytest
 from configs.schema.scenario import Rates
 from physics.bullet.simulation import BulletSimulation
 from physics.effects.battery_decline import BatteryDecline
+from physics.effects.bridge_coast import BridgeCoast
 from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.coulomb_friction_scale import CoulombFrictionScale
 from physics.effects.encoder_missed_ticks import EncoderMissedTicks
@@ -114,6 +115,18 @@ class TestClosedForms:
         assert run.current_A[-1, 0] == pytest.approx(((3.0 - k * speed) / r,) * 2, rel=1e-9)
         x, y, yaw = run.pose[-1, 0]
         assert (math.atan2(y - 2.0, x - 1.0), yaw) == pytest.approx((0.3, 0.3))
+
+    def test_at_full_duty_a_coasting_bridge_has_no_off_time_however_empty_the_battery(self, robot):
+        power = robot.power.model_copy(update={"motor_voltage_limit_V": robot.power.battery_voltage_V})
+        unlimited = robot.model_copy(update={"power": power})
+        declines = unlimited.with_effect(BatteryDecline(fraction_per_minute=1.0))
+        coasts = declines.with_effect(BridgeCoast(inductance_H=5e-4, diode_V=1.0))
+        volts = np.full((1000, 1, 2), robot.power.battery_voltage_V)
+        bare, coasting = (
+            KinematicTwin(RobotModel.from_config(each)).drive(volts, np.zeros((1, 3))) for each in (declines, coasts)
+        )
+        np.testing.assert_allclose(coasting.wheel_speed_rad_s[-1], bare.wheel_speed_rad_s[-1], rtol=1e-6)
+        np.testing.assert_allclose(coasting.current_A[-1], bare.current_A[-1], rtol=1e-6)
 
     def test_the_mass_of_the_robot_is_in_the_run_up(self, robot):
         """Straight ahead each wheel carries half of the mass at its radius, besides rotor and disc."""

@@ -1,4 +1,4 @@
-"""Each motor effect against the definition of the shared format, worked out by hand for a motor with round numbers."""
+"""Each motor effect against its definition in docs/reference/effects.md, by hand for a motor with round numbers."""
 
 import math
 
@@ -9,6 +9,7 @@ from physics.drivetrain.bridge import Chopper
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor_bench import steady_states, step_responses
 from physics.drivetrain.two_mass import Load, TwoMass
+from physics.drivetrain.wheel_turns import counted_turns
 from physics.effects.actuator_lag import ActuatorLag
 from physics.effects.battery_decline import BatteryDecline
 from physics.effects.bridge_coast import BridgeCoast
@@ -214,12 +215,55 @@ class TestCoastingBridge:
         np.testing.assert_allclose(speed, expected, rtol=1e-6)
 
 
+class TestCoastingBridgeAtAHalfEmptyBattery:
+    """The duty stays as commanded, and the supply is half. With hardly any inductance: K D (S - K w) / R = B w + Tc."""
+
+    HALF_EMPTY = BatteryDecline(fraction_per_minute=0.1)
+    DUTY = np.array([1.0, 0.5])
+    FINAL = DUTY * (K * 0.5 * SUPPLY_V / R)
+    FINAL = (FINAL - TC) / (B + DUTY * K**2 / R)
+
+    @pytest.fixture
+    def model(self, motor):
+        coast = BridgeCoast(inductance_H=1e-12, diode_V=1.0)
+        return RobotModel.from_config(motor.with_effect(coast).with_effect(self.HALF_EMPTY))
+
+    def test_on_the_bench_at_rest(self, model):
+        _, speed = steady_states(model, SUPPLY_V * self.DUTY, np.full(2, 300.0))
+        np.testing.assert_allclose(speed, self.FINAL, rtol=1e-6)
+
+    def test_in_a_step_response(self, model):
+        """A drive of 3 s takes 0.5 % off the battery; what is left of the run-up is far less."""
+        volts = np.tile(SUPPLY_V * self.DUTY, (300, 1))
+        current, speed = step_responses(model, volts, 0.01, np.full(2, 297.0))
+        np.testing.assert_allclose(speed[-1], self.FINAL, rtol=3e-3)
+        np.testing.assert_allclose(current[-1], (B * self.FINAL + TC) / K, rtol=5e-3)
+
+    def test_of_wheels_in_a_log(self, model):
+        volts = np.tile(SUPPLY_V * self.DUTY, (60, 1, 1))
+        turned = counted_turns(model, volts, 0.05, np.array([297.0]))
+        np.testing.assert_allclose(turned[-1, 0] / 0.05, self.FINAL, rtol=3e-3)
+
+    def test_beside_a_sag(self, motor):
+        """Both motors at rest at full duty: I = S / (R + 2 r) each from the half supply S."""
+        several = motor.with_effect(SupplySag(source_resistance_ohm=0.8)).with_effect(self.HALF_EMPTY)
+        line = Driveline.of_robot(RobotModel.from_config(several))
+        held = np.full((1, 2), SUPPLY_V)
+        _, voltage = line.voltage_V(held, held, 300.0, 0.01)
+        current = line.current_A(voltage, np.zeros((1, 2)), line.supply_V(300.0))
+        np.testing.assert_allclose(current, 0.5 * SUPPLY_V / (R + 2.0 * 0.8), rtol=1e-12)
+
+    def test_an_empty_battery_drives_nothing(self, model):
+        current, speed = steady_states(model, np.array([4.0]), np.array([700.0]))
+        assert (current[0], speed[0]) == (0.0, 0.0)
+
+
 class TestSupplyOfTwoMotors:
     def test_both_currents_and_the_sagged_voltages_satisfy_the_definition(self, motor):
         line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(SupplySag(source_resistance_ohm=0.8))))
         for volts, speeds in (((5.0, 4.0), (2.0, 1.0)), ((5.0, -3.0), (0.0, 3.0)), ((1.0, 5.0), (9.0, 2.0))):
             u, w = np.array([volts]), np.array([speeds])
-            current = line.current_A(u, w)
+            current = line.current_A(u, w, SUPPLY_V)
             duty = u / SUPPLY_V
             at_bridge = SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))
             np.testing.assert_allclose(duty * at_bridge - K * w, R * current, atol=1e-12)
@@ -230,7 +274,7 @@ class TestSupplyOfTwoMotors:
         several = (SupplySag(source_resistance_ohm=0.8), BridgeVoltageDrop(drop_V=0.3))
         line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(several[0]).with_effect(several[1])))
         u, w = np.array([[5.0, left_V]]), np.array([[2.0, 8.5]])
-        current = line.current_A(u, w)
+        current = line.current_A(u, w, SUPPLY_V)
         duty = u / SUPPLY_V
         e = duty * (SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))) - K * w
         np.testing.assert_allclose(R * current, np.sign(e) * np.maximum(np.abs(e) - 0.3, 0.0), atol=1e-12)
@@ -239,7 +283,7 @@ class TestSupplyOfTwoMotors:
         """Both motors plugged at full speed into 5 ohm: all that is left is their own voltage over the windings."""
         line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(SupplySag(source_resistance_ohm=5.0))))
         w = np.array([[-18.0, -18.0]])
-        np.testing.assert_allclose(line.current_A(np.array([[6.0, 6.0]]), w), -K * w / R, rtol=1e-12)
+        np.testing.assert_allclose(line.current_A(np.array([[6.0, 6.0]]), w, SUPPLY_V), -K * w / R, rtol=1e-12)
 
 
 class TestStepResponses:

@@ -35,6 +35,10 @@ BAD = {
     "no scenario": (["release", "--out", "OUT"], "SCENARIO"),
     "no output folder": (["release", "smoke"], "--out"),
     "no such option": (["release", "smoke", "--out", "OUT", "--worker", "2"], "--workers"),
+    "option of all commands after the command": (
+        ["release", "smoke", "--out", "OUT", "--effect-file", "own.py"],
+        "write --effect-file before the command: symolo --effect-file ... release",
+    ),
     "no workers": (["release", "smoke", "--out", "OUT", "--workers", "0"], "--workers"),
     "workers in words": (["release", "smoke", "--out", "OUT", "--workers", "two"], "--workers"),
     "one argument too many": (["release", "smoke", "symolo", "--out", "OUT"], "symolo"),

@@ -1,4 +1,4 @@
-"""Each sensor effect against the definition of the shared format, worked out by hand."""
+"""Each sensor effect against its definition in docs/reference/effects.md, worked out by hand."""
 
 import math
 

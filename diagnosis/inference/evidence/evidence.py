@@ -41,6 +41,10 @@ class Prediction:
         """Return the predictions by some of the robots."""
         return Prediction(self.mean[which], self.sd[which])
 
+    def moved(self, change: Array | float) -> "Prediction":
+        """Return the predictions with a change (..., N) of all means, such as the errors of a session."""
+        return self if np.ndim(change) == 0 and change == 0.0 else Prediction(self.mean + change, self.sd)
+
 
 class Evidence:
     """N samples. The samples of each observed quantity are adjacent, in the order of the stages."""

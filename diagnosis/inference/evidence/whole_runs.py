@@ -120,11 +120,13 @@ def fitted_to_whole_runs(
         effects: The effects that may enter.
 
     Returns:
-        None with fewer than four such runs.
+        The fit, without nuisances of single sessions; None with fewer than four such runs.
     """
     trials = tuple(trial for trial in measurement.trials if not trial.holdout.any() and len(trial.t_s) > PARTS)
     if len(trials) < MIN_RUNS:
         return None
+    # The heading at each start is free, which includes all that sessions add.
+    hypothesis, x = hypothesis.of_robot(x)
     runs = WholeRuns(replace(measurement, trials=trials), hypothesis.nominal)
     fit = _fit(runs, hypothesis, x)
     while len(fit.hypothesis.effects) < MAX_EFFECTS:

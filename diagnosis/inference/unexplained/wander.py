@@ -43,6 +43,8 @@ WITHOUT_WHITE = np.array([1e3])
 """Such a ratio for noise that has hardly any white part."""
 TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
+LIMITS = RangeWander.parameters()["time_constant_s"]
+"""Least and greatest time constant of the effect, which hold for rows of any distance."""
 
 
 @dataclass(frozen=True)
@@ -162,9 +164,10 @@ def wander(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
         return None
     plain = _Series.of(fit, place, time_s, rows)
     row_s, span_s = float(np.median(np.diff(plain.t_s))), float(np.ptp(plain.t_s))
-    if not 0.0 < 2.0 * MIN_LASTING_ROWS * row_s < span_s:
+    shortest_s, longest_s = max(MIN_LASTING_ROWS * row_s, LIMITS.low), min(span_s, LIMITS.high)
+    if not (0.0 < 2.0 * MIN_LASTING_ROWS * row_s < span_s and shortest_s < longest_s):
         return None
-    times_s = np.geomspace(MIN_LASTING_ROWS * row_s, span_s, TIMES)
+    times_s = np.geomspace(shortest_s, longest_s, TIMES)
 
     def beside(other: HypothesisFit) -> _Seen:
         series = _Series.of(other, place, time_s, rows)

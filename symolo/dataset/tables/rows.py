@@ -165,8 +165,19 @@ def read_rows(path: Path) -> Rows:
     table, faults = parse_table(data, HEADER)
     faults = faults or [fault for fault in semantic_faults(Rows.from_table(table)) if fault.kind in ("time", "image")]
     if faults:
-        raise InputError(faults[0].what, where=f"{path}:{faults[0].line}", cure=faults[0].cure)
+        fault = _in_seconds(table[:, 0]) if faults[0].kind == "time" else None
+        fault = fault or faults[0]
+        raise InputError(fault.what, where=f"{path}:{fault.line}", cure=fault.cure)
     return Rows.from_table(table)
+
+
+def _in_seconds(t_ms: Array) -> Fault | None:
+    """Return the fault of times that increase, but are the same when they are rounded to milliseconds."""
+    if np.any(np.diff(t_ms) <= 0.0):
+        return None
+    row = int(np.flatnonzero(np.diff(np.rint(t_ms)) <= 0.0)[0]) + 1
+    what = f"column t: {t_ms[row]:g} ms is not a millisecond after {t_ms[row - 1]:g} ms"
+    return Fault(row + 2, what, "give t in milliseconds; this looks like seconds: multiply it by 1000", "time")
 
 
 def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tuple[Array, list[Fault]]:

@@ -49,6 +49,9 @@ PLACED = {
     "in a joint": (_grey(Tiles((0.1, 0.1), 0.02, 0.0, (0.0, 0.0))), 0.9),
     "on a tile": (_grey(Tiles((0.1, 0.1), 0.02, 0.0, (0.05, 0.05))), 0.0),
     "beside a joint of 18 mm": (_grey(Tiles((0.1, 0.1), 0.018, 0.0, (0.0105, 0.0105))), 0.0),
+    # The joint ends 10 mm from its middle; half of that, the softness, is the part over which the value rises.
+    "halfway up the soft edge of a joint": (_grey(Tiles((0.1, 0.1), 0.02, 0.0, (0.0075, 0.05), softness=0.5)), 0.45),
+    "beyond the soft edge of a joint": (_grey(Tiles((0.1, 0.1), 0.02, 0.0, (0.0025, 0.05), softness=0.5)), 0.9),
     "in a course shifted by half": (_grey(Tiles((0.1, 0.1), 0.02, 0.5, (0.0, -0.05))), 0.0),
 }
 

@@ -170,9 +170,8 @@ def test_a_file_that_cannot_be_used_is_refused_in_one_line_at_its_field(photos: 
         load_section("look", "looks/mine.yaml", [setting])
     text = str(caught.value)
     field = setting.partition("=")[0]
-    assert text.startswith(
-        f"--set {field}: {field}" if setting != "look.assets=null" else "looks/mine.yaml:6: look.floor"
-    )
+    assert text.startswith(f"--set {field}: " if setting != "look.assets=null" else "looks/mine.yaml:6: look.floor")
+    assert text.count(field) == 1
     assert all(part in text for part in told), text
     assert len(text.splitlines()) == 1
 

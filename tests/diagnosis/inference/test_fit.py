@@ -5,6 +5,7 @@ import pytest
 
 from diagnosis.inference.fit import fits
 from diagnosis.inference.hypothesis import moved
+from diagnosis.predictors.base import Predicted
 
 SD_A, TOLERANCE = 0.01, 0.02
 X = np.linspace(0.2, 1.0, 40)
@@ -71,3 +72,34 @@ def test_what_the_data_do_not_hold_has_no_error_that_could_be_believed(evidence_
     model = hypothesis.with_effect(limit)
     (fit,) = fits(evidence_of(X, X), [(model, model.null())])
     assert fit.std(limit)["limit_A"] == np.inf
+
+
+class FailsBeyond:
+    """A stage without a prediction of its last row for robots whose current sensor reads more than a limit too much."""
+
+    def __init__(self, stage, limit_A):
+        self._stage, self._limit_A = stage, limit_A
+
+    def __getattr__(self, name):
+        return getattr(self._stage, name)
+
+    def predict(self, robots):
+        (predicted,) = self._stage.predict(robots)
+        mean = predicted.mean.copy()
+        for k, robot in enumerate(robots):
+            if any(sensor.offset_A > self._limit_A for sensor in robot.effects):
+                mean[k, -1] = np.nan
+        return (Predicted(mean, predicted.sd),)
+
+
+@pytest.mark.parametrize(("start", "offset_A"), [(0.0, 0.02), (3.0, 0.005)], ids=["towards a gap", "from a gap"])
+def test_a_fit_ends_where_every_row_has_a_prediction(evidence_of, hypothesis, effect, start, offset_A):
+    evidence = evidence_of(X, X + offset_A + SD_A * (-1.0) ** np.arange(40))
+    evidence.stages = (FailsBeyond(evidence.stages[0], 0.01),)
+    offset = effect("current_sensor_offset")
+    model = hypothesis.with_effect(offset)
+    x = model.null()
+    x[-1] = start
+    (fit,) = fits(evidence, [(model, x)])
+    assert np.isfinite(fit.cost)
+    assert 0.0 < model.values(offset, fit.x)["offset_A"] <= 0.01

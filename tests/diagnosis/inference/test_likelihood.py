@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from diagnosis.inference.evidence.evidence import Prediction
 from diagnosis.inference.likelihood import (
     LEVEL_SD,
     LEVELS,
@@ -14,6 +15,7 @@ from diagnosis.inference.likelihood import (
     NoiseFit,
     costs_of_residuals,
     fitted_noise,
+    sample_costs,
     stated_noise,
     weights,
 )
@@ -26,6 +28,7 @@ def evidence_of(n, quantities=1, *, is_stated=True):
         sd=np.ones(n),
         weight=np.ones(n),
         fit=np.ones(n, dtype=bool),
+        heldout=np.zeros(n, dtype=bool),
         observed=[SimpleNamespace(noise_is_stated=is_stated)] * quantities,
         quantity=np.repeat(np.arange(quantities), n // quantities),
     )
@@ -46,6 +49,18 @@ def test_the_cost_is_that_of_a_density_whose_integral_is_one(sd):
     # Beyond 100 sigmas there are outliers only: both tails of a Cauchy density.
     tails = 0.05 * 2.0 * (0.5 - np.arctan(100.0 / WIDTH) / np.pi)
     assert near + tails == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_usable_sample_without_a_finite_prediction_costs_infinity_and_one_that_is_not_usable_nothing():
+    evidence = evidence_of(6)
+    evidence.values[2], evidence.fit[[2, 3]] = np.nan, False
+    evidence.heldout[3] = True
+    mean = np.array([[0.0, np.nan, np.nan, np.nan, np.inf, -np.inf]])
+    costs = sample_costs(evidence, Prediction(mean, np.ones((1, 6))), stated_noise(evidence))
+    assert np.isfinite(costs[0, 0])
+    np.testing.assert_array_equal(costs[0, 1:], [np.inf, 0.0, np.inf, np.inf, np.inf])
+    costs = sample_costs(evidence, Prediction(np.zeros((1, 6)), np.full((1, 6), np.nan)), stated_noise(evidence))
+    np.testing.assert_array_equal(costs[0], [np.inf, np.inf, 0.0, np.inf, np.inf, np.inf])
 
 
 def test_an_outlier_ten_times_as_far_costs_four_times_the_logarithm_of_ten_more():

@@ -15,6 +15,7 @@ from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, WHEEL_DIAMETER_M
+from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.evidence.whole_runs import WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import Hypothesis
 from diagnosis.measured.channel import SampleQuality
@@ -93,6 +94,22 @@ def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(rec
     after = np.sqrt(np.mean(ours**2, axis=0))
     assert np.hypot(*after[:2]) <= np.hypot(*theirs[:2]) < np.hypot(*before[:2])
     assert after[2] <= theirs[2]
+
+
+@pytest.mark.parametrize("session", ["square/230620202042", "square/230620202317"])
+def test_the_heading_of_a_session_is_that_of_a_calibration_of_the_trade(recordings, session, monkeypatch):
+    """Least squares over whole paths with one angle of the camera's body more, with a code of its own."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis"))
+    trade = importlib.import_module("wheel_calibrations")
+    measurement = read(recordings / "optiodom_diff" / session)
+    diagnosis = diagnose(measurement)
+    assert "marker_yaw" not in diagnosis.names
+    heading = next(error for error in fitted_errors(diagnosis.fit) if error.effect == "marker_yaw")
+    nominal = trade.Wheels(WHEEL_DIAMETER_M, WHEEL_DIAMETER_M, TRACK_M)
+    runs = [np.loadtxt(file, delimiter=",", encoding="utf-8-sig") for file in measurement.source.files]
+    # The trade turns the path, and a body that is turned against the path has the opposite angle.
+    _, path_rad = trade.with_turned_camera(runs, nominal, ENCODER_TICKS_PER_REVOLUTION)
+    assert heading.value == pytest.approx(-path_rad, abs=2.5e-3)
 
 
 def test_a_set_is_read_with_the_runs_held_out_that_are_asked_for(recordings):

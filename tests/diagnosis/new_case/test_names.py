@@ -53,6 +53,7 @@ DRIVES = (
         ";", ","
     ),
     "stamp,voltage_l,voltage_r,left_encoder,right_encoder,pose_x,pose_y,yaw",
+    "T,MotL,MotR,CountsL,CountsR,posX_cm,posY_cm,compass",
     "millis,motorLeft_mV,motorRight_mV,cntLeft,cntRight,xM,yM,thetaDeg",
 )
 
@@ -74,6 +75,7 @@ def _order(item):
         (CaseKind.MOTOR_STEADY, "PWM,Voltage (V),Current (mA),Speed (rpm)", ("u_cmd_V", "current_A", "omega_rad_s")),
         (CaseKind.MOTOR_STEP, "time_us,run,u,i,omega", ("t_s", "trial", "u_cmd_V", "current_A", "omega_rad_s")),
         (CaseKind.TOF_BENCH, "true distance [mm],tof [mm],target", ("distance_m", "reading_m", "material")),
+        (CaseKind.TOF_BENCH, "set distance (mm),sensor (mm),surface", ("distance_m", "reading_m", "material")),
         (CaseKind.DRIVE_LOG, "t,tof_f,tof_l,tof_r", ("t_s", "tof_front_m", "tof_left_m", "tof_right_m")),
     ],
 )

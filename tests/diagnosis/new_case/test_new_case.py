@@ -13,6 +13,7 @@ from configs.loader import load_section
 from diagnosis.examples.example import FOLDER
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
+from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.new_case.known_numbers import numbers_of
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
@@ -113,6 +114,29 @@ def test_known_numbers_are_taken_with_the_usual_tolerance(init, columns):
     assert not re.search(r"^  (track_m|wheel_diameter_m|torque_constant)", out, re.MULTILINE)
 
 
+@pytest.mark.parametrize(
+    ("known", "comments"),
+    [
+        ({}, ("NOT KNOWN: a usual value", "NOT KNOWN: estimated from this log", "NOT KNOWN: estimated from this log")),
+        (
+            {"wheel_diameter_m": 2 * RADIUS},
+            ("given, but the ticks were", "NOT KNOWN: estimated from this log", "NOT KNOWN: estimated from this log"),
+        ),
+        ({"ticks_per_turn": TICKS}, (*["NOT KNOWN: estimated from this log"] * 2, "given")),
+        (
+            {"ticks_per_turn": TICKS, "wheel_diameter_m": 0.07, "track_m": 0.16},
+            ("given; usual tolerance", "given; usual tolerance", "given"),
+        ),
+    ],
+)
+def test_a_comment_states_whether_a_number_is_given_estimated_or_assumed(known, comments, init, columns, tmp_path):
+    init(columns, *(word for key, value in known.items() for word in ("--set", f"{key}={value}")))
+    text = (tmp_path / "run" / "nominal.yaml").read_text()
+    names = ("wheel_radius_m", "wheel_separation_m", "encoder_ticks_per_revolution")
+    for name, comment in zip(names, comments, strict=True):
+        assert re.search(rf"^  {name}: .*  # {comment}", text, re.MULTILINE), text
+
+
 def test_the_case_has_the_stages_of_what_was_logged(init, columns, tmp_path):
     carrier = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
     lacking = {
@@ -126,6 +150,7 @@ def test_the_case_has_the_stages_of_what_was_logged(init, columns, tmp_path):
         assert (code, err) == (0, "")
         assert line in out
         measurement = read_measurement(tmp_path / f"case_{number}", IMPORTERS)
+        assert measurement.nominal is not None
         stages = STAGES[measurement.kind](measurement, nominal_robot(measurement.nominal, carrier))
         observed = {stage.name for stage in stages if any(o.usable.any() for o in stage.observed)}
         assert observed == names - ({"pose"} if start == "x_cm" else set())
@@ -205,6 +230,43 @@ def test_in_a_terminal_the_command_asks_and_enter_leaves_a_number_out(init, colu
     assert re.search(r"^  wheel_diameter_m ", out, re.MULTILINE)
 
 
+def test_a_supply_that_the_user_types_scales_the_duty_cycles(init, columns, monkeypatch, tmp_path):
+    duties = {f"pwm_{side}": np.round(columns[f"motor_{side} [mV]"] / 9.1e3 * 255).astype(int) for side in "lr"}
+    logged = {name: column for name, column in columns.items() if not name.startswith("motor")} | duties
+    answers = {"supply_voltage_V": "9.1", "ticks_per_turn": "1440"}
+    asked = []
+    monkeypatch.setattr("typer.prompt", lambda text, **_: asked.append(text) or answers.get(text.split(", ")[-1], ""))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    code, out, err, nominal = init(logged)
+    assert (code, err) == (0, "")
+    assert nominal["motor"]["supply_voltage_V"] == 9.1
+    (trial,) = read_measurement(tmp_path / "run", IMPORTERS).trials
+    np.testing.assert_allclose(trial["u_left_V"].values, 1e-3 * columns["motor_l [mV]"], atol=0.5 * 9.1 / 255 + 1e-4)
+    assert "times 9.1 V" in out
+    assert "give it" not in out
+    assert "7.4" not in out
+    assert len(asked) == len(set(asked))
+
+
+def test_a_supply_that_is_not_known_is_asked_for(init, columns):
+    logged = {name.replace("motor", "pwm").replace(" [mV]", ""): column for name, column in columns.items()}
+    _, out, _, _ = init(logged, "--set", "ticks_per_turn=1440")
+    assert "times a supply of 7.4 V, which is not known: give it with --set supply_voltage_V=NUMBER" in out
+
+
+def test_a_material_may_have_any_name(init):
+    names = ['matt "grey" #2', "back\\slash: black", "{white}"]
+    columns = {
+        "distance_m": np.repeat([0.1, 0.2, 0.3], 8),
+        "reading_m": np.repeat([0.12, 0.21, 0.33], 8),
+        "material": np.repeat(names, 8),
+    }
+    code, out, err, nominal = init(columns)
+    assert (code, err) == (0, ""), out
+    assert nominal["tof"]["reflectance"] == dict(zip(sorted(names), (0.05, 0.18, 0.85), strict=True))
+
+
 def test_logs_with_strange_values_are_read_or_refused(columns, tmp_path, monkeypatch, capsys):
     """Never a traceback: each of these damaged logs gives a case that can be read, or a message."""
     monkeypatch.chdir(tmp_path)
@@ -269,6 +331,7 @@ def test_a_bench_comes_back_from_its_rows_under_other_names(name, init, tmp_path
         assert [label.values for label in after.labels] == [label.values for label in before.labels]
     assert again.heldout_rows > 0
     if "motor" in nominal:
+        assert isinstance(original.nominal, NominalSteady | NominalStep)
         # Least squares of the data find the motor that made them, but for what the case hides.
         for key in ("winding_resistance_ohm", "torque_constant_N_m_A"):
             assert values(nominal["motor"])[key] == pytest.approx(getattr(original.nominal.motor, key).value, rel=0.1)

@@ -2,13 +2,14 @@
 
 import math
 import re
+import shlex
 
 import numpy as np
 import pytest
 
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.log_file import read_log
-from diagnosis.new_case.mapping import LogMapping, check_mapping, read_mapping
+from diagnosis.new_case.mapping import LogMapping, check_mapping, mapping_text, read_mapping
 from diagnosis.new_case.proposal import propose
 from diagnosis.new_case.rows import measurement_of
 from symolo.core.errors import InputError
@@ -90,6 +91,32 @@ def test_an_irregular_log_is_sampled_again_and_its_gaps_stay_gaps(log):
     assert np.count_nonzero(known) > 0.8 * len(since)
 
 
+@pytest.mark.parametrize("period_s", [0.01, 0.05])
+@pytest.mark.parametrize("late", ["stamps", "samples"])
+def test_the_counts_decide_whether_stamps_or_samples_are_late(late, period_s, log):
+    rng = np.random.Generator(np.random.PCG64(8))
+    even = period_s * np.arange(round(20 / period_s))
+    even = even[(even < 8.0) | (even > 9.0)]  # rows that were lost
+    delay = np.abs(rng.normal(0.0, 0.002, len(even)))
+    stamps, sampled = even + delay, even + (delay if late == "samples" else 0.0)
+
+    def counts(t):
+        return 1900.0 * (t + 0.3 * np.sin(1.7 * t) / 1.7)
+
+    ticks = np.floor(counts(sampled)).astype(int)
+    times = np.rint(1e6 * stamps).astype(int)
+    found = measured(log(table("time_us,encL,encR,uL,uR", times, ticks, 2 * ticks, 3 + 0 * times, 3 + 0 * times)))
+    (trial,) = found.trials
+    t_s = trial.t_s + (stamps[0] if late == "samples" else 0.0)
+    next_row = np.abs(np.diff(t_s) - 0.05) < 1e-4
+    grown = np.diff(trial["enc_left_ticks"].values)[next_row]
+    usable = np.isfinite(grown)
+    np.testing.assert_allclose(grown[usable], np.diff(counts(t_s))[next_row][usable], atol=2.5)
+    assert 374 <= np.count_nonzero(usable) <= 380
+    noted = [note for note in found.notes if "taken for evenly sampled" in note]
+    assert len(noted) == (late == "stamps")
+
+
 def test_a_log_that_is_too_slow_is_refused_with_the_reason(log):
     with pytest.raises(InputError, match=r"run.csv: rows are 0.2 s apart; allowed: at most 0.1 s; log at 10 Hz"):
         measured(log(drive(np.round(0.2 * np.arange(50), 6))))
@@ -107,13 +134,25 @@ def test_values_that_were_measured_later_than_their_row_are_moved_back(log):
     assert np.isnan(trial["theta_rad"].values[:2]).all()
 
 
+def test_a_wrapped_heading_is_unwrapped_before_it_is_moved_back(log):
+    t = np.round(0.05 * np.arange(400), 6)
+    rows = [line.split(",") for line in drive(t).splitlines()]
+    wrapped = [f"{value:.9f}" for value in np.angle(np.exp(1j * t))]
+    text = "\n".join([",".join(rows[0]), *(",".join([*row[:-1], w]) for row, w in zip(rows[1:], wrapped, strict=True))])
+    sources = {"t_s": "t", "enc_left_ticks": "encL", "enc_right_ticks": "encR", "x_m": "x", "y_m": "y"}
+    columns = {name: {"column": column} for name, column in sources.items()}
+    columns |= {"theta_rad": {"column": "theta", "time_offset_s": 0.02}}
+    (trial,) = measured(log(text + "\n"), LogMapping.model_validate({"kind": "drive_log", "columns": columns})).trials
+    np.testing.assert_allclose(trial["theta_rad"].values[1:], (t - 0.02)[1:], atol=1e-8)
+
+
 def test_a_new_trial_begins_where_the_time_goes_back(log):
     t = 0.05 * np.arange(40)
     found = measured(log(drive(np.round(np.tile(t, 5), 6))))
     assert [len(trial.t_s) for trial in found.trials] == [40] * 5
     assert [trial.holdout.all() for trial in found.trials] == [False, False, False, True, False]
-    begins = [trial.begins_s for trial in found.trials]
-    assert begins == sorted(begins)
+    begins = np.array([trial.begins_s for trial in found.trials], dtype=float)
+    assert (np.diff(begins) > 0.0).all()
 
 
 def test_trials_may_have_words_for_names(log):
@@ -150,6 +189,15 @@ def test_a_constant_takes_the_place_of_a_column(log):
     assert set(trial.label("material").values) == {"wood"}
     np.testing.assert_array_equal(trial["temperature_C"].values, 21.5)
     assert trial.holdout.tolist() == [False, False, False, True] * 3
+
+
+def test_a_bench_whose_time_goes_back_is_refused_with_the_row_and_the_cure(log):
+    distances = np.repeat([0.1, 0.2, 0.3, 0.4], 3)
+    times = np.concatenate([np.arange(7.0), np.arange(5.0)])
+    with pytest.raises(
+        InputError, match=r"run.csv: row 9: the time goes back; sort the rows by time, or leave t_s out of mapping.yaml"
+    ):
+        measured(log(table("t [s],distance_m,tof_m", times, distances, distances + 0.01)))
 
 
 def test_the_clock_of_a_bench_counts_from_switching_on_but_a_date_does_not(log):
@@ -196,15 +244,24 @@ def test_all_wrong_cells_and_rows_are_reported(log):
     text = str(raised.value)
     assert len(text.splitlines()) == 3
     assert "row 3: column encL: got 'a'" in text
-    assert re.search(r"row 3: column uR: got 'b'.*so do 1 more rows", text)
+    assert re.search(r"row 3: column uR: got 'b'.*; rows of this column with such a cell: 2$", text, re.MULTILINE)
     with pytest.raises(
-        InputError, match=r"row 3: 1 cells under a header of 2; .*so do 1 more rows, the last one row 4"
+        InputError,
+        match=r"row 3: 1 cells under a header of 2; .*; rows with a wrong number of cells: 2, the last one is row 4",
     ):
         log("t,x\n1,2\n3\n4\n5,6\n")
     with pytest.raises(InputError, match=r"no header.*add a line"):
         log("1,2\n3,4\n")
     with pytest.raises(InputError, match=r"column a is there twice[\s\S]*column b is there twice"):
         log("a,b,a,b\n1,2,3,4\n")
+
+
+@pytest.mark.parametrize("word", ["", "nan", "NaN", "null", "None", "n/a", "-", "#N/A", "inf", "-Infinity"])
+def test_a_word_for_a_missing_sample_is_a_missing_sample(word, log):
+    lines = drive(np.round(0.05 * np.arange(40), 6)).splitlines()
+    lines[4] = ",".join(["0.15", word, *lines[4].split(",")[2:]])
+    (trial,) = measured(log("\n".join(lines) + "\n")).trials
+    assert np.flatnonzero(np.isnan(trial["enc_left_ticks"].values)).tolist() == [3]
 
 
 def test_a_last_row_that_is_cut_off_is_left_out_and_quotes_are_no_part_of_a_name(log):
@@ -215,9 +272,38 @@ def test_a_last_row_that_is_cut_off_is_left_out_and_quotes_are_no_part_of_a_name
     assert measured(log(whole[:-1])).rows == 99
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_step_log_whose_first_row_is_still_at_rest_begins_one_row_later(first, log):
+    step_s, tau_s = 0.004, 0.03
+    since = step_s * np.arange(first, 80)
+    rng = np.random.Generator(np.random.PCG64(4))
+    volts = np.repeat([2.5, 4.5], len(since))
+    speeds = volts / 0.36 * np.tile(1.0 - np.exp(-since / tau_s), 2)
+    noisy = np.round(speeds + rng.normal(0.0, 0.03, len(speeds)), 4)
+    clock = np.round(5.0 + np.tile(since, 2) + np.repeat([0.0, 2.0], len(since)), 6)
+    found = measured(log(table("t [s],run,u,omega [rad/s]", clock, np.repeat([1, 2], len(since)), volts, noisy)))
+    for trial, volt in zip(found.trials, (2.5, 4.5), strict=True):
+        np.testing.assert_allclose(trial.t_s, step_s * np.arange(1, 80), atol=1e-6)
+        expected = volt / 0.36 * (1.0 - np.exp(-trial.t_s / tau_s))
+        np.testing.assert_allclose(trial["omega_rad_s"].values, expected, atol=0.15)
+    assert any("still at rest" in note for note in found.notes) == (first == 0)
+
+
 def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):
     with pytest.raises(InputError, match=r"cannot recognise what was logged.*for drive_log: enc_left_ticks"):
         propose(log("foo,bar\n1,2\n"))
+
+
+@pytest.mark.parametrize("kind", [None, CaseKind.DRIVE_LOG])
+def test_a_quantity_without_a_column_is_named_beside_the_columns_that_are_not_recognised(kind, log):
+    columns = log(table("t,encL,encR,x_cm,y_cm,spin,foo", *([1, 2, 3] for _ in range(7))))
+    with pytest.raises(InputError) as raised:
+        propose(columns, kind)
+    assert re.search(
+        r"no column was recognised as theta_rad, which a case of the kind drive_log needs; not recognised: spin, foo; "
+        r"rename them, or write a mapping.yaml",
+        str(raised.value),
+    )
 
 
 def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
@@ -240,6 +326,65 @@ def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
     path.write_text("kind: drive\ncolumns: {t_s: {colum: t}}\n")
     with pytest.raises(InputError, match=r"2 faults:[\s\S]*mapping.yaml:2: columns.t_s.colum: unknown key"):
         read_mapping(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "message"),
+    [
+        ("x_m", {"constant": "wood"}, r"columns.x_m: the constant is no number: got 'wood', allowed: a number"),
+        ("t_s", {"constant": 3.5}, r"columns.t_s: the time cannot be constant; name the column of the times"),
+        ("x_m", {"constant": 3.5, "unit": "mm"}, r"columns.x_m: a constant takes no unit, factor or time_offset_s"),
+        ("split", {"column": "x"}, r"columns.split: no column of data.csv that a mapping can give"),
+        ("row", {"column": "x"}, r"columns.row: no column of data.csv that a mapping can give"),
+    ],
+)
+def test_a_source_that_cannot_be_used_is_refused(name, source, message, log):
+    columns = {
+        "t_s": {"column": "t"},
+        "enc_left_ticks": {"column": "encL"},
+        "enc_right_ticks": {"column": "encR"},
+        "u_left_V": {"column": "uL"},
+        "u_right_V": {"column": "uR"},
+        name: source,
+    }
+    mapping = LogMapping.model_validate({"kind": "drive_log" if name != "row" else "tof_bench", "columns": columns})
+    with pytest.raises(InputError, match=message):
+        check_mapping(mapping, log(drive(0.05 * np.arange(10))), "mapping.yaml")
+
+
+@pytest.mark.parametrize(
+    "name", ['encoder "left" #1', "enc: left", "enc\\left", "ünïts [µm] °", "{enc}", "'enc'", "null", "1e3", "🙂 left"]
+)
+def test_a_mapping_reads_back_as_it_was_written(name, log, tmp_path):
+    columns = {
+        "distance_m": {"column": name, "unit": "mm", "factor": 2.5e-7},
+        "reading_m": {"column": "tof", "time_offset_s": 0.0123456789},
+        "material": {"constant": "matt: 'grey' #2"},
+        "temperature_C": {"constant": 1e-7},
+    }
+    mapping = LogMapping.model_validate({"kind": "tof_bench", "columns": columns})
+    readings = log(table(f"{name},tof", [1, 2], [3, 4]))
+    path = tmp_path / "mapping.yaml"
+    path.write_text(mapping_text(mapping, readings, tmp_path / "my case"))
+    assert read_mapping(path) == mapping
+    check_mapping(read_mapping(path), readings, str(path))
+    command = re.search(r"^#   (symolo case init .*)$", path.read_text(), re.MULTILINE)
+    case = tmp_path / "my case"
+    options = ["--mapping", str(case / "mapping.yaml"), "--out", f"{case}-2"]
+    assert command is not None
+    assert shlex.split(command[1]) == ["symolo", "case", "init", str(readings.path), *options]
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"), [("distance,tof", "mm"), ("true distance,reading", "mm"), ("ref,measured", "mm")]
+)
+def test_both_distances_of_a_bench_in_millimetres_are_in_millimetres(header, unit, log):
+    distances = np.repeat([60, 130, 260, 480], 3)  # an extent that would be few millimetres for a room
+    proposal = propose(log(table(header, distances, distances + 7)))
+    assert [proposal.mapping.columns[name].unit for name in ("distance_m", "reading_m")] == [unit, unit]
+    assert len(proposal.warnings) == 2
+    for warning in proposal.warnings:
+        assert re.search(r"taken for mm, since .* up to \d+; if they are cm, correct it in mapping.yaml", warning)
 
 
 def test_a_motor_s_log_is_a_step_or_a_sweep_by_the_time_between_its_rows(log):

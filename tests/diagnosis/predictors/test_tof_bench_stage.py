@@ -126,7 +126,7 @@ def test_noise_effects_scale_deviation_and_variance(stage, robot):
 def test_a_saturated_reading_is_flat_far_beyond_the_limit_and_the_mean_of_a_clipped_normal_deviate_at_it(stage, robot):
     """Half a normal deviate is lost at its own mean: the mean is sd / root(2 pi) lower.
 
-    The noise is that before the limit, since a device may limit what it measures before the noise.
+    The standard deviation is that before the limit, because in some devices the noise is added after the limit.
     """
     at = 0.004 + 1.01 * 0.4
     mean, sd = predicted(stage, robot, RangeSaturation(saturation_m=at))

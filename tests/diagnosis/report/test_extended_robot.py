@@ -45,7 +45,9 @@ def with_effect(diagnosis, name, choices=(), **values):
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
     evidence = diagnosis.evidence
     noise, sd, information = stated_noise(evidence), nothing[0] + 1.0, 1e4 * np.eye(len(x))
-    fit = HypothesisFit(evidence, hypothesis, x, 0.0, nothing[0], sd, noise, nothing, nothing, information)
+    fit = HypothesisFit(
+        evidence, hypothesis, x, 0.0, nothing[0], nothing[0] > 0.0, sd, noise, nothing, nothing, information
+    )
     named = NamedEffect(effect, dict(hypothesis.values(effect, x)), fit.std(effect), RivalComparison(effect, 0.9, ()))
     return replace(diagnosis, fit=fit, named=(named,))
 

@@ -32,11 +32,11 @@ def moved(pose, x_m=0.0, yaw_rad=0.0):
     return pose + np.array([x_m, 0.0, yaw_rad])
 
 
-def written(path, pose):
+def written(path, pose, period_ms=50):
     numbers = np.arange(ROWS)
     image = np.where(numbers % EVERY == 0, 1 + numbers // EVERY, 0)
     one = np.ones((ROWS, 8))
-    path.write_bytes(Rows(50 * numbers, pose.copy(), 0 * numbers, one[:, :2], one[:, :3], one, image).to_csv())
+    path.write_bytes(Rows(period_ms * numbers, pose.copy(), 0 * numbers, one[:, :2], one[:, :3], one, image).to_csv())
     return path
 
 
@@ -115,3 +115,29 @@ def test_headings_in_degrees_are_one_clear_line(pose, tmp_path, symolo):
 )
 def test_headings_that_degrees_do_not_explain_are_left_alone(pose, tmp_path):
     prepare(written(tmp_path / "data.csv", pose), LOOK)
+
+
+def test_times_in_seconds_make_a_speed_that_no_small_robot_has(tmp_path, symolo):
+    """Four laps of 1.885 m in 199 steps of 1 ms; the speed is that along the chords."""
+    path = written(tmp_path / "elsewhere.csv", circle(4.0), period_ms=1)
+    ended = symolo("rerender", path, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "column t: the robot moves at 37.9 m/s" in ended.err
+    assert "looks like seconds: multiply it by 1000" in ended.err
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("period_ms", [4, 50, 60_000])
+def test_slow_and_quick_drives_are_left_alone(period_ms, tmp_path):
+    prepare(written(tmp_path / "data.csv", circle(), period_ms), LOOK)
+
+
+def test_times_in_fractions_of_a_second_are_one_clear_line(tmp_path, symolo):
+    path = written(tmp_path / "elsewhere.csv", circle())
+    header, *lines = path.read_text().splitlines()
+    seconds = [f"{int(line.partition(',')[0]) / 1000:.3f},{line.partition(',')[2]}" for line in lines]
+    path.write_text("\n".join((header, *seconds)) + "\n")
+    ended = symolo("rerender", path, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert f"{path}:3: column t: 0.05 ms is not a millisecond after 0 ms" in ended.err
+    assert "looks like seconds: multiply it by 1000" in ended.err

@@ -18,12 +18,16 @@ pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
 @pytest.fixture
 def diagnosed(tmp_path):
-    """The diagnosis of a bench of 150 rows, 2 s apart, whose readings have an error [m] that is a function of time."""
+    """The diagnosis of a bench of 150 rows whose readings have an error [m] that is a function of time [s].
 
-    def of(error_m):
+    The rows are 2 s apart, times a factor.
+    """
+
+    def of(error_m, slower=1.0):
         gap = importlib.import_module("gap_cases")
         case = gap.make_case("tof_bench", 8, rows="some")
-        columns = {**case.columns, "reading_m": np.round(case.columns["reading_m"] + error_m(case.columns["t_s"]), 3)}
+        t_s = slower * case.columns["t_s"]
+        columns = {**case.columns, "t_s": t_s, "reading_m": np.round(case.columns["reading_m"] + error_m(t_s), 3)}
         gap.write(replace(case, columns=columns), tmp_path / "case")
         return diagnose(tof_bench.IMPORTER.read(tmp_path / "case"))
 
@@ -80,3 +84,16 @@ def test_an_offset_beyond_what_wanders_is_named_beside_it(diagnosed):
     (offset,) = diagnosis.named
     # The mean of an error with this time constant over 300 s has a standard deviation of sqrt(2 tau / T) of it.
     assert offset.values["offset_m"] == pytest.approx(0.03, abs=3.0 * 0.006 * np.sqrt(2.0 * 25.0 / 300.0))
+
+
+@pytest.mark.parametrize(("row_s", "tau_s"), [(0.008, 0.1), (1200.0, 15_000.0)], ids=["8 ms", "20 minutes"])
+def test_a_wandering_error_of_rows_of_any_distance_has_a_time_constant_within_its_limits(diagnosed, row_s, tau_s):
+    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, tau_s), slower=0.5 * row_s)
+    assert diagnosis.wander is not None
+    time_constant = RangeWander.parameters()["time_constant_s"]
+    assert time_constant.low <= diagnosis.wander.effect.time_constant_s <= time_constant.high
+
+
+@pytest.mark.parametrize("row_s", [1e-4, 1e4])
+def test_rows_too_close_or_too_far_apart_for_any_time_constant_show_no_wandering_error(diagnosed, row_s):
+    assert diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 20.0 * row_s), slower=0.5 * row_s).wander is None

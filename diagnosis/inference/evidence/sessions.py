@@ -1,0 +1,161 @@
+"""Nuisances of each session: what somebody sets again before a series of drives, and what is no property of the robot.
+
+Between two sessions the markers are stuck on again, and the clocks of camera and robot are aligned again. How far the
+tracked body is off therefore differs from session to session, while wheels, motors and sensors stay the same. Every
+session has these errors of its own, each with a normal prior, and they are fitted together with everything else. Only
+an error that all sessions share, and that is larger than the prior allows, may be an effect with a name.
+
+They are small, so that the prediction is linear in them. It is linearised once at no error, and again at the errors
+that were fitted then: a delay of a whole row is not ten times a delay of a tenth of it.
+"""
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from configs.effects.base import Effect
+from configs.schema.robot import RobotConfig
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fit import HypothesisFit
+from diagnosis.measured.measurement import Measurement
+from diagnosis.nuisances import Nuisance, Number
+from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.marker_yaw import MarkerYaw
+from sensors.effects.pose_clock_drift import PoseClockDrift
+from sensors.effects.pose_time_offset import PoseTimeOffset
+from symolo.core.arrays import Array
+
+
+@dataclass(frozen=True)
+class SessionError:
+    """An effect whose number is another one in each session."""
+
+    effect: type[Effect]
+    number: str
+    """Name of its parameter."""
+    tolerance: float
+    """Standard deviation between sessions, in the unit of the parameter."""
+
+
+@dataclass(frozen=True)
+class SessionNuisance(Nuisance):
+    """An error of one session."""
+
+    session: str = ""
+    error: SessionError | None = None
+
+
+SESSION_ERRORS = (
+    SessionError(MarkerYaw, "angle_rad", 0.02),
+    SessionError(MarkerOffset, "offset_m", 0.002),
+    SessionError(PoseTimeOffset, "delay_s", 0.02),
+    SessionError(PoseClockDrift, "rate", 1e-3),
+)
+"""A body set by eye is off by a degree and two millimetres; clocks that are aligned by hand, to a row of
+50 ms; and a clock with a ceramic resonator runs wrong by a thousandth."""
+DETERMINED = 0.5
+"""Standard error in tolerances up to which the data determine an error."""
+STEP = 0.25
+"""Step of a derivative in tolerances: no later than a row at the end of a minute, for a clock that drifts."""
+FURTHEST = 3.0
+"""Error in tolerances up to which the predictions are linearised there. What is larger in every session may be an
+effect of the robot, beside which the sessions would have no error at all."""
+VISIBLE = 1e-3
+"""Change of a sample in sigmas, by one tolerance, from which the data show an error at all."""
+
+
+def session_nuisances(
+    measurement: Measurement, evidence: Evidence, nominal: RobotConfig, around: HypothesisFit | None = None
+) -> tuple[SessionNuisance, ...]:
+    """Return the nuisances of the sessions of a measurement; none if it does not say which trial is of which session.
+
+    Args:
+        measurement: The measurement.
+        evidence: Its samples.
+        nominal: The robot without effects of sessions.
+        around: A fit with such nuisances, at whose errors the predictions are linearised; at none by default.
+    """
+    return tuple(_nuisances(measurement, evidence, nominal, {} if around is None else _sizes(around)))
+
+
+def _nuisances(
+    measurement: Measurement, evidence: Evidence, nominal: RobotConfig, sizes: Mapping[tuple[str, SessionError], float]
+) -> Iterator[SessionNuisance]:
+    sessions = tuple(dict.fromkeys(trial.session for trial in measurement.trials if trial.session))
+    if not sessions:
+        return
+    session = np.array([trial.session for trial in measurement.trials])[evidence.trial]
+    (bare,) = evidence.predicted([nominal]).mean
+    for name in sessions:
+        here = (session == name) & np.isfinite(evidence.values)
+        x = np.array([sizes.get((name, error), 0.0) for error in SESSION_ERRORS])
+        # Either sign is possible, and a delay interpolates between other rows than its negative.
+        steps = STEP * np.eye(len(SESSION_ERRORS))
+        robots = [_with_errors(nominal, sizes) for sizes in (x, *(x + steps), *(x - steps))]
+        at, *beside = np.where(here, evidence.predicted(robots).mean - bare, 0.0)
+        more, less = np.split(np.array(beside), 2)
+        changes = 0.5 * (more - less) / STEP
+        rest = at - x @ changes
+        for error, change in zip(SESSION_ERRORS, changes, strict=True):
+            if np.abs(change / evidence.sd)[evidence.fit].max(initial=0.0) > VISIBLE:
+                title = f"{error.effect.name} of session {name}"
+                unit = error.effect.parameters()[error.number].unit
+                yield SessionNuisance(title, 0.0, error.tolerance, unit, _same, change, rest, name, error)
+                rest = None
+
+
+def _sizes(fit: HypothesisFit) -> Mapping[tuple[str, SessionError], float]:
+    """Return the fitted errors in tolerances, by session and kind, as far as a session has them."""
+    return {
+        (n.session, n.error): min(max(x, -FURTHEST), FURTHEST)
+        for n, x in zip(fit.hypothesis.nuisances, fit.x.tolist(), strict=False)
+        if isinstance(n, SessionNuisance) and n.error is not None
+    }
+
+
+@dataclass(frozen=True)
+class FittedError:
+    """The fitted error of one session."""
+
+    session: str
+    effect: str
+    number: str
+    """Name of the effect's parameter."""
+    value: float
+    std: float
+    """Standard error."""
+    unit: str
+
+
+def fitted_errors(fit: HypothesisFit) -> tuple[FittedError, ...]:
+    """Return the errors of all sessions that the data determine better than their priors do."""
+    errors = np.sqrt(np.diag(fit.covariance)).tolist()
+    return tuple(
+        FittedError(n.session, n.error.effect.name, n.error.number, x * n.tolerance, error * n.tolerance, n.unit)
+        for n, x, error in zip(fit.hypothesis.nuisances, fit.x.tolist(), errors, strict=False)
+        if isinstance(n, SessionNuisance) and n.error is not None and error < DETERMINED
+    )
+
+
+def within_sessions(fit: HypothesisFit) -> Collection[type[Effect]]:
+    """Return the effects that are no effects of the robot, since a session's error can be as large."""
+    sizes: dict[type[Effect], list[float]] = {}
+    for (_, error), size in _sizes(fit).items():
+        sizes.setdefault(error.effect, []).append(abs(size))
+    return {effect for effect, of_sessions in sizes.items() if min(of_sessions) < FURTHEST}
+
+
+def _with_errors(robot: RobotConfig, sizes: Array) -> RobotConfig:
+    """Return a robot with the errors of a session, given in tolerances, on top of its effects."""
+    for error, size in zip(SESSION_ERRORS, sizes.tolist(), strict=True):
+        present = robot.effects.get(error.effect)
+        before = 0.0 if present is None else float(getattr(present, error.number))
+        robot = robot.with_effect(error.effect.model_construct(**{error.number: before + size * error.tolerance}))
+    return robot
+
+
+def _same(robot: RobotConfig, value: Number) -> RobotConfig:
+    """Return the robot itself, of which an error of a session is no part."""
+    del value
+    return robot

@@ -1,0 +1,80 @@
+"""Warnings of a run that is probably not what its scenario was meant to make, with the suspected cause."""
+
+from collections.abc import Iterator
+from math import cos, degrees, pi, radians, sin
+
+import numpy as np
+
+from configs.schema.scenario import RunSpec
+from symolo.arena.geometry import Arena, Line
+from symolo.core.arrays import Array
+from symolo.core.time_series import Recording
+from symolo.dataset.codes import State
+
+MIN_PATH_M = 0.01
+"""Length of the path up to which the robot stands still."""
+MAX_LOST_SHARE = 0.5
+"""Share of the time in the line state without the line that is usual on an arena with gaps and obstacles."""
+BESIDE_M = 0.1
+"""Distance of the start from the line from which on it may be why the sensor does not see the line."""
+ALONG_RAD, ACROSS_RAD = radians(10.0), radians(20.0)
+"""Largest angle of a start along the line, and smallest angle of one that leads away from it."""
+SPACING_M = 0.005
+
+
+def run_warnings(spec: RunSpec, recording: Recording) -> tuple[str, ...]:
+    """Return what is suspicious about a run; nothing for nearly all runs."""
+    line = Arena.from_config(spec.arena).line
+    return (*_standing(recording), *_without_the_line(spec, line, recording), *_in_radians(spec, line))
+
+
+def _standing(recording: Recording) -> Iterator[str]:
+    steps = np.diff(recording.trajectory.pose[:, :2], axis=0)
+    if len(steps) and np.hypot(steps[:, 0], steps[:, 1]).sum() < MIN_PATH_M:
+        yield "the robot moves less than 1 cm in this run: is it stuck, or are its motors too weak?"
+
+
+def _without_the_line(spec: RunSpec, line: Line, recording: Recording) -> Iterator[str]:
+    rows = int((recording.trajectory.state == State.LINE).sum())
+    lost = int(recording["line_lost"].values[-1])
+    if not line.pieces or lost <= MAX_LOST_SHARE * rows:
+        return
+    away_m = float(_nearest(line, spec)[0])
+    cause = f": the run starts {away_m:.2f} m away from the line" if away_m > BESIDE_M else ""
+    yield (
+        f"the line sensor did not see the line in {100.0 * lost / rows:.0f} % of the time in which the controller"
+        f" followed it{cause}"
+    )
+
+
+def _in_radians(spec: RunSpec, line: Line) -> Iterator[str]:
+    yaw = spec.start.yaw_deg
+    if not line.pieces or not 0.0 < abs(yaw) <= 2.0 * pi:
+        return
+    _, along = _nearest(line, spec)
+    if _angle(along, radians(yaw)) > ACROSS_RAD and _angle(along, yaw) < ALONG_RAD:
+        yield (
+            f"yaw_deg {yaw:g} looks like radians: as degrees, the start leads away from the line; if it is in radians,"
+            f" write yaw_deg: {degrees(yaw):.0f}"
+        )
+
+
+def _nearest(line: Line, spec: RunSpec) -> tuple[float, Array]:
+    """Return the distance [m] of the start from the centre line, and the unit vector along the line there."""
+    start = np.array([spec.start.x_m, spec.start.y_m])
+    distances: list[float] = []
+    directions: list[Array] = []
+    for piece in line.pieces:
+        points = piece.at(np.linspace(0.0, piece.length_m, 2 + int(piece.length_m / SPACING_M)))
+        away = np.hypot(*(points - start).T)
+        nearest = int(np.argmin(away))
+        step = points[max(nearest, 1)] - points[max(nearest, 1) - 1]
+        distances.append(float(away[nearest]))
+        directions.append(step / np.hypot(*step))
+    best = int(np.argmin(distances))
+    return distances[best], directions[best]
+
+
+def _angle(along: Array, yaw_rad: float) -> float:
+    """Return the angle [rad] between a heading and the line, which may be followed in both directions."""
+    return float(np.arccos(min(1.0, abs(along[0] * cos(yaw_rad) + along[1] * sin(yaw_rad)))))

@@ -1,0 +1,133 @@
+"""Errors that belong to a session are fitted as such, and never named as effects of the robot."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from diagnosis.diagnose import diagnose
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.sessions import SESSION_ERRORS, fitted_errors, session_nuisances
+from diagnosis.inference.fit import fits
+from diagnosis.inference.hypothesis import Hypothesis
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.nuisances import Nuisance
+from diagnosis.predictors import STAGES
+from diagnosis.report.session_sentences import session_sentences
+from diagnosis.usual_tolerances import usual_wheels
+from symolo.core.time_series import TimeSeries
+
+COUNTS = 20_000
+WHEELS = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=COUNTS)
+ROWS, ROW_S = 400, 0.05
+XY_M, HEADING_RAD = 2e-4, 1e-3
+YAW_TOLERANCE = next(error.tolerance for error in SESSION_ERRORS if error.number == "angle_rad")
+
+
+def driven(seed, session, yaw_rad, *, held=False):
+    """A straight, an arc and a straight of the nominal robot, seen by a body that is turned by `yaw_rad`."""
+    noise = np.random.default_rng(seed)
+    sense = 1 if seed % 2 else -1
+    forward = np.r_[0.0, np.full(ROWS - 1, 0.1 * ROW_S)]
+    turn = np.r_[np.zeros(150), np.full(100, 0.5), np.zeros(ROWS - 250)] * ROW_S * sense
+    yaw = np.cumsum(turn)
+    x, y = (np.cumsum(forward * of(yaw - turn / 2)) for of in (np.cos, np.sin))
+    right, left = (np.rint(np.cumsum(forward + side * turn * 0.1) / (2 * np.pi * 0.04) * COUNTS) for side in (1, -1))
+    columns = {
+        "enc_right_ticks": right,
+        "enc_left_ticks": left,
+        "x_m": x + XY_M * noise.standard_normal(ROWS),
+        "y_m": y + XY_M * noise.standard_normal(ROWS),
+        "theta_rad": yaw + yaw_rad + HEADING_RAD * noise.standard_normal(ROWS),
+    }
+    t_s = ROW_S * np.arange(ROWS)
+    channels = tuple(Channel.logged(TimeSeries(n, "", t_s, v), Role.READING) for n, v in columns.items())
+    return Trial(f"{session}/{seed}", t_s, np.full(ROWS, held), channels, session=session)
+
+
+def measured(yaws, *, runs=4):
+    """Sessions by name, each with the angle of its tracked body; the last run of each is held out."""
+    trials = tuple(
+        driven(100 * k + run, session, yaw, held=run == runs - 1)
+        for k, (session, yaw) in enumerate(yaws.items())
+        for run in range(runs)
+    )
+    return Measurement("made", CaseKind.DRIVE_LOG, MeasurementSource("test", ()), trials, WHEELS)
+
+
+def without_sessions(measurement):
+    return replace(measurement, trials=tuple(replace(trial, session="") for trial in measurement.trials))
+
+
+def simulated(measurement):
+    robot = nominal_robot(WHEELS, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
+    return Evidence(STAGES[CaseKind.DRIVE_LOG](measurement, robot)), robot
+
+
+def test_a_turned_body_turns_the_increments_of_its_session_alone():
+    """Seen from a body that is turned by a, an increment (dx, dy) is (dx cos a + dy sin a, dy cos a - dx sin a).
+
+    Its derivative by a is (dy, -dx).
+    """
+    measurement = measured({"morning": 0.0, "evening": 0.0}, runs=2)
+    evidence, robot = simulated(measurement)
+    nuisances = {n.name: n for n in session_nuisances(measurement, evidence, robot)}
+    before = evidence.predicted([robot]).mean[0]
+    dx, dy, _ = (before[place] for place in evidence.places)
+    expected = YAW_TOLERANCE * np.concatenate([dy, -dx, np.zeros_like(dx)])
+    expected[evidence.trial >= 2] = 0.0
+    change = nuisances["marker_yaw of session morning"].change
+    assert change == pytest.approx(np.where(np.isfinite(evidence.values), expected, 0.0), rel=1e-5, abs=1e-12)
+
+
+def test_no_session_is_no_nuisance():
+    measurement = without_sessions(measured({"": 0.0}, runs=2))
+    assert session_nuisances(measurement, *simulated(measurement)) == ()
+
+
+def test_errors_of_two_sessions_are_those_of_a_ridge_regression(evidence_of, robot):
+    """Readings r = b_s + noise with b_s ~ N(0, t^2): the posterior mean is sum(r) / (n + sd^2/t^2), its variance
+    sd^2 / (n + sd^2/t^2).
+    """
+    sd, tolerance = 0.01, 0.02
+    readings = sd * np.random.default_rng(1).standard_normal(40) + np.repeat([0.03, -0.02], 20)
+    evidence = evidence_of(np.zeros(40), readings)
+    rows = np.arange(40) < 20
+    made = [
+        Nuisance(name, 0.0, tolerance, "A", lambda robot, _: robot, np.where(here, tolerance, 0.0))
+        for name, here in (("first", rows), ("second", ~rows))
+    ]
+    (fit,) = fits(evidence, [(Hypothesis(robot, tuple(made)), np.zeros(2))])
+    level = fit.noise.levels[0]
+    for k, here in enumerate((rows, ~rows)):
+        ratio = (level * sd / tolerance) ** 2
+        assert tolerance * fit.x[k] == pytest.approx(readings[here].sum() / (20 + ratio), rel=0.02)
+        assert tolerance * np.sqrt(fit.covariance[k, k]) == pytest.approx(level * sd / np.sqrt(20 + ratio), rel=0.02)
+
+
+def test_headings_of_sessions_are_found_and_nothing_is_named():
+    yaws = {"morning": 0.012, "noon": -0.008, "evening": 0.004}
+    measurement = measured(yaws)
+    diagnosis = diagnose(measurement)
+    assert diagnosis.names == ()
+    assert diagnosis.unexplained is None
+    headings = {e.session: e for e in fitted_errors(diagnosis.fit) if e.effect == "marker_yaw"}
+    for session, yaw in yaws.items():
+        assert abs(headings[session].value - yaw) < 3.0 * headings[session].std
+        assert headings[session].std < 1e-3
+    text = next(text for text in session_sentences(diagnosis.fit) if "heading" in text)
+    assert re.search(r"1[12]\.\d+ ± 0\.\d+ \(morning\), -[78]\.\d+ ± 0\.\d+ \(noon\).* mrad", text)
+    # Of the same log, without saying which run is of which session, an angle explains only what the sessions share.
+    assert diagnosis.fit.cost < diagnose(without_sessions(measurement)).fit.cost - 50.0
+
+
+def test_an_angle_far_beyond_a_body_set_by_eye_is_an_effect_by_name():
+    diagnosis = diagnose(measured({"morning": 0.25, "noon": 0.25, "evening": 0.25}))
+    (named,) = diagnosis.named
+    assert named.name == "marker_yaw"
+    assert named.values["angle_rad"] == pytest.approx(0.25, abs=0.05)

@@ -1,0 +1,66 @@
+"""Warnings of runs that are probably not what their scenario was meant to make."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_all
+from configs.loader import load_scenario
+from pipeline.stages.simulate import simulate
+from pipeline.stages.suspicious_run import run_warnings
+
+
+def spec_of(x_m=0.55, yaw_deg=-90.0):
+    start = f"{{x_m: {x_m}, y_m: -0.2, yaw_deg: {yaw_deg}}}"
+    (spec,) = draw_all(
+        load_scenario("smoke", [f"routes=[{{name: CW, start: {start}, runs: 1}}]", "stop.time_limit_s=2"])
+    )
+    return spec
+
+
+def warnings_of(**start):
+    spec = spec_of(**start)
+    return run_warnings(spec, simulate(spec).recording)
+
+
+@pytest.mark.parametrize("yaw_deg", [-90.0, 90.0, -85.0])
+def test_a_run_along_the_line_gets_no_warning(yaw_deg):
+    assert warnings_of(yaw_deg=yaw_deg) == ()
+
+
+@pytest.mark.parametrize(("yaw", "degrees"), [(-1.57, -90), (1.5708, 90), (4.712389, 270)])
+def test_a_start_in_radians_is_named_with_the_number_in_degrees(yaw, degrees):
+    """The line of the arena `symolo` leads along y at the start of the shipped routes."""
+    lost, unit = warnings_of(yaw_deg=yaw)
+    assert "the line sensor did not see the line in 100 % of the time" in lost
+    assert f"yaw_deg {yaw:g} looks like radians" in unit
+    assert f"write yaw_deg: {degrees}" in unit
+
+
+def test_a_start_beside_the_line_is_named_with_its_distance():
+    """The line is at x = 0.55 m."""
+    (warning,) = warnings_of(x_m=0.2)
+    assert "the run starts 0.35 m away from the line" in warning
+
+
+def test_a_robot_that_stands_still_is_named():
+    spec = spec_of()
+    recording = simulate(spec).recording
+    pose = np.repeat(recording.trajectory.pose[:1], len(recording.trajectory.pose), axis=0)
+    still = replace(recording, trajectory=replace(recording.trajectory, pose=pose))
+    (warning,) = run_warnings(spec, still)
+    assert warning.startswith("the robot moves less than 1 cm")
+
+
+def test_terminal_metadata_and_report_have_the_warning(tmp_path, symolo, hands, tiny):
+    del hands  # the images are painted
+    setting = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -1.57}, runs: 1}]"
+    out = tmp_path / "data"
+    ended = symolo("release", "smoke", "--out", out, "--set", setting, *tiny)
+    assert ended.code == 0
+    assert "CW/test_1: yaw_deg -1.57 looks like radians" in ended.err + ended.out
+    (run,) = json.loads((out / "metadata.json").read_text())["runs"]
+    assert any("looks like radians" in text for text in run["warnings"])
+    assert "looks like radians" in (out / "README.md").read_text()
