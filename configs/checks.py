@@ -214,8 +214,10 @@ def _order_faults(section: Section, path: FieldPath, lower: str, upper: str) -> 
 
 def _effect_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigFault]:
     for effect in robot.effects:
+        place: FieldPath = ("robot", "effects", effect.name)
         for fault in effect.faults(in_simulation=in_simulation):
-            yield replace(fault, path=("robot", "effects", effect.name, *fault.path))
+            against = (*place, *fault.against) if fault.against else ()
+            yield replace(fault, path=(*place, *fault.path), against=against)
 
 
 def _lens_faults(scenario: Scenario) -> Iterator[ConfigFault]:

@@ -1,12 +1,14 @@
 """A data.csv of a SyMoLo dataset without other files, in a known arena (a measured case)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
+from configs.effects.base import Slot
 from diagnosis.importers.base import Importer
 from diagnosis.importers.case import case_folder, recognises, scale_note
 from diagnosis.importers.log_column import LogColumn
@@ -19,7 +21,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.measured.nominal import NOMINAL, NominalLog, read_nominal
 from diagnosis.measured.scale import Reach
 from symolo.core.arrays import Array
-from symolo.core.errors import FaultList, InputError
+from symolo.core.errors import FaultList, InputError, together
 from symolo.core.table import CsvTable
 
 RUNS = "runs"
@@ -27,6 +29,13 @@ RUNS = "runs"
 TEN_ROWS = 10
 MIN_TURN_RAD = 1.0
 """Turn of a log, from which its columns theta and w can be compared."""
+
+IGNORED = frozenset({Slot.RANGE_WANDER})
+"""Slots of effects that no prediction has: a wandering error is random."""
+IGNORED_BY_TWIST: Mapping[str, frozenset[Slot]] = MappingProxyType(
+    {"odometry": frozenset({Slot.ROLLING, Slot.ENCODER, Slot.COUNTING}), "truth": frozenset({Slot.CREEP})}
+)
+"""The same for effects between the speeds and the poses, by the meaning of v and w."""
 
 _PLACE, _TURN, _SPEED = Reach(-50.0, 50.0), Reach(-1e4, 1e4), Reach(-50.0, 50.0)
 _RANGE, _REFLECTANCE = Reach(-0.1, 50.0), Reach(-0.5, 1.5)
@@ -101,6 +110,18 @@ def _nominal(folder: Path) -> NominalLog:
     nominal = read_nominal(folder / NOMINAL)
     if not isinstance(nominal, NominalLog):
         raise InputError("kind", where=str(folder / NOMINAL), got=nominal.kind, allowed=CaseKind.SYMOLO_CSV.value)
+    ignored = [effect.name for effect in nominal.robot.effects.in_slots(IGNORED | IGNORED_BY_TWIST[nominal.twist])]
+    if ignored:
+        raise together(
+            [
+                InputError(
+                    f"robot.effects.{name}: no prediction of a bare log with twist: {nominal.twist} has this effect",
+                    where=str(folder / NOMINAL),
+                    cure="remove it from the robot of this case; what it does is then a deviation",
+                )
+                for name in ignored
+            ]
+        )
     return nominal
 
 
@@ -113,11 +134,13 @@ def _files(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _trial(name: str, table: CsvTable, nominal: NominalLog | None) -> Trial:
-    t_s = 1e-3 * table.numbers["t"]
+    # Drifts are counted from the start of a drive, and the clock of a log may show any time then.
+    begins_ms = float(table.numbers["t"][0]) if len(table.numbers["t"]) else 0.0
+    t_s = 1e-3 * (table.numbers["t"] - begins_ms)
     channels = [column.read(table, t_s) for column in COLUMNS if column.name != "t"]
     if nominal is not None:
         channels = [_with_noise(channel, nominal) for channel in channels]
-    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels))
+    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels), begins_s=1e-3 * begins_ms)
 
 
 def _with_noise(channel: Channel, nominal: NominalLog) -> Channel:
@@ -154,7 +177,7 @@ def _held_out(measurement: Measurement, nominal: NominalLog, where: str) -> Meas
     (trial, *others) = measurement.trials
     if others:
         raise InputError("holdout_from_ms for several runs", where=where, cure="name runs in holdout instead")
-    t_ms = 1e3 * trial.t_s
+    t_ms = np.rint(1e3 * (trial.t_s + (trial.begins_s or 0.0)))
     if not t_ms[0] < from_ms <= t_ms[-1]:
         allowed = f"a time after the first row and up to the last one: {t_ms[0]:.0f} to {t_ms[-1]:.0f} ms"
         raise InputError("holdout_from_ms", where=where, got=from_ms, allowed=allowed)

@@ -36,18 +36,22 @@ class Candidates:
 
     testable: tuple[CandidateEffect, ...]
     untestable: tuple[str, ...]
-    """Names of effects that the data cannot show, and of single choices where the data show others."""
+    """Names of effects that the data cannot show, and of single choices where the data show others or the nominal robot
+    has another one.
+    """
 
 
 def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothesis) -> Candidates:
     """Return the candidate effects of a measurement; `hypothesis` has the nuisances and no effects."""
-    effects = [
-        CandidateEffect(effect, choices)
+    several = {
+        (effect, choices): CandidateEffect.on_top_of(hypothesis.nominal, effect, choices)
         for effect in EFFECTS.classes()
         # An error that wanders is random and moves no prediction; see `diagnosis.inference.unexplained.wander`.
         if not SETUPS[measurement.kind].isdisjoint(effect.setups) and effect.slot is not Slot.RANGE_WANDER
         for choices in _choices(effect, measurement)
-    ]
+    }
+    effects = [effect for effect in several.values() if effect is not None]
+    refused = [CandidateEffect(*key).name for key, effect in several.items() if effect is None]
     robots = [hypothesis.robot(hypothesis.null())]
     for effect in effects:
         extended = hypothesis.with_effect(effect)
@@ -60,7 +64,7 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     testable = tuple(effect for effect, is_visible in zip(effects, visible, strict=True) if is_visible)
     kinds = {effect.kind for effect in testable}
     hidden = [effect.name if effect.kind in kinds else effect.kind.name for effect in effects if effect not in testable]
-    return Candidates(testable, tuple(dict.fromkeys(hidden)))
+    return Candidates(testable, tuple(dict.fromkeys([*hidden, *refused])))
 
 
 def _choices(effect: type[Effect], measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:

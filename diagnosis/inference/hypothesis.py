@@ -31,6 +31,21 @@ class CandidateEffect:
 
     kind: type[Effect]
     choices: tuple[tuple[str, str], ...] = ()
+    shape: tuple[tuple[str, float], ...] = ()
+    """Numbers that are not fitted, since the nominal robot has the effect with this shape already."""
+
+    @classmethod
+    def on_top_of(
+        cls, nominal: RobotConfig, kind: type[Effect], choices: tuple[tuple[str, str], ...]
+    ) -> "CandidateEffect | None":
+        """Return a candidate for a nominal robot; None if the robot has the effect with another choice."""
+        present = nominal.effects.get(kind)
+        if present is None:
+            return cls(kind, choices)
+        if any(getattr(present, name) != value for name, value in choices):
+            return None
+        numbers = kind.parameters().items()
+        return cls(kind, choices, tuple((n, getattr(present, n)) for n, number in numbers if number.null is None))
 
     @property
     def name(self) -> str:
@@ -41,27 +56,39 @@ class CandidateEffect:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         numbers = self.kind.parameters().items()
-        return tuple(Coordinate.of_parameter(name, number) for name, number in numbers if not number.is_known)
+        return tuple(Coordinate.of_parameter(name, number) for name, number in numbers if name not in self.known)
 
     @property
     def known(self) -> Mapping[str, float]:
-        """Numbers that are not fitted, with their defaults."""
+        """Numbers that are not fitted, with their values."""
         fields, numbers = self.kind.model_fields, self.kind.parameters().items()
-        return MappingProxyType({name: fields[name].default for name, number in numbers if number.is_known})
+        defaults = {name: fields[name].default for name, number in numbers if number.is_known}
+        return MappingProxyType({**defaults, **dict(self.shape)})
 
     def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
-        """Return the robot with this effect. The coordinates hold the bounds, so values are not validated again."""
-        numbers: dict[str, Any] = {**dict(self.choices), **values}
+        """Return the robot with this effect. The coordinates hold the bounds, so values are not validated again.
+
+        Raises:
+            ValueError: The robot has the effect with another choice.
+        """
+        numbers: dict[str, Any] = {**dict(self.choices), **self.known, **values}
         present = robot.effects.get(self.kind)
         if present is not None:
-            # The nominal robot has an offset or scale of that name already; the effect comes on top of it.
-            numbers |= {
-                name: getattr(present, name) * value
-                if self.kind.parameters()[name].null == 1.0
-                else getattr(present, name) + value
-                for name, value in values.items()
-            }
+            other = tuple((name, getattr(present, name)) for name, _ in self.choices)
+            if other != self.choices:
+                there = CandidateEffect(self.kind, other).name
+                raise ValueError(f"{self.name}: the nominal robot has {there}, and a robot has each effect once")
+            numbers |= {name: self._on_top(name, getattr(present, name), value) for name, value in values.items()}
         return robot.with_effect(self.kind.model_construct(**numbers))
+
+    def _on_top(self, name: str, present: float, value: float) -> float:
+        """Return a number of an effect that the nominal robot has already, with this effect on top of it."""
+        parameter = self.kind.parameters()[name]
+        if parameter.null is None:
+            return present
+        if parameter.null == parameter.high:
+            return min(present, value)
+        return present * value if parameter.null == 1.0 else present + value
 
 
 @dataclass(frozen=True)

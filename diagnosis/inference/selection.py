@@ -129,7 +129,7 @@ def select(
         if extended is None:
             break
         fit = _pruned(evidence, _swapped(evidence, extended, effects))
-        if fit.cost >= base.cost or len(fit.hypothesis.effects) == 0:
+        if fit.cost >= base.cost:
             break
     if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
         fit = _best_pair(evidence, base, fit, effects)
@@ -363,8 +363,6 @@ def replaced(
 
 def _swapped(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> HypothesisFit:
     """Return the fit with each effect replaced by another one, if that explains more."""
-    if len(fit.hypothesis.effects) < 2:
-        return fit
     # The last effect has just been chosen as the best beside the others, so only the earlier ones are compared again.
     for effect in fit.hypothesis.effects[:-1]:
         base = without(evidence, fit, effect)

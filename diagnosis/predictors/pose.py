@@ -12,6 +12,7 @@ from math import pi
 import numpy as np
 
 from configs.effects.base import Slot
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
@@ -142,6 +143,8 @@ class Pose:
             robots: M robots that are alike.
             starts: (N, 3), logged poses in the first row of each trial, if there are no others.
         """
+        # Robots that differ in other effects only are predicted once, so these must not act.
+        robots = [_with_slots(robot, self.slots) for robot in robots]
         model = RobotModel.from_config(stacked(robots, axes=2))
         turned = self._turned(model)
         steps = self._steps(model, turned)
@@ -154,10 +157,11 @@ class Pose:
             pose[..., part, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
             pose[..., part, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
             pose[..., part, 2] = yaw
-        if model.functions(Slot.CREEP):
-            pose = pose + self._crept(model, turned, pose[..., 2], starts)
         effects = stacked_effects(robots, axes=1)
         delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s) - self._age_s(robots)
+        if model.functions(Slot.CREEP):
+            as_logged = earlier(pose, self._t_s, self._trials, delay_s)
+            pose = pose + self._crept(model, turned, as_logged[..., 2], starts)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
         return through(model.functions(Slot.POSE_POINT), pose)
 
@@ -194,6 +198,12 @@ class Pose:
 
         The creep has a direction in the room. The path begins at a heading of zero, and where it points in the room is
         known best from the logged headings: its own drift with the errors of the wheels.
+
+        Args:
+            model: The robots.
+            turned: Turns of the wheels, (..., n, 2).
+            yaw_rad: Yaw of the path (..., n) at the times of the logged headings, which may be late.
+            starts: (N, 3), logged poses in the first row of each trial, if there are no others.
         """
         geometry = model.geometry
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
@@ -281,6 +291,14 @@ class Pose:
         )
         sd = np.sqrt(place)
         return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1])
+
+
+def _with_slots(robot: RobotConfig, slots: frozenset[Slot]) -> RobotConfig:
+    """Return a robot with its effects in some slots alone."""
+    effects = robot.effects.in_slots(slots)
+    if len(effects) == len(tuple(robot.effects)):
+        return robot
+    return robot.model_copy(update={"effects": RobotEffects(effects)})
 
 
 def seen_from_body(yaw_rad: Array, change: Array) -> Array:

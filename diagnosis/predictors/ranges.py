@@ -31,6 +31,8 @@ SLOTS = frozenset(
         Slot.RANGE_NOISE,
         Slot.RANGE_LIMIT,
         Slot.RANGE_DELAY,
+        Slot.RANGE_GATHERING,
+        Slot.RAY_WEIGHT,
     }
 )
 """Slots of the effects between the logged poses and the readings."""
@@ -48,8 +50,10 @@ class Sight:
     sd_m: Array
     """Standard deviation of its noise before the effects."""
     incidence_rad: Array
-    tilt_rad: Array
-    """Incidence with a sign: positive where the left side of the beam is further away."""
+    tilt_forward_rad: Array
+    """Part of the incidence by which the axis points above the normal of the surface."""
+    tilt_sideways_rad: Array
+    """Part of the incidence by which the axis points beside it: positive where the left side is further away."""
     reflectance: Array
     material_share: Mapping[str, Array]
     pose_variance: Array
@@ -149,7 +153,10 @@ class Ranges(ABC):
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
-        range_delay_s = through(stacked_effects(robots, axes=1).functions(Slot.RANGE_DELAY), 0.0)
+        effects = stacked_effects(robots, axes=1)
+        range_delay_s = through(effects.functions(Slot.RANGE_DELAY), 0.0)
+        # A mean over the time before a reading is about the range in the middle of it.
+        range_delay_s = range_delay_s + 0.5 * through(effects.functions(Slot.RANGE_GATHERING), 0.0)
         return self._tracked.at(robots, range_delay_s + self._age_s)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
@@ -161,8 +168,8 @@ class Ranges(ABC):
             view = RangeView(
                 distance_m=sight.distance_m,
                 incidence_rad=sight.incidence_rad,
-                tilt_forward_rad=np.zeros(len(RANGE_SIDES)),
-                tilt_sideways_rad=sight.tilt_rad,
+                tilt_forward_rad=sight.tilt_forward_rad,
+                tilt_sideways_rad=sight.tilt_sideways_rad,
                 reflectance=sight.reflectance,
                 material_share=sight.material_share,
                 temperature_C=tof.temperature_C,

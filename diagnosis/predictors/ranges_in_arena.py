@@ -5,7 +5,7 @@ counts, and on a grid of the parameters that move a sensor; between its points, 
 smooths the steps that a ray makes when it crosses an edge.
 """
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from math import floor, sqrt
 from types import MappingProxyType
@@ -28,7 +28,7 @@ from sensors.tof import beam_profile, head_on_factor, log_error_m, noise_sd_m, r
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
-MOVING = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY, Slot.RANGE_DELAY, Slot.RANGE_MOUNT})
+MOVING = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY, Slot.RANGE_DELAY, Slot.RANGE_GATHERING, Slot.RANGE_MOUNT})
 """Slots of the effects that move a sensor."""
 GRID = 0.1
 """Spacing of the grid of a parameter, as a share of the value from which its fit starts: 10 mrad, 4 ms or 2 mm."""
@@ -51,14 +51,19 @@ class _Cone:
     profile: Array
     """(rays,), weight of each ray."""
 
+    weighting: tuple[Callable[..., Array], ...]
+    """Effects on the weights of rays."""
     head_on: float
     """Factor from the mean length of the rays to a wall head-on to its distance."""
+    full_signal: float
+    """Light that returns from a white wall head-on."""
 
     @classmethod
     def of(cls, robot: RobotConfig) -> "_Cone":
         angle, roll = ray_pattern(robot.tof.rays, np.radians(robot.tof.field_of_view_deg))
-        profile = beam_profile(robot.tof, angle)
-        return cls(angle, roll, profile, head_on_factor(profile, angle))
+        profile, weighting = beam_profile(robot.tof, angle), robot.effects.functions(Slot.RAY_WEIGHT)
+        full_signal = head_on_factor(profile, angle) * float(profile.sum())
+        return cls(angle, roll, profile, weighting, head_on_factor(profile, angle, weighting), full_signal)
 
 
 @dataclass(frozen=True)
@@ -70,9 +75,8 @@ class _View:
     """(n, 3), derivative of the distance by x, y and yaw of the axle, on the surfaces that are hit."""
     by_edge: Array
     """Change of the distance by a turn, as far as light moves from one surface to another [m/rad]."""
-    incidence_rad: Array
-    is_left_further: Mask
-    """Whether the distance grows with a turn to the left."""
+    normal: Array
+    """(n, 3), mean normal of the surfaces, weighted by their light, along axis, left and up of the sensor."""
     shares: Array
     """(n, surfaces), share of the returned light that comes from each surface."""
     has_target: Mask
@@ -106,7 +110,7 @@ class RangesInArena(Ranges):
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
         self._offset_m = np.array([0.0, *(surface.offset_m for surface in surfaces)])
         self._reflectance = np.array([arena.floor_reflectance, *(surface.reflectance for surface in surfaces)])
-        self._cone = _Cone.of(nominal)
+        self._cones: dict[Hashable, _Cone] = {}
         self._known: dict[Hashable, Array] = {}
         self._rows: list[NDArray[np.int64]] = []
         self.resolution_m = nominal.tof.quantisation_m
@@ -122,19 +126,27 @@ class RangesInArena(Ranges):
     def _around(self, nominal: RobotConfig) -> Surroundings:
         axle = self._axle([nominal])
         self._rows = [np.arange(len(self._t_s))] * len(RANGE_SIDES)
-        views = [self._cast(k, axle, 0.0) for k in range(len(RANGE_SIDES))]
-        clear = [self._is_clear(k, axle, view) for k, view in enumerate(views)]
+        cone = self._cone(nominal)
+        views = [self._cast(k, axle, 0.0, cone) for k in range(len(RANGE_SIDES))]
+        clear = [self._is_clear(k, axle, view, cone) for k, view in enumerate(views)]
         surface = np.stack([view.shares.argmax(axis=-1).astype(float) for view in views], axis=-1)
         return Surroundings(np.stack(clear, axis=-1), surface, self._names)
 
-    def _is_clear(self, k: int, axle: Array, view: _View) -> Mask:
+    def _cone(self, robot: RobotConfig) -> _Cone:
+        """Return the rays of a robot, of which only their weights may differ from those of the nominal one."""
+        key = _numbers(robot.effects.in_slots({Slot.RAY_WEIGHT}))
+        if key not in self._cones:
+            self._cones[key] = _Cone.of(robot)
+        return self._cones[key]
+
+    def _is_clear(self, k: int, axle: Array, view: _View, cone: _Cone) -> Mask:
         """Return the rows in which a sensor has a target, and no edge beside it."""
         mount = getattr(self._tof.mounts, RANGE_SIDES[k])
         across = axle[:, 2] + np.radians(mount.yaw_deg) + 0.5 * np.pi
         aside = CORNER_M * np.stack([np.cos(across), np.sin(across), np.zeros(len(axle))], axis=-1)
         both_sides = (
-            [self._cast(k, axle, turn) for turn in (-CORNER_RAD, CORNER_RAD)],
-            [self._cast(k, axle + shift, 0.0) for shift in (-aside, aside)],
+            [self._cast(k, axle, turn, cone) for turn in (-CORNER_RAD, CORNER_RAD)],
+            [self._cast(k, axle + shift, 0.0, cone) for shift in (-aside, aside)],
         )
         clear = view.has_target & (view.distance_m <= self._tof.max_range_m - END_M)
         for before, after in both_sides:
@@ -143,21 +155,23 @@ class RangesInArena(Ranges):
 
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
         # Rows whose reading does not count are predicted as if nothing were there.
-        seen = np.zeros((3 + len(self._names), len(robots), len(self._t_s), len(RANGE_SIDES)))
-        seen[0] = self._tof.max_range_m
+        seen = np.zeros((5 + len(self._names), len(robots), len(self._t_s), len(RANGE_SIDES)))
+        seen[0], seen[1] = self._tof.max_range_m, -1.0
         for m, robot in enumerate(robots):
             for k, rows in enumerate(self._rows):
                 seen[:, m, rows, k] = self._seen(k, robot)
-        distance, tilt, variance, *shares = seen
+        distance, axial, left, up, variance, *shares = seen
         by_surface = np.stack(shares)
+        length = np.maximum(np.sqrt(axial**2 + left**2 + up**2), 1e-12)
         return Sight(
             distance_m=distance,
             reading_m=distance
             + np.tensordot(self._offset_m, by_surface, 1)
             + self._tof.error_scale * log_error_m(distance),
             sd_m=self._sd_m(distance),
-            incidence_rad=np.abs(tilt),
-            tilt_rad=tilt,
+            incidence_rad=np.arccos(np.clip(-axial / length, -1.0, 1.0)),
+            tilt_forward_rad=np.arctan2(up, -axial),
+            tilt_sideways_rad=np.arctan2(left, -axial),
             reflectance=np.tensordot(self._reflectance, by_surface, 1) + (1.0 - by_surface.sum(axis=0)),
             material_share={
                 name: by_surface[[other == name for other in self._materials]].sum(axis=0)
@@ -172,7 +186,7 @@ class RangesInArena(Ranges):
         return np.hypot(self._noise.d_m, growth)
 
     def _seen(self, k: int, robot: RobotConfig) -> Array:
-        """Return distance, tilt, variance and shares of the surfaces in the rows that count, (F, n)."""
+        """Return distance, normal, variance and shares of the surfaces in the rows that count, (F, n)."""
         corners: list[tuple[float, tuple[Effect, ...]]] = [(1.0, ())]
         for effect in robot.effects.in_slots(MOVING):
             if effect.slot is Slot.RANGE_MOUNT and not effect.apply(np.zeros(len(RANGE_SIDES)))[k]:
@@ -183,32 +197,24 @@ class RangesInArena(Ranges):
         return sum((weight * self._at(k, robot, effects) for weight, effects in corners), np.zeros(()))
 
     def _at(self, k: int, robot: RobotConfig, effects: tuple[Effect, ...]) -> Array:
-        """Return the same for a robot with these effects alone."""
-        key = (k, tuple((type(effect), *vars(effect).values()) for effect in effects))
+        """Return the same for a robot whose effects that move a sensor are these."""
+        key = (k, _numbers(effects), _numbers(robot.effects.in_slots({Slot.RAY_WEIGHT})))
         if key not in self._known:
             there = robot.model_copy(update={"effects": RobotEffects(effects)})
             path = self._axle([there])
             moved = self._speed(path)[self._rows[k]] * self._tof.period_s / sqrt(12.0)
             askew = float(through(there.effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))[k])
-            view = self._cast(k, path[self._rows[k]], askew)
+            view = self._cast(k, path[self._rows[k]], askew, self._cone(robot))
             variance = view.variance(self._noise, moved)
-            self._known[key] = np.stack(
-                [
-                    view.distance_m,
-                    np.where(view.is_left_further, view.incidence_rad, -view.incidence_rad),
-                    variance,
-                    *view.shares.T,
-                ]
-            )
+            self._known[key] = np.stack([view.distance_m, *view.normal.T, variance, *view.shares.T])
         return self._known[key]
 
     def _speed(self, path: Array) -> Array:
         """Return the change of a path (n, 3) per second; trials are far apart in time or few."""
         return np.gradient(path, axis=0) / np.maximum(np.gradient(self._t_s), 1e-3)[:, None]
 
-    def _cast(self, k: int, axle: Array, askew_rad: float) -> _View:
+    def _cast(self, k: int, axle: Array, askew_rad: float, cone: _Cone) -> _View:
         """Return what a sensor sees along a path (n, 3)."""
-        cone = self._cone
         mount = getattr(self._tof.mounts, RANGE_SIDES[k])
         c, s = np.cos(axle[:, 2]), np.sin(axle[:, 2])
         ahead = np.stack([c * mount.x_m - s * mount.y_m, s * mount.x_m + c * mount.y_m], axis=-1)
@@ -217,11 +223,13 @@ class RangesInArena(Ranges):
         along[..., 0], along[..., 1] = np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)
         along[..., 2] = z
         origins = np.concatenate([axle[:, :2] + ahead, np.full((len(axle), 1), mount.z_m)], axis=1)
-        fraction, surface, normal = self._hits(origins, along, self._t_s[self._rows[k]])
+        fraction, surface, normal = self._hits(origins, along, self._since_on_s[self._rows[k]])
         toward = -np.einsum("nri,nri->nr", along, normal)
-        light = cone.profile * toward
-        share = light / np.maximum(light.sum(axis=1, keepdims=True), 1e-12)
         length_m = REACH * self._tof.max_range_m * fraction
+        light = cone.profile * toward
+        signal = light.sum(axis=1) / cone.full_signal
+        light = through(cone.weighting, light, length_m)
+        share = light / np.maximum(light.sum(axis=1, keepdims=True), 1e-12)
         # A ray of length d along u ends where the surface with normal n begins: its derivatives by the place of its
         # origin are n / (-u n), and by a turn about the vertical d n (z x u) / (-u n).
         slope = share / np.where(toward > 0.0, toward, 1.0)
@@ -230,20 +238,21 @@ class RangesInArena(Ranges):
         by_turn = np.einsum("nr,nr->n", slope * length_m, sideways)
         by_yaw = by_turn + by_y * ahead[:, 0] - by_x * ahead[:, 1]
         shares = np.stack([(share * (surface == i)).sum(axis=1) for i in range(len(self._names))], axis=-1)
-        signal = light.sum(axis=1) / (cone.head_on * cone.profile.sum())
         distance = np.where(signal > 0.0, cone.head_on * (share * length_m).sum(axis=1), REACH * self._tof.max_range_m)
         # Turning the sensor leaves the surfaces where they are and moves the profile of the beam over them.
         sideways_rad = np.arctan2(np.sin(cone.angle_rad) * np.cos(cone.roll_rad), np.cos(cone.angle_rad))
         moves = share * (cone.head_on * length_m - distance[:, None])
         by_profile = moves @ (sideways_rad / np.radians(self._tof.beam_sigma_deg) ** 2)
         by_edge = np.maximum(np.abs(by_profile) - np.abs(cone.head_on * by_turn), 0.0)
-        facing = np.clip((share * toward).sum(axis=1) / cone.head_on, -1.0, 1.0)
+        mean_x, mean_y, mean_z = np.einsum("nr,nri->in", share, normal)
+        # Axis, left and up of the sensor in the frame of the robot.
+        angle, roll = 0.5 * np.pi * np.array([0.0, 1.0, 1.0]), 0.5 * np.pi * np.array([0.0, 0.0, 1.0])
+        frame_R = ray_directions(mount, angle, roll, askew_rad)
         return _View(
             distance_m=distance,
             by_pose=cone.head_on * np.stack([by_x, by_y, by_yaw], axis=-1),
             by_edge=by_edge,
-            is_left_further=by_turn > 0.0,
-            incidence_rad=np.arccos(facing),
+            normal=np.stack([c * mean_x + s * mean_y, c * mean_y - s * mean_x, mean_z], axis=-1) @ frame_R.T,
             shares=shares,
             has_target=signal >= self._tof.signal_threshold,
         )
@@ -263,6 +272,10 @@ class RangesInArena(Ranges):
             fraction[part], surface[part] = (array.reshape(-1, rays) for array in (hits.fraction, hits.surface))
             normal[part] = hits.normal.reshape(-1, rays, 3)
         return fraction, surface, normal
+
+
+def _numbers(effects: tuple[Effect, ...]) -> Hashable:
+    return tuple((type(effect), *vars(effect).values()) for effect in effects)
 
 
 def _neighbours(effect: Effect) -> Iterator[tuple[float, Effect]]:

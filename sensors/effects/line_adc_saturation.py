@@ -1,11 +1,13 @@
 """Readings of the line sensor that stop short of the ends of the scale."""
 
+from collections.abc import Iterator
 from typing import Annotated
 
 import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
+from configs.faults import ConfigFault
 from symolo.core.arrays import Array
 
 
@@ -22,3 +24,9 @@ class LineAdcSaturation(Effect):
 
     def apply(self, reading: Array) -> Array:
         return np.minimum(np.maximum(reading, self.low), self.high)
+
+    def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
+        del in_simulation
+        if self.low >= self.high:
+            allowed = f"less than high, which is {self.high}"
+            yield ConfigFault(("low",), got=self.low, allowed=allowed, against=("high",))

@@ -90,3 +90,10 @@ def test_a_seed_draws_the_numbers_of_an_effect_that_it_drew_before_terms_were_re
     expected = Normal(1.0, 0.1175, 0.725, 1.275).draw(before)
     assert robot.effects.get(WindingResistanceScale).scale == expected
     assert drawn["robot.effects.winding_resistance_scale.scale"] == expected
+
+
+def test_a_saturation_whose_ends_are_the_wrong_way_round_is_refused():
+    ends = ["robot.effects.line_adc_saturation.low=0.5", "robot.effects.line_adc_saturation.high=0.3"]
+    with pytest.raises(InputError, match=r"robot\.effects\.line_adc_saturation\.low.*less than high, which is 0\.3"):
+        load_scenario("smoke", ends)
+    load_scenario("smoke", [ends[1], "robot.effects.line_adc_saturation.low=0.2"])

@@ -106,7 +106,7 @@ def contradiction(found: Sequence[Support], drop: float) -> str:
 
 
 def trial_groups(evidence: Evidence, trial_names: Sequence[str], rows: Mask) -> tuple[Group, ...]:
-    """Return the manoeuvres if the names of the trials tell them, or else up to four groups of successive trials.
+    """Return the manoeuvres if the names of the trials tell them, or else up to MAX_SESSIONS groups of successive ones.
 
     Args:
         evidence: The observations.

@@ -1,9 +1,16 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from configs.effects.registry import EFFECTS
+from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.scan import tried_values
+from physics.effects.current_limit import CurrentLimit
+from physics.effects.floor_slope import FloorSlope
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.range_scale import RangeScale
+from sensors.effects.tof_mount_yaw import TofMountYaw
 
 
 @pytest.mark.parametrize(
@@ -17,6 +24,39 @@ def test_an_effect_comes_on_top_of_what_the_nominal_robot_has_of_that_name(robot
     changed = effect(present.name).on(robot.with_effect(present), number)
     (value,) = dict(changed.effects.get(type(present))).values()
     assert value == pytest.approx(total)
+
+
+@pytest.mark.parametrize("kind", EFFECTS.classes(), ids=lambda kind: kind.name)
+def test_without_a_change_the_nominal_robot_keeps_its_own_effect(robot, hypothesis, kind):
+    choices = {name: (options or ("white_wall",))[0] for name, options in kind.options().items()}
+    equipped = robot.with_effect(kind.start(choices))
+    candidate = CandidateEffect.on_top_of(equipped, kind, tuple(choices.items()))
+    model = replace(hypothesis, nominal=equipped).with_effect(candidate)
+    (left,) = model.robot(model.null()).effects
+    assert left.model_dump() == pytest.approx(kind.start(choices).model_dump())
+
+
+def test_what_gives_an_effect_of_the_nominal_robot_its_shape_is_not_fitted(robot):
+    sloping = robot.with_effect(FloorSlope(gradient=0.1, direction_rad=2.0))
+    candidate = CandidateEffect.on_top_of(sloping, FloorSlope, ())
+    assert [coordinate.name for coordinate in candidate.coordinates] == ["gradient"]
+    assert candidate.known == {"direction_rad": 2.0}
+    (slope,) = candidate.on(sloping, {"gradient": 0.03}).effects
+    assert slope.model_dump() == pytest.approx({"gradient": 0.13, "direction_rad": 2.0})
+
+
+def test_a_robot_that_has_an_effect_of_one_sensor_cannot_have_it_of_another_too(robot):
+    turned = robot.with_effect(TofMountYaw(sensor="left", angle_rad=0.1))
+    assert CandidateEffect.on_top_of(turned, TofMountYaw, (("sensor", "front"),)) is None
+    with pytest.raises(ValueError, match=r"tof_mount_yaw\[front\]: the nominal robot has tof_mount_yaw\[left\]"):
+        CandidateEffect(TofMountYaw, (("sensor", "front"),)).on(turned, {"angle_rad": 0.0})
+
+
+def test_a_limit_beside_that_of_the_nominal_robot_is_the_lower_one(robot, effect):
+    limited = robot.with_effect(CurrentLimit(limit_A=0.6))
+    for limit, total in ((0.5, 0.5), (0.9, 0.6)):
+        (left,) = effect("current_limit").on(limited, {"limit_A": limit}).effects
+        assert left.limit_A == total
 
 
 def test_a_nuisance_goes_by_its_logarithm_and_a_small_deviation_is_its_tolerance(hypothesis):

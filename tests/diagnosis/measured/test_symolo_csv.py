@@ -68,6 +68,18 @@ def test_rows_from_a_time_on_are_held_out(case):
     np.testing.assert_array_equal(trial.holdout, np.arange(20) >= 10)
 
 
+def test_times_count_from_the_first_row_and_the_start_of_the_log_is_kept(case):
+    """A clock drift is counted from the start of a drive; a clock may show any time then."""
+    rows = [row(k, t=1_000_000 + 50 * k) for k in range(20)]
+    (trial,) = read(case(rows, holdout_from_ms=1_000_500)).trials
+    np.testing.assert_allclose(trial.t_s, 0.05 * np.arange(20))
+    np.testing.assert_allclose(trial["x_m"].series.t_s, trial.t_s)
+    assert trial.begins_s == 1000.0
+    np.testing.assert_array_equal(trial.holdout, np.arange(20) >= 10)
+    refused = refusal(case(rows, holdout_from_ms=500))
+    assert "1000000 to 1000950 ms" in refused
+
+
 def test_of_several_runs_those_with_a_name_are_held_out(case):
     trials = read(case(runs=("a", "b", "c"), holdout=["b"])).trials
     assert {trial.name: trial.holdout.all() for trial in trials} == {"a": False, "b": True, "c": False}
@@ -82,6 +94,32 @@ def test_arena_and_robot_may_be_mappings_as_in_a_scenario(case):
     assert nominal.arena.walls[0].name == "A"
     assert nominal.robot.drive.track_m == 0.15
     assert nominal.robot.drive.wheel_diameter_m == 0.065
+
+
+@pytest.mark.parametrize(
+    ("effects", "twist", "name"),
+    [
+        ({"range_wander": {"sd_m": 0.01, "time_constant_s": 60.0}}, "truth", "range_wander"),
+        ({"encoder_ticks_scale": {"scale": 1.05}}, "odometry", "encoder_ticks_scale"),
+        (
+            {"wheel_eccentricity": {"side": "left", "amplitude": 0.1, "phase_rad": 0.0}},
+            "odometry",
+            "wheel_eccentricity",
+        ),
+        ({"floor_slope": {"gradient": 0.1, "direction_rad": 0.0}}, "truth", "floor_slope"),
+        ({"floor_slope": {"gradient": 0.1, "direction_rad": 0.0}}, "odometry", None),
+        ({"encoder_ticks_scale": {"scale": 1.05}}, "truth", None),
+        ({"range_gathering_time": {"duration_s": 0.1}}, "truth", None),
+    ],
+)
+def test_an_effect_of_the_robot_that_no_stage_predicts_is_refused(case, effects, twist, name):
+    folder = case(robot={"extends": "nominal", "effects": effects}, twist=twist)
+    if name is None:
+        assert list(read(folder).nominal.robot.effects)
+    else:
+        text = refusal(folder)
+        assert f"robot.effects.{name}" in text
+        assert "no prediction of a bare log" in text
 
 
 def test_every_fault_of_a_case_is_named_at_once(case):

@@ -314,6 +314,20 @@ class TestPose:
             np.testing.assert_allclose(predicted, np.tile(expected, 2), atol=5e-5)
         np.testing.assert_allclose(stage.path(sloping, np.tile(log[:1], (2, 1))), np.tile(log, (2, 1)), atol=2e-4)
 
+    def test_on_a_slope_a_late_pose_has_the_creep_of_the_heading_at_its_time(self, robot):
+        """The logged poses are 0.2 s old, in which the robot turns by 0.075 rad."""
+        late_s = 0.2
+        sloping = robot.with_effect(FloorSlope(gradient=0.2, direction_rad=2.5))
+        sloping = sloping.with_effect(PoseTimeOffset(delay_s=late_s))
+        downhill = np.array([math.cos(2.5), math.sin(2.5), 0.0])
+        log = self.circle(late_s=late_s) + 0.2 * RADIUS * 5.0 * (self.T - late_s)[:, None] * downhill
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
+        stage = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
+        for predicted, expected in zip(means(stage, sloping), self.windows(log), strict=True):
+            for begin in (0, len(self.FIRST)):
+                # The first window begins at rest.
+                np.testing.assert_allclose(predicted[begin + 1 : begin + 7], expected[1:], atol=1e-4)
+
     @pytest.mark.parametrize(
         "several",
         [

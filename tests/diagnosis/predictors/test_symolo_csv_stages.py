@@ -12,12 +12,17 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.predictors import STAGES
+from physics.effects.floor_slope import FloorSlope
 from physics.effects.turn_slip import TurnSlip
 from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheelbase_scale import WheelbaseScale
+from sensors.effects.incidence_bias import IncidenceBias
 from sensors.effects.marker_offset import MarkerOffset
 from sensors.effects.pose_time_offset import PoseTimeOffset
+from sensors.effects.range_gathering_time import RangeGatheringTime
+from sensors.effects.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.tilt_asymmetry import TiltAsymmetry
 from sensors.effects.tof_mount_yaw import TofMountYaw
 from sensors.effects.tof_range_offset import TofRangeOffset
 from sensors.effects.tof_time_offset import TofTimeOffset
@@ -60,13 +65,13 @@ def drive(speed=SPEED, turn_rate=0.0, **start):
     return np.column_stack([start.get("x", 0.0) + x, start.get("y", 0.0) + y, theta])
 
 
-def stages(robot, pose, *, speeds=(SPEED, 0.0), twist="odometry", where=None):
+def stages(robot, pose, *, speeds=(SPEED, 0.0), twist="odometry", where=None, begins_s=0.0):
     t_s = ROW_S * np.arange(len(pose))
     columns = dict(zip(("x_m", "y_m", "theta_rad"), pose.T, strict=True))
     columns |= {"v_m_s": np.full(len(pose), speeds[0]), "w_rad_s": np.full(len(pose), speeds[1])}
     columns |= dict.fromkeys(("tof_front_m", "tof_left_m", "tof_right_m"), np.full(len(pose), 0.5))
     channels = [Channel.logged(TimeSeries(k, "", t_s, np.array(v)), Role.READING) for k, v in columns.items()]
-    trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), tuple(channels))
+    trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), tuple(channels), begins_s=begins_s)
     case = NominalLog(kind="symolo_csv", arena=where or arena(), robot=robot, noise=NOISE, twist=twist)
     source = MeasurementSource("here", ())
     of_log = STAGES[CaseKind.SYMOLO_CSV](Measurement("m", CaseKind.SYMOLO_CSV, source, (trial,), case), robot)
@@ -107,6 +112,9 @@ class TestRanges:
         pose = drive(speed=0.0, x=0.2)
         mean, _ = front(stages(robot, pose, where=arena(box))["tof"], robot)
         np.testing.assert_allclose(mean, 0.45 + 0.05 * ROW_S * np.arange(ROWS) + BOARD_M, atol=1e-6)
+        # The obstacle waits at its last place, which it reached before this log began.
+        mean, _ = front(stages(robot, pose, where=arena(box), begins_s=3.0)["tof"], robot)
+        np.testing.assert_allclose(mean, 0.55 + BOARD_M, atol=1e-6)
 
     def test_rows_beside_an_edge_and_beyond_the_range_are_left_out(self, robot):
         box = {"name": "O", "center": (0.8, 0.0), "size": (0.1, 0.4, 0.2), "surface": "white_board"}
@@ -125,6 +133,7 @@ class TestRanges:
         [
             (TofRangeOffset(sensor="front", offset_m=0.01), 0.01),
             (TofTimeOffset(delay_s=0.08), 0.08 * SPEED),
+            (RangeGatheringTime(duration_s=0.16), 0.08 * SPEED),
             (PoseTimeOffset(delay_s=0.08), -0.08 * SPEED),
             (MarkerOffset(offset_m=0.02), 0.02),
         ],
@@ -143,6 +152,64 @@ class TestRanges:
         mean, _ = front(stages(robot, pose)["tof"], robot, TofMountYaw(sensor="front", angle_rad=angle))
         # Between two points of its grid, 0.01 rad apart, a length is off by at most its curvature times 0.01^2 / 8.
         np.testing.assert_allclose(mean, (WALL_X - pose[:, 0]) / math.cos(angle) + BOARD_M, atol=2e-5)
+
+    def with_beam(self, robot, **front_mount):
+        """A robot whose front sensor has the whole cone of the device."""
+        mounts = robot.tof.mounts
+        mounts = mounts.model_copy(update={"front": mounts.front.model_copy(update=front_mount)})
+        beam = {"rays": 400, "field_of_view_deg": 25.0, "beam_sigma_deg": 7.0, "mounts": mounts}
+        return robot.with_section("tof", beam)
+
+    def test_a_sensor_that_looks_up_has_its_tilt_forward_and_one_that_looks_left_sideways(self, robot):
+        pose = drive(speed=0.0, x=0.6)
+        for mount, axis, other in (({"pitch_up_deg": 8.0}, "forward", "sideways"), ({"yaw_deg": -8.0}, "sideways", "")):
+            looks = self.with_beam(robot, z_m=0.05, **mount).with_section("tof", {"rays": 1, "field_of_view_deg": 1e-3})
+            stage = stages(looks, pose)["tof"]
+            bare = front(stage, looks)[0]
+            tilted = front(stage, looks, TiltAsymmetry(axis=axis, coefficient_m_per_rad=0.1))[0]
+            sign = 1.0 if axis == "forward" else -1.0
+            np.testing.assert_allclose(tilted - bare, sign * 0.1 * math.radians(8.0), atol=1e-6)
+            if other:
+                level = front(stage, looks, TiltAsymmetry(axis=other, coefficient_m_per_rad=0.1))[0]
+                np.testing.assert_allclose(level, bare, atol=1e-6)
+
+    def test_a_sensor_that_looks_into_a_corner_is_not_tilted(self, robot):
+        """The mean of the normals of both sides points at the sensor, though each ray hits its side at 45 degrees."""
+        sides = [
+            {"name": name, "center": (0.5, y), "size": (0.8, 0.1, 0.4), "yaw_deg": turn, "surface": "white_board"}
+            for name, y, turn in (("L", 0.2, -45.0), ("R", -0.2, 45.0))
+        ]
+        robot = self.with_beam(robot)
+        stage = stages(robot, drive(speed=0.0, x=0.3), where=arena(*sides))["tof"]
+        bare, biased = front(stage, robot)[0], front(stage, robot, IncidenceBias(coefficient=1.0))[0]
+        assert len(bare) == ROWS
+        np.testing.assert_allclose(biased, bare, rtol=0.01)
+
+    @pytest.mark.parametrize("exponent", [0.0, 2.0])
+    def test_near_parts_of_a_slanted_wall_count_by_their_distance(self, robot, exponent):
+        """An integral over the cone in polar coordinates; the device is calibrated head-on. The wall is 2 m high."""
+        slant, sigma = 0.8, math.radians(7.0)
+        robot = self.with_beam(robot, z_m=1.0)
+        tall = {"name": "T", "center": (WALL_X + 0.05, 0.0), "size": (0.1, 5.0, 2.0), "surface": "white_board"}
+        sees = robot.with_effect(RangeSignalWeighting(exponent=exponent))
+        pose = drive(speed=0.0, x=0.6, theta=slant)
+        mean, _ = front(stages(sees, pose, where=arena(tall))["tof"], sees)
+        assert len(mean) == ROWS
+        a, roll = np.meshgrid(
+            math.radians(12.5) * np.sqrt((np.arange(400) + 0.5) / 400),
+            math.tau * (np.arange(360) + 0.5) / 360,
+            indexing="ij",
+        )
+        ahead, aside = np.cos(a), np.sin(a) * np.cos(roll)
+
+        def mean_of(turn):
+            facing = ahead * math.cos(turn) - aside * math.sin(turn)
+            distance = (WALL_X - 0.6) / facing
+            weight = np.exp(-0.5 * (a / sigma) ** 2) * facing / distance**exponent
+            return np.sum(weight * distance) / np.sum(weight)
+
+        expected = mean_of(slant) * (WALL_X - 0.6) / mean_of(0.0)
+        np.testing.assert_allclose(mean, expected + BOARD_M, atol=1e-3)
 
     def test_many_robots_at_once_are_each_of_them_alone(self, robot):
         stage = stages(robot, drive(x=0.2))["tof"]
@@ -202,3 +269,16 @@ class TestIncrements:
         got, _ = self.increments(robot, effect, twist="truth")
         np.testing.assert_array_equal(got, bare)
         np.testing.assert_allclose(bare, np.broadcast_to(self.arc(self.V, self.W), bare.shape), rtol=1e-3)
+
+    @pytest.mark.parametrize("twist", ["odometry", "truth"])
+    def test_a_prediction_does_not_depend_on_the_robots_beside_it(self, robot, twist):
+        stage = stages(robot, drive(self.V, self.W), speeds=(self.V, self.W), twist=twist)["pose"]
+        several = [robot, robot.with_effect(FloorSlope(gradient=0.1, direction_rad=0.0))]
+        alone = [[p.mean[0] for p in stage.predict([each])] for each in several]
+        for order in ([0, 1], [1, 0]):
+            together = stage.predict([several[k] for k in order])
+            for place, k in enumerate(order):
+                for whole, single in zip(together, alone[k], strict=True):
+                    np.testing.assert_allclose(whole.mean[place], single, atol=1e-12)
+        changes = np.abs(np.array(alone[1]) - np.array(alone[0])).max()
+        assert (changes > 1e-3) == (twist == "odometry")
