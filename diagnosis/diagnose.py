@@ -198,12 +198,12 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         selection = replace(selection, fit=better)
         result = adequacy(evidence, better)
     result = _structures_of(evidence, selection, result)
-    measured, slow = evidence, wander(evidence, selection.fit, result)
+    measured, slow = evidence, wander(evidence, selection.fit)
     if slow is not None:
         steady, without_it = _selected(evidence.without(slow.path_m), bare, library.testable)
         rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
         # Beside a structure that the error leaves, it may be a part of the unknown cause.
-        slow = slow if rest.is_adequate else None
+        slow = None if rest.has_cause else slow
         evidence, selection, result = (steady, without_it, rest) if slow else (evidence, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     comparisons = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
