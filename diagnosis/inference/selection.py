@@ -4,7 +4,9 @@ In each round every candidate is scanned, the promising ones are fitted together
 the best enters if the cost falls by more than THRESHOLD, plus PER_PARAMETER for each parameter beyond the first. The
 threshold is the greatest fall among all effects where nothing is hidden (`benchmarks/diagnosis`), and not that of a
 single test, since dozens of effects are tried. Afterwards each effect is compared with every other in its place, and
-with no effect, because the first effect may have been a substitute for two later ones.
+with no effect, because the first effect may have been a substitute for two later ones. The best single effect need not
+be one of the best pair, so pairs that begin with each of the best few effects are compared with the result, too (beam
+search: Russell and Norvig, Artificial Intelligence, 4th ed., section 4.1.3).
 
 Guards keep outliers from being reported as an effect. The fall must come from several samples. The held-out rows must
 not contradict it. Wider noise is accepted only if the mean has no structure. The tests on samples and held-out rows are
@@ -45,6 +47,11 @@ HOPELESS = 4.0
 """Expected fall of the cost up to which a fit is not worth its time."""
 NEARLY = 0.7
 """Share of the best expected fall from which another candidate is fitted too; the expectation is that uncertain."""
+BEAM = 6
+"""Number of single effects from which pairs are searched."""
+BEAM_SAMPLES = 2000
+"""Greatest number of samples with a search for pairs. With few samples several pairs explain much the same; with many,
+swaps find the best one, and each fit takes long."""
 MIN_ROWS = 6.0
 """Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
 MIN_ROWS_SHARE = 0.1
@@ -124,7 +131,40 @@ def select(
         fit = _pruned(evidence, _swapped(evidence, extended, effects))
         if fit.cost >= base.cost:
             break
+    if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
+        fit = _best_pair(evidence, base, fit, effects)
     return Selection(base, fit, tuple(entries))
+
+
+def _best_pair(
+    evidence: Evidence, base: HypothesisFit, fit: HypothesisFit, effects: Sequence[CandidateEffect]
+) -> HypothesisFit:
+    """Return the best pair that begins with one of the best single effects, if it explains more than a fit.
+
+    Args:
+        evidence: The observations.
+        base: The fit without effects.
+        fit: The fit with one or two effects.
+        effects: The effects that may enter.
+    """
+    prospects = [p for p in _scanned(evidence, base, tuple(effects)) if p.drop > HOPELESS]
+    singles = ranked(_fitted(evidence, base, tuple(prospects[:BEAM]), base.cost - HOPELESS), effects)
+    # Effects that these data cannot distinguish, such as an offset and a bias of the only material, fit equally well.
+    distinct = {round(single.cost, 1): single for single in reversed(singles)}
+    pairs = [pair for single in distinct.values() for pair in _extended(evidence, single, effects)]
+    for pair in ranked(pairs, effects):
+        if _is_better(pair, fit) and all(
+            not refusal(evidence, without(evidence, pair, effect), pair, effect) for effect in pair.hypothesis.effects
+        ):
+            return pair
+    return fit
+
+
+def _is_better(pair: HypothesisFit, fit: HypothesisFit) -> bool:
+    """Return whether a pair of effects explains more than another pair or a single effect."""
+    if len(fit.hypothesis.effects) == 2:
+        return pair.cost + _toll(pair) < fit.cost + _toll(fit)
+    return pair.cost + _needed(pair) < fit.cost + _needed(fit)
 
 
 def _entered(
@@ -202,6 +242,10 @@ def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffec
             key=lambda row: row[:2],
         )
     ]
+
+
+def _needed(fit: HypothesisFit) -> float:
+    return sum(needed(effect) for effect in fit.hypothesis.effects)
 
 
 def _toll(fit: HypothesisFit) -> float:

@@ -37,7 +37,7 @@ def standing(
     while True:
         bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
         found = [
-            _name_evidence(evidence, nominal, model, comparison, base, contradiction(each))
+            _name_evidence(evidence, nominal, model, comparison, base, contradiction(each, base.cost - model.fit.cost))
             for comparison, base, each in zip(
                 model.comparisons, bases, supports(evidence, model.fit, bases, parts), strict=True
             )

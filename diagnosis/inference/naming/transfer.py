@@ -25,9 +25,12 @@ OUTER = 1.0 / 3.0
 """Share of the samples that count as slow or near, and as fast or far."""
 MAIN_COVARIATES = ("omega_rad_s", "dtheta", "distance_m")
 """Covariates that tell manoeuvres apart."""
-AGAINST = 8.0
-"""Rise of the cost from which a group contradicts an effect. Of 120 right names in cases of the family `wide_a`, none
-was contradicted by more than 6.4, and all but one by less than 3."""
+AGAINST = 10.0
+"""Rise of the cost from which a group contradicts an effect. Of 373 right names in cases of the family `wide_a`, none
+was contradicted by more than 8.7 beyond AGAINST_SHARE."""
+AGAINST_SHARE = 0.05
+"""Share of the fall of the cost by an effect, which a contradiction must exceed too. Every difference of the cost is
+proportional to the inverse of the variance of the noise, which each fit estimates to a few per cent only."""
 
 
 @dataclass(frozen=True)
@@ -88,10 +91,15 @@ def supports(
     return tuple(zip(*rows, strict=True)) if rows else tuple(() for _ in bases)
 
 
-def contradiction(found: Sequence[Support]) -> str:
-    """Return which group contradicts an effect and which one shows it; empty if none contradicts it."""
+def contradiction(found: Sequence[Support], drop: float) -> str:
+    """Return which group contradicts an effect and which one shows it; empty if none contradicts it.
+
+    Args:
+        found: What each group says about the effect.
+        drop: Fall of the cost by the effect over all samples.
+    """
     least = min(found, key=lambda support: support.fall, default=None)
-    if least is None or least.fall > -AGAINST:
+    if least is None or least.fall > -max(AGAINST, AGAINST_SHARE * drop):
         return ""
     most = max(found, key=lambda support: support.fall)
     return f"{least.group} (it describes {most.group})"

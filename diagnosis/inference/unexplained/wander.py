@@ -1,21 +1,26 @@
-"""Test whether the structure that a range sensor shows over time is a slow, wandering error, and how large that is.
+"""Test whether a range sensor has a slow, wandering error, and how large that is.
 
 A wandering error is random: it has a standard deviation and a time constant, and no law. Its name stands only if its
-likelihood beats that of all that looks like it: white noise, a linear drift, a jump at one moment, and noise that is
-correlated over few rows. The likelihood is that of a first-order Gauss-Markov error beside white noise, with the error
-itself integrated out (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, eq. 2.30).
+likelihood beats that of all that looks like it: white noise, a drift after power-on, a linear drift, a jump at one
+moment, and noise that is correlated over few rows. The likelihood is that of a first-order Gauss-Markov error beside
+white noise, with the error itself integrated out (`diagnosis.inference.unexplained.gauss_markov`).
+
+An error that wanders up and down imitates a drift after power-on, an offset, and structure along anything that changes
+slowly. So the selected effects are weighed again beside it: what it explains by itself is no effect.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.rivals import confidence
-from diagnosis.inference.selection import PER_PARAMETER, THRESHOLD, TOLL
-from diagnosis.inference.unexplained.adequacy import LEVEL, Adequacy
+from diagnosis.inference.selection import PER_PARAMETER, THRESHOLD, TOLL, is_of_noise, needed, without
+from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Estimate, Likelihoods, estimate, likelihoods
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME
 from sensors.effects.range_wander import RangeWander
 from sensors.effects.warmup_drift import WarmupDrift
@@ -34,6 +39,8 @@ JUMP_ROWS = 4
 """Rows at either end between which an offset may jump."""
 RATIOS = np.geomspace(0.01, 30.0, 40)
 """Variance of the wandering error over that of the white noise."""
+WITHOUT_WHITE = np.array([1e3])
+"""Such a ratio for noise that has hardly any white part."""
 TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
 LIMITS = RangeWander.parameters()["time_constant_s"]
@@ -48,7 +55,8 @@ class Wander:
     std: dict[str, float]
     confidence: float
     path_m: Array
-    """(N,), the most probable error at each sample; 0 outside the quantity. Held-out rows were not used for it."""
+    """(N,), the most probable error at each sample; 0 outside the quantity. Held-out rows were used for it: the error
+    is random, so that no prediction of these rows can contain it."""
     span_s: tuple[float, float]
     """First and last time at which it was seen."""
 
@@ -64,103 +72,197 @@ class Wander:
         }
 
 
-def wander(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Wander | None:
+@dataclass(frozen=True)
+class _Series:
+    """Residuals of a fit in order of time, as means over neighbours if there are many."""
+
+    t_s: Array
+    residual_m: Array
+    sd_m: Array
+    slopes_m: Array
+    """(P, n), derivatives of the predictions by the coordinates of the fit."""
+
+    @classmethod
+    def of(cls, fit: HypothesisFit, place: slice, time_s: Array, rows: Mask) -> "_Series":
+        """Return the series of some rows (n,) of a quantity at its place among all samples."""
+        inside = np.flatnonzero(rows)[np.argsort(time_s[rows], kind="stable")]
+        begins = np.arange(0, len(inside), -(-len(inside) // MAX_ROWS))
+        sd_m = fit.sd[place]
+        weight = sd_m[inside] ** -2.0
+        total = np.add.reduceat(weight, begins)
+        values = np.stack([time_s, (fit.z * fit.sd)[place], *(fit.slopes[:, place] * sd_m)])[:, inside]
+        means = np.add.reduceat(weight * values, begins, axis=1) / total
+        return cls(means[0], means[1], total**-0.5, means[2:])
+
+    @property
+    def z(self) -> Array:
+        return self.residual_m / self.sd_m
+
+    def cost_of(self, squares: float) -> float:
+        """Return -2 log-likelihood of white noise with some sum of squares in `sd_m`, as `likelihoods` counts it."""
+        return len(self.t_s) * float(np.log(squares / len(self.t_s))) + 2.0 * float(np.log(self.sd_m).sum())
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A fit with a wandering error beside it."""
+
+    fit: HypothesisFit
+    series: _Series
+    times_s: Array
+    """(T,), time constants that were tried."""
+    found: Likelihoods
+
+    @property
+    def cost(self) -> float:
+        return float(self.found.costs.min())
+
+    @property
+    def error(self) -> ErrorModel:
+        """Return the most probable error."""
+        tau, ratio = np.unravel_index(int(self.found.costs.argmin()), self.found.costs.shape)
+        level = float(self.found.levels[tau, ratio])
+        unit_m = float(np.median(self.series.sd_m))
+        return ErrorModel(float(self.times_s[tau]), unit_m * float(np.sqrt(level * RATIOS[ratio])), level)
+
+    def estimate(self, series: _Series) -> Estimate:
+        """Return the change of the coordinates beside the error, from some series of the fit."""
+        nuisances, size = len(self.fit.hypothesis.nuisances), len(self.fit.x)
+        prior = (np.arange(size) < nuisances).astype(float)
+        covariance = self.error.covariance(series.t_s, series.sd_m)
+        return estimate(series.residual_m, series.slopes_m, covariance, prior, prior * self.fit.x)
+
+    def path(self, series: _Series, time_s: Array) -> Array:
+        """Return the most probable error (n,) at each time; that of the first row where a time is not known.
+
+        It is the mean of a Gaussian process, given residuals (Rasmussen and Williams, Gaussian Processes for Machine
+        Learning, 2006, eq. 2.23).
+        """
+        at_s = np.where(np.isfinite(time_s), time_s, series.t_s[0])
+        residual_m = series.residual_m - self.estimate(series).change @ series.slopes_m
+        covariance = self.error.covariance(series.t_s, series.sd_m)
+        return self.error.between(at_s, series.t_s) @ np.linalg.solve(covariance, residual_m)
+
+
+def wander(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
     """Return the wandering error that a reading shows over time; None if anything else explains it.
 
     Args:
         evidence: The observations.
         fit: The fit with the selected effects.
-        result: The test of its residuals.
     """
-    if not any(s.is_over_time and s.p < LEVEL and s.observed == READING for s in result.structures):
+    number = next((k for k, observed in enumerate(evidence.observed) if observed.name == READING), None)
+    if number is None:
         return None
-    # A drift after power-on and a wandering error imitate each other, and each a part of a jump, so that what one of
-    # them leaves is no evidence for the other.
-    if any(effect.kind is WarmupDrift for effect in fit.hypothesis.effects):
-        return None
-    number = next(k for k, observed in enumerate(evidence.observed) if observed.name == READING)
     observed, place = evidence.observed[number], evidence.places[number]
-    time_s = next(c.values for c in observed.covariates if c.name == ROW_TIME)
-    sd_m, residual_m = fit.sd[place], (fit.z * fit.sd)[place]
-    rows = evidence.fit[place] & np.isfinite(time_s) & (np.abs(fit.z[place]) < OUTLIER)
+    time_s = next((c.values for c in observed.covariates if c.name == ROW_TIME), None)
+    if time_s is None:
+        return None
+    usable = np.isfinite(time_s) & (np.abs(fit.z[place]) < OUTLIER)
+    rows = evidence.fit[place] & usable
     if np.count_nonzero(rows) < MIN_ROWS:
         return None
-    t, rest_m, sd = _blocks(time_s[rows], residual_m[rows], sd_m[rows])
-    z, row_s, span_s = rest_m / sd, float(np.median(np.diff(t))), float(np.ptp(t))
+    plain = _Series.of(fit, place, time_s, rows)
+    row_s, span_s = float(np.median(np.diff(plain.t_s))), float(np.ptp(plain.t_s))
     shortest_s, longest_s = max(MIN_LASTING_ROWS * row_s, LIMITS.low), min(span_s, LIMITS.high)
-    if not (2.0 * MIN_LASTING_ROWS * row_s < span_s and shortest_s < longest_s):
+    if not (0.0 < 2.0 * MIN_LASTING_ROWS * row_s < span_s and shortest_s < longest_s):
         return None
-    times = np.geomspace(shortest_s, longest_s, TIMES)
-    # (TIMES, RATIOS) costs and levels of the white noise.
-    costs, levels = (np.array(part) for part in zip(*(_likelihoods(t, z, sd, tau) for tau in times), strict=True))
-    cost, rows_count = float(costs.min()), len(z)
-    white = rows_count * float(np.log(np.mean(z**2)))
-    drift = rows_count * float(np.log(_left(z, np.stack([1.0 / sd, t / sd], axis=1)) / rows_count))
-    others = [drift, _jump(t, z, sd) + TOLL, min(_short(t, z, row_s))]
-    if min(white, drift) - cost < THRESHOLD + PER_PARAMETER or min(others) - cost < TOLL:
+    times_s = np.geomspace(shortest_s, longest_s, TIMES)
+
+    def beside(other: HypothesisFit) -> _Seen:
+        series = _Series.of(other, place, time_s, rows)
+        found = likelihoods(series.t_s, series.residual_m, series.sd_m, times_s, RATIOS)
+        return _Seen(other, series, times_s, found)
+
+    seen = beside(fit)
+    white = plain.cost_of(float(plain.z @ plain.z))
+    if white - seen.cost < THRESHOLD + PER_PARAMETER and not _warms_up(fit):
         return None
-    weight = np.exp(-0.5 * (costs - cost))
+    # A drift after power-on and a wandering error imitate each other.
+    others = [white] if _warms_up(fit) else []
+    seen = _weighed(evidence, seen, beside)
+    z, sd = seen.series.z, seen.series.sd_m
+    drift = seen.series.cost_of(_left(z, np.stack([1.0 / sd, seen.series.t_s / sd], axis=1)))
+    others += [drift, _jump(seen.series) + TOLL, min(_short(seen.series, row_s))]
+    white = seen.series.cost_of(float(z @ z))
+    if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < TOLL:
+        return None
+    path_m = np.zeros(len(evidence.values))
+    all_rows = usable & (evidence.fit | evidence.heldout)[place]
+    path_m[place] = seen.path(_Series.of(seen.fit, place, time_s, all_rows), time_s)
+    return _named(seen, others, white, path_m)
+
+
+def _weighed(evidence: Evidence, seen: _Seen, beside: Callable[[HypothesisFit], _Seen]) -> _Seen:
+    """Return the fit with those effects that the readings need beside a wandering error."""
+    while True:
+        falls = _falls(seen)
+        weak = {effect: fall - needed(effect) for effect, fall in falls.items() if fall < needed(effect)}
+        if not weak:
+            return seen
+        seen = beside(without(evidence, seen.fit, min(weak, key=lambda effect: weak[effect])))
+
+
+def _falls(seen: _Seen) -> dict[CandidateEffect, float]:
+    """Return by how much each effect of the mean lowers the cost beside the error (Wald, Trans. AMS 54 (1943) 426).
+
+    A limit is left out: it is not linear, and nothing that wanders imitates it.
+    """
+    fit = seen.fit
+    result = seen.estimate(seen.series)
+    x, variance = fit.x + result.change, np.diag(result.covariance)
+    falls = {}
+    for effect in fit.hypothesis.effects:
+        places = range(len(fit.x))[fit.hypothesis.parameters(effect)]
+        sizes = [
+            (x[place] - c.null) ** 2 / max(variance[place], 1e-12)
+            for place, c in zip(places, effect.coordinates, strict=True)
+            if c.null is not None and not c.is_ceiling
+        ]
+        if sizes and not is_of_noise(fit, effect):
+            falls[effect] = float(max(sizes))
+    return falls
+
+
+def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) -> Wander:
+    """Return the error with the mean of its size and time constant over all that were tried."""
+    weight = np.exp(-0.5 * (seen.found.costs - seen.cost))
     weight /= weight.sum()
-    middle_m = float(np.median(sd))
+    middle_m = float(np.median(seen.series.sd_m))
     (sd_of, sd_error), (tau, tau_error) = (
         _mean_and_error(values, weight)
-        for values in (middle_m * np.sqrt(levels * RATIOS), np.broadcast_to(times[:, None], weight.shape))
+        for values in (
+            middle_m * np.sqrt(seen.found.levels * RATIOS),
+            np.broadcast_to(seen.times_s[:, None], weight.shape),
+        )
     )
-    best = np.unravel_index(int(costs.argmin()), costs.shape)
-    path_m = np.zeros(len(evidence.values))
-    at = np.where(np.isfinite(time_s), time_s, t[0])
-    among, on = (_correlation(times_s, t, float(times[best[0]])) for times_s in (t, at))
-    # The mean of the error, given the residuals (eq. 2.23 of the same book).
-    noise = np.diag((sd / middle_m) ** 2 / RATIOS[best[1]])
-    path_m[place] = on @ np.linalg.solve(among + noise, rest_m)
     return Wander(
         RangeWander(sd_m=min(sd_of, 0.1), time_constant_s=tau),
         {"sd_m": sd_error, "time_constant_s": tau_error},
-        confidence([other - cost for other in others], white - cost - THRESHOLD - PER_PARAMETER),
+        confidence([other - seen.cost for other in others], white - seen.cost - THRESHOLD - PER_PARAMETER),
         path_m,
-        (float(t.min()), float(t.max())),
+        (float(seen.series.t_s.min()), float(seen.series.t_s.max())),
     )
 
 
-def _blocks(t: Array, residual_m: Array, sd_m: Array) -> tuple[Array, Array, Array]:
-    """Return times, residuals and their noise in order of time, as means over neighbours if there are many."""
-    order = np.argsort(t, kind="stable")
-    begins = np.arange(0, len(t), -(-len(t) // MAX_ROWS))
-    weight = sd_m[order] ** -2.0
-    total = np.add.reduceat(weight, begins)
-    mean_s, mean_m = (np.add.reduceat(weight * values[order], begins) / total for values in (t, residual_m))
-    return mean_s, mean_m, total**-0.5
+def _warms_up(fit: HypothesisFit) -> bool:
+    return any(effect.kind is WarmupDrift for effect in fit.hypothesis.effects)
 
 
-def _correlation(t: Array, other: Array, tau: float) -> Array:
-    return np.exp(-np.abs(t[:, None] - other[None, :]) / tau)
+def _short(series: _Series, row_s: float) -> Iterator[float]:
+    """Yield the costs of noise that is correlated over few rows and has hardly any white part."""
+    times_s = np.array(SHORT) * row_s
+    yield from likelihoods(series.t_s, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE).costs[:, 0].tolist()
 
 
-def _likelihoods(t: Array, z: Array, sd: Array, tau: float) -> tuple[Array, Array]:
-    """Return -2 log-likelihood and variance of the white noise for each of RATIOS, with the best such variance."""
-    scale = np.median(sd) / sd
-    values, vectors = np.linalg.eigh(_correlation(t, t, tau) * np.outer(scale, scale))
-    spread = 1.0 + RATIOS[:, None] * np.maximum(values, 0.0)
-    level = ((vectors.T @ z) ** 2 / spread).mean(axis=1)
-    return len(z) * np.log(level) + np.log(spread).sum(axis=1), level
-
-
-def _short(t: Array, z: Array, row_s: float) -> Iterator[float]:
-    """Yield the costs of noise that is correlated over few rows and has no white part."""
-    for rows in SHORT:
-        values, vectors = np.linalg.eigh(_correlation(t, t, rows * row_s))
-        values = np.maximum(values, 1e-9)
-        yield len(z) * float(np.log(((vectors.T @ z) ** 2 / values).mean())) + float(np.log(values).sum())
-
-
-def _jump(t: Array, z: Array, sd: Array) -> float:
+def _jump(series: _Series) -> float:
     """Return the cost of an offset that changes once, at the best moment."""
-    order = np.argsort(t, kind="stable")
-    weight, weighed = np.cumsum(sd[order] ** -2.0), np.cumsum(z[order] / sd[order])
+    z, sd = series.z, series.sd_m
+    weight, weighed = np.cumsum(sd**-2.0), np.cumsum(z / sd)
     # The means before and after each moment take these squares.
     before, after = weighed[:-1] ** 2 / weight[:-1], (weighed[-1] - weighed[:-1]) ** 2 / (weight[-1] - weight[:-1])
     left = float(z @ z) - float((before + after)[JUMP_ROWS:-JUMP_ROWS].max())
-    return len(z) * float(np.log(left / len(z)))
+    return series.cost_of(left)
 
 
 def _left(z: Array, columns: Array) -> float:

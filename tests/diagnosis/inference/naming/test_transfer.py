@@ -74,6 +74,13 @@ def test_slow_and_fast_rows_are_groups_of_their_own(evidence_of):
 
 def test_the_contradiction_names_the_group_that_contradicts_and_the_one_that_shows_the_effect():
     found = [Support("arc/*", 50.0), Support("line/*", -AGAINST - 1.0), Support("spin/*", 3.0)]
-    assert contradiction(found) == "line/* (it describes arc/*)"
-    assert not contradiction([Support("arc/*", 50.0), Support("line/*", 1.0 - AGAINST)])
-    assert not contradiction([])
+    assert contradiction(found, 45.0) == "line/* (it describes arc/*)"
+    assert not contradiction([Support("arc/*", 50.0), Support("line/*", 1.0 - AGAINST)], 45.0)
+    assert not contradiction([], 45.0)
+
+
+def test_a_small_share_of_a_large_fall_is_no_contradiction():
+    """Without some rows the noise is estimated a few per cent smaller, and so much larger is the whole fall."""
+    found = [Support("far", 1300.0), Support("near", -1.5 * AGAINST)]
+    assert not contradiction(found, 1000.0)
+    assert contradiction(found, 100.0)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from diagnosis.inference.naming.verdict import (
     CHEAPER,
+    CONTRADICTED,
     DOUBT,
     MIN_WEIGHT,
     NEARLY,
@@ -45,10 +46,12 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
     assert not evidence.cancelled_by
     assert not evidence.contradicted_by
     assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
-    assert evidence.rise >= evidence.needed
     assert evidence.confidence >= MIN_WEIGHT
-    # Held-out rows become worse without it, unless parameters bent far out of their tolerances do its work there.
-    assert evidence.heldout_rise is None or evidence.heldout_rise > 0.0 or evidence.rise_of_prior > 0.5 * evidence.rise
+    # Held-out rows count, unless parameters bent far out of their tolerances do its work there.
+    counts = evidence.heldout_rise is not None and evidence.rise_of_prior <= 0.5 * evidence.rise
+    heldout_rise = evidence.heldout_rise if counts else 0.0
+    assert heldout_rise >= -CONTRADICTED
+    assert evidence.rise + heldout_rise >= evidence.needed
 
 
 @given(evidences.filter(lambda evidence: bool(withheld(evidence))))
@@ -62,7 +65,34 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
         assert evidence.closest_rival[1] < 0.0
     if "held-out" in reason:
         assert evidence.heldout_rise is not None
-        assert evidence.heldout_rise <= 0.0
+        assert evidence.heldout_rise < 0.0
+
+
+@pytest.mark.parametrize(
+    ("rise", "heldout_rise", "stands"),
+    [
+        (60.0, 20.0, True),
+        (60.0, -0.5, True),
+        (60.0, -CONTRADICTED - 1.0, False),
+        (20.0, -3.0, False),
+        (15.5, 10.0, True),
+        (15.5, 0.5, False),
+        (60.0, None, True),
+    ],
+    ids=[
+        "held-out rows confirm it",
+        "held-out rows hardly show it",
+        "held-out rows contradict it",
+        "weak, and weakened by held-out rows",
+        "weak, and confirmed by held-out rows",
+        "weak, and not confirmed",
+        "no held-out rows",
+    ],
+)
+def test_fitted_and_held_out_rows_are_weighed_together(rise, heldout_rise, stands):
+    """Log-likelihood ratios of independent rows add up."""
+    evidence = NameEvidence("supply_sag", rise, 15.0, 0.0, heldout_rise, False, "", "", None, 0.97)  # noqa: FBT003
+    assert (not withheld(evidence)) is stands
 
 
 doubts = st.fixed_dictionaries(

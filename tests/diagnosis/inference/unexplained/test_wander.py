@@ -72,6 +72,20 @@ def test_what_is_simpler_than_wandering_is_not_called_so(diagnosed, error_m):
     assert "range_wander" not in diagnosed(error_m).names
 
 
+@pytest.mark.parametrize("seed", [2, 3, 5])
+def test_what_a_wandering_error_explains_by_itself_is_no_effect(diagnosed, seed):
+    """Over few time constants an error that wanders has a mean and a trend, which look like other effects."""
+    assert diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 60.0, seed)).names == ("range_wander",)
+
+
+def test_an_offset_beyond_what_wanders_is_named_beside_it(diagnosed):
+    diagnosis = diagnosed(lambda t_s: 0.03 + gauss_markov(t_s, 0.006, 25.0))
+    assert set(diagnosis.names) == {"range_offset", "range_wander"}
+    (offset,) = diagnosis.named
+    # The mean of an error with this time constant over 300 s has a standard deviation of sqrt(2 tau / T) of it.
+    assert offset.values["offset_m"] == pytest.approx(0.03, abs=3.0 * 0.006 * np.sqrt(2.0 * 25.0 / 300.0))
+
+
 @pytest.mark.parametrize(("row_s", "tau_s"), [(0.008, 0.1), (1200.0, 15_000.0)], ids=["8 ms", "20 minutes"])
 def test_a_wandering_error_of_rows_of_any_distance_has_a_time_constant_within_its_limits(diagnosed, row_s, tau_s):
     diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, tau_s), slower=0.5 * row_s)

@@ -1,0 +1,96 @@
+"""The likelihood of a first-order Gauss-Markov error beside white noise, with the error itself integrated out.
+
+A Kalman filter gives it in a time proportional to the number of rows, for many sizes and time constants of the error
+side by side (Saerkkae and Solin, Applied Stochastic Differential Equations, 2019, sections 6.2 and 10.4).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symolo.core.arrays import Array
+
+
+@dataclass(frozen=True)
+class Likelihoods:
+    """Results for T time constants and R ratios."""
+
+    costs: Array
+    """(T, R), -2 log-likelihood up to a constant that depends on the number of rows only."""
+    levels: Array
+    """(T, R), most probable variance of the white noise, relative to that of the rows."""
+
+
+def likelihoods(t_s: Array, residual_m: Array, sd_m: Array, times_s: Array, ratios: Array) -> Likelihoods:
+    """Return the likelihoods of residuals.
+
+    Args:
+        t_s: (n,), rising times.
+        residual_m: (n,), residuals.
+        sd_m: (n,), standard deviations of the white noise, up to a common factor.
+        times_s: (T,), time constants.
+        ratios: (R,), variances of the error, relative to that of the white noise at the median of `sd_m`.
+    """
+    unit_m = float(np.median(sd_m))
+    noise = (sd_m / unit_m) ** 2
+    kept = np.exp(-np.diff(t_s, prepend=t_s[0])[:, None] / times_s)
+    mean = np.zeros((len(times_s), len(ratios)))
+    variance = np.broadcast_to(ratios, mean.shape).copy()
+    squares, logarithms = np.zeros_like(mean), np.zeros_like(mean)
+    for value, white, share in zip((residual_m / unit_m).tolist(), noise.tolist(), kept, strict=True):
+        mean = share[:, None] * mean
+        variance = share[:, None] ** 2 * (variance - ratios) + ratios
+        total = variance + white
+        surprise = value - mean
+        squares += surprise**2 / total
+        logarithms += np.log(total)
+        gain = variance / total
+        mean = mean + gain * surprise
+        variance = white * gain
+    levels = squares / len(t_s)
+    return Likelihoods(len(t_s) * (np.log(levels) + 2.0 * np.log(unit_m)) + logarithms, levels)
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """A Gauss-Markov error beside white noise of known sizes."""
+
+    tau_s: float
+    error_m: float
+    """Standard deviation of the error."""
+    level: float
+    """Variance of the white noise, relative to that of the rows."""
+
+    def covariance(self, t_s: Array, sd_m: Array) -> Array:
+        """Return the covariance (n, n) of rows at times (n,) with standard deviations (n,) of their white noise."""
+        return self.between(t_s, t_s) + np.diag(self.level * sd_m**2)
+
+    def between(self, t_s: Array, other_s: Array) -> Array:
+        """Return the covariance (m, n) of the error at times (m,) with that at other times (n,)."""
+        return self.error_m**2 * np.exp(-np.abs(t_s[:, None] - other_s) / self.tau_s)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Generalised least squares."""
+
+    change: Array
+    """(P,), most probable change of the coordinates."""
+    covariance: Array
+    """(P, P), of the coordinates."""
+
+
+def estimate(residual_m: Array, slopes_m: Array, covariance: Array, prior: Array, deviation: Array) -> Estimate:
+    """Return the most probable change of coordinates where errors of different rows are not independent.
+
+    Args:
+        residual_m: (n,), residuals.
+        slopes_m: (P, n), derivatives of the predictions by the coordinates.
+        covariance: (n, n), of the errors.
+        prior: (P,), inverse variances of the priors; 0 for a coordinate without one.
+        deviation: (P,), deviations of the coordinates from the means of their priors.
+    """
+    whitened = np.linalg.solve(covariance, np.concatenate([residual_m[None], slopes_m]).T)
+    information = slopes_m @ whitened[:, 1:] + np.diag(prior)
+    inverse = np.linalg.pinv(information, rcond=1e-10, hermitian=True)
+    return Estimate(inverse @ (slopes_m @ whitened[:, 0] - prior * deviation), inverse)
