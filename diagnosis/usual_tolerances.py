@@ -23,7 +23,8 @@ PAIR_SHARE = 0.003
 """Difference of two wheels of the same type, as a share of the mean radius: rubber yields, and one side carries more
 weight (source: see below)."""
 SPEED_AGE_S = 0.025
-"""Age of a logged speed: the change of the counts since the row before is the speed half a row ago."""
+"""Age of a logged speed, beside that of a mean since the row before. A robot that logs the speed at the time of the row
+differs from such a mean by half a row."""
 TRACK_SHARE = 0.01
 """Tolerance of the wheel separation: a tyre touches the floor along a line, and the point on it about which the wheel
 turns is not known (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880)."""
