@@ -59,7 +59,9 @@ def test_a_usable_sample_without_a_finite_prediction_costs_infinity_and_one_that
     costs = sample_costs(evidence, Prediction(mean, np.ones((1, 6)), np.zeros(1)), stated_noise(evidence))
     assert np.isfinite(costs[0, 0])
     np.testing.assert_array_equal(costs[0, 1:], [np.inf, 0.0, np.inf, np.inf, np.inf])
-    costs = sample_costs(evidence, Prediction(np.zeros((1, 6)), np.full((1, 6), np.nan), np.zeros(1)), stated_noise(evidence))
+    costs = sample_costs(
+        evidence, Prediction(np.zeros((1, 6)), np.full((1, 6), np.nan), np.zeros(1)), stated_noise(evidence)
+    )
     np.testing.assert_array_equal(costs[0], [np.inf, np.inf, 0.0, np.inf, np.inf, np.inf])
 
 
