@@ -44,7 +44,11 @@ MOTOR = "tests/physics/test_motor.py"
 ARENAS = "tests/configs/test_arena_generation.py"
 INFERENCE = "tests/diagnosis/inference"
 TESTS = {
-    "sensors/tof.py": ("tests/sensors/test_tof.py", "tests/sensors/test_effects.py"),
+    "sensors/tof.py": (
+        "tests/sensors/test_tof.py",
+        "tests/sensors/test_effects.py",
+        "tests/sensors/test_range_over_time.py",
+    ),
     "physics/drivetrain/motor.py": (MOTOR, "tests/physics/test_motor_energy.py"),
     "physics/drivetrain/wheel_loop.py": ("tests/physics/test_wheel_loop.py",),
     "physics/control/following.py": ("tests/physics/control/test_following.py",),
@@ -63,8 +67,10 @@ TESTS = {
     ),
     "configs/draw.py": (
         "tests/configs/test_draw.py",
+        f"{ARENAS}::test_the_line_passes_the_start_that_is_given_and_otherwise_the_origin_along_x",
         f"{ARENAS}::test_the_specification_holds_the_arena_and_no_recipe",
         f"{ARENAS}::test_the_line_lies_where_the_route_starts_whatever_the_scenario",
+        f"{ARENAS}::test_the_line_passes_a_start_that_is_one_of_several_places_and_not_between_them",
         f"{ARENAS}::test_ranges_for_which_no_arena_fits_are_refused_with_the_reason",
     ),
     "sensors/camera/response.py": ("tests/sensors/camera/test_response.py",),
@@ -72,6 +78,7 @@ TESTS = {
     "diagnosis/inference/gain.py": (f"{INFERENCE}/test_gain.py",),
     "diagnosis/inference/selection.py": (
         f"{INFERENCE}/test_selection_steps.py",
+        f"{INFERENCE}/test_selection_rules.py",
         f"{INFERENCE}/test_selection.py",
         f"{INFERENCE}/test_at_bound.py",
     ),

@@ -70,13 +70,13 @@ class TofArray(Sensor):
     ) -> None:
         delay_s = through(effects.functions(Slot.RANGE_DELAY), config.delay_s)
         self._gathering_s = through(effects.functions(Slot.RANGE_GATHERING), 0.0)
-        gathering = {round(physics_hz * self._gathering_s * k / GLANCES) for k in range(1, GLANCES + 1)} - {0}
-        glances = tuple(sorted(gathering, reverse=True))
+        gathering = {round(physics_hz * self._gathering_s * k / GLANCES) for k in range(GLANCES + 1)}
+        glances = tuple(sorted(gathering - {0}, reverse=True))
         self.sampling = replace(Sampling.from_seconds(config.period_s, delay_s, physics_hz), glances_before=glances)
         self._glances: list[tuple[float, _Light]] = []
         self._wandering = effects.functions(Slot.RANGE_WANDER)
         # A stream of its own, so that the noise is the same with and without a wandering error.
-        self._wander_rng = rng.spawn(1)[0] if self._wandering else rng
+        (self._wander_rng,) = rng.spawn(1)
         self._wander_m, self._wandered_s = np.zeros(3), -np.inf
         self._effects = RangeEffects.of(effects)
         self._config = config
@@ -157,13 +157,13 @@ class TofArray(Sensor):
             return light.range_m
         times = np.array([seen_s for seen_s, _ in self._glances])
         gaps = np.diff(times)
-        # The trapezoidal rule.
-        length_s = 0.5 * (np.append(gaps, 0.0) + np.append(0.0, gaps))
+        # The trapezoidal rule, with twice its weights.
+        length_s = np.append(gaps, 0.0) + np.append(0.0, gaps)
         ranges = np.stack([seen.range_m for _, seen in self._glances])
         signals = np.stack([seen.signal for _, seen in self._glances])
         weight = length_s[:, None] * (signals > 0.0)
-        total = weight.sum(axis=0)
-        return np.where(total > 0.0, (weight * ranges).sum(axis=0) / np.maximum(total, 1e-12), light.range_m)
+        # Without any light the mean is 0, as the range of a single moment is.
+        return (weight * ranges).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-12)
 
     def _wandered(self, time_s: float) -> Array:
         """Return the slow error (3,) at a time."""
@@ -191,7 +191,7 @@ class TofArray(Sensor):
         seen = self._materials[surface]
         return RangeView(
             distance_m=distance_m,
-            incidence_rad=np.arccos(np.clip(-axial, -1.0, 1.0)),
+            incidence_rad=np.arccos(np.minimum(-axial, 1.0)),
             tilt_forward_rad=np.arctan2(up, -axial),
             tilt_sideways_rad=np.arctan2(left, -axial),
             # If no light returns there is no reading, and any reflectance will do.

@@ -122,7 +122,7 @@ def select(
         if extended is None:
             break
         fit = _pruned(evidence, _swapped(evidence, extended, effects))
-        if fit.cost >= base.cost or len(fit.hypothesis.effects) == 0:
+        if fit.cost >= base.cost:
             break
     return Selection(base, fit, tuple(entries))
 
@@ -319,8 +319,6 @@ def replaced(
 
 def _swapped(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> HypothesisFit:
     """Return the fit with each effect replaced by another one, if that explains more."""
-    if len(fit.hypothesis.effects) < 2:
-        return fit
     # The last effect has just been chosen as the best beside the others, so only the earlier ones are compared again.
     for effect in fit.hypothesis.effects[:-1]:
         base = without(evidence, fit, effect)

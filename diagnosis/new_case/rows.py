@@ -29,6 +29,8 @@ changes of counts from row to row: 2 % of the step are 2 % of the speed.
 """
 AT_REST = 0.25
 """Largest speed in the first row, as a share of that in the second, of a motor that is still at rest in the first."""
+LONGEST_GAP_S = 3600.0
+"""Longest gap within a trial; a longer one is a broken time stamp, or two logs in one file."""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
 LONG_AFTER_S = 1e6
@@ -146,9 +148,8 @@ def _trials(
     parts = []
     for trial in range(int(number[-1]) + 1):
         rows = np.flatnonzero((number == trial) & kept)
-        if group is not None and kind in _IN_TIME and np.any(np.diff(t_s[rows]) < 0.0):
-            back = int(rows[int(np.argmax(np.diff(t_s[rows]) < 0.0)) + 1])
-            raise InputError("the time goes back within a trial", where=f"{log.path}: row {back + 2}")
+        if kind in _IN_TIME:
+            _check_steps(t_s[rows], rows, log)
         parts.append(
             _Rows(
                 t_s[rows],
@@ -174,6 +175,19 @@ def _at_sample_times(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows
         f"evenly sampled, {usual(np.diff(even_s[0])):.4g} s apart"
     )
     return [_Rows(even, part.values, part.words) for part, even in zip(parts, even_s, strict=True)]
+
+
+def _check_steps(t_s: Array, rows: NDArray[np.int64], log: LogFile) -> None:
+    """Refuse a trial, whose rows of the log are given, in which the time goes back or jumps far ahead."""
+    steps = np.diff(t_s)
+    wrong = np.flatnonzero((steps < 0.0) | (steps > LONGEST_GAP_S)).tolist()
+    if not wrong:
+        return
+    where = f"{log.path}: row {rows[wrong[0] + 1] + 2}"
+    if steps[wrong[0]] < 0.0:
+        raise InputError("the time goes back within a trial", where=where)
+    cure = "repair or remove the row, or begin a new trial there with a column trial"
+    raise InputError(f"the time goes on by {steps[wrong[0]]:.4g} s", where=where, cure=cure)
 
 
 def _from_first_motion(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows]:

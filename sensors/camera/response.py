@@ -44,10 +44,10 @@ class CameraResponse:
     shot_noise: float
     read_noise: float
     jpeg_quality: int
-    lens_blur_px: float = 0.0
-    veiling_glare: float = 0.0
-    sharpening: float = 0.0
-    sharpening_radius_px: float = 1.0
+    lens_blur_px: float
+    veiling_glare: float
+    sharpening: float
+    sharpening_radius_px: float
 
     @classmethod
     def from_look(cls, look: CameraLook, light: RGB, seed: int, jpeg_quality: int) -> "CameraResponse":

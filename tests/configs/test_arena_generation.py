@@ -116,6 +116,17 @@ def test_the_line_passes_the_origin_straight_on(arenas):
         assert first.end[0] >= 0.45 - 1e-9
 
 
+def test_the_line_passes_the_start_that_is_given_and_otherwise_the_origin_along_x(recipe):
+    plain = draw_arena(recipe, 0, "Lap", 1)[0].line.pieces[0]
+    moved = draw_arena(recipe, 0, "Lap", 1, start=(0.5, 1.0, math.pi / 2))[0].line.pieces[0]
+    assert isinstance(plain, StraightPiece)
+    assert isinstance(moved, StraightPiece)
+    assert (plain.start[1], plain.end[1]) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert plain.start[0] < 0.0 < plain.end[0]
+    assert (moved.start[0], moved.end[0]) == pytest.approx((0.5, 0.5))
+    assert moved.start[1] < 1.0 < moved.end[1]
+
+
 def test_nothing_but_obstacles_stands_in_reach_of_the_robot_or_ahead_of_it(arenas):
     """Every point of a wall and decoy from every place on the line, one by one."""
     limits = Clearance()
@@ -198,6 +209,16 @@ def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg, aro
     assert math.atan2(along[1], along[0]) == pytest.approx(math.radians(yaw_deg))
     to_start = np.subtract((1.0, -0.5), first.start)
     assert along[0] * to_start[1] - along[1] * to_start[0] == pytest.approx(0, abs=1e-9)
+
+
+def test_the_line_passes_a_start_that_is_one_of_several_places_and_not_between_them():
+    start = "{x_m: 0.0, y_m: {choice: [-0.5, 0.5]}, yaw_deg: 0}"
+    overrides = [f"routes=[{{name: A, start: {start}}}]", "arena.generate.corners={choice: [4]}"]
+    spec = draw_run(load_scenario("random_arenas", overrides), "A", 1)
+    first = spec.arena.line.pieces[0]
+    assert isinstance(first, StraightPiece)
+    assert spec.start.y_m in {-0.5, 0.5}
+    assert (first.start[1], first.end[1]) == pytest.approx((spec.start.y_m, spec.start.y_m))
 
 
 @pytest.mark.parametrize(

@@ -125,12 +125,13 @@ def test_a_look_drawn_alone_with_the_runs_key_is_the_look_of_the_run():
 
 
 def test_image_settings_and_a_robot_drawn_alone_with_the_runs_key_are_those_of_the_run():
-    found = loaded(DRAWN, "render.samples={uniform: [10, 10000]}")
+    only = "robot.power.battery_voltage_V={choice: [7]}"
+    found = loaded(DRAWN, "render.samples={uniform: [10, 10000]}", only)
     Path("drawn.yaml").write_text(yaml.safe_dump(yaml.safe_load(DRAWN)["robot"]))
     for spec in draw_all(found):
         key = (spec.route, spec.run)
         assert draw_render(found, found.seed, *key) == spec.render
-        robot, drawn = draw_robot(load_section("robot", "drawn.yaml"), found.seed, *key)
+        robot, drawn = draw_robot(load_section("robot", "drawn.yaml", (only,)), found.seed, *key)
         assert robot == spec.robot
         assert drawn == {path: value for path, value in spec.drawn.items() if path.startswith("robot.")}
 

@@ -10,6 +10,7 @@ from configs.schema.arena import ArcPiece, ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route
+from sensors.effects.pose_clock_drift import PoseClockDrift
 from symolo.core.yaml.tree import dotted
 
 LITTLE = 1e-6
@@ -85,6 +86,13 @@ def test_a_motor_must_overcome_its_friction_at_the_lower_of_both_voltages(robot,
     assert paths(checks.robot_faults(strong, in_simulation=True)) == []
     (fault,) = checks.robot_faults(weak, in_simulation=True)
     assert fault.allowed == "less than 1, its torque at 6.0 V and 3.0 ohm"
+
+
+def test_an_effect_that_a_bench_measures_but_the_simulation_cannot_is_refused_for_the_simulation(robot):
+    """Poses of the future."""
+    early = robot.with_effect(PoseClockDrift(rate=-0.001))
+    assert paths(checks.robot_faults(early, in_simulation=True)) == ["robot.effects.pose_clock_drift.rate"]
+    assert paths(checks.robot_faults(early, in_simulation=False)) == []
 
 
 @pytest.mark.parametrize(
@@ -168,7 +176,8 @@ def test_all_of_an_arena_lies_up_to_the_edge_of_the_floor(turned):
 
 
 @pytest.mark.parametrize(
-    ("start_deg", "end_deg"), [(10, 80), (-80, 80), (80, -80), (100, 170), (-10, 190), (350, 370), (0, 360), (90, 180)]
+    ("start_deg", "end_deg"),
+    [(10, 80), (-80, 80), (80, -80), (100, 170), (-10, 190), (350, 370), (0, 360), (90, 180), (89.5, 90.5)],
 )
 def test_the_points_that_are_checked_of_an_arc_reach_as_far_as_all_of_it(start_deg, end_deg):
     (piece,) = arena([arc(start_deg, end_deg, radius_m=2.0, center=(1.0, -3.0))]).line.pieces

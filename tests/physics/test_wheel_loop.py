@@ -112,6 +112,19 @@ def test_at_the_limit_the_integral_changes_only_away_from_it(by_hand, sign):
     assert by_hand._integral_V == pytest.approx(sign * -20.0 * 2.0 * 0.01)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("set_point", "counts", "error"),
+    [(12.0, 25, -0.5), (24.0, 53, -2.5), (20.0, 40, 0.0)],
+    ids=["just beyond the limit", "at twice the limit", "at the set point"],
+)
+def test_the_integral_leaves_the_limit_by_the_error_however_far_beyond_it_is(by_hand, sign, set_point, counts, error):
+    """Half of the counts is the filtered speed: the voltage would be 6.2, 12 and 10.25 at a limit of 6."""
+    by_hand.restart(0)
+    assert by_hand.update(sign * counts, sign * set_point) == sign * 6.0
+    assert by_hand._integral_V == pytest.approx(sign * error * 2.0 * 0.01)
+
+
 def test_a_wheel_at_rest_that_shall_rest_gets_no_voltage_and_forgets_its_integral(by_hand):
     by_hand.restart(0)
     by_hand.update(0, 2.0)

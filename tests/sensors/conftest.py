@@ -19,13 +19,17 @@ class Hits:
 
 @dataclass
 class PlaneWorld:
-    """An infinite wall across the x axis at `wall_x_m`, and nothing else; the robot stands at `x`, `y`, `yaw`."""
+    """An infinite wall across the x axis at `wall_x_m`, and nothing else; the robot stands at `x`, `y`, `yaw`.
+
+    With `axis` 1 the wall is across the y axis.
+    """
 
     wall_x_m: float = 1e9
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     floor: bool = False
     counts: tuple[int, int] = (0, 0)
     time_s: float = 0.0
+    axis: int = 0
 
     def pose(self):
         return self.at
@@ -36,14 +40,14 @@ class PlaneWorld:
     def cast(self, origins, ends):
         way = ends - origins
         with np.errstate(divide="ignore"):
-            wall = (self.wall_x_m - origins[:, 0]) / way[:, 0]
+            wall = (self.wall_x_m - origins[:, self.axis]) / way[:, self.axis]
             floor = -origins[:, 2] / way[:, 2]
         wall = np.where((wall > 0) & (wall <= 1), wall, np.inf)
         floor = np.where((floor > 0) & (floor <= 1) & self.floor, floor, np.inf)
         fraction = np.minimum(wall, floor)
         surface = np.where(np.isinf(fraction), -1, np.where(floor < wall, 0, 1))
         normal = np.where(
-            (surface == 1)[:, None], [-1.0, 0.0, 0.0], np.where((surface == 0)[:, None], [0, 0, 1.0], 0.0)
+            (surface == 1)[:, None], -np.eye(3)[self.axis], np.where((surface == 0)[:, None], [0, 0, 1.0], 0.0)
         )
         return Hits(np.minimum(fraction, 1.0), surface, normal)
 

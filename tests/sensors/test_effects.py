@@ -35,7 +35,7 @@ from sensors.effects.tof_time_offset import TofTimeOffset
 from sensors.effects.warmup_drift import WarmupDrift
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.pose_log import PoseLog
-from sensors.range_view import RangeView
+from sensors.range_view import RANGE_SENSORS, RangeView
 from sensors.tof import TofArray
 from symolo.dataset.codes import TofStatus
 
@@ -175,6 +175,54 @@ class TestRangeSensorsInTheSimulation:
         distance = read(nothing, at=at)[0]
         expected = distance * (1.0 + 0.2 * math.sin(tilt) ** 2)
         assert read(effect, at=at)[0] == pytest.approx(expected, abs=2e-4)
+
+    @pytest.fixture
+    def seen(self, robot, arena_of, monkeypatch):
+        """What the effects see of a world, each of the three sensors with its mount raised."""
+
+        def take(world, raised_deg=0.0, **settings):
+            mounts = robot.tof.mounts
+            raised = {n: getattr(mounts, n).model_copy(update={"pitch_up_deg": raised_deg}) for n in RANGE_SENSORS}
+            config = robot.tof.model_copy(update={"mounts": mounts.model_copy(update=raised)} | settings)
+            views = []
+            monkeypatch.setattr(RangeOffset, "apply", lambda _, reading, view: views.append(view) or reading)
+            effects = RobotEffects().with_effect(RangeOffset(offset_m=0.0))
+            tof = TofArray(config, arena_of("wood"), 1000, np.random.Generator(np.random.PCG64(0)), effects)
+            tof.sample(world)
+            return views[0]
+
+        return take
+
+    @pytest.mark.parametrize("raised_deg", [0.0, 12.0])
+    @pytest.mark.parametrize("axis", [0, 1])
+    def test_all_three_sensors_see_at_which_angles_they_meet_a_wall(self, seen, plane_world, axis, raised_deg):
+        """Turned right by 20 degrees the axes lie 20 to the right, 25 to the left and 65 to the right of the normal.
+
+        An axis that is raised by p is (cos p cos a, cos p sin a, sin p), with its top (-sin p cos a, ., cos p) and its
+        left (-sin a, cos a, 0); the normal is (-1, 0, 0).
+        """
+        view = seen(plane_world(wall_x_m=0.3, at=(0.0, 0.0, math.radians(90.0 * axis - 20.0)), axis=axis), raised_deg)
+        aside, raised = np.radians([-20.0, 25.0, -65.0]), math.radians(raised_deg)
+        assert view.incidence_rad == pytest.approx(np.arccos(math.cos(raised) * np.cos(aside)), abs=1e-9)
+        assert view.tilt_forward_rad == pytest.approx(np.full(3, raised), abs=1e-9)
+        assert view.tilt_sideways_rad == pytest.approx(np.arctan(np.tan(aside) / math.cos(raised)), abs=1e-9)
+        assert view.material_share["wood"] == pytest.approx(np.ones(3))
+        assert view.reflectance == pytest.approx(np.full(3, 0.45))
+
+    def test_of_a_wall_and_the_floor_the_view_is_the_mean_over_the_light(self, seen, plane_world):
+        """Material, reflectance (1 of the floor) and normal, (-w, 0, 1 - w), with a share w of light from the wall."""
+        view = seen(plane_world(wall_x_m=0.6, floor=True), raised_deg=-8.0)
+        wall = view.material_share["wood"]
+        assert np.all((wall[0] > 0.1) & (wall[0] < 0.9))
+        assert view.material_share["floor"] == pytest.approx(1.0 - wall)
+        assert view.reflectance == pytest.approx(1.0 - 0.55 * wall)
+        lifted = math.atan2(1.0 - wall[0], wall[0])
+        assert view.tilt_forward_rad[0] == pytest.approx(lifted - math.radians(8.0), abs=1e-9)
+        assert view.incidence_rad[0] == pytest.approx(abs(lifted - math.radians(8.0)), abs=1e-9)
+
+    def test_where_nothing_is_seen_an_effect_of_the_reflectance_has_no_target(self, read):
+        reading, status = read(CoverCrosstalk(strength_per_m2=0.1), distance_m=1e9)
+        assert (reading, status) == (2.0, TofStatus.NO_TARGET)
 
     @pytest.mark.parametrize("tilt_deg", [0.0, 20.0])
     def test_the_incidence_on_a_wall_in_front_is_acute(self, read, monkeypatch, tilt_deg):

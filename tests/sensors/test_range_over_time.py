@@ -1,5 +1,6 @@
 """Ranges that depend on more than one moment: means over a time, and errors that wander."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from sensors.effects.range_gathering_time import RangeGatheringTime
 from sensors.effects.range_wander import RangeWander
 from sensors.suite import SensorSuite
 from sensors.tof import TofArray
+from symolo.dataset.codes import TofStatus
 
 TICK_STEPS = 50
 
@@ -19,7 +21,7 @@ class MovingWall:
     """A wall across the x axis whose distance is a function of time; a step is a millisecond."""
 
     plane_world: type
-    wall_x_m: object
+    wall_x_m: Callable[[float], float]
     steps: int = 0
 
     @property
@@ -32,6 +34,9 @@ class MovingWall:
 
     def pose(self):
         return (0.0, 0.0, 0.0)
+
+    def encoder_counts(self):
+        return (0, 0)
 
     def cast(self, origins, ends):
         return self.plane_world(wall_x_m=self.wall_x_m(self.time_s)).cast(origins, ends)
@@ -86,6 +91,76 @@ def test_time_in_which_nothing_is_hit_does_not_count(ranges):
     gone = ranges(RangeGatheringTime(duration_s=0.04), lambda time_s: 1e9 if time_s < 0.564 else 0.6, ticks=13)
     there = ranges(RangeGatheringTime(duration_s=0.0), lambda _: 0.6, ticks=13)
     assert gone[-1] == pytest.approx(there[-1], abs=1e-12)
+
+
+@pytest.fixture
+def gathers(exact, arena_of, plane_world):
+    """The sensors with a gathering time of 100 ms, and a wall at a distance before the front one, at a time."""
+    effects = RobotEffects().with_effect(RangeGatheringTime(duration_s=0.1))
+    sensor = TofArray(exact, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), effects)
+
+    def wall(distance_m, time_s):
+        return plane_world(wall_x_m=exact.mounts.front.x_m + distance_m, time_s=time_s)
+
+    return sensor, wall
+
+
+WHITE_M = 0.00025
+"""White board reads this much long (Table 3)."""
+
+
+@pytest.mark.parametrize(("duration_s", "steps"), [(0.04, (40, 35, 30, 25, 20, 15, 10, 5)), (0.002, (2, 1)), (0.0, ())])
+def test_light_is_gathered_in_8_even_glances_of_whole_steps_before_a_sample(exact, arena_of, duration_s, steps):
+    effects = RobotEffects().with_effect(RangeGatheringTime(duration_s=duration_s))
+    sensor = TofArray(exact, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), effects)
+    assert sensor.sampling.glances_before == steps
+
+
+def test_a_reading_is_the_mean_of_straight_lines_through_the_glances_of_the_gathering_time(gathers):
+    """Means of the three stretches: 0.25 m over 10 ms, 0.4 m over 30 ms and 0.45 m over 60 ms.
+
+    The glance at 0.69 s is too old, and that at 0.7 s just counts, though 0.8 - 0.1 > 0.7 for a computer.
+    """
+    sensor, wall = gathers
+    for time_s, distance_m in ((0.69, 1.0), (0.7, 0.2), (0.71, 0.3), (0.74, 0.5)):
+        sensor.glance(wall(distance_m, time_s))
+    assert sensor.sample(wall(0.4, 0.8))[0, 0] == pytest.approx((0.0025 + 0.012 + 0.027) / 0.1 + WHITE_M)
+    # A sample is itself a glance of the next one.
+    assert sensor.sample(wall(0.6, 0.85))[0, 0] == pytest.approx(0.5 + WHITE_M)
+
+
+def test_a_target_that_has_gone_at_the_sample_is_no_target_and_one_that_has_just_come_is_read(gathers):
+    sensor, wall = gathers
+    sensor.glance(wall(0.3, 0.45))
+    assert sensor.sample(wall(1e9, 0.5))[0].tolist() == [2.0, TofStatus.NO_TARGET]
+    assert sensor.sample(wall(0.3, 0.7))[0] == pytest.approx([0.3 + WHITE_M, TofStatus.VALID])
+
+
+class Deviates:
+    """A generator that gives these rows of standard normal deviates."""
+
+    def __init__(self, rows):
+        self._rows = iter(np.array(rows))
+
+    def standard_normal(self, size):
+        row = next(self._rows)
+        assert row.shape == (size,)
+        return row
+
+
+def test_a_wandering_error_keeps_what_time_leaves_of_it_and_gains_the_rest(exact, arena_of, plane_world, monkeypatch):
+    """First-order Gauss-Markov of 3 mm and 2 s: e' = r e + sqrt(1 - r^2) 3 mm z, with r = 1/2 after 2 ln 2 s.
+
+    The first error is one of the stationary process: it has been going on before.
+    """
+    effects = RobotEffects().with_effect(RangeWander(sd_m=0.003, time_constant_s=2.0))
+    sensor = TofArray(exact, arena_of(), 1000, np.random.Generator(np.random.PCG64(3)), effects)
+    monkeypatch.setattr(sensor, "_wander_rng", Deviates([[1.0, -2.0, 0.5], [2.0, 1.0, 0.0], [0.0, 0.0, 0.0]]))
+    times_s = (10.0, 10.0 + 2.0 * np.log(2.0), 10.0 + 6.0 * np.log(2.0))
+    read_mm = [1e3 * sensor.sample(plane_world(wall_x_m=0.5, time_s=time_s))[:, 0] for time_s in times_s]
+    still = TofArray(exact, arena_of(), 1000, np.random.default_rng(0)).sample(plane_world(wall_x_m=0.5))[:, 0]
+    errors = np.array([[3.0, -6.0, 1.5], [1.5 + np.sqrt(27.0), -3.0 + np.sqrt(6.75), 0.75]])
+    assert np.array(read_mm) - 1e3 * still == pytest.approx(np.array([*errors, errors[1] / 4.0]))
 
 
 def test_a_wandering_error_has_its_deviation_and_forgets_exponentially(exact, arena_of, plane_world):

@@ -1,22 +1,56 @@
 """VL53L0X: readings of worlds with a closed form, against the paper's tables and equations."""
 
 import math
+from functools import reduce
 
 import numpy as np
 import pytest
 
+from configs.effects.robot_effects import RobotEffects
 from sensors.base import Sampling
 from sensors.effects.range_offset import RangeOffset
+from sensors.effects.range_signal_weighting import RangeSignalWeighting
 from sensors.tof import TofArray, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.dataset.codes import TofStatus
 
 FRONT = 0
+NONE = RobotEffects()
 NO_TARGET_M = 2.0
 
 
-def sensors(robot, arena, seed=0, **changes):
+def sensors(robot, arena, *effects, **changes):
     config = robot.tof.model_copy(update={"error_scale": 0.0} | changes)
-    return TofArray(config, arena, 1000, np.random.default_rng(seed))
+    return TofArray(config, arena, 1000, np.random.default_rng(0), reduce(RobotEffects.with_effect, effects, NONE))
+
+
+class Draws:
+    """A generator that gives these uniform numbers, and normal deviates that are all equal."""
+
+    def __init__(self, numbers=(1.0, 1.0, 1.0), deviate=0.0):
+        self.numbers, self.deviate = np.array(numbers), deviate
+
+    def random(self, size):
+        assert size == len(self.numbers)
+        return self.numbers
+
+    def standard_normal(self, size):
+        return np.full(size, self.deviate)
+
+
+@pytest.fixture
+def mean_and_sd_mm(monkeypatch):
+    """The reading of the front sensor for a deviate of 0, and by how much that of 1 is longer."""
+
+    def of(tof, world):
+        readings_mm = []
+        for deviate in (0.0, 1.0, -1.0):
+            monkeypatch.setattr(tof, "_rng", Draws(deviate=deviate))
+            readings_mm.append(1e3 * tof.sample(world)[FRONT, 0])
+        mean_mm, above_mm, below_mm = readings_mm
+        assert above_mm - mean_mm == pytest.approx(mean_mm - below_mm)
+        return mean_mm, above_mm - mean_mm
+
+    return of
 
 
 def wall_ahead(plane_world, robot, distance_m):
@@ -46,13 +80,11 @@ def test_a_wall_met_head_on_reads_its_distance(robot, arena_of, plane_world, dis
         ("plastic", 99.7, 1.31),
     ],
 )
-def test_readings_at_100_mm_are_those_of_tables_3_and_4(robot, arena_of, plane_world, surface, mean_mm, sd_mm):
+def test_readings_at_100_mm_are_those_of_tables_3_and_4(
+    robot, arena_of, plane_world, mean_and_sd_mm, surface, mean_mm, sd_mm
+):
     tof = sensors(robot, arena_of(surface), quantisation_m=0.0)
-    world = wall_ahead(plane_world, robot, 0.1)
-    readings_mm = 1e3 * np.array([tof.sample(world)[FRONT, 0] for _ in range(2000)])
-    # Three standard errors of 2,000 readings.
-    assert readings_mm.mean() == pytest.approx(mean_mm, abs=3 * sd_mm / math.sqrt(2000))
-    assert readings_mm.std() == pytest.approx(sd_mm, rel=0.05)
+    assert mean_and_sd_mm(tof, wall_ahead(plane_world, robot, 0.1)) == pytest.approx((mean_mm, sd_mm))
 
 
 def test_noise_of_a_surface_with_the_equations_own_deviation_is_equation_23():
@@ -63,14 +95,13 @@ def test_noise_of_a_surface_with_the_equations_own_deviation_is_equation_23():
 
 @pytest.mark.parametrize(("surface", "own_mm"), [("white_board", 0.84), ("glass", 1.77)])
 def test_readings_at_600_mm_scatter_as_equation_23_and_the_surface_add_up(
-    robot, arena_of, plane_world, surface, own_mm
+    robot, arena_of, plane_world, mean_and_sd_mm, surface, own_mm
 ):
     tof = sensors(robot, arena_of(surface), quantisation_m=0.0)
-    world = wall_ahead(plane_world, robot, 0.6)
-    readings_mm = 1e3 * np.array([tof.sample(world)[FRONT, 0] for _ in range(2000)])
+    _, sd_mm = mean_and_sd_mm(tof, wall_ahead(plane_world, robot, 0.6))
     eq_23_mm = 1.15 * 0.42**3 + 2.51 * 0.42**2 + 4.88 * 0.42 + 1.40
-    assert readings_mm.std() == pytest.approx(math.sqrt(own_mm**2 + eq_23_mm**2 - 1.41**2), rel=0.05)
-    assert readings_mm.std() == pytest.approx(eq_23_mm, rel=0.10)
+    assert sd_mm == pytest.approx(math.sqrt(own_mm**2 + eq_23_mm**2 - 1.41**2), rel=1e-4)
+    assert sd_mm == pytest.approx(eq_23_mm, rel=0.10)
 
 
 def test_the_error_is_equation_24_with_its_zero_at_180_mm():
@@ -111,9 +142,14 @@ def test_the_least_signal_and_both_ends_of_the_range_are_still_a_target(robot, a
     assert tof._judged(signal, range_m) == expected
 
 
-def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, arena_of, plane_world):
-    """Against a quadrature over the cone, for a front sensor that sees the floor and a wall 0.6 m ahead."""
-    tof = sensors(robot, arena_of(), noise_scale=0.0, quantisation_m=0.0, rays=1000, field_of_view_deg=50.0)
+@pytest.mark.parametrize("exponent", [0.0, 2.0])
+def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, arena_of, plane_world, exponent):
+    """Against a quadrature over the cone, for a front sensor that sees the floor and a wall 0.6 m ahead.
+
+    By an effect, near rays may have more weight besides. Then the device is calibrated head-on with these weights.
+    """
+    exact = {"noise_scale": 0.0, "quantisation_m": 0.0, "rays": 1000, "field_of_view_deg": 50.0}
+    tof = sensors(robot, arena_of(), RangeSignalWeighting(exponent=exponent), **exact)
     # Even in the square of the angle off the axis, as the spiral is, and in the angle around it.
     angle = np.radians(25.0) * np.sqrt((np.arange(400) + 0.5) / 400)[:, None]
     roll = (np.arange(400) + 0.5) * 2.0 * np.pi / 400
@@ -121,9 +157,10 @@ def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, a
     ahead, down = np.cos(angle) * np.ones(400), -np.sin(angle) * np.sin(roll)
     slant_m = np.minimum(0.6 / ahead, robot.tof.mounts.front.z_m / np.maximum(down, 1e-9))
     is_wall = ahead * slant_m > 0.6 - 1e-9
-    weight = beam * np.where(is_wall, ahead, down)
+    weight = beam * np.where(is_wall, ahead, down) * slant_m**-exponent
     offset_m = 0.00025 * np.average(is_wall, weights=weight)
-    expected_m = np.average(slant_m, weights=weight) * np.average(np.cos(angle), weights=beam) + offset_m
+    head_on = np.average(np.cos(angle), weights=beam * np.cos(angle) ** exponent)
+    expected_m = np.average(slant_m, weights=weight) * head_on + offset_m
     reading_m = tof.sample(plane_world(wall_x_m=robot.tof.mounts.front.x_m + 0.6, floor=True))[FRONT, 0]
     assert reading_m == pytest.approx(expected_m, rel=2e-3)
 
@@ -163,20 +200,6 @@ def test_a_log_has_range_and_status_in_columns_of_their_own(robot, arena_of):
     assert status.dtype == np.int64
 
 
-class Draws:
-    """A generator that gives these uniform numbers, and no noise."""
-
-    def __init__(self, numbers):
-        self.numbers = np.array(numbers)
-
-    def random(self, size):
-        assert size == len(self.numbers)
-        return self.numbers
-
-    def standard_normal(self, size):
-        return np.zeros(size)
-
-
 def test_an_update_is_lost_where_its_number_is_below_the_probability(robot, arena_of, plane_world, monkeypatch):
     """Before the first update there is no target, so that this is what is held."""
     tof = sensors(robot, arena_of(), dropout_probability=0.3)
@@ -200,8 +223,19 @@ def test_the_floor_has_no_offset_and_the_noise_of_equation_23(robot, arena_of, p
     still = sensors(robot, arena_of("metal"), mounts=mounts, noise_scale=0.0, quantisation_m=0.0)
     assert still.sample(world)[FRONT, 0] == pytest.approx(front.z_m, rel=1e-6)
     noisy = sensors(robot, arena_of("metal"), mounts=mounts, quantisation_m=0.0)
-    readings_mm = 1e3 * np.array([noisy.sample(world)[FRONT, 0] for _ in range(1000)])
+    readings_mm = 1e3 * np.array([noisy.sample(world)[FRONT, 0] for _ in range(400)])
     assert readings_mm.std() == pytest.approx(1.41, rel=0.1)
+
+
+def test_weights_of_near_rays_change_the_mean_and_not_whether_enough_light_returns(robot, arena_of, plane_world):
+    """Of a wall that is met at 50 degrees, the share cos 50 of the light of one head-on, whatever its distance."""
+    yaw = math.radians(50.0)
+    for weighting in ((), (RangeSignalWeighting(exponent=6.0),)):
+        for distance_m in (0.1, 0.5):
+            world = plane_world(robot.tof.mounts.front.x_m * math.cos(yaw) + distance_m, at=(0.0, 0.0, yaw))
+            for signal, status in ((0.995, TofStatus.VALID), (1.005, TofStatus.NO_TARGET)):
+                settings = {"signal_threshold": signal * math.cos(yaw), "noise_scale": 0.0}
+                assert sensors(robot, arena_of(), *weighting, **settings).sample(world)[FRONT, 1] == status
 
 
 def test_rays_end_a_quarter_beyond_the_largest_range(robot, arena_of, plane_world):

@@ -62,6 +62,10 @@ def make_case(generator):
             shot_noise=0.012,
             read_noise=0.003,
             jpeg_quality=92,
+            lens_blur_px=0.0,
+            veiling_glare=0.0,
+            sharpening=0.0,
+            sharpening_radius_px=1.0,
         )
         arena = Arena.from_config(ArenaConfig.model_validate(generator.track_yaml()))
         path = RobotPath(rows, way[:, :3], way[:, 3:])

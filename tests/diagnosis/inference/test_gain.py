@@ -79,6 +79,19 @@ def test_the_error_of_several_stages_is_the_root_mean_square_of_theirs():
     assert found.value == found.low == found.high == pytest.approx(1.0 - np.sqrt(5.0 / 12.5))
 
 
+def test_a_single_row_counts_whole_in_the_interval_too():
+    found = gain_of_sizes([(np.array([[2.0], [1.0]]), np.zeros(1, int))])
+    assert (found.before, found.after, found.value) == (2.0, 1.0, 0.5)
+    both = gain_of_sizes([(np.array([[2.0], [1.0]]), np.zeros(1, int)), (np.full((2, 4), 2.0), np.zeros(4, int))])
+    # Each draw of a single block is that block: the root of (1 + 4) / 2 over the root of (4 + 4) / 2.
+    assert both.low == both.high == pytest.approx(1.0 - np.sqrt(2.5 / 4.0))
+
+
+def test_half_of_an_error_below_the_noise_is_a_gain_of_a_half():
+    found = gain_of_sizes([(np.tile([[0.4], [0.2]], 50), np.arange(50))])
+    assert (found.value, found.low, found.high) == pytest.approx((0.5, 0.5, 0.5))
+
+
 def test_a_model_without_any_error_is_not_improved():
     found = gain_of_sizes([(np.tile([[0.0], [2.0]], 50), np.arange(50))])
     assert (found.value, found.low, found.high) == (0.0, 0.0, 0.0)
@@ -116,6 +129,14 @@ def test_a_block_is_2_seconds_or_10_times_of_rows_whichever_is_longer(evidence_o
         _, lengths = np.unique(blocks[100 * trial : 100 * (trial + 1)], return_counts=True)
         assert set(lengths[1:-1]) <= {rows}
     assert not set(blocks[:100]) & set(blocks[100:])
+
+
+def test_no_block_has_rows_of_two_trials_with_the_same_times(evidence_of):
+    """Four trials of 50 s from 0 on: 10 blocks of 5 s in each."""
+    x = np.linspace(0.0, 1.0, 400)
+    blocks = _blocks(timed(evidence_of(x, x, heldout=300, trials=4), np.tile(0.5 * np.arange(100), 4)))
+    names, rows = np.unique(blocks, return_counts=True)
+    assert (len(names), set(rows)) == (40, {10})
 
 
 def test_rows_that_all_have_one_time_are_drawn_singly(evidence_of):

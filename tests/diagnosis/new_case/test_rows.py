@@ -155,6 +155,14 @@ def test_a_new_trial_begins_where_the_time_goes_back(log):
     assert (np.diff(begins) > 0.0).all()
 
 
+@pytest.mark.parametrize("row", [3, 39])
+def test_a_broken_time_stamp_is_refused_with_its_row(row, log):
+    t = np.round(0.02 * np.arange(40), 6)
+    t[row] = 5e8
+    with pytest.raises(InputError, match=rf"run.csv: row {row + 2}: the time goes on by 5e\+08 s; .*begin a new trial"):
+        measured(log(drive(t)))
+
+
 def test_trials_may_have_words_for_names(log):
     t = np.round(0.05 * np.arange(40), 6)
     lines = drive(t).splitlines()

@@ -61,6 +61,7 @@ def test_the_optical_frame_has_x_right_y_down_z_forward(robot):
     assert X_RC[:3, :3] @ X_RC[:3, :3].T == pytest.approx(np.eye(3))
     assert np.linalg.det(X_RC[:3, :3]) == pytest.approx(1)
     assert X_RC[:3, 3] == pytest.approx([0.05, 0.0, 0.12])
+    assert not np.signbit(X_RC[X_RC == 0.0]).any()  # a table of poses has no -0
 
 
 def test_the_matrix_projects_as_the_function_does(robot):

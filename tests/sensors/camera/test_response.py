@@ -302,17 +302,24 @@ def test_saturation_stretches_colours_from_their_grey():
 
 def test_sharpening_sees_colours_by_the_weights_of_jpeg():
     """An edge of one colour alone overshoots by its weight in BT.601, in all three channels."""
-    for channel, weight in enumerate((0.299, 0.587, 0.114)):
+    for channel, weight, sharpening in ((0, 0.299, 2.0), (1, 0.587, 1.0), (2, 0.114, 2.0)):
         light = np.full((9, 64, 3), 0.18, np.float32)
         light[:, 32:, channel] = 0.5
         plain, sharp = (
             develop(light, _response(PLAIN.model_copy(update={"exposure_adaption": 0.0, "sharpening": s})), 0.18, 1)
-            for s in (0.0, 2.0)
+            for s in (0.0, sharpening)
         )
         edge, other = plain[4, :, channel].astype(int), (channel + 1) % 3
         differs = 0.5 - 0.5 * erf(0.5 / sqrt(2))
-        rise = 2.0 * weight * differs * (edge[-1] - edge[0])
+        rise = sharpening * weight * differs * (edge[-1] - edge[0])
         assert sharp[4, 32, other].astype(int) - plain[4, 32, other] == pytest.approx(rise, abs=1.5)
+
+
+def test_black_and_white_stay_so_beside_a_sharpened_edge():
+    edge = np.where(np.arange(64) < 32, 0.0, 10.0)[None, :, None] * np.ones((9, 1, 3), np.float32)
+    look = PLAIN.model_copy(update={"brightness": 5.0, "sharpening": 3.0})
+    pixels = develop(edge.astype(np.float32), _response(look), 10.0, 1)[4, :, 1]
+    assert pixels[[31, 32]].tolist() == [0, 255]
 
 
 def test_a_lower_quality_makes_a_smaller_file():

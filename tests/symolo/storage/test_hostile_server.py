@@ -121,7 +121,7 @@ class Handler(BaseHTTPRequestHandler):
             self.answer(data)
 
 
-WRONG = "is not what manifest-sha256.txt says"
+WRONG = "does not match manifest-sha256.txt"
 KINDS = {
     "a file without end": (2, "is no file of a release"),
     "a list of checksums without end": (2, "is no file of a release"),

@@ -1,0 +1,351 @@
+"""Every rule of the selection by itself, on fits that are given by their costs alone."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from configs.effects.base import Slot
+from diagnosis.inference import selection
+from diagnosis.inference.selection import Entry, Selection, is_at_bound, refusal, rescued, select
+
+NO_ROWS = np.zeros(0)
+
+
+class Fake:
+    """Fields by their names; as for the fits and effects of a selection, every object equals itself alone."""
+
+    def __init__(self, **fields) -> None:
+        vars(self).update(fields)
+
+
+def fake_effect(name, parameters=1, slot=Slot.RANGE, choices=()) -> Any:
+    return Fake(name=name, kind=Fake(name=name, slot=slot), coordinates=range(parameters), choices=choices)
+
+
+A, B, C, D = (fake_effect(name) for name in "ABCD")
+WIDE = fake_effect("WIDE", parameters=2)
+NOISE = fake_effect("NOISE", slot=Slot.RANGE_NOISE)
+
+
+class FakeHypothesis:
+    def __init__(self, *effects) -> None:
+        self.effects = effects
+
+    def added_to(self, base):
+        (effect,) = (effect for effect in self.effects if effect not in base.effects)
+        return effect
+
+    def null(self):
+        return "null"
+
+
+def fake_fit(cost, *effects, **fields) -> Any:
+    return Fake(cost=cost, hypothesis=FakeHypothesis(*effects), x=f"x of {cost}", **fields)
+
+
+@pytest.fixture
+def evidence() -> Any:
+    return Fake(known={})
+
+
+class TestRefusal:
+    """An effect that lowers the cost of single rows by known amounts."""
+
+    @pytest.fixture
+    def judged(self, monkeypatch):
+        """The reason against an effect A beside B and C, by the falls of the rows of the fit and those held out."""
+
+        def judge(
+            falls, heldout=NO_ROWS, prior_fall=0.0, *, at_bound_after=(), at_bound_before=(), noise=False, cause=False
+        ):
+            falls = np.array(falls, dtype=float)
+            is_fit = np.arange(len(falls) + len(heldout)) < len(falls)
+            evidence: Any = SimpleNamespace(fit=is_fit, heldout=~is_fit)
+            costs = np.concatenate([falls, np.array(heldout, dtype=float)])
+            before = fake_fit(1000.0, B, C, costs=costs, prior_cost=prior_fall, bound=at_bound_before)
+            after = fake_fit(
+                1000.0 - falls.sum() - prior_fall, B, C, A, costs=0.0 * costs, prior_cost=0.0, bound=at_bound_after
+            )
+            monkeypatch.setattr(selection, "is_negligible", lambda *_: False)
+            monkeypatch.setattr(selection, "is_at_bound", lambda fit, effect: effect in fit.bound)
+            monkeypatch.setattr(selection, "is_of_noise", lambda *_: noise)
+            monkeypatch.setattr(selection, "adequacy", lambda *_: SimpleNamespace(has_cause=cause))
+            return refusal(evidence, before, after, A)
+
+        return judge
+
+    @pytest.mark.parametrize(("fall", "reason"), [(15.0, ""), (14.75, "the cost falls by 14.8, and 15 are needed")])
+    def test_a_fall_of_15_is_enough(self, judged, fall, reason):
+        assert judged(np.full(100, fall / 100)) == reason
+
+    @pytest.mark.parametrize(
+        ("rows", "samples", "is_named"), [(100, 5, False), (100, 6, True), (40, 3, False), (40, 4, True)]
+    )
+    def test_the_fall_comes_from_6_samples_or_a_tenth_of_all(self, judged, rows, samples, is_named):
+        """Equal falls in k rows count as k; a row that gets worse does not count."""
+        falls = np.where(np.arange(rows) < samples, 10.0, 0.0)
+        falls[-1] = -1.0
+        fall = 10 * samples - 1
+        assert judged(falls) == ("" if is_named else f"the fall of {fall}.0 comes from {samples}.0 samples")
+
+    @pytest.mark.parametrize(("falls", "is_named"), [((4.0, 4.0), True), ((4.0, 3.75), False)])
+    def test_a_fall_of_8_in_held_out_rows_confirms_few_samples(self, judged, falls, is_named):
+        reason = judged(np.where(np.arange(100) < 2, 10.0, 0.0), falls)
+        assert reason == ("" if is_named else "the fall of 20.0 comes from 2.0 samples")
+
+    @pytest.mark.parametrize(("rows", "is_named"), [(4, True), (5, False)])
+    def test_held_out_rows_may_get_worse_by_two_standard_deviations(self, judged, rows, is_named):
+        """Of n equal rises the sum is sqrt(n) times the root of the sum of squares."""
+        reason = judged(np.ones(100), np.full(rows, -3.0))
+        assert reason == ("" if is_named else "the cost of the held-out rows rises by 15.0")
+
+    @pytest.mark.parametrize(("prior_fall", "is_named"), [(10.0, False), (10.5, True), (13.0, True)])
+    def test_where_more_than_half_of_the_fall_is_a_nuisance_that_returns_samples_do_not_count(
+        self, judged, prior_fall, is_named
+    ):
+        falls = np.where(np.arange(100) == 0, 20.0 - prior_fall, 0.0)
+        assert bool(judged(falls, np.full(9, -1.0), prior_fall)) is not is_named
+
+    @pytest.mark.parametrize(
+        ("noise", "cause", "is_named"), [(True, True, False), (True, False, True), (False, True, True)]
+    )
+    def test_wider_noise_is_named_only_where_the_mean_is_explained(self, judged, noise, cause, is_named):
+        reason = judged(np.ones(100), noise=noise, cause=cause)
+        assert reason == ("" if is_named else "the mean has structure, which must be explained before the noise")
+
+    def test_an_effect_at_its_bound_is_refused(self, judged):
+        assert judged(np.ones(100), at_bound_after=[A]) == "its size would exceed its bounds"
+
+    def test_the_first_effect_that_is_pushed_to_its_bound_is_named_unless_it_was_there_before(self, judged):
+        pushed = judged(np.ones(100), at_bound_after=[B, C])
+        assert pushed == "the size of B would then exceed its bounds"
+        pushed = judged(np.ones(100), at_bound_after=[B, C], at_bound_before=[B])
+        assert pushed == "the size of C would then exceed its bounds"
+        assert judged(np.ones(100), at_bound_after=[B, C], at_bound_before=[C, B]) == ""
+
+
+class TestBounds:
+    @pytest.mark.parametrize(
+        ("x", "error", "null", "is_ceiling", "expected"),
+        [
+            # Amplitudes count up to a tenth of their standard error from a bound.
+            (0.5, 1.0, 0.0, False, False),
+            (0.875, 1.25, 0.0, False, True),
+            (0.874, 1.25, 0.0, False, False),
+            (-0.875, 1.25, 0.0, False, True),
+            (-0.874, 1.25, 0.0, False, False),
+            # Those that the data do not determine, at the bound alone.
+            (0.999, np.inf, 0.0, False, False),
+            (1.0, np.inf, 0.0, False, True),
+            (-1.0, np.inf, 0.0, False, True),
+            # An effect whose absence is the bound is not at it.
+            (1.0, 0.0, 1.0, False, False),
+            (-1.0, 0.0, 1.0, False, True),
+            (-1.0, 0.0, -1.0, False, False),
+            (1.0, 0.0, -1.0, False, True),
+            # Shapes only at the bound itself, whatever their error.
+            (0.999, 1.25, None, False, False),
+            (1.0, 1.25, None, False, True),
+            (-0.999, 1.25, None, False, False),
+            (-1.0, 1.25, None, False, True),
+            # A limit may be anywhere.
+            (1.0, 1.0, 1.0, True, False),
+            (-1.0, 1.0, 1.0, True, False),
+            (-1.0, 1.0, 0.0, True, False),
+            (-1.0, 1.0, None, True, False),
+        ],
+    )
+    def test_a_coordinate_from_minus_1_to_1(self, x, error, null, is_ceiling, expected):
+        """Also beside a second coordinate of the same effect that is well within its bounds."""
+        inner = SimpleNamespace(null=0.0, is_ceiling=False, low=-9.0, high=9.0)
+        outer = SimpleNamespace(null=null, is_ceiling=is_ceiling, low=-1.0, high=1.0)
+        effect: Any = SimpleNamespace(coordinates=(inner, outer))
+        fit: Any = SimpleNamespace(
+            hypothesis=SimpleNamespace(parameters=lambda _: slice(1, 3)),
+            x=np.array([99.0, 0.0, x]),
+            covariance=np.diag([1.0, 1.0, error**2]),
+        )
+        assert is_at_bound(fit, effect) is expected
+
+
+class TestSteps:
+    """The order of the steps, on fits by a table of costs."""
+
+    @pytest.fixture
+    def refusing(self, monkeypatch):
+        """Let these effects be refused, and list the thresholds by which they are judged."""
+
+        def refuse(*effects):
+            thresholds = []
+
+            def refusal(_, __, ___, effect, threshold=selection.THRESHOLD):
+                thresholds.append((effect, threshold))
+                return "no" if effect in effects else ""
+
+            monkeypatch.setattr(selection, "refusal", refusal)
+            return thresholds
+
+        return refuse
+
+    def test_steps_after_the_last_accepted_one_are_the_refused_ones(self):
+        steps = [
+            Entry(effect, 1.0, accepted, "") for effect, accepted in ((A, False), (B, True), (C, False), (D, False))
+        ]
+        fit = fake_fit(1.0)
+        assert Selection(fit, fit, tuple(steps)).refused == tuple(steps[2:])
+        assert Selection(fit, fit, tuple(steps[2:])).refused == tuple(steps[2:])
+        assert Selection(fit, fit, tuple(steps[:2])).refused == ()
+
+    @pytest.mark.parametrize(("cost_of_b", "tried"), [(85.0, "ABC"), (85.5, "AB")])
+    def test_the_next_effects_are_tried_until_one_is_too_weak(self, evidence, monkeypatch, refusing, cost_of_b, tried):
+        """Of costs that fall from 100, 15 less is strong enough."""
+        refusing(A, B)
+        candidates = [fake_fit(80.0, A), fake_fit(cost_of_b, B), fake_fit(84.0, C)]
+        monkeypatch.setattr(selection, "_extended", lambda *_: candidates)
+        entered, entries = selection._entered(evidence, fake_fit(100.0), ())
+        assert "".join(entry.effect.name for entry in entries) == tried
+        assert entered is (candidates[2] if tried == "ABC" else None)
+        assert [entry.accepted for entry in entries] == [False, False, True][: len(tried)]
+        assert [entry.drop for entry in entries] == [20.0, 100.0 - cost_of_b, 16.0][: len(tried)]
+
+    def test_three_effects_are_enough_and_a_model_no_better_than_none_ends_the_selection(self, evidence, monkeypatch):
+        fits_by_size = [fake_fit(100.0), fake_fit(80.0, A), fake_fit(60.0, A, B), fake_fit(40.0, A, B, C)]
+        monkeypatch.setattr(selection, "fits", lambda _, starts: [fits_by_size[len(starts[0][0].effects)]])
+        grown = [0]
+
+        def entered(_, fit, __):
+            grown[0] += 1
+            return fits_by_size[len(fit.hypothesis.effects) + 1], ["step"]
+
+        monkeypatch.setattr(selection, "_entered", entered)
+        monkeypatch.setattr(selection, "_swapped", lambda _, fit, __: fit)
+        monkeypatch.setattr(selection, "_pruned", lambda _, fit: fit)
+        found = select(evidence, fits_by_size[0].hypothesis, ())
+        assert (found.nominal, found.fit, len(found.entries)) == (fits_by_size[0], fits_by_size[3], 3)
+        worse = fake_fit(100.0, D)
+        monkeypatch.setattr(selection, "_pruned", lambda *_: worse)
+        assert select(evidence, fits_by_size[0].hypothesis, ()).fit is worse
+        assert grown[0] == 4
+
+    def test_a_selection_goes_on_from_the_effects_of_an_earlier_one(self, evidence, monkeypatch):
+        begin = Selection(fake_fit(90.0), fake_fit(50.0, A, B), (Entry(A, 1.0, accepted=True, reason=""),))
+        started = []
+
+        def fits(_, starts):
+            started.extend(starts)
+            return [fake_fit(70.0, *starts[0][0].effects)]
+
+        monkeypatch.setattr(selection, "fits", fits)
+        monkeypatch.setattr(selection, "_entered", lambda *_: (None, ["step"]))
+        nominal: Any = FakeHypothesis()
+        found = select(evidence, nominal, (), begin)
+        assert started == [(nominal, "x of 90.0"), (begin.fit.hypothesis, "x of 50.0")]
+        assert found.fit.hypothesis.effects == (A, B)
+        assert found.entries == (*begin.entries, "step")
+        started.clear()
+        assert select(evidence, nominal, ()).fit.hypothesis.effects == ()
+        assert started == [(nominal, "null")]
+
+    def test_an_inadequate_model_is_rescued_by_the_first_accepted_effect_that_makes_it_adequate(
+        self, evidence, monkeypatch, refusing
+    ):
+        """From a fall of 9 on."""
+        thresholds = refusing(A)
+        candidates = [fake_fit(90.0, D, effect) for effect in (A, B, C)]
+        monkeypatch.setattr(selection, "_extended", lambda *_: candidates)
+        adequate = {A, C}
+        monkeypatch.setattr(
+            selection, "adequacy", lambda _, fit: SimpleNamespace(is_adequate=fit.hypothesis.effects[-1] in adequate)
+        )
+        assert rescued(evidence, fake_fit(100.0, D), ()) is candidates[2]
+        assert thresholds == [(A, 9.0), (B, 9.0), (C, 9.0)]
+        adequate.remove(C)
+        assert rescued(evidence, fake_fit(100.0, D), ()) is None
+
+    def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_9(self, evidence, monkeypatch):
+        scanned, goals = [], []
+        monkeypatch.setattr(selection, "scan", lambda _, __, effects: scanned.extend(effects) or [])
+        monkeypatch.setattr(selection, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
+        left = fake_effect("B")
+        assert selection._extended(evidence, fake_fit(100.0, A, B), (A, left, C, D)) == []
+        assert (scanned, goals) == ([C, D], [91.0])
+
+    @pytest.mark.parametrize(("last", "rivals"), [(A, [C, D]), (NOISE, [A, C, D])])
+    def test_noise_takes_the_place_of_noise_alone(self, evidence, monkeypatch, last, rivals):
+        """A slow rival is fitted up to a cost of 40 more."""
+        scanned, goals = [], []
+        monkeypatch.setattr(selection, "is_of_noise", lambda _, effect: effect is NOISE)
+        monkeypatch.setattr(selection, "scan", lambda _, __, effects: scanned.extend(effects) or [])
+        monkeypatch.setattr(selection, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
+        wider = fake_effect("WIDER", slot=Slot.RANGE_NOISE)
+        selection.replaced(evidence, fake_fit(100.0, B, last), last, fake_fit(120.0, B), (A, B, C, D, NOISE, wider))
+        assert scanned == ([*rivals, wider] if last is NOISE else rivals)
+        assert goals == [140.0]
+
+    @pytest.mark.parametrize(
+        ("rivals", "result"),
+        [
+            ([(99.0, D)], D),
+            ([(100.0, D)], A),
+            ([(100.5, D)], A),
+            # Two parameters count 6 more than one.
+            ([(94.5, WIDE)], A),
+            ([(93.5, WIDE)], WIDE),
+            # Costs that are equal to a tenth are a tie, which the order of the library has decided.
+            ([(90.04, D), (90.0, fake_effect("E"))], D),
+            # One that is refused does not stand in the way of the next.
+            ([(98.0, C), (99.0, D)], D),
+        ],
+    )
+    def test_an_earlier_effect_gives_way_to_an_accepted_rival_that_costs_less(
+        self, evidence, monkeypatch, refusing, rivals, result
+    ):
+        """Of three effects the last one, which has just been compared with all others, is not compared again."""
+        refusing(C)
+        compared = []
+
+        def replaced(_, __, effect, *___):
+            compared.append(effect)
+            return [fake_fit(cost, B, NOISE, rival) for cost, rival in rivals] if effect is A else []
+
+        monkeypatch.setattr(selection, "replaced", replaced)
+        without = lambda _, fit, effect: fake_fit(0.0, *(e for e in fit.hypothesis.effects if e is not effect))  # noqa: E731
+        monkeypatch.setattr(selection, "without", without)
+        swapped = selection._swapped(evidence, fake_fit(100.0, A, B, NOISE), ())
+        assert compared == [A, B]
+        assert swapped.hypothesis.effects == ((A, B, NOISE) if result is A else (B, NOISE, result))
+
+    def test_of_equal_fits_the_one_by_an_effect_on_everything_comes_before_one_on_a_single_sensor(self):
+        left = fake_effect("LEFT", choices=(("sensor", "left"),))
+        fits = [fake_fit(20.0, left), fake_fit(20.0, B), fake_fit(20.0, A)]
+        assert selection.ranked(fits, (left, A, B)) == [fits[2], fits[1], fits[0]]
+
+    def test_effects_whose_lack_costs_too_little_go_one_by_one_the_most_needless_first(self, evidence, monkeypatch):
+        """By the cost beyond 15, and 18 for two parameters; a single effect stays."""
+        costs = {(A, B, WIDE): 100.0, (B, WIDE): 110.0, (A, WIDE): 130.0, (A, B): 112.0, (A,): 127.0, (B,): 126.5}
+
+        def without(_, fit, effect):
+            left = tuple(e for e in fit.hypothesis.effects if e is not effect)
+            return fake_fit(costs[left], *left)
+
+        monkeypatch.setattr(selection, "without", without)
+        # WIDE lacks 6 of what it needs and A 5; then B lacks nothing and A lacks half.
+        pruned = selection._pruned(evidence, fake_fit(100.0, A, B, WIDE))
+        assert pruned.hypothesis.effects == (B,)
+        costs[B,] = 127.0
+        assert selection._pruned(evidence, fake_fit(100.0, A, B, WIDE)).hypothesis.effects == (A, B)
+
+    def test_what_was_scanned_or_fitted_from_an_evidence_is_known(self, evidence, monkeypatch):
+        """A fit without one effect may cost 40 more before it is stopped."""
+        work = []
+        monkeypatch.setattr(selection, "scan", lambda *_: work.append("scan") or [])
+        monkeypatch.setattr(selection, "fits", lambda _, __, goal: work.append(goal) or ["fit"])
+        monkeypatch.setattr(selection, "moved", lambda *_: None)
+        fit: Any = Fake(cost=100.0, hypothesis=Fake(without=lambda _: None), x=None)
+        for _ in range(2):
+            selection._scanned(evidence, fit, (A,))
+            selection._fitted(evidence, fit, (), 91.0)
+            selection.without(evidence, fit, A)
+        assert work == ["scan", 91.0, 140.0]
