@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,8 @@ all other stages have, and more rows would take longer."""
 SHARED = 0.5
 """Correlation that stands for the noise of the pose which readings share: successive rows by the smoothing, and the
 channels on the two edges of the line. Each reading then counts as a third of an independent one."""
+OFF_PERIOD = 1e-6
+"""Distance of a time from a multiple of a period, in periods, by rounding."""
 AT_LIMIT = 2.0
 """Distance of a reading from the limit of the converter, in sigmas of its noise, up to which it may be at the limit."""
 LIMIT_ROUNDS = 3
@@ -77,6 +80,7 @@ class LineReadings:
         self._place_sd_m = NOISE_SHARE * float(np.hypot(noise.pose_xy_m, self._sensor.x_m * noise.pose_theta_rad))
         self._tracked = TrackedAxle(measurement, is_smoothed=True)
         rows = len(self._tracked.is_logged)
+        self._age_s = _age_s(measurement, self._sensor.period_s, self._sensor.delay_s)
         self._known: dict[Hashable, Array] = {}
         self._rows = np.arange(rows)
         reflectance = by_other_rows(self._expected(nominal).mean, trial_of_rows(measurement))
@@ -177,7 +181,7 @@ class LineReadings:
         key = tuple((type(effect), *vars(effect).values()) for effect in moving)
         if key not in self._known:
             there = robot.model_copy(update={"effects": RobotEffects(moving)})
-            x, y, yaw = self._tracked.at([there], self._sensor.delay_s + 0.5 * self._sensor.period_s)[self._rows].T
+            x, y, yaw = self._tracked.at([there], self._age_s)[self._rows].T
             c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
             ahead, left = self._sensor.x_m, optics.place_m
             points = np.stack([x[:, None] + c * ahead - s * left, y[:, None] + s * ahead + c * left], axis=-1)
@@ -198,3 +202,15 @@ class LineReadings:
         mean = ndtr(u / np.hypot(spot_sd_m, self._place_sd_m))
         variance = squares @ (_WEIGHTS / _WEIGHTS.sum()) - mean**2
         return np.sqrt(np.maximum(np.interp(ink, mean, variance), 0.0))
+
+
+def _age_s(measurement: Measurement, period_s: float, delay_s: float) -> float:
+    """Return the mean age of a reading when its row is logged.
+
+    The log does not say when the sensor samples. If its period divides the times between rows, it is as old in each
+    row, and a sensor that was switched on with the log samples at the rows.
+    """
+    periods = np.concatenate([np.diff(trial.t_s) for trial in measurement.trials]) / period_s
+    if np.all(np.abs(periods - np.rint(periods)) < OFF_PERIOD):
+        return ceil(delay_s / period_s - OFF_PERIOD) * period_s
+    return delay_s + 0.5 * period_s

@@ -65,14 +65,15 @@ class PoseByWheelSpeeds(Pose):
 class PoseByBodySpeeds(PoseByWheelSpeeds):
     """Speeds of the body itself, which say nothing of the wheels."""
 
-    parts = ()
+    parts = ("encoder",)
     slots = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY})
 
     def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
-        del robots
-        return 0.0
+        # They come from no encoder: only the deviation of a hypothesis from the nominal robot is an age.
+        return super()._age_s(robots) - self._encoder_delay_s
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
+        self._encoder_delay_s = nominal.encoder.delay_s
         self._bodily = self._travel(measurement)
         return super()._counts(measurement, nominal)
 

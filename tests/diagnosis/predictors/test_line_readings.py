@@ -100,6 +100,19 @@ def test_an_effect_changes_the_readings_as_its_definition_says(stage, robot, eff
     np.testing.assert_allclose(bare_means(stage, robot.with_effect(effect)), expected, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("period_s", "delay_s", "age_s"),
+    [(0.005, 0.0, 0.0), (0.05, 0.0, 0.0), (0.005, 0.012, 0.015), (0.02, 0.0, 0.01), (0.03, 0.01, 0.025)],
+)
+def test_readings_are_as_old_as_the_last_sample_before_the_row(robot, period_s, delay_s, age_s):
+    """A sensor whose period divides the rows samples at each row; of another one the mean age is known."""
+    sampled = robot.with_section("line_sensor", {"period_s": period_s, "delay_s": delay_s})
+    means = bare_means(stage_of(sampled, run("1", np.full((ROWS, 8), 0.5))), sampled)
+    aside_m = -age_s * (SIDEWAYS_M[1] - SIDEWAYS_M[0]) / 0.05
+    inner = slice(5, -5)
+    np.testing.assert_allclose(means[inner], light(ink(SPOT_SD_M, aside_m))[inner], atol=1e-6)
+
+
 def test_crosstalk_takes_a_share_of_each_neighbour(stage, robot):
     bare = bare_means(stage, robot)
     mixed = bare_means(stage, robot.with_effect(LineCrosstalk(share=0.1)))

@@ -357,6 +357,19 @@ class TestSpeedsThatChange:
         along, _, _ = self.errors(robot, [run("1", self.pose(), v, 0.0 * v)], "truth")
         assert along.max() < 0.5 * ROW_S**2 / 12.0 * self.SWING * self.RATE**2
 
+    def test_speeds_of_the_body_may_be_late_by_the_same_time_in_all_rows(self, robot):
+        """An encoder that is late says nothing of them; what is fitted is by how much later a hypothesis has them."""
+        late_s, nominal = 0.02, robot.with_section("encoder", {"delay_s": 0.01})
+        v = self.MEAN + self.SWING * np.sin(self.RATE * ROW_S * np.arange(ROWS))
+        stage = stages_of(nominal, [run("1", self.pose(), v, 0.0 * v)], twist="truth")["pose"]
+        later = nominal.with_section("encoder", {"delay_s": 0.01 + late_s})
+        t_s = ROW_S * np.arange(0, ROWS - 10, 5)[:-1]
+        for hypothesis, age_s in ((nominal, 0.0), (later, late_s)):
+            travel = self.travel_m(t_s + 0.5 + age_s) - self.travel_m(t_s + age_s)
+            # Errors of the trapezoidal rule, and of straight lines between the rows at both ends.
+            bound_m = ROW_S**2 * self.SWING * self.RATE * (0.5 / 12.0 * self.RATE + 2.0 / 8.0)
+            np.testing.assert_allclose(stage.predict([hypothesis])[0].mean[0][:-1], travel, atol=bound_m)
+
     def test_runs_of_one_log_are_integrated_one_by_one(self, robot):
         first = self.pose(self.CURVATURE)
         c, s = math.cos(2.0), math.sin(2.0)
