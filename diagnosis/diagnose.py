@@ -36,6 +36,7 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
+from diagnosis.together import joint_nuisances, joint_robot, joint_stages
 from diagnosis.usual_tolerances import usual, usual_of_log
 from symolo.core.errors import InputError
 
@@ -165,7 +166,8 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     """Diagnose what the simulation gets wrong about a measurement.
 
     Args:
-        measurement: A measurement of a kind that a stage predicts.
+        measurement: A measurement of a kind that a stage predicts, or several of one robot as one
+            (`diagnosis.together`).
         nominal: The nominal robot, in everything that the nominal parameters of the measurement do not define; the
             shipped robot `nominal` by default.
 
@@ -175,8 +177,12 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     check_kind(measurement)
     where = measurement.where
     robot = _nominal(measurement, nominal)
-    bare = Hypothesis(robot, _spreads(measurement, robot))
-    stages = STAGES[measurement.kind](measurement, robot)
+    if measurement.cases:
+        stages = joint_stages(measurement, robot)
+        bare = Hypothesis(robot, joint_nuisances(measurement, robot, Evidence(stages)) if stages else ())
+    else:
+        stages = STAGES[measurement.kind](measurement, robot)
+        bare = Hypothesis(robot, _spreads(measurement, robot))
     if not stages:
         cure = "log voltages and counts, counts and poses, or poses and ranges"
         raise InputError("no reading that a stage could predict from the logged inputs", where=where, cure=cure)
@@ -276,7 +282,7 @@ def _selected(evidence: Evidence, bare: Hypothesis, effects: Sequence[CandidateE
 
 def check_kind(measurement: Measurement) -> None:
     """Raise InputError if no stage of the simulator predicts such data."""
-    if measurement.kind not in STAGES:
+    if measurement.kind not in STAGES and not measurement.cases:
         allowed = ", ".join(STAGES)
         what = f"no stage predicts data of kind {measurement.kind}"
         cure = "diagnose a bench or a drive; `symolo inspect` shows what these data contain"
@@ -286,6 +292,8 @@ def check_kind(measurement: Measurement) -> None:
 def _nominal(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:
     """Return a robot, or the shipped one, with the nominal parameters of the measurement."""
     carrier = robot or draw_robot(load_section("robot", "nominal"), 0, "diagnosis")[0]
+    if measurement.cases:
+        return joint_robot(measurement, carrier)
     return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
 
 

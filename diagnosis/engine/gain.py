@@ -77,6 +77,8 @@ def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: Ro
 
 
 def _why_not(measurement: Measurement) -> str:
+    if measurement.cases:
+        return "several cases were fitted together; diagnose one of them to simulate it with the engine"
     if measurement.kind in {CaseKind.TOF_BENCH, CaseKind.RANGE_SCAN}:
         return "nothing moves before a range sensor on a bench, and a ray has the same length in every engine"
     if measurement.kind is CaseKind.DRIVE_LOG and not set(VOLTAGES) <= set(measurement.channel_names()):

@@ -43,11 +43,12 @@ class Candidates:
 
 def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothesis) -> Candidates:
     """Return the candidate effects of a measurement; `hypothesis` has the nuisances and no effects."""
+    setups = {setup for case in measurement.cases or (measurement,) for setup in SETUPS[case.kind]}
     several = {
         (effect, choices): CandidateEffect.on_top_of(hypothesis.nominal, effect, choices)
         for effect in EFFECTS.classes()
         # An error that wanders is random and moves no prediction; see `diagnosis.inference.unexplained.wander`.
-        if not SETUPS[measurement.kind].isdisjoint(effect.setups) and effect.slot is not Slot.RANGE_WANDER
+        if not setups.isdisjoint(effect.setups) and effect.slot is not Slot.RANGE_WANDER
         for choices in _choices(effect, measurement)
     }
     effects = [effect for effect in several.values() if effect is not None]

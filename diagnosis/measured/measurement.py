@@ -26,6 +26,8 @@ class CaseKind(TextEnum):
     """Voltages, encoder counts, ranges and pose of a robot with two driven wheels."""
     SYMOLO_CSV = "symolo_csv"
     """Rows of a SyMoLo data.csv, in an arena that is known: pose, speeds, ranges and line readings."""
+    TOGETHER = "together"
+    """Several cases of one robot (`diagnosis.together`)."""
     OTHER = "other"
     """Channels that no stage of the simulator predicts, but from which noise, delays and time constants follow."""
 
@@ -96,6 +98,8 @@ class Measurement:
     """Parameters of a textbook simulation; None if none came with the data."""
     notes: tuple[str, ...] = ()
     """Notes for a user of the data, such as what is missing and how codes were interpreted."""
+    cases: "tuple[Measurement, ...]" = ()
+    """Cases of kind TOGETHER, whose trials follow each other without their channels; empty for any other kind."""
 
     def __post_init__(self) -> None:
         if not self.trials:

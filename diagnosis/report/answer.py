@@ -14,6 +14,8 @@ def answer(data: ReportData) -> dict[str, object]:
         for each in errors:
             sessions.setdefault(each.session, {})[each.effect] = {each.number: each.value, "std": each.std}
         result["sessions"] = sessions
+    if data.by_case:
+        result["cases"] = {part.name: _gain("heldout_gain", part.extended) for part in data.by_case}
     if data.intervals:
         result["intervals"] = {
             effect: {

@@ -61,6 +61,8 @@ class ReportData:
     by_quantity: tuple[PartGain, ...]
     by_group: tuple[PartGain, ...]
     """Gains in each manoeuvre or group of trials; empty if there is one only."""
+    by_case: tuple[PartGain, ...]
+    """Gains in each of several cases that were fitted together; empty for a single case."""
     signatures: Signatures
     means: tuple[Array, Array, Array]
     """Predictions (N,) of the nominal robot, of the same with its nuisances fitted, and of the extended robot."""
@@ -99,6 +101,7 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
         intervals=profiles(evidence, diagnosis.fit),
         by_quantity=tuple(_by_quantity(diagnosis)),
         by_group=tuple(_by_group(diagnosis)),
+        by_case=tuple(_by_case(diagnosis)),
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
         row_sentences=(*row_sentences(diagnosis), *session_sentences(diagnosis.fit), *run_ends(diagnosis)),
         means=(means[0], means[1], means[2]),
@@ -143,6 +146,14 @@ def _by_group(diagnosis: Diagnosis) -> Iterator[PartGain]:
     names = [trial.name for trial in diagnosis.measurement.trials]
     for group in trial_groups(evidence, names, evidence.heldout):
         yield from _gains(group.name, evidence.with_rows(heldout=group.rows), diagnosis)
+
+
+def _by_case(diagnosis: Diagnosis) -> Iterator[PartGain]:
+    evidence, first = diagnosis.evidence, 0
+    for case in diagnosis.measurement.cases:
+        rows = (evidence.trial >= first) & (evidence.trial < first + len(case.trials))
+        first += len(case.trials)
+        yield from _gains(case.name, evidence.with_rows(heldout=evidence.heldout & rows), diagnosis)
 
 
 def _gains(name: str, evidence: Evidence, diagnosis: Diagnosis) -> Iterator[PartGain]:

@@ -123,6 +123,10 @@ def diagnose(
             "the nominal one.",
         ),
     ] = None,
+    together: Annotated[
+        bool,
+        typer.Option("--together", help="All cases are of one robot: fit them together, for one result in DIR."),
+    ] = False,
     workers: Workers = None,
     explain: Annotated[bool, typer.Option("--explain", help="Also print how the result was reached.")] = False,
     as_json: Json = False,
@@ -166,6 +170,8 @@ def diagnose(
 
     Example: symolo diagnose my_robot/* --out diagnosis --workers 4
 
+    Several cases of one robot: symolo diagnose my_robot/* --together --out diagnosis
+
     Judge the result on the circular drives only: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
     """
     from pipeline.diagnosing.diagnose import cases_of, diagnose_cases, nominal_json
@@ -182,6 +188,12 @@ def diagnose(
     if any(case.path.absolute() == out.absolute() for case in named):
         # As soon as a folder `table-1` exists, `table-1` means that folder.
         raise InputError("is the name of a case", where=f"--out {out}", cure="name another folder")
+    if together and len(named) < 2:
+        raise InputError("--together with one case", cure="name two or more cases of the same robot")
+    if together and against is not None:
+        raise InputError("--together and --against", cure="compare one drive with the dataset")
+    if together:
+        named = named[:1]
     settings = DiagnosisSettings(
         importer=importer,
         part=part,
@@ -189,6 +201,7 @@ def diagnose(
         nominal=nominal_json(nominal, against),
         pybullet=pybullet,
         against=against,
+        together=tuple(cases[1:]) if together else (),
     )
     check_out(out, Kind.DIAGNOSIS)
     if len(named) == 1:

@@ -88,8 +88,13 @@ def read_case(path: Path, settings: DiagnosisSettings) -> Measurement:
     """Return the measured data of a case, with the part and the held-out trials that the settings name.
 
     Raises:
-        InputError: The case cannot be read, or has no such part or trials.
+        InputError: The case cannot be read, or has no such part or trials; or the cases to fit together cannot be.
     """
+    if settings.together:
+        from diagnosis.together import together  # noqa: PLC0415 - loads the stages, which the command need not
+
+        alone = settings.model_copy(update={"together": ()})
+        return together([read_case(each, alone) for each in (path, *settings.together)])
     measurement = read_measurement(path, IMPORTERS, settings.importer)
     if settings.part is not None:
         measurement = of_part(measurement, settings.part)

@@ -96,6 +96,8 @@ class DiagnosisSettings(Message):
     """Whether the errors before and after are measured by PyBullet as well."""
     against: Path | None = None
     """Dataset that each case is compared with."""
+    together: tuple[Path, ...] = ()
+    """Further cases of the same robot, which are fitted together with the first one."""
 
 
 class DiagnoseUnit(UnitOfWork):

@@ -1,6 +1,7 @@
 """`symolo diagnose`: what is written and printed, side by side and alone, and what is refused."""
 
 import json
+import shutil
 
 import pytest
 
@@ -64,6 +65,20 @@ def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo
     assert driven.code == 0, driven.err
 
 
+def test_cases_of_one_robot_have_one_answer_with_a_gain_for_each(symolo, benches, tmp_path):
+    shutil.copytree(benches / "weak", tmp_path / "again")
+    out = tmp_path / "both"
+    ended = symolo("diagnose", benches / "weak", tmp_path / "again", "--together", "--out", out, "--json")
+    assert ended.code == 0, ended.err
+    answer = json.loads((out / "answer.json").read_bytes())
+    assert json.loads(ended.out) == answer
+    (effect,) = answer["effects"]
+    assert effect["name"] == "torque_constant_scale"
+    assert set(answer["cases"]) == {"weak", "again"}
+    assert "weak+again" in (out / "summary.txt").read_text()
+    load_scenario("smoke", [f"robot={out / 'extended.yaml'}"])
+
+
 BAD = {
     "nowhere": (["nowhere", "--out", "OUT"], "no such file or folder"),
     "no case": (["--out", "OUT"], "CASE"),
@@ -77,6 +92,8 @@ BAD = {
     "a dataset against a bench": (["HERE/plain", "--against", "HERE/plain", "--out", "OUT"], "is no run of a dataset"),
     "no such trial to hold out": (["HERE/plain", "--hold-out", "cirle*", "--out", "OUT"], "got 'cirle*'"),
     "no such part": (["HERE/plain", "--part", "left wheel", "--out", "OUT"], "no trial is of that part"),
+    "one case together": (["HERE/plain", "--together", "--out", "OUT"], "name two or more cases of the same robot"),
+    "a bad case together": (["HERE/plain", "HERE/broken", "--together", "--out", "OUT"], "row 6: column sweep"),
     "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "give one of them"),
 }
 
