@@ -47,7 +47,8 @@ def fake_fit(cost, *effects, **fields) -> Any:
 
 @pytest.fixture
 def evidence() -> Any:
-    return Fake(known={})
+    """More rows than those up to which all pairs are compared: the steps alone decide."""
+    return Fake(known={}, fit=np.ones(selection.BEAM_SAMPLES + 1, dtype=bool))
 
 
 class TestRefusal:
