@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors import STAGES
-from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose
 from diagnosis.predictors.ranges_in_room import RangesInRoom
 from diagnosis.predictors.rows import good_values

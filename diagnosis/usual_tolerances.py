@@ -23,7 +23,11 @@ PAIR_SHARE = 0.003
 """Difference of two wheels of the same type, as a share of the mean radius: rubber yields, and one side carries more
 weight (source: see below)."""
 SPEED_AGE_S = 0.025
-"""Age of a logged speed: the change of the counts since the row before is the speed half a row ago."""
+"""Age of a logged speed, beside that of a mean since the row before. A robot that logs the speed at the time of the row
+differs from such a mean by half a row."""
+BODY_SPEED_AGE_S = 0.005
+"""Age of a speed of the body. It is that of its row, but an integral over rows of 50 ms is late or early by some
+milliseconds, since the speed between two rows is not a straight line of time."""
 TRACK_SHARE = 0.01
 """Tolerance of the wheel separation: a tyre touches the floor along a line, and the point on it about which the wheel
 turns is not known (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880)."""
@@ -36,9 +40,9 @@ def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
 
 
 def usual_of_log(case: NominalLog) -> tuple[Nuisance, ...]:
-    """Return the nuisances of the wheels of a robot whose speeds were logged; none for speeds of its body."""
-    if case.twist == "truth":
-        return ()
+    """Return the nuisances of a robot whose speeds were logged: of its wheels and of the age of the speeds; of the age
+    alone for speeds of its body.
+    """
     drive, encoder = case.robot.drive, case.robot.encoder
     wheels = usual_wheels(
         diameter_m=drive.wheel_diameter_m, track_m=drive.track_m, counts_per_turn=encoder.counts_per_revolution
@@ -47,6 +51,8 @@ def usual_of_log(case: NominalLog) -> tuple[Nuisance, ...]:
     def applied(robot: RobotConfig, value: Number) -> RobotConfig:
         return robot.with_section("encoder", {"delay_s": value})
 
+    if case.twist == "truth":
+        return (Nuisance("speed_age_s", encoder.delay_s, BODY_SPEED_AGE_S, "s", applied),)
     return (*nuisances(wheels), Nuisance("speed_age_s", encoder.delay_s, SPEED_AGE_S, "s", applied))
 
 

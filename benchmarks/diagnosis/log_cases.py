@@ -20,34 +20,76 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.stages.simulate import simulate
+from sensors.line_channels import CHANNELS
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
 from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows, csv_bytes, wrapped
 
 SCENARIOS = ("symolo", "classroom", "wall_gaps")
 """Scenarios with different arenas, whose names are also those of the arenas."""
-NOISE = {"d_m": 0.0014, "line": 0.004, "pose_xy_m": 0.001, "pose_theta_rad": 0.003, "v_m_s": 0.0015, "w_rad_s": 0.015}
+SPEED_NOISE = (0.001, 0.01)
+"""Noise [m/s, rad/s] of v and w besides that of the counts: wheels slip a little and are not quite round."""
+NOISE = {
+    # Tables 3 and 4 of the paper have 0.8 to 1.5 mm, depending on the surface.
+    "d_m": 0.0014,
+    # line_sensor.noise_sd of the nominal robot.
+    "line": 0.004,
+    # A camera above the arena that tracks a marker (added here).
+    "pose_xy_m": 0.001,
+    "pose_theta_rad": 0.003,
+    # SPEED_NOISE and the steps of the counters: 0.053 mm in 50 ms for each wheel, and samples up to 10 ms old.
+    "v_m_s": 0.0015,
+    "w_rad_s": 0.015,
+}
+"""Noise that nominal.yaml states."""
 Sampler = Callable[[np.random.Generator], dict[str, float | str]]
 
 
-def _of(name: str, low: float, high: float, *, null: float = 0.0, signs: bool = True, sensor: bool = False) -> Sampler:
-    """Return a function that draws a size between `low` and `high` away from `null`, on one side or on both."""
+def _of(
+    name: str,
+    low: float,
+    high: float,
+    *,
+    null: float = 0.0,
+    signs: bool = True,
+    choice: tuple[str, list[str]] | None = None,
+) -> Sampler:
+    """Return a function that draws a size between `low` and `high` away from `null`, on one side or on both.
+
+    Args:
+        name: Parameter of the effect.
+        low: Least distance from `null`.
+        high: Greatest distance.
+        null: Value without the effect.
+        signs: Whether the value may be below `null` too.
+        choice: Name of another parameter, and the words of which one is drawn for it.
+    """
 
     def draw(rng: np.random.Generator) -> dict[str, float | str]:
         size = float(rng.uniform(low, high)) * (float(rng.choice([-1.0, 1.0])) if signs else 1.0)
-        which: dict[str, float | str] = {"sensor": str(rng.choice(["front", "left", "right"]))} if sensor else {}
+        which: dict[str, float | str] = {choice[0]: str(rng.choice(choice[1]))} if choice else {}
         return {**which, name: round(null + size, 4)}
 
     return draw
 
 
+_SENSOR = ("sensor", ["front", "left", "right"])
+_CHANNEL = ("channel", CHANNELS.tolist())
 SIZES: Mapping[str, Sampler] = {
-    "tof_mount_yaw": _of("angle_rad", 0.05, 0.2, sensor=True),
-    "tof_range_offset": _of("offset_m", 0.008, 0.025, sensor=True),
+    "tof_mount_yaw": _of("angle_rad", 0.05, 0.2, choice=_SENSOR),
+    "line_gain": _of("scale", 0.25, 0.5, null=1.0, choice=_CHANNEL),
+    "tof_range_offset": _of("offset_m", 0.008, 0.025, choice=_SENSOR),
+    "line_offset": _of("offset", 0.15, 0.3, choice=_CHANNEL),
     "tof_range_scale": _of("scale", 0.03, 0.08, null=1.0),
+    "line_height": _of("height_scale", 0.15, 0.5, null=1.0),
     "tof_time_offset": _of("delay_s", 0.04, 0.15, signs=False),
+    "line_ambient": _of("offset", 0.2, 0.35),
     "marker_offset": _of("offset_m", 0.01, 0.04),
+    "line_adc_saturation": lambda rng: {"low": round(float(rng.uniform(0.15, 0.3)), 4), "high": 0.95},
+    "marker_yaw": _of("angle_rad", 0.02, 0.1),
+    "line_lateral_offset": _of("offset_m", 0.002, 0.008),
     "pose_time_offset": _of("delay_s", 0.04, 0.15, signs=False),
+    "line_crosstalk": _of("share", 0.04, 0.15, signs=False),
     "wheel_radius_scale": _of("scale", 0.03, 0.06, null=1.0),
     "wheelbase_scale": _of("scale", 0.05, 0.1, null=1.0),
     "wheel_radius_asymmetry": _of("asymmetry", 0.02, 0.05),
@@ -60,7 +102,7 @@ UNSEEN: Mapping[str, Sampler] = {
 }
 """Effects behind voltages and currents, which are not in such a log."""
 HELD_OUT_SHARE = 0.3
-OF_POSE = ("marker_offset", "pose_time_offset")
+OF_POSE = ("marker_offset", "marker_yaw", "pose_time_offset")
 """Effects of the camera that tracks the robot."""
 
 
@@ -86,7 +128,6 @@ class LogPlan:
     seed: int
     hidden: Hidden
     seconds: float = 40.0
-    twist: str = "odometry"
 
 
 def write_log(plan: LogPlan, folder: Path) -> None:
@@ -97,19 +138,16 @@ def write_log(plan: LogPlan, folder: Path) -> None:
     rows = Rows.from_recording(recording)
     table = rows.table()
     table[:, 1:4] = _tracked(rows, plan.hidden, rng)
-    if plan.twist == "odometry":
-        table[:, 5:7] = _by_counts(recording, spec) + rng.normal(0.0, (0.001, 0.01), (len(table), 2))
+    table[:, 5:7] = _by_counts(recording, spec) + rng.normal(0.0, SPEED_NOISE, (len(table), 2))
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "data.csv").write_bytes(csv_bytes(HEADER, [column.decimals for column in COLUMNS], table))
-    from_ms = int(rows.t_ms[round((1.0 - HELD_OUT_SHARE) * len(table))])
-    arena = spec.arena.model_dump(mode="json", exclude_none=True) if plan.scenario == "random" else spec.arena.name
     nominal = {
         "kind": "symolo_csv",
-        "arena": arena,
+        "arena": spec.arena.name,
         "robot": "nominal",
         "noise": NOISE,
-        "holdout_from_ms": from_ms,
-        "twist": plan.twist,
+        "holdout_from_ms": int(rows.t_ms[round((1.0 - HELD_OUT_SHARE) * len(table))]),
+        "twist": "odometry",
     }
     (folder / "nominal.yaml").write_text(yaml.safe_dump(nominal, sort_keys=False))
 
@@ -134,6 +172,8 @@ def _tracked(rows: Rows, hidden: Hidden, rng: np.random.Generator) -> Array:
         ahead = float(values["offset_m"])
         pose[:, 0] += ahead * np.cos(pose[:, 2])
         pose[:, 1] += ahead * np.sin(pose[:, 2])
+    if hidden.name == "marker_yaw":
+        pose[:, 2] += float(values["angle_rad"])
     pose += rng.normal(0.0, (NOISE["pose_xy_m"], NOISE["pose_xy_m"], NOISE["pose_theta_rad"]), pose.shape)
     pose[:, 2] = wrapped(pose[:, 2])
     return pose

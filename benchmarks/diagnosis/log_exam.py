@@ -2,8 +2,9 @@
 
     python benchmarks/diagnosis/log_exam.py --cases 60 --seed 1 [--workers 2] [--out DIR] [--names a,b]
 
-Each log is a simulated drive in one of our arenas (log_cases.py). Names are taken in turn, sizes are drawn. The file
-DIR/logs.jsonl gets a line for every log as soon as it is done; a run that was stopped goes on where it stopped.
+Each log is a simulated drive in one of our arenas (log_cases.py). Names and arenas are taken in turn, sizes are drawn.
+The file DIR/logs.jsonl gets a line for every log as soon as it is done. A run that was stopped continues where it
+stopped: the lines of the same logs are used again, except those that failed. The figures are those of the asked logs.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import traceback
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
@@ -22,8 +24,9 @@ from pathlib import Path
 import numpy as np
 from log_cases import SCENARIOS, SIZES, UNSEEN, Hidden, LogPlan, write_log
 
-TURNS = (*SIZES, "", *UNSEEN, "")
-"""What is hidden in turn; no name means nothing."""
+NOTHING = "none"
+TURNS = (*SIZES, NOTHING, *UNSEEN, NOTHING)
+"""What is hidden in turn."""
 
 
 def main() -> None:
@@ -31,17 +34,18 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--names", default="")
+    parser.add_argument("--names", default="", help=f"what to hide in turn, some of {', '.join(dict.fromkeys(TURNS))}")
     parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "log_exam")
     arguments = parser.parse_args()
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(variable, "1")
     turns = arguments.names.split(",") if arguments.names else TURNS
+    if unknown := [name for name in turns if name not in TURNS]:
+        parser.error(f"--names: {', '.join(unknown)}: allowed are {', '.join(dict.fromkeys(TURNS))}")
     arguments.out.mkdir(parents=True, exist_ok=True)
     lines = arguments.out / "logs.jsonl"
-    done = [json.loads(line) for line in lines.read_text().splitlines()] if lines.is_file() else []
-    known = {each["case"] for each in done}
-    todo = [plan for plan in plans(arguments.cases, arguments.seed, turns) if plan.name not in known]
+    asked = plans(arguments.cases, arguments.seed, turns)
+    done, todo = resumed(lines, asked)
     with ProcessPoolExecutor(arguments.workers, mp_context=get_context("spawn")) as pool:
         for job in as_completed([pool.submit(run, plan, arguments.out) for plan in todo]):
             done.append(job.result())
@@ -56,18 +60,28 @@ def plans(cases: int, seed: int, turns: Sequence[str] = TURNS) -> list[LogPlan]:
     series = []
     for number in range(cases):
         rng = np.random.default_rng([seed, number])
-        name = turns[number % len(turns)]
-        sampler = (SIZES | UNSEEN).get(name)
+        lap, place = divmod(number, len(turns))
+        name = turns[place]
+        sampler = {**SIZES, **UNSEEN}.get(name)
         hidden = Hidden(name, sampler(rng)) if sampler else Hidden()
-        scenario = SCENARIOS[number % len(SCENARIOS)]
-        series.append(LogPlan(f"{number:03d}_{name or 'none'}", scenario, int(rng.integers(2**31)), hidden))
+        # In the next lap each name is in the next arena, whatever the number of names.
+        scenario = SCENARIOS[(lap + place) % len(SCENARIOS)]
+        series.append(LogPlan(f"{number:03d}_{name}", scenario, int(rng.integers(2**31)), hidden))
     return series
+
+
+def resumed(lines: Path, asked: Sequence[LogPlan]) -> tuple[list[dict], list[LogPlan]]:
+    """Return the results of a file that are of these logs and did not fail, and the plans without one."""
+    known = [json.loads(line) for line in lines.read_text().splitlines()] if lines.is_file() else []
+    by_plan = {json.dumps(each["plan"], sort_keys=True): each for each in known if "failed" not in each}
+    keys = {json.dumps(asdict(plan), sort_keys=True): plan for plan in asked}
+    return [by_plan[key] for key in keys if key in by_plan], [plan for key, plan in keys.items() if key not in by_plan]
 
 
 def run(plan: LogPlan, out: Path) -> dict:
     """Make a log, diagnose it, and return what was hidden and what was named."""
     folder, truth = out / plan.name, plan.hidden
-    result = {"case": plan.name, "scenario": plan.scenario, "truth": truth.variant, "sizes": dict(truth.parameters)}
+    result = {"plan": asdict(plan), "case": plan.name, "scenario": plan.scenario, "truth": truth.variant}
     try:
         write_log(plan, folder)
         diagnose = import_module("diagnosis.diagnose").diagnose

@@ -13,13 +13,14 @@ from diagnosis.importers.base import Importer
 from diagnosis.importers.case import case_folder, recognises, scale_note
 from diagnosis.importers.log_column import LogColumn
 from diagnosis.importers.order import check_increasing
-from diagnosis.measured.case_format import CAMERA_CHANNELS, DATA
+from diagnosis.measured.case_format import CAMERA_CHANNELS, DATA, POSE
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.holdout import hold_out
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import NOMINAL, NominalLog, read_nominal
 from diagnosis.measured.scale import Reach
+from diagnosis.measured.symolo_columns import COLUMN_OF, LINE_READINGS, RANGE_READINGS, SPEEDS
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.table import CsvTable
@@ -47,9 +48,10 @@ def _time(name: str) -> LogColumn:
     )
 
 
-def _reading(name: str, channel: str, unit: str, reach: Reach) -> LogColumn:
+def _reading(channel: str, unit: str, reach: Reach) -> LogColumn:
     clock = "camera" if channel in CAMERA_CHANNELS else "log"
     is_heading = channel == "theta_rad"
+    name = COLUMN_OF[channel]
     return LogColumn(
         name, unit, Role.READING, reach, channel=channel, channel_unit=unit, is_wrapped=is_heading, clock=clock
     )
@@ -59,16 +61,14 @@ def _whole(name: str) -> LogColumn:
     return LogColumn(name, "", Role.INPUT, Reach(0.0, 1e9), 0, may_be_empty=False, channel=name, channel_unit="")
 
 
-RANGES = {"d_f": "tof_front_m", "d_l": "tof_left_m", "d_r": "tof_right_m"}
-LINE = {f"L{i}": f"line_{i}" for i in range(8)}
 READINGS = (
-    _reading("x", "x_m", "m", _PLACE),
-    _reading("y", "y_m", "m", _PLACE),
-    _reading("theta", "theta_rad", "rad", _TURN),
-    _reading("v", "v_m_s", "m/s", _SPEED),
-    _reading("w", "w_rad_s", "rad/s", _SPEED),
-    *(_reading(name, channel, "m", _RANGE) for name, channel in RANGES.items()),
-    *(_reading(name, channel, "1", _REFLECTANCE) for name, channel in LINE.items()),
+    _reading("x_m", "m", _PLACE),
+    _reading("y_m", "m", _PLACE),
+    _reading("theta_rad", "rad", _TURN),
+    _reading("v_m_s", "m/s", _SPEED),
+    _reading("w_rad_s", "rad/s", _SPEED),
+    *(_reading(channel, "m", _RANGE) for channel in RANGE_READINGS),
+    *(_reading(channel, "1", _REFLECTANCE) for channel in LINE_READINGS),
 )
 COLUMNS = (_time("t"), *READINGS[:3], _whole("state"), *READINGS[3:], _whole("img"))
 """Columns of data.csv, with the channels that they become."""
@@ -148,10 +148,10 @@ def _with_noise(channel: Channel, nominal: NominalLog) -> Channel:
     noise = nominal.noise
     stated = {"x_m": noise.pose_xy_m, "y_m": noise.pose_xy_m, "theta_rad": noise.pose_theta_rad}
     stated |= {"v_m_s": noise.v_m_s, "w_rad_s": noise.w_rad_s}
-    stated |= dict.fromkeys(RANGES.values(), noise.d_m) | dict.fromkeys(LINE.values(), noise.line)
+    stated |= dict.fromkeys(RANGE_READINGS, noise.d_m) | dict.fromkeys(LINE_READINGS, noise.line)
     sd = stated.get(channel.name)
     no_target = None
-    if channel.name in RANGES.values():
+    if channel.name in RANGE_READINGS:
         with np.errstate(invalid="ignore"):
             no_target = channel.values >= nominal.robot.tof.no_target_m
     return Channel.logged(
@@ -186,16 +186,16 @@ def _held_out(measurement: Measurement, nominal: NominalLog, where: str) -> Meas
 
 def _notes(measurement: Measurement) -> Sequence[str]:
     notes = ["not logged: voltages, currents and encoder counts"]
-    names = {column.channel: column.name for column in READINGS}
-    empty = [names[n] for n in names if not any(channel.is_offered for channel in measurement.across(n))]
+    offered = {n for n in COLUMN_OF if any(channel.is_offered for channel in measurement.across(n))}
+    empty = [column for channel, column in COLUMN_OF.items() if channel not in offered]
     notes += [f"not logged: {', '.join(empty)}"] if empty else []
     if not measurement.heldout_rows:
-        notes += ["nothing is held out; holdout or holdout_from_ms in nominal.yaml would judge what is found"]
+        notes += ["no rows are held out to test the result; name some with holdout or holdout_from_ms in nominal.yaml"]
     travels, turns = np.zeros(2), np.zeros(2)
     for trial in measurement.trials:
-        # Over half a second, noise is small beside the motion.
-        x, y, theta = (np.diff(trial[name].values[::TEN_ROWS]) for name in ("x_m", "y_m", "theta_rad"))
-        by_v, by_w = (_integrals(trial[name].values, trial.t_s) for name in ("v_m_s", "w_rad_s"))
+        # In half a second, a robot moves much further than the noise of a pose.
+        x, y, theta = (np.diff(trial[name].values[::TEN_ROWS]) for name in POSE)
+        by_v, by_w = (_integrals(trial[name].values, trial.t_s) for name in SPEEDS)
         travels += np.nansum(np.hypot(x, y)), np.nansum(np.abs(by_v))
         turns += np.nansum(np.abs(theta)), np.nansum(np.abs(by_w))
     with np.errstate(divide="ignore", invalid="ignore"):

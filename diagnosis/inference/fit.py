@@ -73,6 +73,8 @@ class HypothesisFit:
     """(P, N), derivatives of log sd by the coordinates."""
     information: Array
     """(P, P), information about the coordinates from the rows of the fit and the priors."""
+    by_tolerances: float = 0.0
+    """Part of the cost by numbers which leave their tolerances and are no coordinates (`Predicted`)."""
     shared: Array | None = None
     """(P, P), covariance of the coordinates by errors that samples share, which the information does not include."""
 
@@ -88,7 +90,8 @@ class HypothesisFit:
 
     @property
     def prior_cost(self) -> float:
-        return float((self.hypothesis.prior(self.x) ** 2).sum())
+        """Part of the cost that comes from numbers which leave their tolerances."""
+        return float((self.hypothesis.prior(self.x) ** 2).sum()) + self.by_tolerances
 
     @property
     def costs(self) -> Array:
@@ -304,8 +307,9 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     information[range(nuisances), range(nuisances)] += 1.0
     state.cost = float(cost(evidence, here, hypothesis.prior(x)[None], rows, noise)[0])
     state.noise = noise
+    by_tolerances = float(prediction.by_tolerances[0])
     state.fit = HypothesisFit(
-        evidence, hypothesis, x.copy(), state.cost, z, lost, sd, noise, slopes, spreads, information
+        evidence, hypothesis, x.copy(), state.cost, z, lost, sd, noise, slopes, spreads, information, by_tolerances
     )
 
 

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from diagnosis.inference.coordinate import Coordinate
-from diagnosis.inference.evidence.evidence import Evidence, Prediction
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.likelihood import sample_costs
@@ -65,7 +65,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
     drops, sizes = _along_lines(evidence, fit, predictions.mean)
     best: dict[CandidateEffect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
-        single = Prediction(predictions.mean[k : k + 1], predictions.sd[k : k + 1])
+        single = predictions.some(slice(k, k + 1))
         immediate = float((costs_before - sample_costs(evidence, single, fit.noise)[0])[evidence.fit].sum())
         prospect = Prospect(effect, x, immediate)
         if (drop := float(drops[k])) > immediate:

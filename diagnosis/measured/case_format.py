@@ -82,7 +82,8 @@ COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
     }
 )
 
-_POSE = ("x_m", "y_m", "theta_rad")
+POSE = ("x_m", "y_m", "theta_rad")
+"""Channels of the pose that a camera tracks."""
 _STEPS = ("session_time_s", "t_s")
 BLIND: Mapping[CaseKind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
@@ -101,8 +102,8 @@ BLIND: Mapping[CaseKind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
         },
         CaseKind.DRIVE_LOG: {
             "blind_wheels_inputs.csv": (*_STEPS, "u_left_V", "u_right_V"),
-            "blind_pose_inputs.csv": (*_STEPS, "enc_left_ticks", "enc_right_ticks", *_POSE),
-            "blind_tof_inputs.csv": (*_STEPS, *_POSE),
+            "blind_pose_inputs.csv": (*_STEPS, "enc_left_ticks", "enc_right_ticks", *POSE),
+            "blind_tof_inputs.csv": (*_STEPS, *POSE),
         },
     }
 )
@@ -114,7 +115,7 @@ ORDERING = frozenset({"row", "sweep", "trial", "split", "session_time_s", "t_s",
 RANGES = frozenset({"reading_m", *(f"tof_{side}_m" for side in RANGE_SIDES)})
 """Channels that may contain the device's code for "no target"."""
 
-CAMERA_CHANNELS = frozenset(_POSE)
+CAMERA_CHANNELS = frozenset(POSE)
 """Channels with the times of the external camera that tracks the robot."""
 
 

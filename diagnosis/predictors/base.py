@@ -104,6 +104,9 @@ class Predicted:
     """(M, n), NaN where an input is missing."""
     sd: Array
     """(M, n) or broadcast to it, standard deviation of the noise, which some effects change."""
+    by_tolerances: Array | None = None
+    """(M,), part of the squares of all residuals in sigmas that comes from numbers which leave their tolerances, if the
+    stage finds the best ones itself; None for 0."""
 
 
 class Stage(Protocol):

@@ -1,6 +1,9 @@
 """The stages of a drive: wheels, pose and ranges, as far as the log has their inputs."""
 
+from collections.abc import Iterable
+
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Stage
@@ -10,7 +13,6 @@ from diagnosis.predictors.wheels import Wheels
 
 VOLTAGES = ("u_left_V", "u_right_V")
 TICKS = ("enc_left_ticks", "enc_right_ticks")
-POSE = ("x_m", "y_m", "theta_rad")
 
 
 def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
@@ -30,6 +32,6 @@ def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[St
     return tuple(stage for stage in stages if all(len(observed.values) for observed in stage.observed))
 
 
-def offers(measurement: Measurement, names: tuple[str, ...]) -> bool:
+def offers(measurement: Measurement, names: Iterable[str]) -> bool:
     offered = set(measurement.channel_names())
     return all(name in offered and any(c.is_offered for c in measurement.across(name)) for name in names)

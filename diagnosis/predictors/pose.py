@@ -14,6 +14,7 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import POSE
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalDrive, NominalLog
@@ -228,7 +229,7 @@ class Pose:
         return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
 
     def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:
-        log = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
+        log = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         first, last = self._first, self._last
         values, predicted = self._increments(log), self._increments(self._paths([nominal]))
         middle = (first + last) // 2

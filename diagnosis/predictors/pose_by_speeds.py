@@ -17,9 +17,10 @@ from symolo.core.arrays import Array
 
 
 class PoseByWheelSpeeds(Pose):
-    """Speeds that the robot computed from its encoders with the nominal wheels, so that these show their turns.
+    """Speeds that the robot computed from its encoder counts. It used the nominal wheels, so that the turns of the
+    wheels follow from the speeds.
 
-    The wrong number of ticks per turn and wheels of another size make the same speeds; they count as the latter.
+    A wrong number of counts per turn has the same effect as wheels of another size. Both are reported as the latter.
     """
 
     parts = ("drive", "encoder")
@@ -27,19 +28,24 @@ class PoseByWheelSpeeds(Pose):
     channels = ("v", "w", "w")
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
-        forward_m, turn_rad = np.cumsum(self._way(measurement), axis=0).T
+        forward_m, turn_rad = np.cumsum(self._travel(measurement), axis=0).T
         rim_m = np.stack([forward_m + side * turn_rad * 0.5 * nominal.drive.track_m for side in (1, -1)], axis=-1)
         self._per_count = 2.0 * pi / nominal.encoder.counts_per_revolution
         counts = rim_m / (0.5 * nominal.drive.wheel_diameter_m * self._per_count)
         return np.where(np.isfinite(_speeds(measurement)).all(axis=-1, keepdims=True), counts, np.nan)
 
-    def _way(self, measurement: Measurement) -> Array:
-        """Return distance forward [m] and turn [rad] since the row before, (n, 2), by the trapezoidal rule."""
+    def _travel(self, measurement: Measurement) -> Array:
+        """Return distance forward [m] and turn [rad] since the row before, (n, 2); 0 in the first row of a trial."""
         speeds = bridged(_speeds(measurement), self._t_s, self._trials)
-        way = np.zeros_like(speeds)
-        way[1:] = 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(self._t_s)[:, None]
-        way[np.cumsum([0, *self._trials[:-1]])] = 0.0
-        return way
+        travel = np.zeros_like(speeds)
+        travel[1:] = self._mean_since_row_before(speeds) * np.diff(self._t_s)[:, None]
+        travel[np.cumsum([0, *self._trials[:-1]])] = 0.0
+        return travel
+
+    def _mean_since_row_before(self, speeds: Array) -> Array:
+        """Return the mean speeds between rows, (n - 1, 2), from those of the rows, (n, 2)."""
+        # A speed by encoder counts is their change since the row before, and so the mean speed over this time.
+        return speeds[1:]
 
     def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
         return stacked(robots, axes=1).encoder.delay_s
@@ -59,16 +65,21 @@ class PoseByWheelSpeeds(Pose):
 class PoseByBodySpeeds(PoseByWheelSpeeds):
     """Speeds of the body itself, which say nothing of the wheels."""
 
-    parts = ()
+    parts = ("encoder",)
     slots = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY})
 
     def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
-        del robots
-        return 0.0
+        # They come from no encoder: only the deviation of a hypothesis from the nominal robot is an age.
+        return super()._age_s(robots) - self._encoder_delay_s
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
-        self._bodily = self._way(measurement)
+        self._encoder_delay_s = nominal.encoder.delay_s
+        self._bodily = self._travel(measurement)
         return super()._counts(measurement, nominal)
+
+    def _mean_since_row_before(self, speeds: Array) -> Array:
+        # A speed of the body is that at the time of its row (trapezoidal rule).
+        return 0.5 * (speeds[1:] + speeds[:-1])
 
     def _steps(self, model: RobotModel, turned: Array) -> Array:
         del model, turned

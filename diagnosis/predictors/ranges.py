@@ -13,7 +13,14 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
-from diagnosis.predictors.rows import good_values, joined, session_time_s, trial_covariate, trial_of_rows
+from diagnosis.predictors.rows import (
+    by_other_rows,
+    good_values,
+    joined,
+    session_time_s,
+    trial_covariate,
+    trial_of_rows,
+)
 from diagnosis.predictors.tracked_axle import TrackedAxle
 from physics.robot.model import through
 from physics.robot.stack import alike, stacked, stacked_effects
@@ -98,7 +105,7 @@ class Ranges(ABC):
                 Predicted(mean[0][:, k], sd[0][:, k]),
                 clear[:, k],
                 (
-                    Covariate("incidence_rad", incidence_rad[:, k]),
+                    Covariate("incidence_rad", by_other_rows(incidence_rad[:, k], trial_of_rows(measurement))),
                     Covariate("wall", around.surface[:, k], CovariateShape.CATEGORY, labels=around.surfaces),
                 ),
             )
@@ -128,11 +135,12 @@ class Ranges(ABC):
     ) -> Observed:
         values = good_values(measurement, name)
         usable = clear & np.isfinite(values)
+        x_m, y_m, theta_rad = by_other_rows(self._tracked.pose, trial_of_rows(measurement)).T
         covariates = (
-            Covariate("distance_m", nominal.mean),
+            Covariate("distance_m", by_other_rows(nominal.mean, trial_of_rows(measurement))),
             *around,
-            Covariate("position", self._tracked.pose[:, 0], second=self._tracked.pose[:, 1]),
-            Covariate("theta_rad", self._tracked.pose[:, 2], CovariateShape.PERIODIC),
+            Covariate("position", x_m, second=y_m),
+            Covariate("theta_rad", theta_rad, CovariateShape.PERIODIC),
             Covariate("t_s", self._t_s),
             Covariate("session_time_s", self._since_on_s),
             trial_covariate(measurement),

@@ -8,7 +8,6 @@ smooths the steps that a ray makes when it crosses an edge.
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from math import floor, sqrt
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,9 @@ from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import LogNoise, NominalLog
+from diagnosis.measured.symolo_columns import RANGE_READINGS
 from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
+from diagnosis.predictors.rows import trial_of_rows
 from physics.arena.rays import RayScene
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
@@ -31,11 +32,13 @@ from symolo.core.arrays import Array
 MOVING = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY, Slot.RANGE_DELAY, Slot.RANGE_GATHERING, Slot.RANGE_MOUNT})
 """Slots of the effects that move a sensor."""
 GRID = 0.1
-"""Spacing of the grid of a parameter, as a share of the value from which its fit starts: 10 mrad, 4 ms or 2 mm."""
+"""Spacing of the grid of a parameter, as a share of its start value in a fit. It is 10 mrad for an angle, 4 ms for a
+delay and 2 mm for a length."""
 NEAREST_M = 0.05
-"""Least distance of an edge."""
+"""Least distance of an edge, for the angle by which it moves if the robot moves sideways."""
 EDGE_M = 0.02
-"""Bend of the range over a turn or a shift to both sides, from which the sensor sees an edge."""
+"""Least difference between the range and the mean of two neighbouring ranges, times two, at which a sensor sees an
+edge. The neighbours are the ranges of the same sensor after a small turn or shift to the left and to the right."""
 REACH = 1.25
 """Length of a ray as a share of the longest range (`sensors.tof`)."""
 CHUNK = 4096
@@ -68,13 +71,14 @@ class _Cone:
 
 @dataclass(frozen=True)
 class _View:
-    """What one sensor sees along a path; arrays are (n,) if nothing else is said."""
+    """What one sensor sees from n poses of a path. All arrays without a shape are (n,)."""
 
     distance_m: Array
     by_pose: Array
     """(n, 3), derivative of the distance by x, y and yaw of the axle, on the surfaces that are hit."""
     by_edge: Array
-    """Change of the distance by a turn, as far as light moves from one surface to another [m/rad]."""
+    """Change of the distance by a turn [m/rad], without the change on the surfaces that are hit: the part that comes
+    from light which moves from one surface to another."""
     normal: Array
     """(n, 3), mean normal of the surfaces, weighted by their light, along axis, left and up of the sensor."""
     shares: Array
@@ -99,7 +103,7 @@ class _View:
 class RangesInArena(Ranges):
     """Arena, robot and noise of a SyMoLo data.csv."""
 
-    channels = MappingProxyType({"tof_front_m": "d_f", "tof_left_m": "d_l", "tof_right_m": "d_r"})
+    channels = RANGE_READINGS
 
     def __init__(self, measurement: Measurement, case: NominalLog, nominal: RobotConfig) -> None:
         self._noise, self._tof = case.noise, nominal.tof
@@ -111,6 +115,7 @@ class RangesInArena(Ranges):
         self._offset_m = np.array([0.0, *(surface.offset_m for surface in surfaces)])
         self._reflectance = np.array([arena.floor_reflectance, *(surface.reflectance for surface in surfaces)])
         self._cones: dict[Hashable, _Cone] = {}
+        self._trial = trial_of_rows(measurement)
         self._known: dict[Hashable, Array] = {}
         self._rows: list[NDArray[np.int64]] = []
         self.resolution_m = nominal.tof.quantisation_m
@@ -210,8 +215,13 @@ class RangesInArena(Ranges):
         return self._known[key]
 
     def _speed(self, path: Array) -> Array:
-        """Return the change of a path (n, 3) per second; trials are far apart in time or few."""
-        return np.gradient(path, axis=0) / np.maximum(np.gradient(self._t_s), 1e-3)[:, None]
+        """Return the change of a path (n, 3) per second, by trial; 0 in a trial with a single row."""
+        speed = np.zeros_like(path)
+        for trial in np.unique(self._trial).tolist():
+            rows = np.flatnonzero(self._trial == trial)
+            if len(rows) > 1:
+                speed[rows] = np.gradient(path[rows], self._t_s[rows], axis=0)
+        return speed
 
     def _cast(self, k: int, axle: Array, askew_rad: float, cone: _Cone) -> _View:
         """Return what a sensor sees along a path (n, 3)."""

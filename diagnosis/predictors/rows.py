@@ -13,6 +13,8 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
 
 Scalar = TypeVar("Scalar", bound=np.generic)
+APART = 2
+"""Rows from one row to another in whose pose it has no part, if a prediction is for a time between two rows."""
 
 
 def joined(parts: Iterable[NDArray[Scalar]]) -> NDArray[Scalar]:
@@ -89,6 +91,28 @@ def rows_after(measurement: Measurement, step: int, stride: int = 1) -> tuple[ND
         begin += rows
     first = joined(firsts)
     return first, first + step
+
+
+def by_other_rows(values: Array, trial: NDArray[np.int64]) -> Array:
+    """Return values (n, ...) that change slowly, each by the mean of those two rows before and after it.
+
+    A covariate that is computed from a logged pose has the noise of this pose. So has the prediction, and a residual
+    would seem to depend on the covariate: in a drive along a wall, a range that is predicted too long always leaves a
+    residual that is too small. The noise of other rows is independent. A prediction for a time between two rows has the
+    noise of both, so that the next row but one is taken.
+
+    Args:
+        values: Values of the rows of all trials.
+        trial: (n,), trial of each row; where it has no such row on one side, that on the other side counts alone, and
+            the row itself if there is none on either side.
+    """
+    row = np.arange(len(values))
+    before, after = row - APART, row + APART
+    has_before = (before >= 0) & (trial[np.maximum(before, 0)] == trial)
+    has_after = (after < len(row)) & (trial[np.minimum(after, len(row) - 1)] == trial)
+    before = np.where(has_before, before, np.where(has_after, after, row))
+    after = np.where(has_after, after, before)
+    return 0.5 * (values[before] + values[after])
 
 
 def bridged(values: Array, t_s: Array, trials: Sequence[int]) -> Array:

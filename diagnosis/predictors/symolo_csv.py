@@ -3,19 +3,18 @@
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalLog
+from diagnosis.measured.symolo_columns import POSES, SPEEDS
 from diagnosis.predictors.base import Stage
-from diagnosis.predictors.drive_log import POSE, offers
+from diagnosis.predictors.drive_log import offers
 from diagnosis.predictors.line_readings import LineReadings
 from diagnosis.predictors.pose_by_speeds import PoseByBodySpeeds, PoseByWheelSpeeds
 from diagnosis.predictors.ranges_in_arena import RangesInArena
-
-SPEEDS = ("v_m_s", "w_rad_s")
 
 
 def symolo_csv_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
     """Return the stages that the log has the inputs and readings for."""
     case = measurement.nominal
-    if not isinstance(case, NominalLog) or not offers(measurement, POSE):
+    if not isinstance(case, NominalLog) or not offers(measurement, POSES):
         return ()
     by_speeds = PoseByWheelSpeeds if case.twist == "odometry" else PoseByBodySpeeds
     stages: list[Stage] = [by_speeds(measurement, nominal)] if offers(measurement, SPEEDS) else []

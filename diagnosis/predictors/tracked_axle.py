@@ -6,21 +6,24 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.pose import earlier
 from diagnosis.predictors.rows import bridged, good_values, joined
+from diagnosis.predictors.smoothed_pose import smoothed_earlier
 from physics.robot.model import through
 from physics.robot.stack import stacked_effects
 from symolo.core.arrays import Array
 
 
 class TrackedAxle:
-    """Logged poses of all trials."""
+    """Logged poses of all trials, interpolated between rows, or smoothed."""
 
-    def __init__(self, measurement: Measurement) -> None:
+    def __init__(self, measurement: Measurement, *, is_smoothed: bool = False) -> None:
+        self._earlier = smoothed_earlier if is_smoothed else earlier
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
-        logged = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
+        logged = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         self.is_logged = np.isfinite(logged).all(axis=-1)
         """(n,), rows with a pose."""
         self.pose = bridged(logged, self._t_s, self._trials)
@@ -30,7 +33,7 @@ class TrackedAxle:
         """Return the poses of the axles an age before the times of the rows, (n, 3) or (M, n, 3)."""
         # The logged pose is older than its row by the pose delay.
         pose_delay_s = through(stacked_effects(robots, axes=1).functions(Slot.POSE_DELAY), 0.0, self._t_s)
-        tracked = earlier(self.pose, self._t_s, self._trials, age_s - pose_delay_s)
+        tracked = self._earlier(self.pose, self._t_s, self._trials, age_s - pose_delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         # The effects turn every axle by the same angle and shift it by a vector that depends on its yaw only. So one
         # step back from the tracked pose gives the yaw of the axle, and a second one its place.

@@ -14,7 +14,7 @@ from symolo.core.geometry.poses import Matrix4
 AnnotationName = Literal[
     "depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points"
 ]
-"""`blender_scenes.annotations` has a function for each."""
+"""Kinds of annotations; `images.py`, `boxes.py` and `key_points.py` in blender_scenes/annotations/ compute them."""
 RECORD_KINDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
 """Annotations that are in annotations.json; each of the others has a PNG file for each image."""
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
@@ -22,7 +22,12 @@ CATEGORIES: tuple[Category, ...] = get_args(Category)
 """Categories in the order of their ids. The sky is the space outside the windows, where there is no surface."""
 DOCUMENT = "annotations.json"
 FORMAT = 2
-"""Version of annotations.json."""
+"""Version of annotations.json.
+
+Raise it if a key is renamed or removed, if a value changes its meaning or unit, or if a text of ENCODINGS changes,
+because `symolo verify` compares these texts. A new key that may be missing needs no new version, because readers ignore
+keys that they do not know.
+"""
 
 ENCODINGS: dict[AnnotationName, str] = {
     "depth": "PNG, 16 bit grey: depth along the optical axis in 0.1 mm; 0: no surface within 6.5 m",
@@ -85,7 +90,7 @@ class KeyPoint:
     """`line`, `wall_corner` or `obstacle_corner`."""
     instance_id: int
     p: Point3
-    """Position in the frame of the instance [m]."""
+    """Position [m] in W; on an obstacle that moves, in its frame, whose origin is its middle on the floor."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +159,7 @@ class AnnotationDocument:
     categories: tuple[CategoryEntry, ...]
     instances: tuple[InstanceEntry, ...]
     key_points: tuple[KeyPoint, ...]
-    """Points of the map; `p` is in W, or in the frame of the obstacle if the instance moves."""
+    """Points of the map, whether or not an image shows them."""
     images: tuple[ImageEntry, ...]
     annotations: tuple[AnnotationEntry, ...]
     sightings: tuple[KeyPointSighting, ...]

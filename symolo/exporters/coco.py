@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symolo.core.errors import InputError
-from symolo.dataset.annotations import AnnotationDocument, AnnotationEntry, KeyPointSighting, pixel_box
+from symolo.dataset.annotations import AnnotationEntry, KeyPointSighting, pixel_box
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Image, Run
+from symolo.reader.run import Image, Run, how_to_add
 
 _CORNERS = tuple(f"corner_{number}" for number in range(8))
 """Names of a box's corners: 0-3 at the foot, 4-7 above them, counter-clockwise, as in our key points."""
@@ -27,10 +27,8 @@ _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs:
         if "instance" not in run.annotation_kinds:
-            what = f"run {run.name} has no images of its instances, from which the masks come"
-            settings = "render.annotations=[instance,boxes_2d,key_points]"
-            cure = f"release it with `--set {settings}`, or choose other runs with --runs"
-            raise InputError(what, where=str(data.root), cure=cure)
+            what = f"run {run.name} has no annotations of the kind `instance`, which give the masks"
+            raise InputError(what, where=str(data.root), cure=how_to_add("`instance`"))
     known = data.runs[0].annotations.categories
     for run in data.runs[1:]:
         if run.annotations.categories != known:
@@ -70,7 +68,7 @@ def _document(data: Dataset) -> bytes:
         "licenses": [{"id": 1, "name": metadata.licence if metadata else "", "url": ""}],
         "images": images,
         "annotations": annotations,
-        "categories": _categories(data.runs[0].annotations),
+        "categories": _categories(data),
     }
     return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()
 
@@ -90,12 +88,13 @@ def _image(image: Image, number: int, run: Run) -> dict[str, object]:
     }
 
 
-def _categories(document: AnnotationDocument) -> list[dict[str, object]]:
+def _categories(data: Dataset) -> list[dict[str, object]]:
     """Return all categories except the sky: it has no instances, and for many readers its id 0 means "no category"."""
+    with_corners = _WITH_CORNERS if any("key_points" in run.annotations.kinds for run in data.runs) else ()
     return [
         {"id": one.id, "name": one.name, "supercategory": "scene"}
-        | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in _WITH_CORNERS else {})
-        for one in document.categories
+        | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in with_corners else {})
+        for one in data.runs[0].annotations.categories
         if one.id
     ]
 
@@ -168,8 +167,8 @@ def _amodal(entry: AnnotationEntry | None) -> dict[str, object]:
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
     """Return COCO's uncompressed RLE of a mask (H, W): lengths of runs along the columns, of 0 and 1 alternately.
 
-    pycocotools (2.0.11) writes only the compressed form, which people cannot read, and it is a compiled package, which
-    these few lines do not justify.
+    pycocotools (2.0.11) writes only the compressed form, which people cannot read, and a compiled dependency would cost
+    more than these lines.
     """
     pixels = mask.ravel(order="F")
     bounds = [0, *(np.flatnonzero(pixels[1:] != pixels[:-1]) + 1).tolist(), pixels.size]
@@ -178,5 +177,5 @@ def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
 
 
 EXPORTER = Exporter(
-    "coco", "masks, boxes and corners of what is seen in each image, of a release that has them", _files
+    "coco", "masks, boxes and corners of the visible instances; needs the annotation kind `instance`", _files
 )

@@ -1,4 +1,4 @@
-"""A released dataset, or one run of it, to be read by people and by exporters."""
+"""A released dataset, one run of it or the output of `symolo rerender`, for users and exporters."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -68,12 +68,13 @@ class Dataset:
 
 
 def load(path: str | Path) -> Dataset:
-    """Load a release, a bag that holds one, or the folder of one run. Files are read when they are needed.
+    """Load a release, a bag that holds one, the folder of one run, or the output of `symolo rerender`.
 
-    Files are read strictly; `symolo verify` checks the checksums.
+    Each file is read when it is needed, and is checked strictly; `symolo verify` checks the checksums. Of several draws
+    that `rerender` made, load each folder separately.
 
     Raises:
-        InputError: It is none of these, metadata.json is damaged, or a run that it names is not there.
+        InputError: `path` is none of these, metadata.json is damaged, or a run that it names is missing.
     """
     root = Path(path)
     if not root.is_dir():

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS, AnnotationDocument, annotation_file
+from symolo.dataset.annotations import DOCUMENT, ENCODINGS, RECORD_KINDS, AnnotationDocument, annotation_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, read_camera_document
 from symolo.dataset.documents.metadata import side_tables
 from symolo.dataset.documents.run_document import RunDocument
@@ -27,6 +27,7 @@ from symolo.dataset.tables.side_tables import CAMERA, SideTable
 from symolo.reader.tables import frame, rows_frame
 
 OF_THE_RUN = "take those of the run that the images were made from"
+_IMAGE_KINDS = ENCODINGS.keys() - set(RECORD_KINDS)
 
 Pixels = NDArray[np.uint8]
 
@@ -82,7 +83,8 @@ class Image:
         """
         known = self.run.annotation_kinds
         if kind not in known:
-            raise _lacking(f"annotation {kind}", known, kind, str(self.run.folder))
+            cure = how_to_add(f"`{kind}`") if kind in _IMAGE_KINDS else ""
+            raise _lacking(f"annotation {kind}", known, kind, str(self.run.folder), cure)
         path = self.run.annotation_path(kind, self.number)
         if kind == "flow" and not path.exists() and self.number == self.run.numbers[-1]:
             raise InputError(f"image {self.number} is the last, which has no flow", where=str(self.run.folder))
@@ -125,7 +127,8 @@ class Image:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
         if pixels is None:
             what = "is no image" + (f" of {size[0]} x {size[1]} px" if size else "") if path.exists() else "is missing"
-            raise InputError(what, where=str(path), cure="`symolo verify` and `symolo repair` take the whole release")
+            cure = "check or repair the whole release with `symolo verify` or `symolo repair`"
+            raise InputError(what, where=str(path), cure=cure)
         return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., ::-1])
 
 
@@ -226,10 +229,10 @@ class Run:
         return tuple(self.table.image[self.table.image > 0].tolist())
 
     def index_of(self, number: int) -> int:
-        """Which of the images has a number.
+        """Return the index of the image with this number.
 
         Raises:
-            InputError: None has.
+            InputError: No image has this number.
         """
         if number not in self.numbers:
             allowed = f"{self.numbers[0]} to {self.numbers[-1]}" if self.numbers else "none"
@@ -244,10 +247,10 @@ class Run:
         return tuple(Image(self, number, index, row) for index, (number, row) in enumerate(taken))
 
     def image(self, number: int) -> Image:
-        """Return the image of a number, as in the column `img`.
+        """Return the image with this number, as in the column `img`.
 
         Raises:
-            InputError: There is none.
+            InputError: No image has this number.
         """
         return self.images[self.index_of(number)]
 
@@ -295,7 +298,7 @@ class Run:
         try:
             return AnnotationDocument.from_json(read_file(path, FileKind.ANNOTATIONS))
         except FileNotFoundError:
-            cure = "release it with `--set render.annotations=[instance,semantic]`"
+            cure = how_to_add("the kinds that you need")
             raise InputError("has no annotations", where=str(self.folder), cure=cure) from None
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
@@ -304,6 +307,7 @@ class Run:
 
     @property
     def has_annotations(self) -> bool:
+        """Whether the run has annotations of any kind."""
         return self._annotation_folder.is_dir()
 
     @property
@@ -337,6 +341,14 @@ class Run:
         return len(self.table.t_ms)
 
 
-def _lacking(what: str, known: tuple[str, ...], name: str, where: str) -> InputError:
-    allowed = ", ".join(known) or "none: release it with `--set render.annotations=[instance,semantic]`"
-    return InputError(f"has no {what}", where=where, allowed=allowed, nearest=nearest(name, known))
+def _lacking(what: str, known: tuple[str, ...], name: str, where: str, cure: str = "") -> InputError:
+    allowed = ", ".join(known) or "none"
+    return InputError(f"has no {what}", where=where, allowed=allowed, nearest=nearest(name, known), cure=cure)
+
+
+def how_to_add(kinds: str) -> str:
+    """Return a sentence that says how to add kinds of annotations to a release."""
+    return (
+        f"add {kinds} to render.annotations and repeat `symolo release` with the same --out"
+        " (if its .stages is still there, no image is rendered again)"
+    )

@@ -12,7 +12,7 @@ from symolo.reader.run import Pixels
 
 
 class Frame(NamedTuple):
-    """One item, or with a batch's dimension before each of its own, as PyTorch's default collation makes of several."""
+    """One item; in a batch, each field has one more dimension in front."""
 
     image: Any
     """(3, H, W), float32, red, green, blue in 0..1; or what the transform makes of the pixels."""

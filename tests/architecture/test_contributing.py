@@ -179,8 +179,8 @@ def test_an_export_format_is_listed_and_written(walk, dataset):
     exporter = walk("An export format")
     (exporter.folder / "smoke-dataset").symlink_to(dataset)
     exporter.type_commands()
-    lines = (exporter.folder / "exported/jsonl/poses.jsonl").read_text().splitlines()
-    images = sorted((exporter.folder / "exported/jsonl/images").rglob("*.jpg"))
+    lines = (exporter.folder / "smoke-jsonl/jsonl/poses.jsonl").read_text().splitlines()
+    images = sorted((exporter.folder / "smoke-jsonl/jsonl/images").rglob("*.jpg"))
     assert len(lines) == len(images) == len(list(dataset.glob("*/*/images/*.jpg")))
 
 

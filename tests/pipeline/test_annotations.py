@@ -81,6 +81,21 @@ def test_a_second_release_touches_nothing_and_one_without_takes_them_back(
     assert release_of(out) == release_of(dataset)
 
 
+def test_kinds_that_the_list_no_longer_names_are_removed_and_no_image_is_rendered_again(
+    annotated, copy_of, symolo, tiny, tmp_path
+):
+    """The export to COCO then says which kind to add; `annotated` shows that this leaves the images alone, too."""
+    out = copy_of(annotated, stages=True)
+    rendered = times(out / ".stages", "*.jpg")
+    assert rendered
+    assert symolo("release", "smoke", "--out", out, *tiny, "--set=render.annotations=[depth]").code == 0
+    assert {path.name for path in (out / OWN).iterdir()} == {"annotations.json", "depth"}
+    assert times(out / ".stages", "*.jpg") == rendered
+    refused = symolo("export", out, "--format", "coco", "--out", tmp_path / "out")
+    assert refused.code == 2
+    assert "add `instance` to render.annotations and repeat `symolo release` with the same --out" in refused.err
+
+
 def test_the_example_of_the_page_reads_them(annotated):
     """On the counter-clockwise route, whose first image sees an obstacle."""
     page = (Path(__file__).parents[2] / "docs/annotations.md").read_text()

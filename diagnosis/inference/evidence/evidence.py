@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
@@ -36,14 +36,16 @@ class Prediction:
     """(M, N), means of the samples."""
     sd: Array
     """(M, N), standard deviations of their noise."""
+    by_tolerances: Array
+    """(M,), part of the squares of the residuals that comes from numbers which leave their tolerances (`Predicted`)."""
 
     def some(self, which: slice | Sequence[int]) -> "Prediction":
         """Return the predictions by some of the robots."""
-        return Prediction(self.mean[which], self.sd[which])
+        return Prediction(self.mean[which], self.sd[which], self.by_tolerances[which])
 
     def moved(self, change: Array | float) -> "Prediction":
         """Return the predictions with a change (..., N) of all means, such as the errors of a session."""
-        return self if np.ndim(change) == 0 and change == 0.0 else Prediction(self.mean + change, self.sd)
+        return self if np.ndim(change) == 0 and change == 0.0 else replace(self, mean=self.mean + change)
 
 
 class Evidence:
@@ -127,6 +129,7 @@ class Evidence:
     def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
         mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
+        by_tolerances = np.zeros(len(robots))
         first = 0
         for stage in self.stages:
             places = self.places[first : first + len(stage.observed)]
@@ -138,4 +141,6 @@ class Evidence:
                 ):
                     mean[batch, place] = predicted.mean
                     sd[batch, place] = self._factors.get(observed.name, 1.0) * predicted.sd
-        return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd))
+                    if predicted.by_tolerances is not None:
+                        by_tolerances[batch] += predicted.by_tolerances
+        return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd), by_tolerances)

@@ -21,8 +21,8 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.selection import MAX_EFFECTS, needed
+from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose, seen_from_body
 from diagnosis.predictors.rows import good_values
 from symolo.core.arrays import Array

@@ -25,6 +25,8 @@ MOMENTS = 40
 """Number of moments that are tried, at quantiles of the rows."""
 MOMENT_PARAMETERS = 2
 """Number of parameters as which the moment counts, since the best of MOMENTS is taken."""
+MAX_NOISE_RATIO = 2.0
+"""Ratio of the noise of a sample by two models, relative to that of the other samples, up to which it is the same."""
 MIN_ROWS = 5
 """Rows on either side of a moment."""
 
@@ -33,7 +35,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     """Return a jump that explains more than the effects of a fit; None if there is none, or the fit has no effects."""
     if not fit.hypothesis.effects:
         return None
-    root = fit.root_weights()
+    root = np.where(_same_noise(evidence, nominal, fit), fit.root_weights(), 0.0)
     rest = fit.weighted_residuals(fit.z * fit.sd / nominal.sd, root)
     numbers = fit.hypothesis.size - nominal.hypothesis.size
     # Both models are compared with the nominal noise. If an effect changes the noise, its level scales the squares.
@@ -79,6 +81,23 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),
         is_over_time=True,
     )
+
+
+def _same_noise(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Mask:
+    """Return the samples (N,) that can be compared with the nominal noise, if effects do not change the noise itself.
+
+    On the edge of a line, the noise of the pose is large noise of a reading. If an effect moves the edge, a residual of
+    one sigma may be many sigmas of the nominal noise.
+    """
+    same = np.ones(len(fit.z), dtype=bool)
+    if any(is_of_noise(fit, effect) for effect in fit.hypothesis.effects):
+        return same
+    for place in evidence.places:
+        ratio = fit.sd[place] / nominal.sd[place]
+        inside = ratio[evidence.fit[place]]
+        if len(inside):
+            same[place] = np.abs(np.log(ratio / np.median(inside))) < np.log(MAX_NOISE_RATIO)
+    return same
 
 
 def _moments(times_s: Array) -> list[float]:

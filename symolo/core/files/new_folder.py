@@ -1,4 +1,4 @@
-"""A folder that comes into being at once, whole or not at all, in a place that is free."""
+"""A new folder that appears only when it is complete, at a path where there is nothing yet."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,14 +9,14 @@ from symolo.core.files.atomic_files import make_folder, remove_folder, replace_f
 
 
 def check_new(out: Path, source: Path | None = None) -> None:
-    """Refuse a place that is taken, or that would make what is read another one.
+    """Refuse a folder that is not empty, or that lies inside the release.
 
     Args:
-        out: Where the folder will be.
-        source: The folder that is read; none where nothing is.
+        out: Path of the folder that will be written.
+        source: Folder that is read; None if no folder is read.
 
     Raises:
-        InputError: There is something at `out`, or it lies within `source`.
+        InputError: `out` is a file, a link or a folder that is not empty, or it lies inside `source`.
     """
     where = f"--out {out}"
     if out.is_symlink() or (out.exists() and not (out.is_dir() and not any(out.iterdir()))):
@@ -27,10 +27,10 @@ def check_new(out: Path, source: Path | None = None) -> None:
 
 @contextmanager
 def new_folder(out: Path) -> Iterator[Path]:
-    """A folder to fill, which gets its place when the block ends, and is gone when it ends by an exception.
+    """Yield a folder to fill, which is moved to `out` at the end of the block, or removed after an exception.
 
     Args:
-        out: New or empty.
+        out: Path of a new or empty folder.
     """
     place = out.resolve()
     partial = place.with_name(f".{place.name}.partial")

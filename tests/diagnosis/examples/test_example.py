@@ -20,7 +20,7 @@ FILES = {path for path in FOLDER.rglob("*") if path.suffix in {".csv", ".yaml", 
 
 def test_there_are_two_examples_of_each_kind():
     counts = Counter(case.kind for case in examples())
-    assert {"motor_steady", "motor_step", "tof_bench", "drive_log"} <= set(counts) <= set(MODELS)
+    assert set(counts) == set(MODELS)
     assert min(counts.values()) >= 2
 
 

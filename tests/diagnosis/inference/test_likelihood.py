@@ -56,10 +56,12 @@ def test_a_usable_sample_without_a_finite_prediction_costs_infinity_and_one_that
     evidence.values[2], evidence.fit[[2, 3]] = np.nan, False
     evidence.heldout[3] = True
     mean = np.array([[0.0, np.nan, np.nan, np.nan, np.inf, -np.inf]])
-    costs = sample_costs(evidence, Prediction(mean, np.ones((1, 6))), stated_noise(evidence))
+    costs = sample_costs(evidence, Prediction(mean, np.ones((1, 6)), np.zeros(1)), stated_noise(evidence))
     assert np.isfinite(costs[0, 0])
     np.testing.assert_array_equal(costs[0, 1:], [np.inf, 0.0, np.inf, np.inf, np.inf])
-    costs = sample_costs(evidence, Prediction(np.zeros((1, 6)), np.full((1, 6), np.nan)), stated_noise(evidence))
+    costs = sample_costs(
+        evidence, Prediction(np.zeros((1, 6)), np.full((1, 6), np.nan), np.zeros(1)), stated_noise(evidence)
+    )
     np.testing.assert_array_equal(costs[0], [np.inf, np.inf, 0.0, np.inf, np.inf, np.inf])
 
 

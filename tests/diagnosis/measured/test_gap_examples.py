@@ -28,9 +28,21 @@ def read(path):
     return read_measurement(path, IMPORTERS)
 
 
-@pytest.mark.parametrize(
-    "folder", sorted(path.parent for path in EXAMPLES.glob("*/nominal.yaml")), ids=lambda p: p.name
-)
+FOLDERS = sorted(path.parent for path in EXAMPLES.glob("*/nominal.yaml"))
+BARE = CaseKind.SYMOLO_CSV.value
+
+
+@pytest.mark.parametrize("folder", [f for f in FOLDERS if f.name.startswith(BARE)], ids=lambda p: p.name)
+def test_a_bare_example_is_read_whole_with_the_rows_from_a_time_on_held_out(folder):
+    measurement = read(folder)
+    times = [float(line.partition(",")[0]) for line in (folder / "data.csv").read_text().splitlines()[1:]]
+    assert measurement.kind == BARE
+    assert measurement.rows == len(times)
+    assert measurement.heldout_rows == sum(t >= measurement.nominal.holdout_from_ms for t in times) > 0
+    assert not any("CHECK" in note for note in measurement.notes)
+
+
+@pytest.mark.parametrize("folder", [f for f in FOLDERS if not f.name.startswith(BARE)], ids=lambda p: p.name)
 def test_an_example_case_is_read_whole_and_comes_back(folder, tmp_path):
     measurement = read(folder)
     assert measurement.kind == folder.name.rpartition("_")[0]

@@ -82,13 +82,14 @@ def exported() -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def random_release(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Random]:
-    """Makes the release of a seed, with or without annotations; read only."""
-    made: dict[tuple[int, bool], Random] = {}
+    """Makes the release of a seed, without annotations, with those of the seed or with some kinds; read only."""
+    made: dict[tuple[int, tuple[str, ...]], Random] = {}
 
-    def make(seed: int = 1, *, annotated: bool = False) -> Random:
-        if (seed, annotated) not in made:
-            made[seed, annotated] = _release(tmp_path_factory.mktemp("random") / "data", seed, annotated=annotated)
-        return made[seed, annotated]
+    def make(seed: int = 1, *, annotated: bool = False, kinds: tuple[str, ...] = ()) -> Random:
+        release = seed, _kinds(seed) if annotated else kinds
+        if release not in made:
+            made[release] = _release(tmp_path_factory.mktemp("random") / "data", *release)
+        return made[release]
 
     return make
 
@@ -105,9 +106,9 @@ def _scenario(kinds: tuple[str, ...]):
     return loaded.tree, draw_all(loaded)
 
 
-def _release(root: Path, seed: int, *, annotated: bool) -> Random:
+def _release(root: Path, seed: int, kinds: tuple[str, ...]) -> Random:
     rng = np.random.default_rng(seed)
-    tree, specs = _scenario(_kinds(seed) if annotated else ())
+    tree, specs = _scenario(kinds)
     truths = tuple(_run(root / spec.key, spec, rng) for spec in specs)
     rows = [Rows.from_table(truth.table) for truth in truths]
     records = [RunRecord.of(spec, of_run, None) for spec, of_run in zip(specs, rows, strict=True)]
@@ -161,8 +162,8 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
         sightings = {(i, one): _corners(rng) for i in range(1, len(taken) + 1) for one in (3, 4, 5)}
         document = _document(spec, camera, X_WC, sightings)
         files["annotations/annotations.json"] = json.dumps(document).encode()
-        for i, ids in enumerate(instances, start=1):
-            files[f"annotations/instance/{i:06d}.png"] = _png(ids)
+        if "instance" in spec.render.annotations:
+            files |= {f"annotations/instance/{i:06d}.png": _png(ids) for i, ids in enumerate(instances, start=1)}
         for kind, stored in passes.items():
             files |= {f"annotations/{kind}/{i:06d}.png": _png(one) for i, one in enumerate(stored, start=1)}
     for name, data in files.items():
@@ -233,17 +234,18 @@ def _document(spec, camera, X_WC, sightings) -> dict:
     ]
     sizes = {"width": WIDTH, "height": HEIGHT}
     boxes = {"bbox": [0, 0, 0, 0], "area": 0, "amodal_bbox": [1, 2, 3, 4], "amodal_area": 12}
+    kinds = spec.render.annotations
     return {
         "format": 2,
-        "kinds": list(spec.render.annotations),
-        "encodings": {kind: ENCODINGS[kind] for kind in spec.render.annotations},
+        "kinds": list(kinds),
+        "encodings": {kind: ENCODINGS[kind] for kind in kinds},
         "camera": asdict(intrinsics(spec.robot.camera, WIDTH, HEIGHT)),
         "categories": [{"id": i, "name": name} for i, name in enumerate(CATEGORIES)],
         "instances": [
             {"id": one, "name": name, "category_id": category, "moves": False}
             for one, (name, category) in INSTANCES.items()
         ],
-        "key_points": points,
+        "key_points": points if "key_points" in kinds else [],
         "images": [
             {"id": i, "file_name": f"images/{i:06d}.jpg", **sizes, "t_s": row[1] / 1000, "X_WC": X.tolist()}
             for i, (row, X) in enumerate(zip(camera, X_WC, strict=True), start=1)
@@ -251,6 +253,8 @@ def _document(spec, camera, X_WC, sightings) -> dict:
         "annotations": [
             {"id": 100_003, "image_id": 1, "category_id": 3, "instance_id": 3, **boxes}
             | {"visible_fraction": 0.25, "truncated": True}
-        ],
-        "sightings": seen,
+        ]
+        if "boxes_2d" in kinds
+        else [],
+        "sightings": seen if "key_points" in kinds else [],
     }

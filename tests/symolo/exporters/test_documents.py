@@ -2,6 +2,7 @@
 
 import gc
 import re
+import shlex
 from pathlib import Path
 
 import datasets
@@ -11,19 +12,24 @@ from symolo.exporters import EXPORTERS
 
 ROOT = Path(__file__).parents[3]
 DOCS = ROOT / "docs"
-RELEASE, EXPORTED = "symolo-dataset", "exported"
+RELEASE = "symolo-dataset"
 
 
 def programs(page: str) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", (DOCS / page).read_text(), re.MULTILINE | re.DOTALL)
 
 
+def kinds_of(command: str) -> tuple[str, ...]:
+    """Annotations that a command of a page asks for."""
+    return tuple(re.search(r"render\.annotations=\[([\w,]+)]", command)[1].split(","))
+
+
 @pytest.fixture
-def here(random_release, tmp_path, monkeypatch):
+def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(datasets.config, "HF_HUB_OFFLINE", True)
     monkeypatch.setattr(datasets.config, "HF_DATASETS_CACHE", tmp_path / "cache")
-    Path(RELEASE).symlink_to(random_release(1, annotated=True).root)
+    return tmp_path
 
 
 def test_help_and_pages_name_every_format(symolo):
@@ -37,20 +43,30 @@ def test_help_and_pages_name_every_format(symolo):
 
 
 @pytest.mark.usefixtures("here")
-def test_the_program_of_the_page_on_the_reader(capsys):
+@pytest.mark.parametrize("kinds", [(), ("depth", "semantic"), ("depth", "instance")])
+def test_the_program_of_the_page_on_the_reader(kinds, random_release, capsys):
+    """With whatever annotations the release was made."""
+    Path(RELEASE).symlink_to(random_release(1, kinds=kinds).root)
     (program,) = programs("reader.md")
     names = {}
     exec(program, names)  # noqa: S102 - our own page
-    assert names["line"].shape == names["ids"].shape == names["pixels"].shape[:2]
+    masks = [names[name].shape for name in ("line", "ids") if name in names]
+    assert masks == [names["pixels"].shape[:2]] * (2 if "instance" in kinds else 0)
     assert "CW/test_1" in capsys.readouterr().out
 
 
 # webdataset leaves the file that it read to the garbage collector.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning", "ignore::ResourceWarning")
-@pytest.mark.usefixtures("here")
-def test_the_commands_and_programs_of_the_page_on_exports(symolo):
-    commands = re.findall(r"^    symolo (.+)$", (DOCS / "exports.md").read_text(), re.MULTILINE)
-    assert [symolo(*command.replace('"', "").split()).code for command in commands[:2]] == [0, 0]
+def test_the_commands_and_programs_of_the_page_on_exports(symolo, random_release, here):
+    """The release has the annotations of the page's first command, which `pytest -m documents` runs itself."""
+    release, *exports = re.findall(r"^    symolo (.+)$", (DOCS / "exports.md").read_text(), re.MULTILINE)
+    assert release.endswith(f"--out {RELEASE}")
+    Path(RELEASE).symlink_to(random_release(1, kinds=kinds_of(release)).root)
+    for command in exports:
+        ended = symolo(*shlex.split(command))
+        assert ended.code == 0, f"{command}: {ended.err}"
+    written = {path.name for path in (here / "exported").iterdir() if path.is_dir()}
+    assert written == {exporter.name for exporter in EXPORTERS}
     names = {}
     for program in programs("exports.md"):
         exec(program, names)  # noqa: S102 - as above

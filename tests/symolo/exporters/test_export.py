@@ -53,6 +53,7 @@ def test_only_the_runs_that_were_asked_for(random_release, tmp_path, symolo):
 
 def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_release, copy_of, tmp_path, symolo):
     root, out = random_release(1).root, tmp_path / "out"
+    no_masks = random_release(1, kinds=("depth", "boxes_2d")).root
     damaged = copy_of(root)
     (damaged / "CW/test_1/data.csv").write_text("")
     taken = tmp_path / "taken"
@@ -68,8 +69,9 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
         ((tmp_path / "taken", "tum", out), "neither a release nor a run"),
         ((root, "tum", taken), "is there already; name a folder that is new or empty"),
         ((root, "tum", root / "within"), "lies within the release"),
-        ((root, "coco", out), "has no images of its instances"),
-        ((root, "tum,coco", out), "render.annotations=[instance,boxes_2d,key_points]"),
+        ((root, "coco", out), "run CW/test_1 has no annotations of the kind `instance`, which give the masks"),
+        ((root, "tum,coco", out), "add `instance` to render.annotations and repeat `symolo release` with the same"),
+        ((no_masks, "coco", out), "run CW/test_1 has no annotations of the kind `instance`, which give the masks"),
     ):
         folder, formats, place = arguments
         assert what in one_line(symolo("export", folder, "--format", formats, "--out", place))

@@ -18,12 +18,14 @@ from symolo.exporters.export import exporters_of, open_release, plan
 
 FORMATS = ("tum", "kitti", "coco", "webdataset", "parquet")
 """The others have files of their own."""
+FIRST_BOX = {"amodal_bbox": [1, 2, 3, 4], "amodal_area": 12, "visible_fraction": 0.25, "truncated": True}
+"""Of instance 3 in the first image of each run; the releases have no other box."""
 
 
 def test_every_format_holds_the_release(seed, random_release, exported, tmp_path):
     release = random_release(seed, annotated=True)
     out = exported(release.root, tmp_path / "out", *FORMATS)
-    for check in (tum_differs, kitti_differs, coco_differs, webdataset_differs, parquet_differs):
+    for check in (check_tum, check_kitti, check_coco, check_webdataset, check_parquet):
         check(out, release.runs)
 
 
@@ -53,7 +55,7 @@ def planar(t_s, positions, rotations) -> tuple[np.ndarray, np.ndarray]:
     return positions[:, 0] + 1j * positions[:, 1], rotations[:, 0, 0] + 1j * rotations[:, 1, 0]
 
 
-def tum_differs(out, truths):
+def check_tum(out, truths):
     for truth in truths:
         folder = out / "tum" / truth.name
         t, x, y, theta = truth.table[:, :4].T
@@ -84,7 +86,7 @@ def poses(path: Path) -> np.ndarray:
     return np.concatenate((numbers, np.tile([[[0, 0, 0, 1.0]]], (len(numbers), 1, 1))), axis=1)
 
 
-def kitti_differs(out, truths):
+def check_kitti(out, truths):
     names = [line.split(" ", 1) for line in (out / "kitti/runs.txt").read_text().splitlines()]
     assert names == [[f"{number:02d}", truth.name] for number, truth in enumerate(truths)]
     for (name, _), truth in zip(names, truths, strict=True):
@@ -103,7 +105,7 @@ def kitti_differs(out, truths):
         assert tuple(path.read_bytes() for path in images) == truth.pictures
 
 
-def coco_differs(out, truths):
+def check_coco(out, truths):
     coco = COCO(out / "coco/annotations/instances.json")
     names = {category["id"]: category["name"] for category in coco.loadCats(coco.getCatIds())}
     assert names == {1: "floor", 2: "line", 3: "wall", 4: "obstacle", 5: "room", 6: "robot"}
@@ -130,6 +132,17 @@ def coco_differs(out, truths):
                     [*corners[k][:2], 2 if corners[k][2] else 1] if k in corners else [0, 0, 0] for k in range(8)
                 ]
                 assert one["num_keypoints"] == len(corners)
+            amodal = {name: one.get(name) for name in ("amodal_bbox", "amodal_area", "visible_fraction", "truncated")}
+            has_box = (index, one["instance_id"]) == (0, 3)
+            assert amodal == (FIRST_BOX if has_box else dict.fromkeys(FIRST_BOX))
+
+
+def test_coco_has_neither_corners_nor_their_names_without_key_points(random_release, exported, tmp_path):
+    out = exported(random_release(1, kinds=("instance", "boxes_2d")).root, tmp_path / "out", "coco")
+    coco = COCO(out / "coco/annotations/instances.json")
+    assert {one["category_id"] for one in coco.anns.values()} >= {3, 4}
+    for one in (*coco.cats.values(), *coco.anns.values()):
+        assert not {"keypoints", "num_keypoints", "skeleton"} & one.keys()
 
 
 def read_shard(path: Path) -> list[dict]:
@@ -141,7 +154,7 @@ def read_shard(path: Path) -> list[dict]:
         return list(tariterators.group_by_keys(files))
 
 
-def webdataset_differs(out, truths):
+def check_webdataset(out, truths):
     shards = sorted((out / "webdataset").iterdir())
     assert [path.name for path in shards] == [f"symolo-{number:06d}.tar" for number in range(len(shards))]
     assert max(path.stat().st_size for path in shards) <= 40_000
@@ -161,7 +174,7 @@ def webdataset_differs(out, truths):
         np.testing.assert_array_equal(ids, truth.instances[index])
 
 
-def parquet_differs(out, truths):
+def check_parquet(out, truths):
     folder = out / "parquet"
     tables = {path.stem: parquet.read_table(path) for path in folder.glob("*.parquet")}
     assert {*tables} == {"rows", "wheels", "tof", "images"}

@@ -37,7 +37,7 @@ def decoded(file, index, truth):
     return expected
 
 
-def frame_differs(path, index, truth):
+def check_frame(path, index, truth):
     with h5py.File(path) as file:
         pixels = cv2.imdecode(np.frombuffer(truth.pictures[index], np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
         np.testing.assert_array_equal(file["colors"], pixels)
@@ -73,7 +73,7 @@ def test_hdf5_holds_the_release(seed, random_release, exported, tmp_path):
         folder = out / truth.name
         assert {path.name for path in folder.iterdir()} == {f"{i}.hdf5" for i in range(len(truth.pictures))}
         for index in range(len(truth.pictures)):
-            frame_differs(folder / f"{index}.hdf5", index, truth)
+            check_frame(folder / f"{index}.hdf5", index, truth)
 
 
 def test_a_release_without_annotations_has_colours_poses_and_rows(random_release, exported, tmp_path):

@@ -79,7 +79,7 @@ def nested(array):
     return np.array([*map(nested, array)]) if array.dtype == object else array
 
 
-def info_differs(info, counts):
+def check_info(info, counts):
     assert (info["codebase_version"], info["fps"], info["robot_type"]) == ("v3.0", 5, "nominal")
     assert (info["total_episodes"], info["total_frames"], info["splits"]) == (2, sum(counts), {"train": "0:2"})
     ours = {"observation.images.front", "observation.state", "action", "pose"}
@@ -88,7 +88,7 @@ def info_differs(info, counts):
     assert info["features"]["observation.images.front"]["shape"] == [24, 40, 3]
 
 
-def row_differs(row, episode, begin, count):
+def check_row(row, episode, begin, count):
     """Where an episode lies; files take one each here."""
     assert (row["episode_index"], row["length"]) == (episode, count)
     assert (row["dataset_from_index"], row["dataset_to_index"]) == (begin, begin + count)
@@ -119,11 +119,11 @@ def test_lerobot_holds_the_release(seed, random_release, exported, tmp_path):
     info, frames, episodes = read_info(folder), read_frames(folder, tmp_path / "cache"), read_episodes(folder)
     tasks = pd.read_parquet(folder / "meta/tasks.parquet")
     counts = [len(truth.pictures) for truth in release.runs]
-    info_differs(info, counts)
+    check_info(info, counts)
     assert frames["index"][:] == list(range(sum(counts)))
     for episode, truth in enumerate(release.runs):
         row, begin = episodes.iloc[episode], sum(counts[:episode])
-        row_differs(row, episode, begin, counts[episode])
+        check_row(row, episode, begin, counts[episode])
         assert (folder / info["data_path"].format(chunk_index=0, file_index=episode)).is_file()
         of_run = frames.select(range(begin, begin + counts[episode]))
         robot = json.loads((release.root / truth.name / "side/spec.json").read_text())["robot"]

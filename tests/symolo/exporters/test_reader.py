@@ -143,11 +143,17 @@ def test_what_is_wrong_is_said_in_one_line(kind, copy):
 def test_a_name_that_is_not_there_is_answered_with_those_that_are(random_release):
     data = reader.load(random_release(1).root)
     run = data.runs[0]
+    has_depth = reader.load(random_release(1, kinds=("depth", "boxes_2d")).root).runs[0]
+    assert has_depth.annotation_kinds == ("depth",)
     for call, hint in (
         (lambda: data["CW/test_2"], "did you mean CW/test_1"),
         (lambda: run.side("weels"), "did you mean wheels"),
         (lambda: run.image(99), "got 99, allowed: 1 to"),
-        (lambda: run.images[0].annotation("instance"), "render.annotations"),
+        (lambda: run.images[0].annotation("instance"), "add `instance` to render.annotations and repeat"),
+        (lambda: has_depth.images[0].annotation("instance"), "allowed: depth; add `instance` to render.annotations"),
+        (lambda: has_depth.images[0].mask("wall"), "allowed: depth; add `instance` to render.annotations"),
+        (lambda: has_depth.images[0].annotation("dept"), "allowed: depth; did you mean depth$"),
+        (lambda: has_depth.images[0].mask("wal"), "did you mean wall$"),
         (lambda: run.images[0].mask("wall"), "has no annotations"),
         (lambda: reader.load("nowhere"), "no such folder"),
     ):

@@ -127,7 +127,7 @@ def transforms_differ(bag, truth, model, robot):
         np.testing.assert_allclose(X_WR, planar(*pose), rtol=0, atol=1e-12)
 
 
-def odometry_differs(bag, truth, robot):
+def check_odometry(bag, truth, robot):
     diameter_m, track_m = robot["drive"]["wheel_diameter_m"], robot["drive"]["track_m"]
     right, left = (wheels(truth, "speed_r", "speed_l") * diameter_m / 2).T
     told = wheels(truth, "odometry_x", "odometry_y", "odometry_theta")
@@ -198,7 +198,7 @@ def test_bags_hold_the_release(seed, random_release, exported, tmp_path):
         for bag in (read_mcap(out / f"mcap/{truth.name}.mcap"), read_bag(out / f"ros1/{truth.name}.bag")):
             assert len(bag.messages) == 13
             transforms_differ(bag, truth, model, robot)
-            odometry_differs(bag, truth, robot)
+            check_odometry(bag, truth, robot)
             readings_differ(bag, truth, robot)
             pictures_differ(bag, truth, model)
 

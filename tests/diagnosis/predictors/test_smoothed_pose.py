@@ -1,0 +1,58 @@
+"""Smoothed poses: they follow a parabola exactly, and their noise does not depend on the delay."""
+
+import numpy as np
+import pytest
+
+from diagnosis.predictors.pose import earlier
+from diagnosis.predictors.smoothed_pose import NOISE_SHARE, smoothed_earlier
+
+ROW_S, ROWS = 0.05, 40
+TIMES = ROW_S * np.arange(ROWS)
+
+
+def parabola(t_s):
+    return np.stack([0.1 + 0.2 * t_s, 0.3 * t_s - 0.4 * t_s**2, 2.0 + 5.0 * t_s**2], axis=-1)
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.011, 0.025, 0.12, -0.04])
+def test_a_parabola_is_followed_at_every_delay(delay_s):
+    path = smoothed_earlier(parabola(TIMES), TIMES, [ROWS], delay_s)
+    # Outside the log, its first or last time is taken.
+    wanted_s = np.clip(TIMES - delay_s, TIMES[0], TIMES[-1])
+    np.testing.assert_allclose(path, parabola(wanted_s), atol=1e-9)
+
+
+def test_the_noise_is_nearly_the_same_at_every_delay_and_less_than_that_of_a_row():
+    """The pose depends linearly on the logged ones, so that its variance is the sum of the squares of their shares.
+
+    A parabola through 7 rows with equal weights has 1/3 of the variance of a row in the middle (Savitzky and Golay,
+    Anal. Chem. 36 (1964) 1627-1639: 7/21); less weight for the outer ones makes it more. Interpolation has 1 to 1/2.
+    """
+    shares = np.stack([np.eye(ROWS)] * 3, axis=-1)
+    middle = ROWS // 2
+
+    def variance(move, delay_s):
+        return sum(move(shares[k], TIMES, [ROWS], delay_s)[middle, 0] ** 2 for k in range(ROWS))
+
+    variances = [variance(smoothed_earlier, delay_s) for delay_s in np.linspace(0.0, ROW_S, 11)]
+    assert min(variances) > 1.0 / 3.0
+    assert max(variances) < 1.1 * min(variances) < 0.5
+    assert np.sqrt(np.mean(variances)) == pytest.approx(NOISE_SHARE, abs=0.02)
+    assert variance(earlier, 0.0) == 1.0
+    assert variance(earlier, 0.5 * ROW_S) == pytest.approx(0.5)
+
+
+def test_trials_do_not_see_each_other_and_a_short_one_is_interpolated():
+    poses = np.concatenate([parabola(TIMES), 7.0 + parabola(TIMES), parabola(TIMES[:3])])
+    times, trials = np.concatenate([TIMES, TIMES, TIMES[:3]]), [ROWS, ROWS, 3]
+    path = smoothed_earlier(poses, times, trials, 0.02)
+    alone = [smoothed_earlier(parabola(TIMES), TIMES, [ROWS], 0.02)] * 2
+    np.testing.assert_allclose(path[: 2 * ROWS], np.concatenate([alone[0], 7.0 + alone[1]]), atol=1e-9)
+    np.testing.assert_allclose(path[2 * ROWS :], earlier(parabola(TIMES[:3]), TIMES[:3], [3], 0.02))
+
+
+def test_each_robot_and_each_row_may_have_a_delay_of_its_own():
+    each = smoothed_earlier(parabola(TIMES), TIMES, [ROWS], np.array([[0.01], [0.03]]))
+    np.testing.assert_allclose(each[1], smoothed_earlier(parabola(TIMES), TIMES, [ROWS], 0.03))
+    growing = smoothed_earlier(parabola(TIMES), TIMES, [ROWS], 0.01 * TIMES)
+    np.testing.assert_allclose(growing, parabola(0.99 * TIMES), atol=1e-9)
