@@ -108,7 +108,7 @@ def test_the_diagnosis_tries_it_where_it_can_show(toy, kind, is_listed):
         return SimpleNamespace(mean=mean, sd=np.ones_like(mean))
 
     evidence = SimpleNamespace(predicted=predicted, sd=np.array([1.0]), fit=np.array([True]))
-    listed = candidates(SimpleNamespace(kind=kind, trials=()), evidence, Hypothesis(drawn().robot, ()))
+    listed = candidates(SimpleNamespace(kind=kind, trials=(), cases=()), evidence, Hypothesis(drawn().robot, ()))
     assert ("leaky_shunt" in [effect.name for effect in listed.testable]) is is_listed
     assert any(robot.effects.get(toy) for robot in seen) is is_listed
 

@@ -192,5 +192,5 @@ def test_an_image_that_announces_another_size_than_the_run_is_not_decoded(of_ano
 def test_a_reader_of_such_an_image_does_not_decode_it(of_another_size):
     image = load(of_another_size)[RUN].image(1)
     for read in (image.pixels, lambda: image.annotation("semantic")):
-        with pytest.raises(InputError, match=r"000001\.\w+: is no image of 24 x 16 px; `symolo verify`"):
+        with pytest.raises(InputError, match=r"000001\.\w+: is no image of 24 x 16 px; check or repair"):
             read()

@@ -21,9 +21,9 @@ ALL = [(page, command) for page in PAGES for command in COMMAND.findall(page.rea
 
 @pytest.fixture(scope="module")
 def at_work(dataset, tmp_path_factory):
-    """A folder in which somebody has made `data` and `before`, found the robot in it, and saved the scenarios."""
+    """A folder in which somebody has made `data`, `study` and `before`, found the robot in it, and saved the scenarios."""
     folder = tmp_path_factory.mktemp("tutorial")
-    for name in ("data", "before", "symolo-dataset"):
+    for name in ("data", "study", "before", "symolo-dataset"):
         shutil.copytree(dataset, folder / name)
     for page in PAGES:
         for kind, text in BLOCK.findall(page.read_text()):
