@@ -21,7 +21,7 @@ ALL = [(page, command) for page in PAGES for command in COMMAND.findall(page.rea
 
 @pytest.fixture(scope="module")
 def at_work(dataset, tmp_path_factory):
-    """A folder in which somebody has made `data`, `study` and `before`, found the robot in it, and saved the scenarios."""
+    """A folder with `data`, `study` and `before`, the places of the robot in `data`, and the scenarios of the pages."""
     folder = tmp_path_factory.mktemp("tutorial")
     for name in ("data", "study", "before", "symolo-dataset"):
         shutil.copytree(dataset, folder / name)
