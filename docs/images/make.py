@@ -1,6 +1,6 @@
 """Make every image of README.md and docs, except those of docs/reference, from a small release that it makes itself.
 
-python docs/images/make.py WORKSPACE [--only strip run annotations arenas preview baselines diagnosis]
+python docs/images/make.py WORKSPACE [--only strip run annotations arenas preview baselines diagnosis reliability]
 
 WORKSPACE is a folder for datasets and other files that are not kept; a second run continues from what is there.
 The same code on the same class of processor writes the same images.
@@ -8,6 +8,8 @@ The same code on the same class of processor writes the same images.
 
 import argparse
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -191,6 +193,14 @@ def diagnosis(workspace: Path) -> None:
     _save_smaller("diagnosis.png", workspace / "diagnosis/plots/current_A.png", 1200)
 
 
+def reliability(workspace: Path) -> None:
+    """Write the diagram of stated confidences from 1,000 cases, which take a quarter of an hour."""
+    script = HERE.parents[1] / "benchmarks/diagnosis/hide_and_find.py"
+    cases = ["--family=wide_b", "--cases=1000", "--seed=7070", "--kinds=motor_steady,tof_bench"]
+    subprocess.run([sys.executable, script, *cases, f"--out={workspace / 'reliability'}"], check=True)
+    _save_smaller("reliability.png", workspace / "reliability/reliability.png", 780)
+
+
 def _remake(command: str, source: Path, out: Path, *options: str) -> None:
     shutil.rmtree(out, ignore_errors=True)
     _command(command, source, "--out", out, *options)
@@ -231,6 +241,7 @@ IMAGES: dict[str, Callable[[Path], None]] = {
     "preview": preview,
     "baselines": baselines,
     "diagnosis": diagnosis,
+    "reliability": reliability,
 }
 
 
