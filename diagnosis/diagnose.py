@@ -82,6 +82,9 @@ class Diagnosis:
 
     measurement: Measurement
     evidence: Evidence
+    """The observations, to which the effects are fitted; without the error `wander` if there is one."""
+    measured: Evidence
+    """The observations as they were measured, with all errors. Every gain is computed on them."""
     nominal: RobotConfig
     candidates: Candidates
     selection: Selection
@@ -99,7 +102,7 @@ class Diagnosis:
     calibrated: Gain | None
     """Gain of plain calibration: the nominal model with its nuisances fitted and without effects."""
     wander: Wander | None = None
-    """The slow error of a range sensor, which is random and therefore not part of the fit; `evidence` is without it."""
+    """The slow error of a range sensor, which is random and therefore not part of the fit."""
 
     @property
     def unexplained(self) -> Structure | None:
@@ -219,9 +222,11 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
     # The remembered fits with their slopes need much memory and are not used again.
     evidence.known.clear()
+    measured.known.clear()
     return Diagnosis(
         measurement=measurement,
         evidence=evidence,
+        measured=measured,
         nominal=robot,
         candidates=library,
         selection=selection,

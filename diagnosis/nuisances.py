@@ -52,6 +52,15 @@ class Nuisance:
     """(N,), change of each sample that the multiple of `change` lacks at any size; None for none."""
 
 
+STEP = 0.25
+"""Step of a derivative in tolerances."""
+
+
+def change_by_tolerance(more: Array, less: Array) -> Array:
+    """Return the change of samples by one tolerance from predictions STEP above and STEP below a value."""
+    return 0.5 * (more - less) / STEP
+
+
 def nuisances(nominal: Nominal) -> tuple[Nuisance, ...]:
     """Return every parameter of a case with a tolerance above 0."""
     return tuple(nuisance for nuisance in _all(nominal) if nuisance.tolerance > 0.0)

@@ -18,7 +18,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import Nuisance, Number, nuisances
+from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance, nuisances
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Observed, Predicted, Stage
 from physics.effects.gear_backlash import GearBacklash
@@ -28,8 +28,6 @@ INERTIA = "rotor_inertia_kg_m2"
 """The only parameter that two cases of one robot may state differently."""
 ORDER = (CaseKind.SYMOLO_CSV, CaseKind.TOF_BENCH, CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP, CaseKind.DRIVE_LOG)
 """Kinds of cases by how much of a driving robot they state, the most last: the robot has the numbers of the last."""
-STEP = 0.25
-"""Step of a derivative in tolerances."""
 DRIVES = (CaseKind.DRIVE_LOG, CaseKind.SYMOLO_CSV)
 PLAY = GearBacklash.name
 """The only effect of a motor on a bench that no drive can have, since its wheel is one mass with the robot."""
@@ -50,8 +48,9 @@ def together(cases: Sequence[Measurement]) -> Measurement:
             cure = "name cases with a nominal.yaml"
             raise InputError("cannot be fitted together with others", where=case.where, got=case.kind, cure=cure)
     _check_alike(cases)
-    # One drive has no other to compare its session with, and then an angle of the tracked body is an effect.
-    has_sessions = sum(case.kind in DRIVES for case in cases) > 1
+    # One session has no other to be compared with, and then an angle of the tracked body is an effect.
+    drives = [case for case in cases if case.kind in DRIVES]
+    has_sessions = len({(case.name, trial.session) for case in drives for trial in case.trials}) > 1
     trials = tuple(
         replace(
             trial,
@@ -127,7 +126,7 @@ def _of_case(case: Measurement, nuisance: Nuisance, robot: RobotConfig, evidence
         ]
         both.append(Evidence(stages).predicted([robot]).mean[0])
     more, less = both
-    change = np.where(rows & np.isfinite(evidence.values), 0.5 * (more - less) / STEP, 0.0)
+    change = np.where(rows & np.isfinite(evidence.values), change_by_tolerance(more, less), 0.0)
 
     def same(other: RobotConfig, value: Number) -> RobotConfig:
         del value

@@ -119,7 +119,7 @@ def range_sensor_at_rest(path: Path) -> BenchResult:
             path.stem, CaseKind.TOF_BENCH, MeasurementSource("VL53L0X at rest", (str(path),)), (trial,), nominal
         )
     )
-    evidence = diagnosis.evidence
+    evidence = diagnosis.measured
     robots = (diagnosis.nominal, diagnosis.selection.nominal.robot, diagnosis.extended)
     errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.predicted(robots).mean]
     judged = Judged("held out, mm", int(evidence.heldout.sum()), *errors)

@@ -17,6 +17,8 @@ ROWS_AROUND = 9
 """Number of rows before and after a long step that show whether rows were lost there, or one row was stamped late."""
 SMOOTHER = 0.8
 """Largest roughness against even times, as a share of that against the stamps, for which the even times are taken."""
+ROUNDING = 1e-12
+"""Roughness of a column at rest by rounding, as a share of its values, with a wide margin."""
 
 
 def even_times(t_s: Array) -> Array:
@@ -38,12 +40,23 @@ def even_times(t_s: Array) -> Array:
 
 
 def are_even(stamps_s: Sequence[Array], even_s: Sequence[Array], columns: Sequence[Sequence[Array]]) -> bool:
-    """Return whether columns are smoother against even times than against the stamps, (N,) each of a trial."""
-    rough = np.zeros(2)
-    for stamps, even, values in zip(stamps_s, even_s, columns, strict=True):
-        for column in values:
-            rough += [_roughness(stamps, column), _roughness(even, column)]
-    return bool(rough[1] < SMOOTHER * rough[0])
+    """Return whether columns are smoother against even times than against the stamps.
+
+    Columns may have different units, so that each is compared with itself, and the geometric mean of the ratios counts.
+
+    Args:
+        stamps_s: (N,) stamps of each trial.
+        even_s: (N,) even times of each trial.
+        columns: (N,) values of each trial and column; every trial has the same columns.
+    """
+    log_ratios = []
+    for of_trials in zip(*columns, strict=True):
+        against_stamps = sum(map(_roughness, stamps_s, of_trials))
+        against_even = sum(map(_roughness, even_s, of_trials))
+        rounding = ROUNDING * sum(float(np.nansum(np.abs(values))) for values in of_trials)
+        if max(against_even, against_stamps) > rounding:
+            log_ratios.append(np.log((against_even + rounding) / (against_stamps + rounding)))
+    return bool(log_ratios) and bool(np.mean(log_ratios) < np.log(SMOOTHER))
 
 
 def _roughness(t_s: Array, values: Array) -> float:
@@ -51,6 +64,8 @@ def _roughness(t_s: Array, values: Array) -> float:
     if len(t_s) < 3:
         return 0.0
     before, after = np.diff(t_s)[:-1], np.diff(t_s)[1:]
-    line = (values[:-2] * after + values[2:] * before) / (before + after)
+    # Three rows with one stamp have no line; their mean is its limit for equal steps.
+    share = np.divide(before, before + after, out=np.full_like(before, 0.5), where=before + after > 0.0)
+    line = (1.0 - share) * values[:-2] + share * values[2:]
     joined = np.maximum(before, after) <= GAP * usual(np.diff(t_s))
     return float(np.nansum(np.abs(values[1:-1] - line)[joined]))

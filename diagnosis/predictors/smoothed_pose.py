@@ -20,10 +20,15 @@ NOISE_SHARE = 0.62
 """Standard deviation of a smoothed pose, relative to that of a row."""
 ROWS = 8
 """Number of rows of which some have a weight."""
+MIN_ROWS = 4
+"""Smallest number of rows with a weight for a parabola, as many as there are at the start of a log."""
 
 
 def smoothed_earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:
     """Return poses (..., n, 3) a delay before the times of their rows, by a parabola through the rows around.
+
+    Beside a gap, a parabola through too few rows, or through rows on one side, has more noise than a single row. Such a
+    pose is interpolated.
 
     Args:
         pose: (n, 3), poses of all trials.
@@ -45,9 +50,16 @@ def smoothed_earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: fl
         around = first[..., None] + np.arange(ROWS)
         apart = (times[around] - wanted_s[..., None]) / np.median(np.diff(times))
         weight = np.maximum(1.0 - (apart / REACH_ROWS) ** 2, 0.0) ** 2
+        is_smoothed = np.count_nonzero(weight, axis=-1) >= MIN_ROWS
         powers = np.stack([np.ones_like(apart), apart, apart**2], axis=-1)
         weighted = weight[..., None] * powers
+        # Two rows or fewer have a singular matrix.
+        normal = np.where(is_smoothed[..., None, None], np.swapaxes(weighted, -1, -2) @ powers, np.eye(3))
         # The value of the parabola at the wanted time is its constant term.
-        shares = np.linalg.solve(np.swapaxes(weighted, -1, -2) @ powers, np.swapaxes(weighted, -1, -2))[..., 0, :]
-        path[..., part, :] = np.einsum("...j,...jk->...k", shares, pose[part][around])
+        shares = np.linalg.solve(normal, np.swapaxes(weighted, -1, -2))[..., 0, :]
+        # The sum of squares is the variance relative to that of a row. It is at most 1 at a row, since no other row has
+        # a larger weight, and larger only where the parabola extrapolates or spans a gap.
+        is_smoothed &= (shares**2).sum(axis=-1) <= 1.0
+        smoothed = np.einsum("...j,...jk->...k", shares, pose[part][around])
+        path[..., part, :] = np.where(is_smoothed[..., None], smoothed, path[..., part, :])
     return path

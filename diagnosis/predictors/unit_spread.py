@@ -8,6 +8,8 @@ Let r be the errors of n rows in sigmas of the noise, and column k of A their ch
 the covariance of r is I + A A'. With the eigenvectors A'A = V L V' and Q = (I + L)^1/2, the symmetric matrix
 W = I - A V (Q (Q + I))^-1 V' A' makes W r white noise. The sum of its squares is that of a fit with all tolerances as
 priors (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, eq. 2.38 and 2.40 with a linear kernel).
+This is the profile of the likelihood, at the most probable numbers. The marginal likelihood would add log|I + A A'| to
+the cost. This term is left out, although A, and with it the term, may change a little between robots.
 
 Held-out rows are judged given the fitted ones. From these, the numbers have the mean m = P A' r and the covariance
 P = (I + A'A)^-1. The errors of the held-out rows then have the mean A m and the covariance I + A P A', and are

@@ -67,7 +67,8 @@ class ReportData:
     means: tuple[Array, Array, Array]
     """Predictions (N,) of the nominal robot, of the same with its nuisances fitted, and of the extended robot."""
     z: tuple[Array, Array, Array]
-    """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN if not usable."""
+    """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN if not usable. The wandering
+    error of a range sensor is in them, as in the gains."""
     row_sentences: tuple[str, ...] = ()
     """Sentences about single rows of a bench, or sessions and whole runs of a drive."""
     engines: EngineComparison | None = None
@@ -87,12 +88,12 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
     Raises:
         InputError: The dataset or the measurement is no drive.
     """
-    evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
-    prediction = evidence.predicted((diagnosis.nominal, nominal.robot, diagnosis.extended))
+    evidence, measured, nominal = diagnosis.evidence, diagnosis.measured, diagnosis.selection.nominal
+    prediction = measured.predicted((diagnosis.nominal, nominal.robot, diagnosis.extended))
     changes = (0.0, nominal.local_change, diagnosis.fit.local_change)
     means = [mean + change for mean, change in zip(prediction.mean, changes, strict=True)]
-    usable = evidence.fit | evidence.heldout
-    z = np.where(usable, (evidence.values - np.stack(means)) / evidence.sd, np.nan)
+    usable = measured.fit | measured.heldout
+    z = np.where(usable, (measured.values - np.stack(means)) / measured.sd, np.nan)
     return ReportData(
         diagnosis=diagnosis,
         robot=extended_robot(diagnosis),
@@ -122,7 +123,7 @@ def _strongest(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
 
 
 def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
-    fit, evidence = diagnosis.fit, diagnosis.evidence
+    fit, evidence, measured = diagnosis.fit, diagnosis.evidence, diagnosis.measured
     fewer = [fit.hypothesis.without(named.effect) for named in diagnosis.named]
     refits = fits(evidence, [(hypothesis, moved(fit.x, fit.hypothesis, hypothesis)) for hypothesis in fewer])
     for named, refit in zip(diagnosis.named, refits, strict=True):
@@ -130,26 +131,26 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
             name=named.effect.name,
             fit=refit,
             cost_rise=refit.cost - fit.cost,
-            gain=gain(evidence, diagnosis.nominal, refit.robot, (0.0, refit.local_change)),
-            effect_gain=gain(evidence, refit.robot, diagnosis.extended, (refit.local_change, fit.local_change)),
+            gain=gain(measured, diagnosis.nominal, refit.robot, (0.0, refit.local_change)),
+            effect_gain=gain(measured, refit.robot, diagnosis.extended, (refit.local_change, fit.local_change)),
         )
 
 
 def _by_quantity(diagnosis: Diagnosis) -> Iterator[PartGain]:
-    evidence = diagnosis.evidence
+    evidence = diagnosis.measured
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
         yield from _gains(observed.name, of_quantity(evidence, place), diagnosis)
 
 
 def _by_group(diagnosis: Diagnosis) -> Iterator[PartGain]:
-    evidence = diagnosis.evidence
+    evidence = diagnosis.measured
     names = [trial.name for trial in diagnosis.measurement.trials]
     for group in trial_groups(evidence, names, evidence.heldout):
         yield from _gains(group.name, evidence.with_rows(heldout=group.rows), diagnosis)
 
 
 def _by_case(diagnosis: Diagnosis) -> Iterator[PartGain]:
-    evidence, first = diagnosis.evidence, 0
+    evidence, first = diagnosis.measured, 0
     for case in diagnosis.measurement.cases:
         rows = (evidence.trial >= first) & (evidence.trial < first + len(case.trials))
         first += len(case.trials)

@@ -79,7 +79,7 @@ def wander_sentence(wander: Wander) -> str:
     """Return what is known of the slow error of a range sensor."""
     effect = wander.effect
     sentence = _sentence(effect.name, type(effect), effect.model_dump(), wander.std)
-    return f"{sentence} It is random: held-out rows are predicted without it, and plots show the residuals beside it."
+    return f"{sentence} It is random and in no prediction, so the errors on held-out rows and the residuals include it."
 
 
 def _sentence(label: str, kind: type[Effect], values: Mapping[str, float], std: Mapping[str, float]) -> str:

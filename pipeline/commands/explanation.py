@@ -98,7 +98,8 @@ def diagnose(
             "--hold-out",
             metavar="PATTERN",
             help="Hold out the trials whose name or part matches, such as 'circular/*', instead of the default ones. "
-            "Trials that are held out are used to judge the result, and not for fitting. May be repeated.",
+            "Trials that are held out are used to judge the result and to decide which effects are named; "
+            "no number is fitted to them. May be repeated.",
         ),
     ] = None,
     nominal: Annotated[
@@ -143,7 +144,8 @@ def diagnose(
     - deviations that stay unexplained
 
     - how much better the extended robot, which has these effects, predicts
-      rows that were not used for fitting
+      rows that were not used to fit the numbers; they helped to decide which
+      effects are named
 
     `symolo inspect --help` lists the data that can be read.
     docs/diagnosis.md explains the result.

@@ -137,6 +137,15 @@ def test_a_supply_that_sags_is_known_better_by_steps_and_drive_together(cases, r
     assert names.count("winding_resistance_ohm") == 1
 
 
+def test_a_drive_keeps_its_sessions_beside_a_bench_and_one_session_alone_is_none(cases):
+    step, drive = cases
+    in_two = replace(drive, trials=tuple(replace(trial, session=f"day{k % 2}") for k, trial in enumerate(drive.trials)))
+    in_one = replace(drive, trials=tuple(replace(trial, session="day0") for trial in drive.trials))
+    sessions = {trial.session for trial in together((step, in_two)).trials}
+    assert sessions == {"", f"{drive.name}/day0", f"{drive.name}/day1"}
+    assert {trial.session for trial in together((step, in_one)).trials} == {""}
+
+
 def test_two_drives_of_one_robot_have_sessions_and_one_answer(cases):
     drive = cases[1]
     wheels_alone = replace(drive, nominal=drive.nominal.model_copy(update={"motor": None, "tof": None}))

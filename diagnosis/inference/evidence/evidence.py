@@ -64,9 +64,9 @@ class Evidence:
         holdout = np.concatenate([observed.holdout for observed in self.observed])
         usable = np.concatenate([observed.usable for observed in self.observed])
         self.fit: Mask = usable & ~holdout
-        """(N,), samples that are used for selection and fits."""
+        """(N,), samples to which all numbers are fitted."""
         self.heldout: Mask = usable & holdout
-        """(N,), samples that are used for the gain only."""
+        """(N,), samples for the gain, which also help to decide which effects are named; nothing is fitted to them."""
         self.correlations = [
             noises[observed.name].correlation if observed.name in noises else observed.correlation or 0.0
             for observed in self.observed

@@ -19,7 +19,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.measured.measurement import Measurement
-from diagnosis.nuisances import Nuisance, Number
+from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
 from sensors.effects.marker_offset import MarkerOffset
 from sensors.effects.marker_yaw import MarkerYaw
 from sensors.effects.pose_clock_drift import PoseClockDrift
@@ -56,11 +56,9 @@ SESSION_ERRORS = (
 50 ms; and a clock with a ceramic resonator runs wrong by a thousandth."""
 DETERMINED = 0.5
 """Standard error in tolerances up to which the data determine an error."""
-STEP = 0.25
-"""Step of a derivative in tolerances: no later than a row at the end of a minute, for a clock that drifts."""
 FURTHEST = 3.0
-"""Error in tolerances up to which the predictions are linearised there. What is larger in every session may be an
-effect of the robot, beside which the sessions would have no error at all."""
+"""Largest error of a session in tolerances, of either sign, at which its predictions are linearised. If the fitted
+errors of all sessions are at least as large and have the same sign, they may be one effect of the robot."""
 VISIBLE = 1e-3
 """Change of a sample in sigmas, by one tolerance, from which the data show an error at all."""
 
@@ -91,11 +89,12 @@ def _nuisances(
         here = (session == name) & np.isfinite(evidence.values)
         x = np.array([sizes.get((name, error), 0.0) for error in SESSION_ERRORS])
         # Either sign is possible, and a delay interpolates between other rows than its negative.
+        # A step of a drifting clock is less than a row at the end of a minute.
         steps = STEP * np.eye(len(SESSION_ERRORS))
         robots = [_with_errors(nominal, sizes) for sizes in (x, *(x + steps), *(x - steps))]
         at, *beside = np.where(here, evidence.predicted(robots).mean - bare, 0.0)
         more, less = np.split(np.array(beside), 2)
-        changes = 0.5 * (more - less) / STEP
+        changes = change_by_tolerance(more, less)
         rest = at - x @ changes
         for error, change in zip(SESSION_ERRORS, changes, strict=True):
             if np.abs(change / evidence.sd)[evidence.fit].max(initial=0.0) > VISIBLE:
@@ -139,11 +138,11 @@ def fitted_errors(fit: HypothesisFit) -> tuple[FittedError, ...]:
 
 
 def within_sessions(fit: HypothesisFit) -> Collection[type[Effect]]:
-    """Return the effects that are no effects of the robot, since a session's error can be as large."""
+    """Return the effects that are no effects of the robot, since the sessions share no large error of one sign."""
     sizes: dict[type[Effect], list[float]] = {}
     for (_, error), size in _sizes(fit).items():
-        sizes.setdefault(error.effect, []).append(abs(size))
-    return {effect for effect, of_sessions in sizes.items() if min(of_sessions) < FURTHEST}
+        sizes.setdefault(error.effect, []).append(size)
+    return {effect for effect, each in sizes.items() if min(each) < FURTHEST and max(each) > -FURTHEST}
 
 
 def _with_errors(robot: RobotConfig, sizes: Array) -> RobotConfig:

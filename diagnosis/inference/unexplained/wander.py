@@ -55,8 +55,8 @@ class Wander:
     std: dict[str, float]
     confidence: float
     path_m: Array
-    """(N,), the most probable error at each sample; 0 outside the quantity. Held-out rows were used for it: the error
-    is random, so that no prediction of these rows can contain it."""
+    """(N,), the most probable error at each sample, given the fitted rows; 0 outside the quantity. Held-out rows
+    have no part in it, so that they can judge the effects; the error that it cannot predict stays in them."""
     span_s: tuple[float, float]
     """First and last time at which it was seen."""
 
@@ -188,8 +188,7 @@ def wander(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
     if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < TOLL:
         return None
     path_m = np.zeros(len(evidence.values))
-    all_rows = usable & (evidence.fit | evidence.heldout)[place]
-    path_m[place] = seen.path(_Series.of(seen.fit, place, time_s, all_rows), time_s)
+    path_m[place] = seen.path(seen.series, time_s)
     return _named(seen, others, white, path_m)
 
 

@@ -1,5 +1,6 @@
 """Plot of the structure in the residuals that no effect explains."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from diagnosis.inference.unexplained.adequacy import Structure
@@ -11,14 +12,19 @@ SIZE_IN = (7.2, 3.4)
 
 
 def unexplained_plot(data: ReportData, structure: Structure) -> bytes:
-    """Return the residuals of the model with the named effects, along the covariate of a structure, as PNG."""
-    diagnosis = data.diagnosis
-    k = [observed.name for observed in diagnosis.evidence.observed].index(structure.observed)
-    observed, place = diagnosis.evidence.observed[k], diagnosis.evidence.places[k]
+    """Return the residuals of the model with the named effects, along the covariate of a structure, as PNG.
+
+    They are those in which the structure was detected, without the wandering error of a range sensor.
+    """
+    evidence = data.diagnosis.evidence
+    k = [observed.name for observed in evidence.observed].index(structure.observed)
+    observed, place = evidence.observed[k], evidence.places[k]
     covariate = next(c for c in observed.covariates if c.name == structure.covariate)
+    usable = evidence.fit | evidence.heldout
+    z = np.where(usable, (evidence.values - data.means[2]) / evidence.sd, np.nan)
     figure = Figure(figsize=SIZE_IN, layout="constrained")
     axes = figure.subplots()
-    residual_panel(axes, covariate, data.z[2][place], observed.holdout, PURPLE)
+    residual_panel(axes, covariate, z[place], observed.holdout, PURPLE)
     if covariate.second is None:
         axes.set_ylabel("measured - predicted [σ]")
     axes.set_title(f"{observed.name}: residuals along {structure.covariate}", fontsize="medium")

@@ -51,6 +51,21 @@ def test_trials_do_not_see_each_other_and_a_short_one_is_interpolated():
     np.testing.assert_allclose(path[2 * ROWS :], earlier(parabola(TIMES[:3]), TIMES[:3], [3], 0.02))
 
 
+@pytest.mark.parametrize("delay_s", [0.0, 0.03, 0.05, 0.1, 0.13, 0.15, 0.4])
+@pytest.mark.parametrize("lost", [1, 2, 3, 4, 5, 6, 9])
+def test_beside_a_gap_a_straight_line_is_followed_and_no_pose_is_noisier_than_a_row(lost, delay_s):
+    times = np.delete(TIMES, np.arange(17, 17 + lost))
+    wanted_s = np.clip(times - delay_s, times[0], times[-1])
+    line = np.stack([times, 0.5 - 2.0 * times, 3.0 * times], axis=-1)
+    path = smoothed_earlier(line, times, [len(times)], delay_s)
+    np.testing.assert_allclose(path, np.stack([wanted_s, 0.5 - 2.0 * wanted_s, 3.0 * wanted_s], axis=-1), atol=1e-9)
+    # Row k alone is 1 m in x in the k-th log: the x of all logs are the shares of the rows in each smoothed pose.
+    shares = np.stack(
+        [smoothed_earlier(np.outer(e, [1, 0, 0]), times, [len(times)], delay_s) for e in np.eye(len(times))]
+    )
+    assert (shares[..., 0] ** 2).sum(axis=0).max() <= 1.0 + 1e-12
+
+
 def test_each_robot_and_each_row_may_have_a_delay_of_its_own():
     each = smoothed_earlier(parabola(TIMES), TIMES, [ROWS], np.array([[0.01], [0.03]]))
     np.testing.assert_allclose(each[1], smoothed_earlier(parabola(TIMES), TIMES, [ROWS], 0.03))

@@ -10,7 +10,13 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.diagnose import diagnose
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.sessions import SESSION_ERRORS, fitted_errors, session_nuisances
+from diagnosis.inference.evidence.sessions import (
+    SESSION_ERRORS,
+    SessionNuisance,
+    fitted_errors,
+    session_nuisances,
+    within_sessions,
+)
 from diagnosis.inference.fit import fits
 from diagnosis.inference.hypothesis import Hypothesis
 from diagnosis.measured.channel import Channel, Role
@@ -108,6 +114,34 @@ def test_errors_of_two_sessions_are_those_of_a_ridge_regression(evidence_of, rob
         ratio = (level * sd / tolerance) ** 2
         assert tolerance * fit.x[k] == pytest.approx(readings[here].sum() / (20 + ratio), rel=0.02)
         assert tolerance * np.sqrt(fit.covariance[k, k]) == pytest.approx(level * sd / np.sqrt(20 + ratio), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "is_shared"),
+    [((4.0, 4.0), True), ((-4.0, -4.0), True), ((4.0, -4.0), False), ((4.0, 1.0), False)],
+)
+def test_only_an_error_that_all_sessions_share_with_its_sign_may_be_an_effect(
+    tolerances, is_shared, evidence_of, robot
+):
+    error = SESSION_ERRORS[0]
+    readings = error.tolerance * np.repeat(tolerances, 20) + 1e-3 * np.random.default_rng(2).standard_normal(40)
+    rows = np.arange(40) < 20
+    made = [
+        SessionNuisance(
+            name,
+            0.0,
+            error.tolerance,
+            "rad",
+            lambda robot, _: robot,
+            np.where(here, error.tolerance, 0.0),
+            session=name,
+            error=error,
+        )
+        for name, here in (("first", rows), ("second", ~rows))
+    ]
+    (fit,) = fits(evidence_of(np.zeros(40), readings), [(Hypothesis(robot, tuple(made)), np.zeros(2))])
+    assert fit.x == pytest.approx(tolerances, abs=0.5)
+    assert (error.effect not in within_sessions(fit)) == is_shared
 
 
 def test_headings_of_sessions_are_found_and_nothing_is_named():

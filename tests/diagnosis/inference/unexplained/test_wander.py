@@ -9,7 +9,11 @@ import pytest
 from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import extended_robot
 from diagnosis.importers import tof_bench
+from diagnosis.inference.fit import fits
+from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.inference.unexplained.wander import wander
+from diagnosis.report.report_data import report_data
 from diagnosis.report.verdict import effect_sentences, headline
 from sensors.effects.range_wander import RangeWander
 
@@ -84,6 +88,31 @@ def test_an_offset_beyond_what_wanders_is_named_beside_it(diagnosed):
     (offset,) = diagnosis.named
     # The mean of an error with this time constant over 300 s has a standard deviation of sqrt(2 tau / T) of it.
     assert offset.values["offset_m"] == pytest.approx(0.03, abs=3.0 * 0.006 * np.sqrt(2.0 * 25.0 / 300.0))
+
+
+def test_every_error_of_the_report_is_that_of_the_readings_as_they_were_measured(diagnosed):
+    """The bench has one quantity, so its errors are those of the headline; the wandering error is in all of them."""
+    diagnosis = diagnosed(lambda t_s: 0.03 + gauss_markov(t_s, 0.006, 25.0))
+    data = report_data(diagnosis)
+    (quantity,), (ablation,) = data.by_quantity, data.ablations
+    assert quantity.extended == diagnosis.gain
+    assert quantity.calibrated == diagnosis.calibrated
+    assert ablation.gain.before == pytest.approx(diagnosis.gain.before)
+    assert ablation.effect_gain.after == pytest.approx(diagnosis.gain.after)
+    errors = [trimmed_rms(np.abs(z[diagnosis.evidence.heldout])) for z in data.z]
+    assert errors == pytest.approx([diagnosis.gain.before, diagnosis.calibrated.after, diagnosis.gain.after])
+
+
+def test_held_out_readings_have_no_part_in_the_error_that_is_taken_out_of_them(diagnosed):
+    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 25.0))
+    nominal = diagnosis.selection.nominal
+
+    def path_m(evidence):
+        (fit,) = fits(evidence, [(nominal.hypothesis, nominal.x)])
+        return wander(evidence, fit).path_m
+
+    changed = diagnosis.measured.without(np.where(diagnosis.measured.heldout, 0.003, 0.0))
+    assert path_m(changed) == pytest.approx(path_m(diagnosis.measured), abs=1e-9)
 
 
 @pytest.mark.parametrize(("row_s", "tau_s"), [(0.008, 0.1), (1200.0, 15_000.0)], ids=["8 ms", "20 minutes"])
