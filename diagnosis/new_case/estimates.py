@@ -144,16 +144,16 @@ def _fitted(rows: _Motion, result: dict[str, float], known: dict[str, float], *,
     if rows.current_A is not None:
         ohm, constant = least_squares([rows.current_A, w], rows.voltage_V)
         fitted = {"winding_resistance_ohm": ohm, "torque_constant_N_m_A": constant} | known
-        found = least_squares(columns, fitted["torque_constant_N_m_A"] * rows.current_A)
+        friction = least_squares(columns, fitted["torque_constant_N_m_A"] * rows.current_A)
     else:
         slope, *others = least_squares(columns, rows.voltage_V)
         ohm, viscous = result["winding_resistance_ohm"], result["viscous_friction_N_m_s_rad"]
         # u = (K + R B / K) w + (R / K) (Tc sgn(w) + J w'), with R and B of a usual motor
         constant = 0.5 * (slope + np.sqrt(max(slope**2 - 4.0 * ohm * viscous, 0.0)))
         fitted = {"torque_constant_N_m_A": float(constant)} | known
-        found = (viscous, *(other * fitted["torque_constant_N_m_A"] / ohm for other in others))
+        friction = (viscous, *(other * fitted["torque_constant_N_m_A"] / ohm for other in others))
     names = ("viscous_friction_N_m_s_rad", "coulomb_friction_N_m", "rotor_inertia_kg_m2")
-    return fitted | dict(zip(names, found, strict=False)) | known
+    return fitted | dict(zip(names, friction, strict=False)) | known
 
 
 def _moving(measurement: Measurement, known: dict[str, float]) -> _Motion | None:

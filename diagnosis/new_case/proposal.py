@@ -49,16 +49,18 @@ def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None =
         InputError: The columns of no kind, or not those of this one, are in the log.
     """
     kind = kind or _kind(log)
-    found = matched(kind, list(log.columns))
-    if not _suffices(kind, found):
-        raise _missing(log, kind, found)
+    recognised = matched(kind, list(log.columns))
+    if not _suffices(kind, recognised):
+        raise _missing(log, kind, recognised)
     ours = our_columns(kind)
     sources: dict[str, Source] = {}
     warnings = []
-    for name, column in found.items():
+    for name, column in recognised.items():
         unit = taken_apart(column).unit if column != name else ""
         if DUTY & set(taken_apart(column).words) and not unit:
-            factor, reason = _of_duty(log, [other for other in found.values() if DUTY & set(taken_apart(other).words)])
+            factor, reason = _of_duty(
+                log, [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
+            )
             sources[name] = Source(column=column, factor=factor * (supply_V or USUAL_SUPPLY_V))
             cure = "which is not known: give it with --set supply_voltage_V=NUMBER"
             supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, {cure}"
@@ -92,11 +94,11 @@ def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
 
 def _kind(log: LogFile) -> CaseKind:
     """Return the kind whose needs the columns meet, and most of whose quantities they hold."""
-    found = {kind: matched(kind, list(log.columns)) for kind in NEEDED}
-    fitting = [kind for kind in NEEDED if _suffices(kind, found[kind])]
-    closest = max(NEEDED, key=lambda kind: len(found[kind]))
-    if not fitting and len(found[closest]) > 1:
-        raise _missing(log, closest, found[closest])
+    columns_of_kind = {kind: matched(kind, list(log.columns)) for kind in NEEDED}
+    fitting = [kind for kind in NEEDED if _suffices(kind, columns_of_kind[kind])]
+    closest = max(NEEDED, key=lambda kind: len(columns_of_kind[kind]))
+    if not fitting and len(columns_of_kind[closest]) > 1:
+        raise _missing(log, closest, columns_of_kind[closest])
     if not fitting:
         raise InputError(
             "cannot recognise what was logged from the names of the columns",
@@ -105,23 +107,25 @@ def _kind(log: LogFile) -> CaseKind:
             allowed="; ".join(f"for {kind}: {' '.join(sorted(NEEDED[kind][0]))}" for kind in NEEDED),
             cure=f"rename the columns, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping",
         )
-    best = max(fitting, key=lambda kind: len(found[kind]))
+    best = max(fitting, key=lambda kind: len(columns_of_kind[kind]))
     if best in {CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY}:
         return (
-            CaseKind.MOTOR_STEP if _is_fast(log, found[CaseKind.MOTOR_STEP].get("t_s", "")) else CaseKind.MOTOR_STEADY
+            CaseKind.MOTOR_STEP
+            if _is_fast(log, columns_of_kind[CaseKind.MOTOR_STEP].get("t_s", ""))
+            else CaseKind.MOTOR_STEADY
         )
     return best
 
 
-def _suffices(kind: CaseKind, found: Mapping[str, str]) -> bool:
+def _suffices(kind: CaseKind, recognised: Mapping[str, str]) -> bool:
     """Return whether a log has one of the sets of quantities that a kind needs."""
-    return any(needed <= set(found) for needed in NEEDED[kind])
+    return any(needed <= set(recognised) for needed in NEEDED[kind])
 
 
-def _missing(log: LogFile, kind: CaseKind, found: Mapping[str, str]) -> InputError:
+def _missing(log: LogFile, kind: CaseKind, recognised: Mapping[str, str]) -> InputError:
     """Return an error that names what is missing of the set of quantities that is nearest to complete."""
-    missing = min((needed - set(found) for needed in NEEDED[kind]), key=len)
-    unused = [name for name in log.columns if name not in found.values()]
+    missing = min((needed - set(recognised) for needed in NEEDED[kind]), key=len)
+    unused = [name for name in log.columns if name not in recognised.values()]
     cure = f"rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping"
     return InputError(
         f"no column was recognised as {' '.join(sorted(missing))}, which a case of the kind {kind} needs",

@@ -141,13 +141,13 @@ def _trials(
         raise InputError("the time goes back", where=f"{log.path}: row {int(np.argmax(new)) + 3}", cure=cure)
     if group is None and new.any() and kind in _IN_TIME:
         notes.append(f"the time goes back {np.count_nonzero(new)} times; a new trial begins at each of these rows")
-    kept = np.concatenate([[True], new | (steps != 0.0)])
-    if not kept.all():
-        notes.append(f"{np.count_nonzero(~kept)} rows repeat the time of the row above and are left out")
+    is_used = np.concatenate([[True], new | (steps != 0.0)])
+    if not is_used.all():
+        notes.append(f"{np.count_nonzero(~is_used)} rows repeat the time of the row above and are left out")
     number = np.concatenate([[0], np.cumsum(new)])
     parts = []
     for trial in range(int(number[-1]) + 1):
-        rows = np.flatnonzero((number == trial) & kept)
+        rows = np.flatnonzero((number == trial) & is_used)
         if kind in _IN_TIME:
             _check_steps(t_s[rows], rows, log)
         parts.append(

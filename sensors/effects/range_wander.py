@@ -20,5 +20,5 @@ class RangeWander(Effect):
     time_constant_s: DriftTime
 
     def apply(self, error_m: Array, duration_s: float, deviates: Array) -> Array:
-        kept = np.exp(-duration_s / self.time_constant_s)
-        return kept * error_m + self.sd_m * np.sqrt(1.0 - kept**2) * deviates
+        remaining = np.exp(-duration_s / self.time_constant_s)
+        return remaining * error_m + self.sd_m * np.sqrt(1.0 - remaining**2) * deviates

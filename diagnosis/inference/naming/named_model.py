@@ -36,14 +36,16 @@ def standing(
     withheld_names: list[WithheldName] = []
     while True:
         bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
-        found = [
+        name_evidence = [
             _name_evidence(evidence, nominal, model, comparison, base, contradiction(each, base.cost - model.fit.cost))
             for comparison, base, each in zip(
                 model.comparisons, bases, supports(evidence, model.fit, bases, parts), strict=True
             )
         ]
         failing = [
-            (each, comparison) for each, comparison in zip(found, model.comparisons, strict=True) if withheld(each)
+            (each, comparison)
+            for each, comparison in zip(name_evidence, model.comparisons, strict=True)
+            if withheld(each)
         ]
         if not failing:
             return model, tuple(withheld_names)
@@ -56,8 +58,8 @@ def standing(
             fit = without(evidence, fit, comparison.effect)
         left = adequacy(evidence, fit)
         if left.has_cause and fit.hypothesis.effects:
-            kept = survivors(evidence, nominal, fit, left.worst)
-            substitutes = [effect for effect in fit.hypothesis.effects if effect not in kept]
+            surviving = survivors(evidence, nominal, fit, left.worst)
+            substitutes = [effect for effect in fit.hypothesis.effects if effect not in surviving]
             withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
             for effect in substitutes:
                 fit = without(evidence, fit, effect)

@@ -60,9 +60,9 @@ def groups(evidence: Evidence, trial_names: Sequence[str]) -> tuple[Group, ...]:
         evidence: The observations.
         trial_names: Names of the trials.
     """
-    found = [*trial_groups(evidence, trial_names, evidence.fit), *_of_ranges(evidence)]
+    groups = [*trial_groups(evidence, trial_names, evidence.fit), *_of_ranges(evidence)]
     fitted = int(np.count_nonzero(evidence.fit))
-    return tuple(group for group in found if MIN_SAMPLES <= np.count_nonzero(group.rows) <= fitted - MIN_SAMPLES)
+    return tuple(group for group in groups if MIN_SAMPLES <= np.count_nonzero(group.rows) <= fitted - MIN_SAMPLES)
 
 
 def supports(
@@ -92,17 +92,17 @@ def supports(
     return tuple(zip(*rows, strict=True)) if rows else tuple(() for _ in bases)
 
 
-def contradiction(found: Sequence[Support], drop: float) -> str:
+def contradiction(by_group: Sequence[Support], drop: float) -> str:
     """Return which group contradicts an effect and which one shows it; empty if none contradicts it.
 
     Args:
-        found: What each group says about the effect.
+        by_group: What each group says about the effect.
         drop: Fall of the cost by the effect over all samples.
     """
-    least = min(found, key=lambda support: support.fall, default=None)
+    least = min(by_group, key=lambda support: support.fall, default=None)
     if least is None or least.fall > -max(AGAINST, AGAINST_SHARE * drop):
         return ""
-    most = max(found, key=lambda support: support.fall)
+    most = max(by_group, key=lambda support: support.fall)
     return f"{least.group} (it describes {most.group})"
 
 

@@ -33,11 +33,11 @@ def likelihoods(t_s: Array, residual_m: Array, sd_m: Array, times_s: Array, rati
     """
     unit_m = float(np.median(sd_m))
     noise = (sd_m / unit_m) ** 2
-    kept = np.exp(-np.diff(t_s, prepend=t_s[0])[:, None] / times_s)
+    remaining = np.exp(-np.diff(t_s, prepend=t_s[0])[:, None] / times_s)
     mean = np.zeros((len(times_s), len(ratios)))
     variance = np.broadcast_to(ratios, mean.shape).copy()
     squares, logarithms = np.zeros_like(mean), np.zeros_like(mean)
-    for value, white, share in zip((residual_m / unit_m).tolist(), noise.tolist(), kept, strict=True):
+    for value, white, share in zip((residual_m / unit_m).tolist(), noise.tolist(), remaining, strict=True):
         mean = share[:, None] * mean
         variance = share[:, None] ** 2 * (variance - ratios) + ratios
         total = variance + white
@@ -71,7 +71,7 @@ class ErrorModel:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class LinearEstimate:
     """Generalised least squares."""
 
     change: Array
@@ -80,7 +80,7 @@ class Estimate:
     """(P, P), of the coordinates."""
 
 
-def estimate(residual_m: Array, slopes_m: Array, covariance: Array, prior: Array, deviation: Array) -> Estimate:
+def estimate(residual_m: Array, slopes_m: Array, covariance: Array, prior: Array, deviation: Array) -> LinearEstimate:
     """Return the most probable change of coordinates where errors of different rows are not independent.
 
     Args:
@@ -93,4 +93,4 @@ def estimate(residual_m: Array, slopes_m: Array, covariance: Array, prior: Array
     whitened = np.linalg.solve(covariance, np.concatenate([residual_m[None], slopes_m]).T)
     information = slopes_m @ whitened[:, 1:] + np.diag(prior)
     inverse = np.linalg.pinv(information, rcond=1e-10, hermitian=True)
-    return Estimate(inverse @ (slopes_m @ whitened[:, 0] - prior * deviation), inverse)
+    return LinearEstimate(inverse @ (slopes_m @ whitened[:, 0] - prior * deviation), inverse)

@@ -19,7 +19,7 @@ from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.rivals import confidence
 from diagnosis.inference.selection import PER_PARAMETER, THRESHOLD, TOLL, is_of_noise, needed, without
-from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Estimate, Likelihoods, estimate, likelihoods
+from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME
 from sensors.effects.range_wander import RangeWander
@@ -125,7 +125,7 @@ class _Seen:
         unit_m = float(np.median(self.series.sd_m))
         return ErrorModel(float(self.times_s[tau]), unit_m * float(np.sqrt(level * RATIOS[ratio])), level)
 
-    def estimate(self, series: _Series) -> Estimate:
+    def estimate(self, series: _Series) -> LinearEstimate:
         """Return the change of the coordinates beside the error, from some series of the fit."""
         nuisances, size = len(self.fit.hypothesis.nuisances), len(self.fit.x)
         prior = (np.arange(size) < nuisances).astype(float)
@@ -171,8 +171,8 @@ def wander(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
 
     def beside(other: HypothesisFit) -> _Seen:
         series = _Series.of(other, place, time_s, rows)
-        found = likelihoods(series.t_s, series.residual_m, series.sd_m, times_s, RATIOS)
-        return _Seen(other, series, times_s, found)
+        likely = likelihoods(series.t_s, series.residual_m, series.sd_m, times_s, RATIOS)
+        return _Seen(other, series, times_s, likely)
 
     seen = beside(fit)
     white = plain.cost_of(float(plain.z @ plain.z))
