@@ -17,6 +17,7 @@ from blender_scenes.render.protocol import FrameBegun, FrameDone, Ready, RenderR
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from sensors.camera.response import develop, encode_jpeg, median_luminance
 from symolo.core.child_process import SCRATCH, Failed, Finished, Owner
+from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import lacking
 from symolo.dataset.layout import frame_name
@@ -28,23 +29,24 @@ def main() -> int:
     request = RenderRequest.model_validate_json(owner.next_request())
     cv2.setNumThreads(request.threads)
     try:
-        load_bpy(request.threads)  # a missing system library is reported, not raised
-    except ImportError as error:
-        cause = lacking(error) or f"{error}; run `apt-get install -y {SYSTEM_PACKAGES}`"
-        owner.send(Failed(error="environment", text=cause))
-        return 1
-    try:
+        load_bpy(request.threads)
         _WORK[request.work](request, owner, Path(os.environ[SCRATCH]))
-    except LookupError as error:
-        cure = "render on the machine that has it, or give --device cpu"
-        owner.send(Failed(error="environment", text=f"{error}; {cure}"))
-        raise
-    except (OSError, ValueError, RuntimeError, MemoryError) as error:
-        cause = lacking(error)
+    except Exception as error:
+        cause = _lacking_here(error)
         owner.send(Failed(error="environment" if cause else "engine", text=cause or str(error)))
+        if cause:
+            return 1
         raise
     owner.send(Finished())
     return 0
+
+
+def _lacking_here(error: Exception) -> str:
+    """Return what the machine lacks and the cure in one line; empty where the error is not the machine's."""
+    cause = lacking(error)
+    if not cause and isinstance(error, ImportError):
+        return f"{error}; run `apt-get install -y {SYSTEM_PACKAGES}`"
+    return str(error) if isinstance(error, EnvironmentLacking) else cause
 
 
 def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:

@@ -27,7 +27,7 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
     """Set all options of the scene but the image's size, which is set for each view.
 
     Raises:
-        LookupError: The job is for a kind of graphics card that the machine does not have.
+        EnvironmentLacking: The job is for a kind of graphics card that the machine does not have.
     """
     if job.sampling.device != "CPU":
         gpus.enable(job.sampling.device)

@@ -5,6 +5,7 @@ import sys
 import bpy
 
 from blender_scenes.render.devices import GPU_KINDS, LISTED
+from symolo.core.errors import EnvironmentLacking
 
 
 def listed() -> dict[str, list[str]]:
@@ -25,10 +26,11 @@ def enable(kind: str) -> None:
     """Let Cycles use all cards of a kind and no other device.
 
     Raises:
-        LookupError: The machine has no such card.
+        EnvironmentLacking: The machine has no such card.
     """
     if kind not in listed():
-        raise LookupError(f"Cycles finds no graphics card by {kind}")
+        cure = "render on the machine that has it, or give --device cpu"
+        raise EnvironmentLacking(f"Cycles finds no graphics card by {kind}; {cure}")
     preferences = bpy.context.preferences.addons["cycles"].preferences
     preferences.compute_device_type = kind
     preferences.refresh_devices()

@@ -30,10 +30,10 @@ _CURES = {
 
 _NO_MEMORY = re.compile(
     r"failed to map segment|cannot allocate memory|can't start new thread|insufficient memory|failed to allocate"
-    r"|bad_alloc|cannot apply additional memory protection",
+    r"|bad_alloc|out of memory|cannot apply additional memory protection",
     re.IGNORECASE,
 )
-"""What the loader of libraries, the threads of Python, OpenCV and C++ report in place of a MemoryError."""
+"""What the loader of libraries, the threads of Python, OpenCV, Blender and C++ report in place of a MemoryError."""
 
 
 def lacking(error: BaseException) -> str:

@@ -117,6 +117,16 @@ def test_a_full_disk_is_the_machines_fault_and_asks_for_space(job, tmp_path, mon
         render_job(_written(job, tmp_path), tmp_path / "images")
 
 
+@pytest.mark.parametrize("place", ["while it is loaded", "while it renders"])
+def test_blender_out_of_memory_is_named_in_one_line(place, job, tmp_path, monkeypatch):
+    """Blender raises a RuntimeError in place of a MemoryError."""
+    short = "raise RuntimeError('Error: Out of memory')"
+    _pretend_bpy(tmp_path, monkeypatch, short if "loaded" in place else f"def __getattr__(name):\n    {short}\n")
+    (tmp_path / "mathutils.py").write_text("Matrix = Vector = None")
+    with pytest.raises(EnvironmentLacking, match=r"^there is not enough memory: Error: Out of memory; .+$"):
+        render_job(_written(job, tmp_path), tmp_path / "images")
+
+
 def test_settings_of_the_users_blender_do_not_reach_ours(job, tmp_path, monkeypatch):
     note = tmp_path / "seen"
     monkeypatch.setenv("OCIO", "/nowhere/config.ocio")

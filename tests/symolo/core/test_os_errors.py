@@ -39,6 +39,7 @@ MAPPED = "libopenblas.so: failed to map segment from shared object"
         (chained(ImportError(MAPPED)), f": {MAPPED}"),
         (RuntimeError("can't start new thread"), ": can't start new thread"),
         (RuntimeError("std::bad_alloc"), ": std::bad_alloc"),
+        (RuntimeError("Error: Out of memory"), ": Error: Out of memory"),
     ],
 )
 def test_too_little_memory_is_named_with_what_to_do(error, reason):
