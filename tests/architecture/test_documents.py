@@ -14,6 +14,7 @@ from typer.main import get_command
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from configs.loader import load_scenario, load_section
 from pipeline.cli import command_line
+from tests.fuzz.readers import READERS
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
@@ -108,6 +109,13 @@ def test_the_workflow_runs_the_script_that_everybody_runs():
     assert ".ci/run" in steps
     matrix = workflow["jobs"]["library"]["strategy"]["matrix"]
     assert len(matrix["system"]) * len(matrix["python"]) == 12
+
+
+def test_every_week_each_reader_is_fuzzed_and_each_long_test_runs():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/weekly.yml").read_text())["jobs"]
+    assert sorted(jobs["fuzz"]["strategy"]["matrix"]["reader"]) == sorted(READERS)
+    deselected = re.findall(r"not (\w+)", " ".join(PYPROJECT["tool"]["pytest"]["ini_options"]["addopts"]))
+    assert sorted([*jobs["long"]["strategy"]["matrix"]["marker"], "recordings"]) == sorted(deselected)
 
 
 def test_the_container_has_the_libraries_that_the_renderer_asks_for():
