@@ -52,7 +52,11 @@ def _locked_folder(place: Path) -> tuple[Path, int]:
     """Return a new folder, and the descriptor that holds its lock."""
     while True:
         folder = Path(tempfile.mkdtemp(prefix=_prefix(), dir=place))
-        descriptor = opened_lock(folder, OWNER)
+        try:
+            descriptor = opened_lock(folder, OWNER)
+        except OSError:  # a folder without this file would never be removed
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
         with contextlib.suppress(OSError):  # a file system without locks, on which nobody removes abandoned folders
             lock(descriptor)
         # Another process may have held the lock since its file was made, and have removed the folder.

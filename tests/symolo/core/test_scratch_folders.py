@@ -1,6 +1,7 @@
 """Scratch folders go with their process, and those of killed processes with the next command."""
 
 import contextlib
+import errno
 import os
 import signal
 import subprocess
@@ -51,6 +52,16 @@ def left(place: Path) -> Path:
     assert (folder / "below" / "frame.exr").is_file()
     assert folder.parent == place
     return folder
+
+
+def test_a_folder_goes_if_there_is_no_room_for_the_file_with_its_lock(place: Path, monkeypatch: pytest.MonkeyPatch):
+    def no_room(folder: Path, name: str) -> int:
+        raise OSError(errno.EDQUOT, os.strerror(errno.EDQUOT), str(folder / name))
+
+    monkeypatch.setattr(scratch_folders, "opened_lock", no_room)
+    with pytest.raises(OSError, match="quota"), scratch_folder():
+        pass
+    assert list(place.iterdir()) == []
 
 
 def test_a_folder_goes_at_the_end_of_its_block_whatever_happens(place: Path):
