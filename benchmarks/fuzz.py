@@ -185,7 +185,10 @@ class Session:
         self.tally.inputs += 1
         if self.tally.inputs % 50 == 1:
             self.tally.write()
-        return self._outcome_of(self.read, data, self.reader.refusals)
+        try:
+            return self._outcome_of(self.read, data, self.reader.refusals)
+        finally:  # the time of the fuzzer itself, which chooses the next input, is not the reader's
+            resource.setrlimit(resource.RLIMIT_CPU, (hard, hard))
 
     def take(self, data: bytes) -> str:
         """Read an input, save it where it fails in a new way, and return why it was refused."""

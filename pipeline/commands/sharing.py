@@ -8,7 +8,7 @@ import typer
 from pipeline.commands.exit_codes import FAULTS
 from pipeline.commands.options import AllowHttp, Dataset, DryRun, Endpoint, NewFolder, Runs, checked_input, names
 
-DOCUMENTS = 5
+DOCUMENTS = 7
 """Number of descriptions in a folder of `pack`."""
 _MEGABYTE = 1_000_000
 
@@ -89,8 +89,8 @@ def pack(
     """Pack a release for Zenodo, the Hugging Face Hub or a similar archive: tar files and descriptions.
 
     The tar files contain the unchanged release. The folder also has the tables of all runs as CSV, README.md (a dataset
-    card), CITATION.cff, croissant.json (MLCommons), datacite.json and SHA256SUMS. A damaged release is refused. The
-    same release gives the same bytes.
+    card), CITATION.cff, croissant.json (MLCommons), datacite.json, scenario.yaml, ro-crate-metadata.json and
+    SHA256SUMS. A damaged release is refused. The same release gives the same bytes.
 
     Example: symolo pack data --about about.yaml --out upload
     """

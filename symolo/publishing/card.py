@@ -55,6 +55,8 @@ def _files(data: Published) -> str:
         ("croissant.json", "", "files, tables and columns for MLCommons' `mlcroissant`"),
         ("datacite.json", "", "the record in DataCite's schema 4.5"),
         ("CITATION.cff", "", "how to cite it"),
+        ("scenario.yaml", "", "all settings; `symolo release scenario.yaml` makes the dataset again"),
+        ("ro-crate-metadata.json", "", "how the dataset was made, as a Workflow Run RO-Crate 0.5"),
         ("SHA256SUMS", "", "checksums of all files here"),
     ]
     return f"## Files\n\n{markdown_table(('file', 'size', 'what it is'), rows)}"

@@ -1,6 +1,6 @@
-"""croissant.json: files, tables and columns in MLCommons' Croissant 1.0, so that `mlcroissant` loads the records.
+"""croissant.json: files, tables and columns in MLCommons' Croissant 1.1, so that `mlcroissant` loads the records.
 
-The format: http://mlcommons.org/croissant/1.0. The package mlcroissant 1.1.1 would write the same document from as
+The format: http://mlcommons.org/croissant/1.1. The package mlcroissant 1.1.1 would write the same document from as
 many objects as there are dicts here, but `symolo pack` would then need scipy, rdflib, networkx and requests.
 """
 
@@ -9,13 +9,14 @@ from typing import Any
 from symolo.dataset.layout import IMAGES
 from symolo.publishing.about import Author
 from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.responsible_ai import RAI_CONFORMS_TO, responsible_ai
 from symolo.publishing.tables import RUN, PlannedTable
 
-CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
+CONFORMS_TO = "http://mlcommons.org/croissant/1.1"
 _TERMS = (
-    "citeAs column equivalentProperty extract field fileObject fileProperty fileSet format includes isLiveDataset "
-    "jsonPath key md5 parentField path recordSet references regex repeated replace samplingRate separator source "
-    "subField transform"
+    "arrayShape citeAs column containedIn equivalentProperty extract field fileObject fileProperty fileSet format "
+    "includes isArray isLiveDataset jsonPath key md5 parentField path recordSet references regex repeated replace "
+    "samplingRate separator source subField transform"
 )
 """Terms of Croissant's vocabulary; readers require all of them in the context, used or not."""
 _CONTEXT: dict[str, Any] = {
@@ -30,6 +31,7 @@ _CONTEXT: dict[str, Any] = {
     "examples": {"@id": "cr:examples", "@type": "@json"},
 } | {name: f"cr:{name}" for name in _TERMS.split()}
 _CONTEXT["dataType"] = {"@id": "cr:dataType", "@type": "@vocab"}
+_CONTEXT |= {name: {"@container": "@language"} for name in ("name", "description")}
 
 IMAGE_FILES = "image-files"
 
@@ -40,7 +42,7 @@ def croissant(data: Published) -> dict[str, Any]:
     document: dict[str, Any] = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
-        "conformsTo": CONFORMS_TO,
+        "conformsTo": [CONFORMS_TO, RAI_CONFORMS_TO],
         "name": about.title,
         "alternateName": data.name,
         "description": data.description,
@@ -61,7 +63,7 @@ def croissant(data: Published) -> dict[str, Any]:
     if any(run.images for run in data.metadata.runs):
         document["distribution"].append(_image_files(data))
         document["recordSet"].append(_images())
-    return document | ({"url": about.address} if about.address else {})
+    return document | responsible_ai(data.metadata) | ({"url": about.address} if about.address else {})
 
 
 def _creator(author: Author) -> dict[str, str]:

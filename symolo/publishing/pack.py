@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import yaml
+
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import write_chunks, write_file
 from symolo.core.files.disk_space import check_disk
@@ -22,6 +24,7 @@ from symolo.publishing.citation import citation
 from symolo.publishing.croissant import croissant
 from symolo.publishing.datacite import datacite
 from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.ro_crate import CARD, DESCRIPTOR, SCENARIO, ro_crate
 from symolo.publishing.shards import PlannedShard, planned_shards
 from symolo.publishing.tables import PlannedTable, planned_table
 from symolo.reader.dataset import load
@@ -109,8 +112,10 @@ def _chunks(shard: PlannedShard, stage: StageReport) -> Iterator[bytes]:
 
 def _documents(data: Published) -> dict[str, bytes]:
     return {
-        "README.md": card(data),
+        CARD: card(data),
+        SCENARIO: yaml.safe_dump(data.metadata.scenario, sort_keys=False, allow_unicode=True, width=120).encode(),
         "CITATION.cff": citation(data),
         "croissant.json": canonical_json(croissant(data)),
         "datacite.json": canonical_json(datacite(data)),
+        DESCRIPTOR: canonical_json(ro_crate(data)),
     }

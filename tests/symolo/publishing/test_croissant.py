@@ -1,6 +1,7 @@
 """croissant.json is read by mlcroissant, MLCommons' own reader."""
 
 import io
+import json
 
 import numpy as np
 import pytest
@@ -52,3 +53,22 @@ def test_images_have_their_run_their_number_and_their_pixels(croissant, packed):
     assert found.keys() == expected.keys()
     for key, data in expected.items():
         assert np.array_equal(found[key], np.asarray(Image.open(io.BytesIO(data))))
+
+
+def test_it_states_how_the_data_came_about_and_what_varies(croissant, packed):
+    """In the terms of Croissant RAI 1.0, read from metadata.json."""
+    metadata = json.loads((packed.release / "metadata.json").read_bytes())
+    described = croissant.metadata
+    assert described.conforms_to == ["http://mlcommons.org/croissant/1.1", "http://mlcommons.org/croissant/RAI/1.0"]
+    assert f"seed {metadata['seed']}" in described.data_collection
+    assert "2 runs" in described.data_collection
+    assert described.data_collection_type == ["Software Collection"]
+    drawn = [run["drawn"] for run in metadata["runs"]]
+    numbers = [name for name, value in drawn[0].items() if isinstance(value, float)]
+    assert numbers
+    for name in numbers:
+        (line,) = [line for line in described.data_biases if line.startswith(f"{name}: ")]
+        low, high = (pick(values[name] for values in drawn) for pick in (min, max))
+        assert line == f"{name}: {low:.6g} to {high:.6g}"
+    assert described.personal_sensitive_information == ["None: no person was recorded."]
+    assert "without a person" in described.data_annotation_protocol[0]

@@ -1,0 +1,174 @@
+"""ro-crate-metadata.json: the scenario as a workflow, its run, and the files that the run made.
+
+The formats: RO-Crate 1.1 (https://w3id.org/ro/crate/1.1) with the profiles Workflow Run RO-Crate 0.5
+(https://w3id.org/ro/wfrun/workflow/0.5) and Workflow RO-Crate 1.0. The package rocrate 0.16 writes ids and times of its
+own, so that the same release would not give the same bytes.
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from symolo.publishing.about import Author
+from symolo.publishing.dataset import PackedFile, Published
+
+DESCRIPTOR, SCENARIO, CARD = "ro-crate-metadata.json", "scenario.yaml", "README.md"
+_CONTEXT = "https://w3id.org/ro/crate/1.1/context"
+_CRATE = "https://w3id.org/ro/crate/1.1"
+_WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
+_PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    _WORKFLOW_CRATE: "Workflow RO-Crate",
+}
+_BIOSCHEMAS = "https://bioschemas.org/profiles"
+_RUN, _SEED, _SEED_VALUE, _LANGUAGE = "#run", "#seed", "#seed-value", "#scenario-language"
+_ADDRESS = "https://pypi.org/project/{}/"
+
+
+def ro_crate(data: Published) -> dict[str, Any]:
+    """Return the content of the file."""
+    return {"@context": _CONTEXT, "@graph": list(_entities(data))}
+
+
+def _entities(data: Published) -> Iterator[dict[str, Any]]:
+    about, licence = data.about, data.licence
+    files = [*data.shards, *(file for _, file in data.tables)]
+    authors = [_author(author, number) for number, author in enumerate(about.authors, start=1)]
+    programs = [_program(name, version) for name, version in sorted(data.metadata.made_with.items())]
+    yield {
+        "@id": DESCRIPTOR,
+        "@type": "CreativeWork",
+        "about": {"@id": "./"},
+        "conformsTo": _ids([_CRATE, _WORKFLOW_CRATE]),
+    }
+    yield {
+        "@id": "./",
+        "@type": "Dataset",
+        "conformsTo": _ids(_PROFILES),
+        "name": about.title,
+        "description": data.description,
+        "datePublished": about.published,
+        "version": about.version,
+        "keywords": ", ".join(about.keywords),
+        "license": {"@id": licence.url} if licence.url else licence.name,
+        "author": _ids(author["@id"] for author in authors),
+        "publisher": {"@id": "#publisher"},
+        "hasPart": _ids([SCENARIO, CARD, *(file.name for file in files)]),
+        "mainEntity": {"@id": SCENARIO},
+        "mentions": {"@id": _RUN},
+    } | ({"identifier": about.address} if about.address else {})
+    yield from _workflow(data)
+    yield {
+        "@id": _RUN,
+        "@type": "CreateAction",
+        "name": f"symolo release {SCENARIO}",
+        "description": f"Simulated and rendered {data.name} with the seed {data.metadata.seed}.",
+        "instrument": {"@id": SCENARIO},
+        "agent": {"@id": authors[0]["@id"]},
+        "endTime": about.published,
+        "object": {"@id": _SEED_VALUE},
+        "result": _ids(file.name for file in files),
+        "actionStatus": "http://schema.org/CompletedActionStatus",
+    }
+    yield from (_file(shard, "application/x-tar", f"the release, below {data.name}/") for shard in data.shards)
+    yield from (_file(file, "text/csv", f"{table.source} of all runs") for table, file in data.tables)
+    yield {
+        "@id": CARD,
+        "@type": "File",
+        "name": CARD,
+        "about": {"@id": "./"},
+        "encodingFormat": "text/markdown",
+    }
+    yield from authors
+    for number, author in enumerate(about.authors, start=1):
+        if author.affiliation:
+            yield {"@id": f"#affiliation-{number}", "@type": "Organization", "name": author.affiliation}
+    yield {"@id": "#publisher", "@type": "Organization", "name": about.publisher}
+    if licence.url:
+        yield {"@id": licence.url, "@type": "CreativeWork", "name": licence.name, "identifier": licence.spdx}
+    yield from programs
+    for address, name in _PROFILES.items():
+        yield {"@id": address, "@type": "CreativeWork", "name": name, "version": address.rpartition("/")[2]}
+
+
+def _workflow(data: Published) -> Iterator[dict[str, Any]]:
+    """Yield the scenario, the language in which it is written, and its seed."""
+    made_with = data.metadata.made_with
+    yield {
+        "@id": SCENARIO,
+        "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"],
+        "conformsTo": {"@id": f"{_BIOSCHEMAS}/ComputationalWorkflow/1.0-RELEASE"},
+        "name": data.name,
+        "description": data.metadata.description or data.name,
+        "version": data.about.version,
+        "encodingFormat": "application/yaml",
+        "programmingLanguage": {"@id": _LANGUAGE},
+        "softwareRequirements": _ids(_address(name) for name in sorted(made_with)),
+        "input": {"@id": _SEED},
+    }
+    yield {
+        "@id": _LANGUAGE,
+        "@type": "ComputerLanguage",
+        "name": "symolo scenario",
+        "version": made_with.get("symolo", ""),
+        "url": {"@id": _address("symolo")},
+        "identifier": {"@id": _address("symolo")},
+    }
+    yield {
+        "@id": _SEED,
+        "@type": "FormalParameter",
+        "conformsTo": {"@id": f"{_BIOSCHEMAS}/FormalParameter/1.0-RELEASE"},
+        "name": "seed",
+        "description": "Number from which every random value of the dataset is drawn",
+        "additionalType": "Integer",
+        "valueRequired": "True",
+        "workExample": {"@id": _SEED_VALUE},
+    }
+    yield {
+        "@id": _SEED_VALUE,
+        "@type": "PropertyValue",
+        "name": "seed",
+        "value": str(data.metadata.seed),
+        "exampleOfWork": {"@id": _SEED},
+    }
+
+
+def _file(file: PackedFile, encoding: str, description: str) -> dict[str, Any]:
+    return {
+        "@id": file.name,
+        "@type": "File",
+        "name": file.name,
+        "description": description,
+        "encodingFormat": encoding,
+        "contentSize": str(file.size),
+        "sha256": file.sha256,
+    }
+
+
+def _author(author: Author, number: int) -> dict[str, Any]:
+    return {
+        "@id": author.orcid_url if author.orcid else f"#author-{number}",
+        "@type": "Person" if author.given else "Organization",
+        "name": author.name,
+    } | ({"affiliation": {"@id": f"#affiliation-{number}"}} if author.affiliation else {})
+
+
+def _program(name: str, version: str) -> dict[str, Any]:
+    address = _address(name)
+    return {
+        "@id": address,
+        "@type": "SoftwareApplication",
+        "name": name,
+        "softwareVersion": version,
+        "url": {"@id": address},
+    }
+
+
+def _address(program: str) -> str:
+    return "https://www.python.org/" if program == "python" else _ADDRESS.format(program)
+
+
+def _ids(names: Iterable[str]) -> dict[str, str] | list[dict[str, str]]:
+    """Return references; the format recommends a single one without a list."""
+    references = [{"@id": name} for name in names]
+    return references[0] if len(references) == 1 else references
