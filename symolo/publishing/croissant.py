@@ -29,9 +29,10 @@ _CONTEXT: dict[str, Any] = {
     "conformsTo": "dct:conformsTo",
     "data": {"@id": "cr:data", "@type": "@json"},
     "examples": {"@id": "cr:examples", "@type": "@json"},
+    "name": {"@container": "@language"},
+    "description": {"@container": "@language"},
 } | {name: f"cr:{name}" for name in _TERMS.split()}
 _CONTEXT["dataType"] = {"@id": "cr:dataType", "@type": "@vocab"}
-_CONTEXT |= {name: {"@container": "@language"} for name in ("name", "description")}
 
 IMAGE_FILES = "image-files"
 
