@@ -1,5 +1,6 @@
 """Every command of README.md and docs is one; and each runs, made small, in the order of its page (`-m documents`)."""
 
+import math
 import re
 import shlex
 import shutil
@@ -33,16 +34,17 @@ ELSEWHERE = {
     "camera/robot.yaml": "likewise; the robot file of that command",
     "hidden": "as it stands there, in tests/pipeline/diagnosing/test_round_trip.py",
     "found/extended.yaml": "likewise",
+    "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
 }
 """Words of commands that are not run here, and where they are."""
 SCAN = "x,y,lidar\n" + "".join(
-    f"{x},{y},{100 + ((x - 56) ** 2 + (y - 56) ** 2) ** 0.5:.0f}\n"
-    for x in range(0, 113, 8)
-    for y in range(0, 113, 8)
+    f"{x},{y},{950 - 800 * math.exp(-((math.hypot(x - 70, y - 70) / 45) ** 4)):.0f}\n"
+    for x in range(0, 141, 5)
+    for y in range(0, 141, 5)
     for _ in range(3)
 )
-"""A cone instead of a real thing before the sensor, three readings at each point."""
+"""Something round in front of a board, three readings at each point."""
 STATIC_RECORD = "Fs,50.00\nLogging time,20\nd\n" + "100.0\n101.0\n99.0\n103.0\n" * 250
 RELEASES = ("data", "symolo-dataset", "my_release", "A", "B")
 """Releases that pages use without making them; a tutorial makes its own."""
