@@ -54,6 +54,30 @@ def test_a_limit_in_which_the_libraries_fit_is_none(monkeypatch, capsys):
     assert f"may address {needed_mb - 1} MB, and its libraries need up to {needed_mb} MB" in capsys.readouterr().err
 
 
+THREADS = """
+import resource, sys
+from pathlib import Path
+from symolo.core.os_errors import lacking
+from symolo.storage.side_by_side import side_by_side
+used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + int(sys.argv[1]) * 1_000_000, resource.RLIM_INFINITY))
+try:
+    print(sorted(result for _, result in side_by_side(abs, range(-3, 0))))
+except OSError as error:
+    print(lacking(error))
+"""
+
+
+@pytest.mark.parametrize(
+    ("room_mb", "result"), [(1, "not enough memory"), (100, "not enough memory"), (1000, "[1, 2, 3]")]
+)
+def test_too_little_memory_for_threads_is_an_error_and_no_wait_without_end(room_mb, result):
+    """A thread that runs out of memory while it starts would leave Python 3.11 waiting for it."""
+    command = [sys.executable, "-c", THREADS, str(room_mb)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert result in ended.stdout
+
+
 @pytest.mark.faults
 def test_with_any_limit_a_release_is_whole_or_names_the_memory_and_goes_on_without_the_limit(wrong, tree, tmp_path):
     release = ["release", SCENARIO, "--workers", 1, "--out"]
