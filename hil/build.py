@@ -16,7 +16,8 @@ from hil import firmware
 from hil.generate import generate
 from hil.tools import AVR_PACKAGES, NATIVE_PACKAGES
 from symolo.core.errors import EnvironmentLacking, InputError
-from symolo.core.files.atomic_files import make_folder, move, remove_folder, write_file
+from symolo.core.files.atomic_files import make_folder, move, write_file
+from symolo.core.files.new_folder import check_new, new_folder
 from symolo.core.files.scratch_folders import scratch_folder
 
 BAUDS = (115_200, 250_000, 500_000, 1_000_000)
@@ -135,16 +136,15 @@ def write_sketch(
 
     Args:
         robot: Robot whose controller it is.
-        folder: New folder; its name becomes that of the sketch.
+        folder: New or empty folder; its name becomes that of the sketch.
         framing: Framing of the messages.
         baud: One of `BAUDS`.
         exercises: Functions of `student_tasks()` that students write themselves.
 
     Raises:
-        InputError: The folder exists, its name is not allowed for a sketch, or there is no such function.
+        InputError: The folder is not empty, its name is not allowed for a sketch, or there is no such function.
     """
-    if folder.exists():
-        raise InputError(f"{folder}: the folder exists", cure="name a new folder, so that nobody's work is overwritten")
+    check_new(folder)
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}", folder.name):
         raise InputError("name of a sketch", got=folder.name, allowed="letters, digits, '_', '.' and '-'")
     student = student_version(exercises) if exercises else None
@@ -153,12 +153,9 @@ def write_sketch(
         del files["transitions.h"]  # it is the solution
     sketch = {name: text for name, text in files.items() if name not in {"main.c", "native.c", _SKETCH_MAIN}}
     sketch[f"{folder.name}.ino"] = files[_SKETCH_MAIN]
-    partial = folder.with_name(f".{folder.name}.tmp")
-    remove_folder(partial)
-    make_folder(partial)
-    for name, text in sorted(sketch.items()):
-        write_file(partial / name, text.encode())
-    move(partial, folder)
+    with new_folder(folder) as partial:
+        for name, text in sorted(sketch.items()):
+            write_file(partial / name, text.encode())
     return identity
 
 

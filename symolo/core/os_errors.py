@@ -2,6 +2,7 @@
 
 import errno
 import re
+import sys
 
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 """EFBIG too: a limit on the size of files stops the writing of an image as a full disk does."""
@@ -48,10 +49,21 @@ def lacking(error: BaseException) -> str:
     return f"{error}; {cure}" if cure else ""
 
 
+def _is_memory_limited() -> bool:
+    """Return whether the process may address only so much memory; the system then refuses, and does not kill it."""
+    if sys.platform == "win32":
+        return False
+    import resource  # noqa: PLC0415 - Windows has none
+
+    return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
+
+
 def _shortage_behind(error: BaseException | None) -> BaseException | None:
     """Return the error of too little memory that this error is, or that kept a package from loading a library."""
     while error is not None:
         if isinstance(error, MemoryError) or (isinstance(error, Exception) and _NO_MEMORY.search(str(error))):
+            return error
+        if isinstance(error, SystemError) and _is_memory_limited():  # Python 3.11 loses a MemoryError at some places
             return error
         error = (error.__cause__ or error.__context__) if isinstance(error, ImportError) else None
     return None

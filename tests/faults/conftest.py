@@ -129,9 +129,14 @@ class Disk:
         self.folder = folder
 
     def leave(self, pages: int) -> None:
-        """Make the disk so small that this many pages are free; one of an empty disk, since 0 sets no limit."""
+        """Make the disk so small that this many pages are free."""
+        if not self._used_kib():  # a size of 0 would be no limit
+            (self.folder / ".something").write_bytes(bytes(4096))
+        self._resize(f"{self._used_kib() + 4 * pages}k")
+
+    def _used_kib(self) -> int:
         status = os.statvfs(self.folder)
-        self._resize(f"{max(4, (status.f_blocks - status.f_bfree) * status.f_frsize // 1024 + 4 * pages)}k")
+        return (status.f_blocks - status.f_bfree) * status.f_frsize // 1024
 
     def enlarge(self) -> None:
         """Make room for all."""

@@ -98,8 +98,10 @@ def test_a_sketch_for_students_holds_no_solution(nominal, tmp_path):
 
 
 def test_a_folder_that_is_there_is_not_written_over(nominal, tmp_path):
-    with pytest.raises(InputError, match="the folder exists; name a new folder"):
+    (tmp_path / "theirs.ino").touch()
+    with pytest.raises(InputError, match="is there already; name a folder that is new or empty"):
         write_sketch(nominal, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["theirs.ino"]
 
 
 @pytest.mark.parametrize("name", ["my robot", "ü", "-x"])

@@ -46,6 +46,14 @@ def test_too_little_memory_is_named_with_what_to_do(error, reason):
     assert lacking(error) == f"there is not enough memory{reason}{CURE}"
 
 
+def test_an_error_that_python_lost_is_memory_where_memory_is_limited(monkeypatch):
+    """As CPython 3.11 ends where an allocation fails while it cleans up."""
+    lost = SystemError("error return without exception set")
+    assert lacking(lost) == ""
+    monkeypatch.setattr("resource.getrlimit", lambda _: (2_000_000_000, 2_000_000_000))
+    assert lacking(lost) == f"there is not enough memory: error return without exception set{CURE}"
+
+
 def test_opencv_without_memory_is_recognised():
     """An image of 2^30 rows and as many columns is more than any address space."""
     with pytest.raises(cv2.error) as refused:
