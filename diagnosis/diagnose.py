@@ -197,9 +197,8 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     library = replace(library, testable=tuple(e for e in library.testable if e.kind not in of_sessions))
     evidence, selection = _selected(evidence, bare, library.testable)
     result = adequacy(evidence, selection.fit)
-    if not result.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
-        selection = replace(selection, fit=better)
-        result = adequacy(evidence, better)
+    if not result.is_adequate and (better := rescued(evidence, selection, library.testable)) is not None:
+        selection, result = better, adequacy(evidence, better.fit)
     result = _structures_of(evidence, selection, result)
     measured, slow = evidence, wander(evidence, selection.fit)
     if slow is not None:

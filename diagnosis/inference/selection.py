@@ -125,6 +125,29 @@ def select(
     if begin is not None and begin.names:
         (fit,) = fits(evidence, [(begin.fit.hypothesis, begin.fit.x)])
         entries = list(begin.entries)
+    fit, tried = _grown(evidence, base, fit, effects)
+    entries += tried
+    if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
+        pair = _best_pair(evidence, base, fit, effects)
+        if pair is not fit:
+            # What was tried beside the effects before says nothing about these two, so the report has only their steps.
+            fit, tried = _grown(evidence, base, pair, effects)
+            entries = [*_entries_of(evidence, pair), *tried]
+    return Selection(base, fit, tuple(entries))
+
+
+def _grown(
+    evidence: Evidence, base: HypothesisFit, fit: HypothesisFit, effects: Sequence[CandidateEffect]
+) -> tuple[HypothesisFit, list[Entry]]:
+    """Return the fit with one effect after the other in addition, until none is accepted, and the steps.
+
+    Args:
+        evidence: The observations.
+        base: The fit without effects.
+        fit: The fit with the effects to begin with.
+        effects: The effects that may enter.
+    """
+    entries: list[Entry] = []
     while len(fit.hypothesis.effects) < MAX_EFFECTS:
         extended, tried = _entered(evidence, fit, effects)
         entries += tried
@@ -133,9 +156,16 @@ def select(
         fit = _pruned(evidence, _swapped(evidence, extended, effects))
         if fit.cost >= base.cost:
             break
-    if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
-        fit = _best_pair(evidence, base, fit, effects)
-    return Selection(base, fit, tuple(entries))
+    return fit, entries
+
+
+def _entries_of(evidence: Evidence, pair: HypothesisFit) -> list[Entry]:
+    """Return a step for each effect of a pair, with the fall of the cost beside the other one."""
+    drops = [(effect, without(evidence, pair, effect).cost - pair.cost) for effect in pair.hypothesis.effects]
+    return [
+        Entry(effect, drop, accepted=True, reason=f"the cost falls by {drop:.1f} beside the other")
+        for effect, drop in drops
+    ]
 
 
 def _best_pair(
@@ -187,18 +217,21 @@ def _entered(
     return None, entries
 
 
-def rescued(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> HypothesisFit | None:
-    """Return the fit with an additional effect that makes an inadequate model adequate; None if there is none.
+def rescued(evidence: Evidence, selection: Selection, effects: Sequence[CandidateEffect]) -> Selection | None:
+    """Return the selection with an additional effect that makes an inadequate model adequate; None if there is none.
 
     The effect may be too weak to be accepted by itself: here it is known that something is wrong, and only the cause is
     open.
     """
+    fit = selection.fit
     if len(fit.hypothesis.effects) == MAX_EFFECTS:
         return None
     for tried in _extended(evidence, fit, effects):
         effect = tried.hypothesis.added_to(fit.hypothesis)
         if not refusal(evidence, fit, tried, effect, RESCUE) and adequacy(evidence, tried).is_adequate:
-            return tried
+            drop = fit.cost - tried.cost
+            entry = Entry(effect, drop, accepted=True, reason=f"the cost falls by {drop:.1f}, and no structure remains")
+            return Selection(selection.nominal, tried, (*selection.entries, entry))
     return None
 
 

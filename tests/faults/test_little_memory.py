@@ -63,7 +63,7 @@ used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesi
 resource.setrlimit(resource.RLIMIT_AS, (used + int(sys.argv[1]) * 1_000_000, resource.RLIM_INFINITY))
 try:
     print(sorted(result for _, result in side_by_side(abs, range(-3, 0))))
-except OSError as error:
+except (MemoryError, RuntimeError) as error:
     print(lacking(error))
 """
 

@@ -231,6 +231,27 @@ class TestSteps:
         assert select(evidence, fits_by_size[0].hypothesis, ()).fit is worse
         assert grown[0] == 4
 
+    def test_a_better_pair_replaces_the_effects_and_a_third_one_is_tried_beside_it(self, monkeypatch):
+        few: Any = Fake(known={}, fit=np.ones(selection.BEAM_SAMPLES, dtype=bool))
+        base, single, pair, three = fake_fit(100.0), fake_fit(80.0, A), fake_fit(40.0, B, C), fake_fit(20.0, B, C, D)
+        alone = {B: fake_fit(75.0, C), C: fake_fit(90.0, B)}
+        next_of = {base: (single, ["A enters"]), single: (None, ["B is refused"]), pair: (three, ["D enters"])}
+        monkeypatch.setattr(selection, "fits", lambda *_: [base])
+        monkeypatch.setattr(selection, "_entered", lambda _, fit, __: next_of[fit])
+        monkeypatch.setattr(selection, "_swapped", lambda _, fit, __: fit)
+        monkeypatch.setattr(selection, "_pruned", lambda _, fit: fit)
+        monkeypatch.setattr(selection, "without", lambda _, __, effect: alone[effect])
+        monkeypatch.setattr(selection, "_best_pair", lambda *_: pair)
+        found = select(few, base.hypothesis, ())
+        assert found.fit is three
+        assert [(entry.effect, entry.drop, entry.accepted) for entry in found.entries[:2]] == [
+            (B, 35.0, True),
+            (C, 50.0, True),
+        ]
+        assert found.entries[2:] == ("D enters",)
+        monkeypatch.setattr(selection, "_best_pair", lambda _, __, fit, ___: fit)
+        assert select(few, base.hypothesis, ()).entries == ("A enters", "B is refused")
+
     def test_a_selection_goes_on_from_the_effects_of_an_earlier_one(self, evidence, monkeypatch):
         begin = Selection(fake_fit(90.0), fake_fit(50.0, A, B), (Entry(A, 1.0, accepted=True, reason=""),))
         started = []
@@ -261,10 +282,14 @@ class TestSteps:
         monkeypatch.setattr(
             selection, "adequacy", lambda _, fit: SimpleNamespace(is_adequate=fit.hypothesis.effects[-1] in adequate)
         )
-        assert rescued(evidence, fake_fit(100.0, D), ()) is candidates[2]
+        begin = Selection(fake_fit(200.0), fake_fit(100.0, D), (Entry(D, 100.0, accepted=True, reason=""),))
+        found = rescued(evidence, begin, ())
+        assert found is not None
+        assert (found.nominal, found.fit, found.refused) == (begin.nominal, candidates[2], ())
+        assert [(entry.effect, entry.drop, entry.accepted) for entry in found.entries[1:]] == [(C, 10.0, True)]
         assert thresholds == [(A, 9.0), (B, 9.0), (C, 9.0)]
         adequate.remove(C)
-        assert rescued(evidence, fake_fit(100.0, D), ()) is None
+        assert rescued(evidence, begin, ()) is None
 
     def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_9(self, evidence, monkeypatch):
         scanned, goals = [], []

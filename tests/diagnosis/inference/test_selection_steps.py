@@ -151,5 +151,5 @@ def test_an_earlier_effect_gives_way_to_one_that_explains_more(evidence_of, fitt
 
 
 def test_no_fourth_effect_rescues_a_model(evidence_of, effect):
-    three: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3)))
+    three: Any = SimpleNamespace(fit=SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3))))
     assert rescued(evidence_of(X, X), three, [effect("current_sensor_gain")]) is None
