@@ -23,8 +23,9 @@ from diagnosis.inference.naming.named_model import NamedModel, standing
 from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.naming.transfer import groups
 from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclusion
+from diagnosis.inference.refusal import is_of_noise
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
-from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
+from diagnosis.inference.selection import Selection, rescued, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located

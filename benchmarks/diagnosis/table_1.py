@@ -16,7 +16,7 @@ from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import fits
-from diagnosis.inference.selection import needed
+from diagnosis.inference.refusal import needed
 from diagnosis.inference.unexplained.leave_one_out import leave_one_out
 from diagnosis.motor_identification import TABLE_1
 from physics.effects.supply_sag import SupplySag

@@ -15,7 +15,8 @@ from math import exp
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.selection import TOLL, is_negligible, needed, refusal, replaced, without
+from diagnosis.inference.refusal import is_negligible, needed, refusal
+from diagnosis.inference.selection import TOLL, replaced, without
 
 AS_GOOD = 4.6
 """Increase of the cost up to which a rival explains the data as well: its weight is then a tenth of the name's."""

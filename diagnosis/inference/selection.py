@@ -9,11 +9,6 @@ theory says that the threshold suffices for them, and the evidence is the benche
 with no effect, because the first effect may have been a substitute for two later ones. The best single effect need not
 be one of the best pair, so pairs that begin with each of the best few effects are compared with the result, too (beam
 search: Russell and Norvig, Artificial Intelligence, 4th ed., section 4.1.3).
-
-Guards keep outliers from being reported as an effect. The fall must come from several samples. The held-out rows must
-not contradict it. Wider noise is accepted only if the mean has no structure. The tests on samples and held-out rows are
-skipped if more than half of the fall comes from the prior: then a nuisance had left its tolerance and imitated the
-effect in those rows too.
 """
 
 from collections.abc import Sequence
@@ -26,13 +21,10 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.refusal import is_of_noise, needed, refusal
 from diagnosis.inference.scan import Prospect, scan
 from diagnosis.inference.unexplained.adequacy import adequacy
 
-THRESHOLD = 15.0
-"""Fall of the cost from which an effect with one parameter is accepted."""
-PER_PARAMETER = 3.0
-"""Addition to the threshold for each parameter of an effect beyond the first."""
 TOLL = 6.0
 """Penalty for each parameter when effects are compared: the logarithm of some hundreds of rows, as in the Bayesian
 information criterion (Schwarz, Ann. Statist. 6 (1978) 461-464)."""
@@ -42,9 +34,6 @@ MAX_EFFECTS = 3
 """Effects in a model; with more, names mean little."""
 PROMISING = 4
 """Least number of candidates that are fitted in each round, if the expected fall of the cost is not hopeless."""
-NEGLIGIBLE = 0.01
-"""Size relative to the start value, below which an effect does not count: a delay of a millisecond in a log with 20
-rows per second may as well be an integration error."""
 HOPELESS = 4.0
 """Expected fall of the cost up to which a fit is not worth its time."""
 NEARLY = 0.7
@@ -54,20 +43,6 @@ BEAM = 6
 BEAM_SAMPLES = 2000
 """Greatest number of samples with a search for pairs. With few samples several pairs explain much the same; with many,
 swaps find the best one, and each fit takes long."""
-MIN_ROWS = 6.0
-"""Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
-MIN_ROWS_SHARE = 0.1
-"""Share of the samples of the fit."""
-CONFIRMED = 8.0
-"""Fall of the cost of held-out rows, as for a parameter at 2.8 standard errors, from which few samples are enough."""
-MIN_SAMPLES = 8
-"""Least number of samples for naming an effect."""
-NO_SLOPE = 1e-6
-"""Change of the mean in sigmas that may be rounding error."""
-NEAR = 0.1
-"""Distance from a bound in standard errors, up to which an amplitude counts as being at the bound."""
-MAX_WORSE = 2.0
-"""Largest rise of the cost of held-out rows by an accepted effect, in standard deviations of the sum."""
 
 
 @dataclass(frozen=True)
@@ -102,11 +77,6 @@ class Selection:
         """Steps in addition to the selected effects, none of which was accepted."""
         last = max((k for k, entry in enumerate(self.entries) if entry.accepted), default=-1)
         return self.entries[last + 1 :]
-
-
-def needed(effect: CandidateEffect, threshold: float = THRESHOLD) -> float:
-    """Return the fall of the cost from which an effect is accepted."""
-    return threshold + PER_PARAMETER * (len(effect.coordinates) - 1)
 
 
 def select(
@@ -285,82 +255,6 @@ def _needed(fit: HypothesisFit) -> float:
 
 def _toll(fit: HypothesisFit) -> float:
     return sum(TOLL * len(effect.coordinates) for effect in fit.hypothesis.effects)
-
-
-def refusal(
-    evidence: Evidence,
-    before: HypothesisFit,
-    after: HypothesisFit,
-    effect: CandidateEffect,
-    threshold: float = THRESHOLD,
-) -> str:
-    """Return why an effect is not accepted; empty if it is.
-
-    Args:
-        evidence: The observations.
-        before: The fit without the effect.
-        after: The fit with the effect.
-        effect: The effect.
-        threshold: Fall of the cost from which an effect with one parameter is accepted.
-    """
-    drop, min_drop = before.cost - after.cost, needed(effect, threshold)
-    if drop < min_drop:
-        return f"the cost falls by {drop:.1f}, and {min_drop:.0f} are needed"
-    if is_negligible(after, effect):
-        return "the effect is smaller than the integration steps of a simulation resolve"
-    if is_at_bound(after, effect):
-        return "its size would exceed its bounds"
-    if pushed := [e.name for e in before.hypothesis.effects if is_at_bound(after, e) and not is_at_bound(before, e)]:
-        return f"the size of {pushed[0]} would then exceed its bounds"
-    falls = before.costs - after.costs
-    if np.count_nonzero(evidence.fit) < MIN_SAMPLES:
-        return f"fewer than {MIN_SAMPLES} samples"
-    # A nuisance had left its tolerance to imitate the effect and now returns. It imitated the effect in all rows, so
-    # the samples fall by little, and no count of them says anything against the effect.
-    if before.prior_cost - after.prior_cost > 0.5 * drop:
-        return ""
-    if is_of_noise(after, effect) and adequacy(evidence, before).has_cause:
-        return "the mean has structure, which must be explained before the noise"
-    heldout_falls, fit_falls = falls[evidence.heldout], np.maximum(falls[evidence.fit], 0.0)
-    rise = -float(heldout_falls.sum())
-    # Effective number of samples (Kish): the number of equal falls with the same ratio of sum and sum of squares.
-    rows = float(fit_falls.sum() ** 2 / max(float((fit_falls**2).sum()), 1e-300))
-    # If the held-out rows, which were not used for the fit, confirm the effect, it is not made of outliers.
-    if rows < min(MIN_ROWS, MIN_ROWS_SHARE * np.count_nonzero(evidence.fit)) and rise > -CONFIRMED:
-        return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
-    if rise > MAX_WORSE * float(np.sqrt((heldout_falls**2).sum())):
-        return f"the cost of the held-out rows rises by {rise:.1f}"
-    return ""
-
-
-def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
-    """Return whether all amplitudes of an effect are negligible compared with its start values."""
-    at = fit.x[fit.hypothesis.parameters(effect)].tolist()
-    sizes = [
-        abs(x - c.null) / abs(c.start - c.null)
-        for x, c in zip(at, effect.coordinates, strict=True)
-        if c.null is not None
-    ]
-    return all(size < NEGLIGIBLE for size in sizes)
-
-
-def is_at_bound(fit: HypothesisFit, effect: CandidateEffect) -> bool:
-    """Return whether an amplitude or a shape is at its bound, as if the effect imitates another one."""
-    places = fit.hypothesis.parameters(effect)
-    errors = np.sqrt(np.diag(fit.covariance)[places])
-    margins = np.where(np.isfinite(errors), NEAR * errors, 0.0).tolist()
-    for x, c, margin in zip(fit.x[places].tolist(), effect.coordinates, margins, strict=True):
-        # A shape may be near a bound because the data hardly determine it, so only the bound itself counts.
-        if c.null is None and not c.is_ceiling and (x >= c.high or x <= c.low):
-            return True
-        if c.null is not None and not c.is_ceiling and (x + margin >= c.high > c.null or x - margin <= c.low < c.null):
-            return True
-    return False
-
-
-def is_of_noise(fit: HypothesisFit, effect: CandidateEffect) -> bool:
-    """Return whether an effect changes only the noise."""
-    return float(np.abs(fit.slopes[fit.hypothesis.parameters(effect)]).max()) < NO_SLOPE
 
 
 @remembered

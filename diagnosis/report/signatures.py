@@ -19,7 +19,7 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.selection import needed
+from diagnosis.inference.refusal import needed
 from symolo.core.arrays import Array
 
 ALIKE = 0.98

@@ -10,7 +10,7 @@ from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
-from diagnosis.inference.selection import needed
+from diagnosis.inference.refusal import needed
 from diagnosis.inference.unexplained.adequacy import Structure
 from diagnosis.inference.unexplained.wander import Wander
 from diagnosis.report.quantities import (

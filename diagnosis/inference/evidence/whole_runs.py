@@ -20,7 +20,8 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.selection import MAX_EFFECTS, needed
+from diagnosis.inference.refusal import needed
+from diagnosis.inference.selection import MAX_EFFECTS
 from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.pose import Pose, seen_from_body

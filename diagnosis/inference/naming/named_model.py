@@ -8,8 +8,9 @@ from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.naming.transfer import Group, contradiction, supports
 from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, cancel, withheld
+from diagnosis.inference.refusal import is_at_bound, needed
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
-from diagnosis.inference.selection import is_at_bound, needed, without
+from diagnosis.inference.selection import without
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy, change_by, survivors
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.projection import beyond, orthonormal
-from diagnosis.inference.selection import TOLL, is_of_noise
+from diagnosis.inference.refusal import is_of_noise
+from diagnosis.inference.selection import TOLL
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed

@@ -17,8 +17,9 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
 from diagnosis.inference.rivals import confidence
-from diagnosis.inference.selection import PER_PARAMETER, THRESHOLD, TOLL, is_of_noise, needed, without
+from diagnosis.inference.selection import TOLL, without
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from configs.effects.base import Slot
+from diagnosis.inference import refusal as refusals
 from diagnosis.inference import selection
-from diagnosis.inference.selection import Entry, Selection, is_at_bound, refusal, rescued, select
+from diagnosis.inference.refusal import is_at_bound, refusal
+from diagnosis.inference.selection import Entry, Selection, rescued, select
 
 NO_ROWS = np.zeros(0)
 
@@ -69,10 +71,10 @@ class TestRefusal:
             after = fake_fit(
                 1000.0 - falls.sum() - prior_fall, B, C, A, costs=0.0 * costs, prior_cost=0.0, bound=at_bound_after
             )
-            monkeypatch.setattr(selection, "is_negligible", lambda *_: False)
-            monkeypatch.setattr(selection, "is_at_bound", lambda fit, effect: effect in fit.bound)
-            monkeypatch.setattr(selection, "is_of_noise", lambda *_: noise)
-            monkeypatch.setattr(selection, "adequacy", lambda *_: SimpleNamespace(has_cause=cause))
+            monkeypatch.setattr(refusals, "is_negligible", lambda *_: False)
+            monkeypatch.setattr(refusals, "is_at_bound", lambda fit, effect: effect in fit.bound)
+            monkeypatch.setattr(refusals, "is_of_noise", lambda *_: noise)
+            monkeypatch.setattr(refusals, "adequacy", lambda *_: SimpleNamespace(has_cause=cause))
             return refusal(evidence, before, after, A)
 
         return judge
@@ -181,7 +183,7 @@ class TestSteps:
         def refuse(*effects):
             thresholds = []
 
-            def refusal(_, __, ___, effect, threshold=selection.THRESHOLD):
+            def refusal(_, __, ___, effect, threshold=refusals.THRESHOLD):
                 thresholds.append((effect, threshold))
                 return "no" if effect in effects else ""
 

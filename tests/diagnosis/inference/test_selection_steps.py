@@ -8,19 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.fit import fits
-from diagnosis.inference.selection import (
-    _pruned,
-    _swapped,
-    is_negligible,
-    needed,
-    promising,
-    ranked,
-    refusal,
-    replaced,
-    rescued,
-    select,
-    without,
-)
+from diagnosis.inference.refusal import is_negligible, needed, refusal
+from diagnosis.inference.selection import _pruned, _swapped, promising, ranked, replaced, rescued, select, without
 
 SD_A = 0.01
 X = np.linspace(-1.0, 1.0, 120)
