@@ -79,6 +79,9 @@ def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[Con
     yield from _lens_faults(scenario)
     yield from _look_faults(scenario.look)
     yield from _period_faults(scenario.rates, scenario.robot)
+    if scenario.board is not None and scenario.controller is not None:
+        cure = "leave out board or controller"
+        yield ConfigFault(("controller",), "the board drives already", against=("board",), cure=cure)
     for index, route in zip(indices, scenario.routes, strict=True):
         yield from _start_faults(scenario.arena, scenario.robot, route, ("routes", index, "start"))
 

@@ -92,6 +92,7 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         arena=scenario.arena,
         robot=scenario.robot,
         board=scenario.board,
+        controller=scenario.controller,
         look=scenario.look,
         drawn=dict(sorted(drawn.items())),  # type: ignore[arg-type]
     )

@@ -6,6 +6,7 @@ name when they are first needed.
 
 import importlib
 import os
+import re
 import sys
 import traceback
 from collections.abc import Callable, Mapping
@@ -141,6 +142,11 @@ class Family(Generic[Member]):
             raise InputError(f"{self.noun} file", where=where, got=names, allowed=allowed)
         self.check(classes[0], where)
         return classes[0]
+
+
+def name_in_lower_case(member: type) -> str:
+    """Return the name of a class in lower case with underscores: `SupplySag` is `supply_sag`."""
+    return re.sub(r"(?<=.)(?=[A-Z])", "_", member.__name__).lower()
 
 
 @cache

@@ -12,6 +12,7 @@ from configs.assets.folder import with_assets
 from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario
 from configs.overrides import apply_override
 from configs.references import locate, read_file
+from configs.robot_controller import with_chosen
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
 from configs.schema.look import LookConfig
@@ -141,7 +142,8 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
         InputError: Something is wrong; nothing has been drawn yet.
     """
     root = read_file("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
-    root, assets = with_assets(_overridden(root, Scenario, overrides), Shape.of(Scenario))
+    root = with_defaults(with_chosen(_overridden(root, Scenario, overrides)), Shape.of(Scenario))
+    root, assets = with_assets(root, Shape.of(Scenario))
     return _checked(root, assets)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from configs.effects.registry import effects_section
+from configs.robot_controller import controllers_section
 from configs.robot_sensors import sensors_section
 from configs.schema.base import FILE_KEY, FIXED_KEY, Section
 from symolo.core.yaml.tree import FieldPath, Node, merge, node_of
@@ -28,8 +29,8 @@ class Shape:
 
     @classmethod
     def of(cls, model: type[BaseModel]) -> "Shape":
-        """Return the shape of a model, with the effects and sensors that there are now."""
-        return _shape(model, (effects_section(), sensors_section()))
+        """Return the shape of a model, with the effects, sensors and controllers that there are now."""
+        return _shape(model, (effects_section(), sensors_section(), controllers_section()))
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -166,7 +167,7 @@ class Shape:
 
 @cache
 def _shape(model: type[BaseModel], sections: tuple[type[Section], ...]) -> Shape:
-    del sections  # the schema contains them, so that one more effect or sensor makes another schema
+    del sections  # the schema contains them, so that one more effect, sensor or controller makes another schema
     schema = model.model_json_schema()
     return Shape(schema, schema.get("$defs", {}))
 

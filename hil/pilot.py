@@ -15,7 +15,7 @@ from hil.links.base import BoardLink
 from hil.links.lockstep import LockstepLink
 from hil.links.serial_link import SerialLink
 from hil.loop import BoardEvent, BoardPilot, LoopSettings
-from physics.control.base import Command, ControlInput
+from physics.control.base import Observation, Twist
 from physics.run.pilot import Decision
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 
@@ -32,10 +32,12 @@ class PilotFromBoard:
     def events(self) -> tuple[BoardEvent, ...]:
         return tuple(self.loop.events)
 
-    def decide(self, seen: ControlInput, turned: tuple[int, int]) -> Decision:
+    def decide(self, seen: Observation) -> Decision:
         before = len(self.loop.events)
-        orders = self.loop.step(SensorFrame(turned, seen.line, seen.front_m, seen.left_m, seen.right_m))
-        command = Command(orders.v_m_s, orders.w_rad_s, orders.state)
+        orders = self.loop.step(
+            SensorFrame(seen.encoder_increments, seen.line, seen.front_m, seen.left_m, seen.right_m)
+        )
+        command = Twist(orders.v_m_s, orders.w_rad_s, orders.state)
         counts = event_counts(self.loop.events[before:], stopped=orders.stopped)
         return Decision(command, (orders.right_rad_s, orders.left_rad_s), orders.line_lost, counts)
 

@@ -123,14 +123,32 @@ def _options(
             envvar="SYMOLO_SENSOR_FILES", metavar="FILE", help="Python file that defines a sensor; may be repeated."
         ),
     ] = None,
+    controller_file: Annotated[
+        list[Path] | None,
+        typer.Option(
+            envvar="SYMOLO_CONTROLLER_FILES",
+            metavar="FILE",
+            help="Python file that defines the controller of the robot.",
+        ),
+    ] = None,
+    controller_command: Annotated[
+        str | None,
+        typer.Option(
+            envvar="SYMOLO_CONTROLLER_COMMAND",
+            metavar="COMMAND",
+            help="Program that controls the robot by lines of JSON, such as 'python3 my_controller.py'.",
+        ),
+    ] = None,
 ) -> None:
     del version  # its callback has printed it
-    if effect_file or sensor_file:
-        from pipeline.user_files import EFFECTS, SENSORS  # noqa: PLC0415 - loads NumPy, which --help does not need
+    if effect_file or sensor_file or controller_file or controller_command:
+        from pipeline.user_files import FAMILIES, PROGRAM  # noqa: PLC0415 - loads NumPy, which --help does not need
 
-        for family, paths in ((EFFECTS, effect_file), (SENSORS, sensor_file)):
+        for family, paths in zip(FAMILIES, (effect_file, sensor_file, controller_file), strict=True):
             for path in paths or ():
                 family.load(path)
+        if controller_command:
+            PROGRAM.choose(controller_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

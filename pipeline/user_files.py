@@ -1,30 +1,55 @@
-"""Python files outside the project with effects and sensors: loaded here and in the processes that do the work."""
+"""The user's own code: files with effects, sensors and controllers, and the program that controls the robot.
+
+It is loaded here and in the processes that do the work.
+"""
+
+import os
+import shlex
 
 from configs.effects.registry import EFFECTS
-from configs.schema.robot import RobotConfig
+from configs.schema.scenario import RunSpec
+from physics.control.program import PROGRAM, VARIABLE, Program
+from physics.control.registry import CONTROLLERS
 from sensors.registry import SENSORS
 from symolo.core.files.file_hashes import sha256_of
 
-FAMILIES = (EFFECTS, SENSORS)
+FAMILIES = (EFFECTS, SENSORS, CONTROLLERS)
 
 
 def load_from_environment() -> None:
-    """Load the files that `SYMOLO_EFFECT_FILES` and `SYMOLO_SENSOR_FILES` name, separated by colons.
+    """Load the files that `SYMOLO_EFFECT_FILES`, `SYMOLO_SENSOR_FILES` and `SYMOLO_CONTROLLER_FILES` name, separated by
+    colons, and take the program of `SYMOLO_CONTROLLER_COMMAND`.
 
     Raises:
-        InputError: A file is missing, cannot be executed, or its class is not complete.
+        InputError: A file is missing, cannot be executed, or its class is not complete; or there is no such program.
     """
     for family in FAMILIES:
         family.load_from_environment()
+    if command := os.environ.get(VARIABLE):
+        PROGRAM.choose(command)
 
 
 def environment() -> dict[str, str]:
-    """Return the variables with which another process loads the files that are loaded here."""
-    return {name: paths for family in FAMILIES for name, paths in family.environment().items()}
+    """Return the variables with which another process loads the same."""
+    files = {name: paths for family in FAMILIES for name, paths in family.environment().items()}
+    return files | ({VARIABLE: shlex.join(PROGRAM.command)} if PROGRAM.command else {})
 
 
-def hashes_of_files(robot: RobotConfig) -> dict[str, str]:
-    """Return the SHA-256 of each loaded file that this robot needs, by the name of its effect or sensor."""
-    needed = {effect.name for effect in robot.effects} | {*robot.sensors.names}
-    files = {name: file for family in FAMILIES for name, file in family.files.items()}
-    return {name: sha256_of(file.resolve()) for name, file in files.items() if name in needed}
+def hashes_of_files(spec: RunSpec) -> dict[str, str]:
+    """Return the SHA-256 of each loaded file that this run needs, by the name of its effect, sensor or controller."""
+    needed = {effect.name for effect in spec.robot.effects} | {*spec.robot.sensors.names}
+    files = {name: file for family in (EFFECTS, SENSORS) for name, file in family.files.items()}
+    hashes = {name: sha256_of(file.resolve()) for name, file in files.items() if name in needed}
+    if spec.controller is None:
+        return hashes
+    if spec.controller.name == Program.name:  # its command line as well
+        hashes |= {f"{Program.name}.{place}": word for place, word in enumerate(PROGRAM.command)}
+    return hashes | hashes_of_controller(spec.controller.name)
+
+
+def hashes_of_controller(name: str) -> dict[str, str]:
+    """Return the SHA-256 of the file of a controller; a program has one for each file in its command line."""
+    if name == Program.name:
+        return {f"{name}.{place}": sha256_of(file.resolve()) for place, file in PROGRAM.files().items()}
+    file = CONTROLLERS.files.get(name)
+    return {name: sha256_of(file.resolve())} if file else {}

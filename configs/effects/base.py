@@ -5,7 +5,6 @@ The class holds all that the project knows about the effect. Its fields are conf
 define the simulation; `cause` and `excitation` are texts of report and documentation.
 """
 
-import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from types import MappingProxyType
@@ -14,6 +13,7 @@ from typing import Any, ClassVar, TypeVar, get_args
 from typing_extensions import Self
 
 from configs.effects.parameter import Parameter, Plausible
+from configs.families import name_in_lower_case
 from configs.faults import ConfigFault
 from configs.schema.base import Section
 from symolo.core.text_enum import TextEnum
@@ -127,7 +127,7 @@ class Effect(Section):
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:  # noqa: ANN401 - as pydantic declares it
         super().__pydantic_init_subclass__(**kwargs)
-        cls.name = re.sub(r"(?<=.)(?=[A-Z])", "_", cls.__name__).lower()
+        cls.name = name_in_lower_case(cls)
 
     def apply(self, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401 - each slot has its own arguments
         """Return the first argument changed by this effect. The function is pure; `Slot` lists its arguments."""

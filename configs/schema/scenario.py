@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
+from configs.robot_controller import ChosenController
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, absent, disagreement
 from configs.schema.board import Board
@@ -163,6 +164,9 @@ class Scenario(Section):
     """Robot: the name of a shipped one, the path of a YAML file, or its settings here."""
     board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
     """Board that drives the robot instead of the built-in controller."""
+    controller: ChosenController | None = Field(default_factory=absent, exclude_if=lambda chosen: chosen is None)
+    """Controller that drives the robot instead of the built-in one: its name, with its settings; the settings of the
+    built-in one are `robot.controller`."""
     look: LookConfig
     """Look: the name of a shipped one, the path of a YAML file, or its settings here."""
 
@@ -181,6 +185,7 @@ class RunSpec(Section):
     arena: ArenaConfig
     robot: RobotConfig
     board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
+    controller: ChosenController | None = Field(default_factory=absent, exclude_if=lambda chosen: chosen is None)
     look: LookConfig
     drawn: dict[str, float | int | str | bool]
     """Drawn values by field path within this specification, for example `look.sun.elevation_deg`; those of a generated

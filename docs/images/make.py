@@ -24,7 +24,10 @@ from PIL import Image
 import symolo
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from physics.control.registry import CONTROLLERS
 from pipeline.cli import main as symolo_command
+from pipeline.gym.environment import DriveEnvironment
+from pipeline.stages.simulate import simulate
 from symolo.arena.geometry import Arena
 
 HERE = Path(__file__).parent
@@ -170,6 +173,40 @@ def arenas(_workspace: Path) -> None:
     figure.savefig(HERE / "arenas.png", metadata={"Software": None})
 
 
+def controllers(_workspace: Path) -> None:
+    """Write the paths of the built-in controller, of one that follows the line, and of a random agent."""
+    figure = Figure(figsize=(9.0, 3.0), dpi=100)
+    for number, (name, path) in enumerate(_paths_of_controllers().items()):
+        axes = figure.add_axes((number / 3, 0.0, 1 / 3, 0.9), title=name)
+        _draw_arena(axes, Arena.from_config(draw_run(load_scenario("smoke"), "CW", 1).arena))
+        axes.plot(*path.T, color="#1f77b4", linewidth=1.5)
+        axes.plot(*path[0], marker="o", color="#1f77b4", markersize=5)
+        axes.set_aspect("equal")
+        axes.margins(0.04)
+        axes.axis("off")
+    figure.savefig(HERE / "controllers.png", metadata={"Software": None})
+
+
+def _paths_of_controllers() -> dict[str, np.ndarray]:
+    """Return the path (N, 2) of each controller in the first 36 s of a lap, or until it touches something."""
+    settings = ("stop.lap=false", "stop.time_limit_s=36")
+    paths = {"built-in controller": simulate(draw_run(load_scenario("smoke", settings), "CW", 1))}
+    example = CONTROLLERS.load(HERE.parents[1] / "examples/line_follower.py")
+    paths["examples/line_follower.py"] = simulate(draw_run(load_scenario("smoke", settings), "CW", 1))
+    by_name = {name: outcome.recording.trajectory.pose[:, :2] for name, outcome in paths.items()}
+    CONTROLLERS.unload(CONTROLLERS.files[example.name])
+    environment = DriveEnvironment("smoke", settings)
+    environment.action_space.seed(1)
+    poses = [environment.reset(seed=1)[1]["pose"]]
+    over = False
+    while not over:
+        _, _, terminated, truncated, info = environment.step(environment.action_space.sample())
+        poses.append(info["pose"])
+        over = terminated or truncated
+    environment.close()
+    return {**by_name, "random agent": np.array(poses)[:, :2]}
+
+
 def preview(workspace: Path) -> None:
     """Write the sheet of a preview."""
     sheet = workspace / "preview.jpg"
@@ -238,6 +275,7 @@ IMAGES: dict[str, Callable[[Path], None]] = {
     "run": animation,
     "annotations": annotations,
     "arenas": arenas,
+    "controllers": controllers,
     "preview": preview,
     "baselines": baselines,
     "diagnosis": diagnosis,

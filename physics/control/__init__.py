@@ -1,1 +1,4 @@
-"""The controller of the robot: line, wall, corner, avoidance and lost behaviour at the control rate."""
+"""Controllers of the robot: the built-in one (line, wall, corner, avoidance and lost behaviour), and those of users."""
+
+CONTROLLERS = ("built_in", "program")
+"""Modules of this package with a controller, one class each."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from configs.schema.controller import Avoidance, CurveAvoidance
-from physics.control.base import ControlInput, Side, other
+from physics.control.base import Observation, Side, other
 from physics.control.paths import AvoidancePath, curve_path
 from symolo.core.geometry.poses import PlanarPose
 
@@ -69,7 +69,7 @@ class BendMemory:
             self.bend = "left" if self.turned_rad > 0 else "right"
 
 
-def curve_pass(seen: ControlInput, bends: BendMemory, config: Avoidance) -> CurvePass | None:
+def curve_pass(seen: Observation, bends: BendMemory, config: Avoidance) -> CurvePass | None:
     """Return how to pass the obstacle that is now in the way, or None without one.
 
     An obstacle straight ahead or at the end of the present bend is passed on the inside, where a tight line leaves most

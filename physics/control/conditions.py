@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from configs.schema.controller import Controller
 from physics.control.avoidance import PathFollower
-from physics.control.base import ControlInput, Side, other
+from physics.control.base import Observation, Side, other
 from physics.control.bends import CurvePass
 from physics.control.curves import CurveFollower
 from symolo.dataset.codes import State
@@ -16,7 +16,7 @@ from symolo.dataset.codes import State
 class ControlView:
     """Everything that conditions depend on: the input, the settings and the controller's memory."""
 
-    seen: ControlInput
+    seen: Observation
     config: Controller
     line_error: float | None
     follower: PathFollower | CurveFollower | None

@@ -5,7 +5,7 @@ from enum import Enum, auto
 
 from configs.schema.controller import Avoidance, CurveAvoidance
 from physics.control.avoidance import PathFollower
-from physics.control.base import ControlInput, sign_of
+from physics.control.base import Observation, sign_of
 from physics.control.bends import CurveBook, CurvePass
 from physics.control.facing import ObstacleFacing
 from symolo.core.geometry.poses import PlanarPose
@@ -52,7 +52,7 @@ class CurveFollower:
     def finished(self) -> bool:
         return self._phase is _CurvePhase.DONE
 
-    def step(self, seen: ControlInput, line_error: float | None) -> tuple[float, float]:
+    def step(self, seen: Observation, line_error: float | None) -> tuple[float, float]:
         """Return the forward speed [m/s] and yaw rate [rad/s] for this tick; `line_error` is None without a line."""
         odometry = seen.odometry
         facing = self._facing.step(seen)

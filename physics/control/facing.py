@@ -4,7 +4,7 @@ import math
 from enum import Enum, auto
 
 from configs.schema.controller import FaceObstacle
-from physics.control.base import ControlInput, Side, sign_of
+from physics.control.base import Observation, Side, sign_of
 from symolo.core.geometry.poses import PlanarPose
 
 
@@ -43,7 +43,7 @@ class ObstacleFacing:
     def done(self) -> bool:
         return self._phase is _FacingPhase.DONE
 
-    def step(self, seen: ControlInput) -> tuple[float, float]:
+    def step(self, seen: Observation) -> tuple[float, float]:
         """Return the forward speed [m/s] and yaw rate [rad/s] for this tick; zero when done."""
         if (next_phase := self._next_phase(seen)) is not self._phase:
             self._phase, self._since = next_phase, seen.odometry
@@ -63,7 +63,7 @@ class ObstacleFacing:
             case _FacingPhase.DONE:
                 return 0.0, 0.0
 
-    def _next_phase(self, seen: ControlInput) -> _FacingPhase:
+    def _next_phase(self, seen: Observation) -> _FacingPhase:
         config, yaw = self._config, seen.odometry[2]
         visible = seen.front_m < config.seen_below_m
         travelled_m = math.dist(seen.odometry[:2], self._since[:2])
@@ -86,7 +86,7 @@ class ObstacleFacing:
             case _:
                 return self._phase
 
-    def _swept(self, seen: ControlInput, turned_rad: float) -> _FacingPhase:
+    def _swept(self, seen: Observation, turned_rad: float) -> _FacingPhase:
         visible = seen.front_m < self._config.seen_below_m
         if visible:
             self._sweep.append((seen.front_m, seen.odometry[2]))

@@ -72,8 +72,16 @@ def assemble(
             image_cpus = processors(workspace.render(spec.key), annotate)
             if len(image_cpus) > 1:
                 stage.say(f"{spec.key}: {of_several_classes(image_cpus)}")
-            device, board = rendered.device, outcome.board
-            record = RunRecord.of(spec, rows, outcome.lap_time_s, warnings, device, cpus=image_cpus, board=board)
+            record = RunRecord.of(
+                spec,
+                rows,
+                outcome.lap_time_s,
+                warnings,
+                rendered.device,
+                cpus=image_cpus,
+                board=outcome.board,
+                controller=outcome.controller,
+            )
             records.append(record)
             cpus |= {outcome.cpu, *image_cpus}
             stage.update(spec.key, 1)

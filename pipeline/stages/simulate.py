@@ -3,31 +3,25 @@
 import math
 from collections import defaultdict
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 
 import numpy as np
 
 from configs.schema.scenario import RunSpec
-from physics.bullet.simulation import BulletSimulation
-from physics.control.base import ControlInput
-from physics.run.lap import Lap
-from physics.run.pilot import BuiltInPilot, Decision, Pilot
-from sensors.base import Reading
-from sensors.fit_out import fit_out
+from physics.control.base import Observation
+from physics.run.pilot import ControllerPilot, Decision, Pilot
+from pipeline.stages.closed_loop import ClosedLoop
 from sensors.instruments import read_current_A, read_speed_rad_s
-from sensors.odometry import Odometry
-from sensors.suite import SensorSuite
-from symolo.arena.geometry import Arena
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
 from symolo.core.time_series import Recording, TimeSeries, Trajectory
-from symolo.dataset.codes import State
 from symolo.dataset.tables.obstacles import obstacle_series
 from symolo.dataset.tables.side_tables import BOARD_SERIES
 
 Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""
-Watch = Callable[[float, ControlInput, Decision], None]
+Watch = Callable[[float, Observation, Decision], None]
 """Called at each control tick with the simulated time [s], the readings for the pilot and its decision."""
 
 
@@ -49,41 +43,27 @@ def simulate(
     Args:
         spec: Run specification.
         progress: Called with the time that has passed.
-        pilot: The pilot that drives; by default the built-in controller.
+        pilot: The pilot that drives; by default the controller of the specification.
         watch: Called at every control tick.
+
+    Raises:
+        InputError: The class of the controller, or its program, is not there.
+        RunFailed: The controller cannot start.
     """
-    arena = Arena.from_config(spec.arena)
-    start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
-    with BulletSimulation(spec.robot, arena, start, spec.rates) as world:
-        return _ClosedLoop(spec, arena, start, world, pilot or BuiltInPilot(spec.robot), watch).drive(progress)
+    with ClosedLoop(spec) as loop:
+        if pilot is not None:
+            return _Recorder(spec, loop, pilot, watch).drive(progress)
+        rng = stream(spec.seed, spec.route, spec.run, "controller")
+        with closing(ControllerPilot.of(spec.robot, spec.rates.control_hz, rng, spec.controller)) as own:
+            return _Recorder(spec, loop, own, watch).drive(progress)
 
 
-class _ClosedLoop:
-    def __init__(  # noqa: PLR0917 - everything that a run needs
-        self,
-        spec: RunSpec,
-        arena: Arena,
-        start: tuple[float, float, float],
-        world: BulletSimulation,
-        pilot: Pilot,
-        watch: Watch | None,
-    ) -> None:
-        self._spec = spec
-        self._pilot = pilot
-        self._watch = watch
-        self._world = world
-        self._arena = arena
-        robot, rates = spec.robot, spec.rates
-        self._tick_steps = rates.physics_hz // rates.control_hz
-        self._ticks_per_image = rates.control_hz // rates.camera_hz
-        sensors = fit_out(
-            robot, arena, rates.physics_hz, lambda name: stream(spec.seed, spec.route, spec.run, "sensors", name)
-        )
-        self._suite = SensorSuite(sensors, self._tick_steps)
-        self._odometry = Odometry.from_config(robot)
-        self._believed = (0.0, 0.0, 0.0)
-        self._counts = np.zeros(2, dtype=np.int64)
-        self._lap = Lap(start)
+class _Recorder:
+    """A run from its first tick to its end, with everything that is recorded of it."""
+
+    def __init__(self, spec: RunSpec, loop: ClosedLoop, pilot: Pilot, watch: Watch | None) -> None:
+        self._spec, self._loop, self._pilot, self._watch = spec, loop, pilot, watch
+        self._ticks_per_image = spec.rates.control_hz // spec.rates.camera_hz
         self._units: dict[str, str] = {}
         self._values: dict[str, list[object]] = defaultdict(list)
         """Recorded values by name of the series, one for each control tick; they are stacked at the end."""
@@ -98,19 +78,21 @@ class _ClosedLoop:
             try:
                 self._tick(tick)
             except RunFailed as error:
+                if tick == 0:  # there is nothing to record
+                    raise
                 problems.append(str(error))
                 break
-            if touched := self._world.touching():
+            if touched := self._loop.world.touching():
                 problems.append(f"touched {', '.join(touched)} at {time_s:.2f} s")
                 break
-            if self._lap.closed and lap_time_s is None:
+            if self._loop.lap.closed and lap_time_s is None:
                 lap_time_s = time_s
                 if spec.stop.lap:
                     break
             if progress is not None and tick % spec.rates.control_hz == 0:
                 progress(time_s, spec.stop.time_limit_s)
         if spec.stop.lap and lap_time_s is None and not problems:
-            x, y, _ = self._world.pose()
+            x, y, _ = self._loop.world.pose()
             problems.append(
                 f"lap not finished within {spec.stop.time_limit_s:g} s, last at x = {x:.2f}, y = {y:.2f} m"
                 f" in state {self._values['state'][-1]}"
@@ -118,30 +100,22 @@ class _ClosedLoop:
         return Outcome(self._recording(), not problems, tuple(problems), lap_time_s)
 
     def _tick(self, tick: int) -> None:
-        readings = self._suite.read_at_tick(self._world, tick)
-        counts = np.asarray(readings["encoders"], dtype=np.int64)
-        turned = counts - self._counts
-        self._believed = self._odometry.step(self._believed, turned)
-        self._counts = counts
-        front_m, left_m, right_m = (float(range_m) for range_m in readings["tof"][:, 0])
-        line = tuple(float(reflectance) for reflectance in readings["line"])
-        control_input = ControlInput(line, front_m, left_m, right_m, self._believed)
-        decision = self._pilot.decide(control_input, (int(turned[0]), int(turned[1])))
+        seen = self._loop.observe(tick)
+        decision = self._pilot.decide(seen)
         if self._watch is not None:
-            self._watch(tick / self._spec.rates.control_hz, control_input, decision)
-        self._world.set_wheel_speeds(*decision.wheels_rad_s)
-        self._lap.update(self._world.pose(), on_track=decision.command.state is State.LINE)
-        self._record(tick, readings, decision)
+            self._watch(seen.t_s, seen, decision)
+        self._loop.act(decision)
+        self._record(tick, seen, decision)
 
-    def _record(self, tick: int, readings: dict[str, Reading], decision: Decision) -> None:
-        world, command = self._world, decision.command
+    def _record(self, tick: int, seen: Observation, decision: Decision) -> None:
+        loop, world, command = self._loop, self._loop.world, decision.command
         image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
         row: list[tuple[str, str, object]] = [
             ("pose", "m, m, rad", world.pose()),
             ("twist", "m/s, rad/s", world.twist()),
             ("state", "1", int(command.state)),
-            *((series.name, series.unit, values) for series, values in self._suite.recorded(readings)),
-            ("odometry", "m, m, rad", self._believed),
+            *((series.name, series.unit, values) for series, values in loop.suite.recorded(loop.readings)),
+            ("odometry", "m, m, rad", seen.odometry),
             ("wheel_speed_rad_s", "rad/s", world.wheel_speeds()),
             ("voltage_V", "V", world.voltages()),
             ("mean_voltage_V", "V", world.take_mean_voltages()),
@@ -168,4 +142,4 @@ class _ClosedLoop:
             for name, values in stacked.items()
             if name not in in_trajectory
         ]
-        return Recording(trajectory, (*series, *obstacle_series(self._arena, t_s)))
+        return Recording(trajectory, (*series, *obstacle_series(self._loop.arena, t_s)))

@@ -12,11 +12,12 @@ from configs.schema.board import Board
 from configs.schema.scenario import RunSpec
 from hil.loop import BoardEvent
 from hil.pilot import PilotFromBoard, build_for, counted, firmware_id_of, pilot_from_board
+from physics.run.pilot import controller_class
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.stages.beyond_range import range_warnings
 from pipeline.stages.suspicious_run import run_warnings
-from pipeline.user_files import hashes_of_files
+from pipeline.user_files import hashes_of_controller, hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import UnitFailure
 from pipeline.work.unit_progress import report_event
@@ -29,7 +30,7 @@ from symolo.core.progress import Report, plural
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
-from symolo.dataset.documents.metadata import BoardRecord, FailedRun
+from symolo.dataset.documents.metadata import BoardRecord, ControllerRecord, FailedRun
 from symolo.dataset.layout import SPEC
 
 if TYPE_CHECKING:
@@ -58,6 +59,8 @@ class RunOutcome(BaseModel):
     """Class of the processor; empty where it was not noted."""
     board: BoardRecord | None = None
     """The board that drove the robot in place of the built-in controller."""
+    controller: ControllerRecord | None = Field(default=None, exclude_if=lambda controller: controller is None)
+    """The controller of the user that drove the robot."""
     events: tuple[str, ...] = ()
     """Events on the line to the board with their times, at most MAX_EVENTS."""
     beyond_ranges: tuple[str, ...] = Field(default=(), exclude_if=lambda texts: not texts)
@@ -87,7 +90,7 @@ def simulation_inputs(spec: RunSpec) -> dict:
 def simulation_key(spec: RunSpec) -> str:
     programs = versions("symolo", "pybullet", "numpy", "scipy")
     inputs = {"format": FORMAT, "run": simulation_inputs(spec), "versions": programs}
-    if files := hashes_of_files(spec.robot):
+    if files := hashes_of_files(spec):
         inputs["files"] = files
     if spec.board and spec.board.kind == "simulated":
         inputs["firmware"] = firmware_id_of(spec.robot, spec.board)
@@ -131,14 +134,18 @@ def problems_of(workspace: Workspace, specs: Sequence[RunSpec]) -> list[FailedRu
     ]
 
 
-def prepare_boards(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
-    """Build the simulated board and firmware for the runs that are not done yet, before any of them begins.
+def prepare_pilots(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
+    """Build the simulated board and firmware for the runs that are not done yet, before any of them begins, and check
+    that there is their controller.
 
     Raises:
-        InputError: A real board is required, which only `symolo hil` can use.
+        InputError: A real board is required, which only `symolo hil` can use, or a controller's class or program is not
+            there.
         EnvironmentLacking: A compiler or library is missing.
     """
     for spec in specs:
+        if spec.controller is not None:
+            controller_class(spec.controller)
         if spec.board is None or workspace.simulate(spec.key).is_done(simulation_key(spec)):
             continue
         if spec.board.kind == "serial":
@@ -208,12 +215,19 @@ def _publish(
         images=int((recording["image"].values > 0).sum()),
         cpu=cpu_class(),
         board=_board_record(spec.board, pilot) if spec.board and pilot else None,
+        controller=_controller_record(spec),
         events=_event_lines(pilot.events, spec.rates.control_hz) if pilot else (),
         beyond_ranges=range_warnings(spec.robot, recording),
         suspicions=run_warnings(spec, recording),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))
     folder.publish(partial, key, over=bool(spec.board and spec.board.kind == "serial"))
+
+
+def _controller_record(spec: RunSpec) -> ControllerRecord | None:
+    if spec.controller is None:
+        return None
+    return ControllerRecord(name=spec.controller.name, files=hashes_of_controller(spec.controller.name))
 
 
 def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:

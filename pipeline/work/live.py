@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from configs.schema.scenario import RunSpec
-from physics.control.base import ControlInput
+from physics.control.base import Observation
 from physics.run.pilot import Decision
 from symolo.dataset.codes import BOARD_COLUMNS
 from symolo.dataset.documents.metadata import STATES
@@ -29,7 +29,7 @@ class LiveView:
         self._began_s = self._shown_s = time.monotonic()
         self._counts = dict.fromkeys(BOARD_COLUMNS, 0)
 
-    def show(self, t_s: float, seen: ControlInput, decision: Decision) -> None:
+    def show(self, t_s: float, seen: Observation, decision: Decision) -> None:
         """Take one control tick; the view is updated ten times a second."""
         for name, count in zip(BOARD_COLUMNS, decision.board, strict=bool(decision.board)):
             self._counts[name] += count
@@ -38,7 +38,7 @@ class LiveView:
             self._shown_s = now_s
             self._live.update(self._table(t_s, seen, decision, now_s - self._began_s), refresh=True)
 
-    def _table(self, t_s: float, seen: ControlInput, decision: Decision, passed_s: float) -> Table:
+    def _table(self, t_s: float, seen: Observation, decision: Decision, passed_s: float) -> Table:
         command, right, left = decision.command, *decision.wheels_rad_s
         table = Table.grid(padding=(0, 2))
         table.add_row("run", f"{self._spec.key}   {t_s:.1f} s of at most {self._spec.stop.time_limit_s:g} s")

@@ -18,6 +18,7 @@ EXTRA_OF = {
     "obstore": "cloud",
     "cryptography": "sign",
     "ray": "cluster",
+    "gymnasium": "gym",
 }
 """Extra of symolo by the name under which a package is imported."""
 

@@ -11,6 +11,8 @@ import pytest
 from typer.main import get_command
 
 from configs.loader import load_scenario, load_section
+from physics.control.program import PROGRAM
+from physics.control.registry import CONTROLLERS
 from pipeline.cli import command_line, main
 
 ROOT = Path(__file__).parents[2]
@@ -91,10 +93,10 @@ def test_its_commands_parse(page, tmp_path, monkeypatch):
 
 
 def _save_files_of(page, folder):
-    """YAML files that a page says to write: blocks whose first line is a comment with the name of the file."""
+    """Files that a page says to write: blocks whose first line is a comment with the name of the file."""
     text = page.read_text()
-    for block in (*re.findall(r"^```yaml\n(.*?)^```", text, re.MULTILINE | re.DOTALL), *_indented(text)):
-        if named := re.match(r"# ([\w.-]+\.yaml)\b", block):
+    for block in (*re.findall(r"^```(?:yaml|python)\n(.*?)^```", text, re.MULTILINE | re.DOTALL), *_indented(text)):
+        if named := re.match(r"# ([\w.-]+\.(?:yaml|py))\b", block):
             (folder / named.group(1)).write_text(block)
 
 
@@ -129,6 +131,7 @@ def desk(tmp_path, release, monkeypatch):
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
     about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]
     (tmp_path / "about.yaml").write_text(about)
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.setenv("SYMOLO_PASSPHRASE", "correct horse")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -153,9 +156,17 @@ def test_its_commands_run(page, desk):
         made.add(out)
         # What is compared here need not be the same.
         assert main(_made_small(words)) in ({0, 7} if words[0] == "compare" else {0}), command
+        _forget_controllers()
     if page.parent.name == "tutorials":
         for program in re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL):
             exec(program, {})  # noqa: S102 - our own page
+
+
+def _forget_controllers():
+    """As a new process would, into which a reader types the next command."""
+    PROGRAM.command = ()
+    for file in [*CONTROLLERS.files.values()]:
+        CONTROLLERS.unload(file)
 
 
 def _removed(path):

@@ -272,11 +272,11 @@ def test_the_report_shows_columns_limits_and_a_plot(released, tmp_path, symolo):
 
 def test_a_run_is_simulated_again_where_the_file_changed_and_workers_load_the_same_file(toy, tmp_path):
     spec = drawn(f"{TRAVEL}=0.02")
-    before = hashes_of_files(spec.robot)
+    before = hashes_of_files(spec)
     assert before.keys() == {"bumper"}
-    assert hashes_of_files(drawn().robot) == {}
+    assert hashes_of_files(drawn()) == {}
     written(tmp_path, TOY + "# changed\n")
-    assert hashes_of_files(spec.robot) != before
+    assert hashes_of_files(spec) != before
     assert environment()["SYMOLO_SENSOR_FILES"] == str(tmp_path / "bumper.py")
     assert toy in SENSORS.classes()
 

@@ -94,6 +94,14 @@ class BoardRecord(Record):
     """Number of other faults on the line, by the column of side/board.csv."""
 
 
+class ControllerRecord(Record):
+    """The controller that drove a run in place of the built-in one."""
+
+    name: str
+    files: dict[str, str]
+    """SHA-256 of its file; for a program that of each file in its command line, by its place there."""
+
+
 class RunRecord(Record):
     """Facts of one released run."""
 
@@ -125,6 +133,8 @@ class RunRecord(Record):
     annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
     board: BoardRecord | None = Field(default=None, exclude_if=lambda board: board is None)
     """Record of the controller board; None if the built-in controller drove."""
+    controller: ControllerRecord | None = Field(default=None, exclude_if=lambda controller: controller is None)
+    """Record of the user's controller; None if the built-in one or a board drove."""
 
     @classmethod
     def of(
@@ -137,6 +147,7 @@ class RunRecord(Record):
         *,
         cpus: Sequence[str] = (),
         board: BoardRecord | None = None,
+        controller: ControllerRecord | None = None,
     ) -> "RunRecord":
         """Return the facts of a run.
 
@@ -148,6 +159,7 @@ class RunRecord(Record):
             render_device: Device that rendered the images, in the words of Cycles.
             cpus: Classes of the processors that made images and annotations.
             board: The board that drove, if there was one.
+            controller: The user's controller that drove, if there was one.
         """
         spec = RunDocument.model_validate(specification)
         changes = np.flatnonzero(np.diff(rows.state)) + 1
@@ -176,6 +188,7 @@ class RunRecord(Record):
             drawn=dict(spec.drawn),
             annotations=spec.render.annotations,
             board=board,
+            controller=controller,
         )
 
 

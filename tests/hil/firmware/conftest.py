@@ -11,10 +11,11 @@ import pytest
 from configs.loader import RobotAlone, load_section
 from configs.validation import validated
 from hil.build import build_native
-from physics.control.base import Command, ControlInput
-from physics.control.controller import RobotController
+from physics.control.base import ControllerSettings, Observation, Twist
+from physics.control.built_in import BuiltIn
 from physics.control.curves import CurveFollower
 from sensors.odometry import Odometry
+from symolo.core.random_streams import stream
 from symolo.dataset.codes import State
 
 
@@ -44,7 +45,7 @@ class Reference:
     """The controller in Python, told what the wire can hold; keeps the drive."""
 
     def __init__(self, robot):
-        self._controller = RobotController(robot.controller, robot.line_sensor.threshold)
+        self._controller = BuiltIn(ControllerSettings(), robot, 20, stream(1))
         self._odometry = Odometry.from_config(robot)
         self._pose = (0.0, 0.0, 0.0)
         self.drive = Drive()
@@ -53,10 +54,10 @@ class Reference:
     def state(self):
         return self._controller.state
 
-    def step(self, counts, line, ranges_mm) -> Command:
+    def step(self, counts, line, ranges_mm) -> Twist:
         self._pose = self._odometry.step(self._pose, np.array(counts, dtype=np.int64))
         ranges_m = (int(range_mm) * 0.001 for range_mm in ranges_mm)
-        seen = ControlInput(tuple(int(value) / 255 for value in line), *ranges_m, self._pose)
+        seen = Observation(tuple(int(value) / 255 for value in line), *ranges_m, self._pose)
         command = self._controller.step(seen)
         self._keep(counts, line, ranges_mm, command)
         return command

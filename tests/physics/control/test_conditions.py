@@ -2,7 +2,7 @@
 
 import pytest
 
-from physics.control.base import ControlInput
+from physics.control.base import Observation
 from physics.control.bends import CurvePass
 from physics.control.conditions import CONDITIONS, ControlView
 from symolo.dataset.codes import State
@@ -14,7 +14,7 @@ STEP_M = 1e-6
 def holds(robot):
     def holds(condition, argument="", line_error=None, front=2.0, curve=None, **sides):
         ranges = {"left": 2.0, "right": 2.0} | sides
-        seen = ControlInput((0.9,) * 8, front, ranges["left"], ranges["right"], (0.0, 0.0, 0.0))
+        seen = Observation((0.9,) * 8, front, ranges["left"], ranges["right"], (0.0, 0.0, 0.0))
         view = ControlView(seen, robot.controller, line_error, None, State.LINE, curve)
         return CONDITIONS[condition].holds(view, argument)
 

@@ -4,8 +4,9 @@ import math
 
 import pytest
 
-from physics.control.base import ControlInput
-from physics.control.controller import RobotController
+from physics.control.base import ControllerSettings, Observation
+from physics.control.built_in import BuiltIn
+from symolo.core.random_streams import stream
 from symolo.dataset.codes import State
 
 WHITE = (0.9,) * 8
@@ -15,12 +16,12 @@ WALL = 0.17  # the target distance of 0.12 m seen at 45 degrees
 
 
 def seen(line=WHITE, front=NOTHING, left=NOTHING, right=NOTHING, at=(0.0, 0.0, 0.0)):
-    return ControlInput(line, front, left, right, at)
+    return Observation(line, front, left, right, at)
 
 
 @pytest.fixture
 def controller(robot):
-    return RobotController(robot.controller, robot.line_sensor.threshold)
+    return BuiltIn(ControllerSettings(), robot, 20, stream(1))
 
 
 @pytest.fixture
@@ -152,7 +153,7 @@ def test_beside_a_wall_the_path_is_driven_to_its_end_and_the_wall_taken_up_again
 
 def test_on_a_line_the_left_is_tried_first_and_the_right_where_it_is_blocked(robot):
     for left, state in ((NOTHING, State.AVOID_LEFT), (0.3, State.AVOID_RIGHT)):
-        controller = RobotController(robot.controller, robot.line_sensor.threshold)
+        controller = BuiltIn(ControllerSettings(), robot, 20, stream(1))
         assert controller.step(seen(ON_LINE, front=0.19, left=left)).state is state
 
 

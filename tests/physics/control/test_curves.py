@@ -5,7 +5,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.control.base import ControlInput
+from physics.control.base import Observation
 from physics.control.bends import BendMemory, curve_pass
 from physics.control.paths import curve_path
 
@@ -24,7 +24,7 @@ def bends(avoidance):
 
 
 def seen(front=NOTHING, left=NOTHING, right=NOTHING):
-    return ControlInput(WHITE, front, left, right, (0.0, 0.0, 0.0))
+    return Observation(WHITE, front, left, right, (0.0, 0.0, 0.0))
 
 
 def drive_arc(bends, turn):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from physics.control.base import ControlInput
+from physics.control.base import Observation
 from physics.control.conditions import CONDITIONS, ControlView
 from physics.control.transitions import load_transitions
 from symolo.core.errors import InputError
@@ -26,7 +26,7 @@ def test_the_shipped_table_leaves_and_enters_every_state_and_asks_every_conditio
 
 def test_a_row_is_taken_in_its_states_alone_and_only_if_its_condition_holds(tmp_path, robot):
     (row,) = load(tmp_path, "{states: [LINE, LEFT_WALL], when: on_line, to: LEFT_WALL}")
-    seen = ControlInput((0.9,) * 8, 2.0, 2.0, 2.0, (0.0, 0.0, 0.0))
+    seen = Observation((0.9,) * 8, 2.0, 2.0, 2.0, (0.0, 0.0, 0.0))
     on_line, off_line = (ControlView(seen, robot.controller, e, None, State.LINE, None) for e in (0.5, None))
     taken = {state for state in State if row.taken(state, on_line)}
     assert taken == {State.LINE, State.LEFT_WALL}

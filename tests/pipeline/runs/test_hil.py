@@ -16,10 +16,11 @@ from hil.links.lockstep import LockstepLink
 from hil.links.pty_board import PtyBoard
 from hil.loop import LoopSettings
 from hil.pilot import build_for
-from physics.run.pilot import BuiltInPilot
+from physics.run.pilot import ControllerPilot
 from pipeline.stages.simulate import simulate
 from pipeline.stages.simulate_runs import read_outcome, read_recording, simulate_into
 from symolo.core.errors import RunFailed
+from symolo.core.random_streams import stream
 
 pytestmark = pytest.mark.board
 
@@ -97,7 +98,7 @@ class Deserter:
 
 def test_a_pilot_that_is_gone_ends_the_run_and_what_was_driven_is_kept():
     spec = spec_of("CW")
-    outcome = simulate(spec, pilot=Deserter(BuiltInPilot(spec.robot)))
+    outcome = simulate(spec, pilot=Deserter(ControllerPilot.of(spec.robot, spec.rates.control_hz, stream(1))))
     assert outcome.problems == ("the board is gone",)
     assert not outcome.finished
     assert len(outcome.recording.trajectory.t_s) == 4

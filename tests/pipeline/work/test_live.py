@@ -7,7 +7,7 @@ from rich.console import Console
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.control.base import Command, ControlInput
+from physics.control.base import Observation, Twist
 from physics.run.pilot import Decision
 from pipeline.work import live
 from symolo.dataset.codes import BOARD_COLUMNS, State
@@ -31,8 +31,8 @@ def shown(monkeypatch):
     view = live.LiveView(draw_run(load_scenario("symolo", ["board.kind=simulated"]), "CW", 1), screen)
 
     def show(**counts):
-        seen = ControlInput((1.0,) * 7 + (0.0,), 2.0, 0.6, 0.3, (0.0, 0.0, 0.0))
-        command = Command(0.18, -0.3, State.RIGHT_WALL)
+        seen = Observation((1.0,) * 7 + (0.0,), 2.0, 0.6, 0.3, (0.0, 0.0, 0.0))
+        command = Twist(0.18, -0.3, State.RIGHT_WALL)
         for t_s, told in ((0.0, {"answered": 1}), (0.05, {"answered": 1, **counts})):
             row = tuple(told.get(name, 0) for name in BOARD_COLUMNS)
             view.show(t_s, seen, Decision(command, (5.5, 6.5), 0, row))

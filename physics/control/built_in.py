@@ -5,9 +5,8 @@ configs/state_machine.yaml is the whole table. In each tick the first row whose 
 
 import math
 
-from configs.schema.controller import Controller
 from physics.control.avoidance import PathFollower
-from physics.control.base import Command, ControlInput, Side
+from physics.control.base import Observation, RobotController, Side, Twist
 from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
 from physics.control.conditions import ControlView
 from physics.control.curves import CurveFollower
@@ -20,12 +19,12 @@ from symolo.dataset.codes import State
 _AVOIDED_ON: dict[State, Side] = {State.AVOID_LEFT: "left", State.AVOID_RIGHT: "right"}
 
 
-class RobotController:
-    """Controller of one robot; call `step` once per control tick."""
+class BuiltIn(RobotController):
+    """The controller of the paper, with the settings of `robot.controller`."""
 
-    def __init__(self, config: Controller, line_threshold: float) -> None:
-        self._config = config
-        self._line_threshold = line_threshold
+    def start(self) -> None:
+        config = self._config = self.robot.controller
+        self._line_threshold = self.robot.line_sensor.threshold
         self._transitions = load_transitions()
         curves = config.avoidance.curves
         self._curves = CurveBook.from_config(curves, config.avoidance.points) if curves else None
@@ -35,14 +34,12 @@ class RobotController:
         self._follower: PathFollower | CurveFollower | None = None
         self._entered_at: PlanarPose = (0.0, 0.0, 0.0)
         self._last_line_error = 0.0
-        self.line_lost_count = 0
-        """Number of ticks in the line state without any channel on the line."""
 
     @property
     def state(self) -> State:
         return self._state
 
-    def step(self, seen: ControlInput) -> Command:
+    def step(self, seen: Observation) -> Twist:
         """Choose the state for this tick and return its command."""
         error = line_error(seen.line, self._line_threshold)
         curve = self._curve_pass(seen)
@@ -56,15 +53,15 @@ class RobotController:
         elif self._state is State.LINE:
             self.line_lost_count += 1
         v_m_s, w_rad_s = self._drive(seen, error)
-        return Command(v_m_s, w_rad_s, self._state)
+        return Twist(v_m_s, w_rad_s, self._state)
 
-    def _curve_pass(self, seen: ControlInput) -> CurvePass | None:
+    def _curve_pass(self, seen: Observation) -> CurvePass | None:
         if self._bends is None or self._state is not State.LINE:
             return None
         self._bends.update(seen.odometry)
         return curve_pass(seen, self._bends, self._config.avoidance)
 
-    def _enter(self, state: State, seen: ControlInput, curve: CurvePass | None) -> None:
+    def _enter(self, state: State, seen: Observation, curve: CurvePass | None) -> None:
         if isinstance(self._follower, CurveFollower):
             # If the path ends without a line, the line is on the side of the obstacle.
             self._last_line_error = -MAX_ERROR if self._state is State.AVOID_LEFT else MAX_ERROR
@@ -81,7 +78,7 @@ class RobotController:
         self._state = state
         self._entered_at = seen.odometry
 
-    def _drive(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
+    def _drive(self, seen: Observation, error: float | None) -> tuple[float, float]:
         """Return the forward speed [m/s] and the yaw rate [rad/s]."""
         config = self._config
         match self._state:
@@ -102,13 +99,13 @@ class RobotController:
             case State.AVOID_LEFT | State.AVOID_RIGHT:
                 return self._drive_path(seen, error)
 
-    def _search_rate(self, seen: ControlInput) -> float:
+    def _search_rate(self, seen: Observation) -> float:
         """Return the yaw rate [rad/s] towards the side of a lost wall."""
         lost = self._config.lost
         travelled_m = math.dist(seen.odometry[:2], self._entered_at[:2])
         return lost.gap_turn_rate_rad_s if travelled_m < lost.gap_m else lost.turn_rate_rad_s
 
-    def _drive_path(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
+    def _drive_path(self, seen: Observation, error: float | None) -> tuple[float, float]:
         if isinstance(self._follower, CurveFollower):
             return self._follower.step(seen, error)
         if self._follower is None:
