@@ -87,6 +87,10 @@ def test_an_engine_is_imported_in_one_folder_only():
     assert strays == []
 
 
+REGISTERS = {"pipeline/gym/__init__.py"}
+"""Modules that Gymnasium imports by `make("module:name")`, and which it expects to register their environments."""
+
+
 def does_something(node):
     """A module defines and imports; a loop, a branch or a bare call at its top level does something."""
     is_docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
@@ -101,7 +105,7 @@ def test_nothing_happens_at_import():
         f"{name_of(path)}: line {node.lineno}: {ast.unparse(node)[:80]}"
         for path in MODULES
         for node in ast.parse(path.read_text()).body
-        if does_something(node)
+        if does_something(node) and name_of(path) not in REGISTERS
     ]
     assert found == []
 
