@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from configs.references import SECTIONS, shipped_names
+from configs.scaling import MAX_SCALE, MIN_SCALE, MODELS
 from configs.schema.base import FILE_KEY
 from configs.schema.scenario import Scenario
 from configs.shapes import Shape
@@ -24,6 +25,12 @@ _FOLDER = {
     "type": "string",
     "description": "Folder of your images and panoramas, relative to the YAML file that names it.",
 }
+_SCALE = {
+    "type": "number",
+    "minimum": MIN_SCALE,
+    "maximum": MAX_SCALE,
+    "description": "Factor on all lengths of what it extends; masses, motors, speeds and gains follow from it.",
+}
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
@@ -39,6 +46,8 @@ def scenario_json_schema() -> dict[str, Any]:
     for kind in SECTIONS:
         name = shape.schema["properties"][kind]["$ref"].rsplit("/", 1)[1]
         definitions[name]["properties"]["extends"] = _base(kind)
+        if kind in MODELS:
+            definitions[name]["properties"]["scale"] = _SCALE
     definitions["LookConfig"]["properties"]["assets"] = _FOLDER
     top = _mapping(shape.schema, shape, required=False)
     for kind in SECTIONS:

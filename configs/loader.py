@@ -11,7 +11,7 @@ from typing import Any
 from configs.assets.folder import with_assets
 from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario
 from configs.overrides import apply_override
-from configs.references import locate, read_file
+from configs.references import locate, read_file, resolve
 from configs.robot_controller import with_chosen
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
@@ -186,8 +186,22 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), op
         overrides: Texts such as `look.sun.elevation_deg=30`.
         option: Origin of the name, for errors; `--<kind>` by default.
     """
+    return _section(
+        kind, read_file(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}")), overrides
+    )
+
+
+def section_of(kind: str, settings: Mapping[str, Any], where: str) -> LoadedSection:
+    """Return an arena, a robot or a look with these settings, as if a file had them; `where` is its place in messages.
+
+    Raises:
+        InputError: A setting is wrong.
+    """
+    return _section(kind, resolve(kind, node_of(dict(settings), where), Path(), prefix=(kind,)))
+
+
+def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSection:
     model = ALONE[kind]
-    node = read_file(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}"))
     root = _overridden(Node({kind: node}, node.where), model, overrides)
     root, assets = with_assets(root, Shape.of(model))
     placed = distributions_of(root, model)

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from configs.assets.folder import anchored
+from configs.scaling import MODELS, scaled
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import displayed, read_yaml
 from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
@@ -78,7 +79,9 @@ def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), p
             if section in fields:
                 fields[section], is_complete = resolve_section(section, fields[section], folder)
                 complete |= {section} if is_complete else set()
-    base = fields.pop("extends", None)
+    base, scale = fields.pop("extends", None), fields.pop("scale", None)
+    if base is None and scale is not None:
+        raise InputError("scale", where=scale.where, cure=f"name the {kind} that it scales: extends: ...")
     if base is None:
         return Node(fields, root.where)
     what = dotted((*prefix, "extends"))
@@ -92,7 +95,7 @@ def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), p
         turns = [displayed(file) for file in (*chain[chain.index(path.resolve()) :], path)]
         cure = "remove one of these 'extends:'"
         raise InputError(f"{what}: files extend each other, {' -> '.join(turns)}", where=base.where, cure=cure)
-    beneath = read_file(kind, path, chain)
+    beneath = scaled(kind, read_file(kind, path, chain), scale)
     # A section that is complete by itself replaces the inherited one; any other is merged over it field by field.
     inherited = {str(key): node for key, node in beneath.children() if key not in complete}
     return merge(Node(inherited, beneath.where), Node(fields, root.where))
@@ -105,6 +108,6 @@ def resolve_section(kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
     if not isinstance(node.value, dict):
         allowed = f"{_references(kind)}, or a mapping"
         raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
-    if "extends" in node.value:
+    if "extends" in node.value or (kind in MODELS and "scale" in node.value):
         return resolve(kind, node, folder, prefix=(kind,)), True
     return (anchored(node, folder) if kind == "look" else node), False

@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from pipeline.address_space import check_address_space
-from pipeline.commands import case, explanation, hil, inspection, keeping, sharing, stages, validate
+from pipeline.commands import case, explanation, hil, inspection, keeping, robot, sharing, stages, validate
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.model import model
 from pipeline.commands.preview import preview
@@ -84,11 +84,12 @@ def command_line() -> typer.Typer:
             app.command(help=_joined(command), rich_help_panel=panel)(command)
     for name, group, panel in (
         ("case", case, "Explain measured data"),
+        ("robot", robot, "Make data"),
         ("validate", validate, "Look at the robot's parts"),
     ):
         commands = typer.Typer(no_args_is_help=True)
         for command in group.COMMANDS:
-            commands.command(help=_joined(command))(command)
+            commands.command(command.__name__.strip("_").replace("_", "-"), help=_joined(command))(command)
         app.add_typer(commands, name=name, help=group.HELP, rich_help_panel=panel)
     return app
 

@@ -12,6 +12,8 @@ from configs.schema.robot import Chassis, Drive, RobotConfig, TofMounts
 CAMERA_BODY = "robot_camera"
 """Name of the camera's body, which the camera never sees."""
 _THINNEST_M = 0.002
+_DRAWN_LENGTH_M = 0.18
+"""Length of the robot for which the sizes of motors, battery, boards and posts are; others have them in proportion."""
 
 
 def robot_surfaces() -> tuple[Surface, ...]:
@@ -34,9 +36,10 @@ def _chassis(chassis: Chassis, drive: Drive) -> Iterator[Mesh]:
     between_wheels = max(0.02, min(chassis.width_m, drive.track_m - drive.wheel_width_m - 0.006))
     yield block("robot_plate", (0.0, 0.0, top - 0.002), (chassis.length_m, between_wheels, 0.004), "robot_plate")
     motors_z = 0.5 * drive.wheel_diameter_m
-    yield block("robot_motors", (0.0, 0.0, motors_z), (0.025, between_wheels, 0.022), "robot_steel")
-    battery = (-0.25 * chassis.length_m, 0.0, top + 0.011)
-    yield block("robot_battery", battery, (0.4 * chassis.length_m, 0.04, 0.022), "robot_battery")
+    size = chassis.length_m / _DRAWN_LENGTH_M
+    yield block("robot_motors", (0.0, 0.0, motors_z), (0.025 * size, between_wheels, 0.022 * size), "robot_steel")
+    battery = (-0.25 * chassis.length_m, 0.0, top + 0.011 * size)
+    yield block("robot_battery", battery, (0.4 * chassis.length_m, 0.04 * size, 0.022 * size), "robot_battery")
 
 
 def _wheels(drive: Drive) -> Iterator[Mesh]:

@@ -22,13 +22,21 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import symolo
-from configs.draw import draw_run
-from configs.loader import load_scenario
+from blender_scenes.materials.fittings import moulded
+from blender_scenes.preview.rasteriser import rasterise
+from blender_scenes.preview.triangles import Triangles
+from blender_scenes.scene.meshes import block
+from blender_scenes.scene.robot_body import robot_body, robot_surfaces
+from blender_scenes.scene.typical import typical_color
+from configs.draw import draw_robot, draw_run
+from configs.loader import load_scenario, load_section
 from physics.control.registry import CONTROLLERS
 from pipeline.cli import main as symolo_command
 from pipeline.gym.environment import DriveEnvironment
 from pipeline.stages.simulate import simulate
 from symolo.arena.geometry import Arena
+from symolo.core.geometry.pinhole import Intrinsics
+from symolo.core.geometry.poses import pose_X_WR
 
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parents[1] / "diagnosis/examples"
@@ -187,6 +195,51 @@ def controllers(_workspace: Path) -> None:
     figure.savefig(HERE / "controllers.png", metadata={"Software": None})
 
 
+def robots(_workspace: Path) -> None:
+    """Write the shipped robots of three sizes beside each other on one floor, each on the line of its arena."""
+    surfaces = [*robot_surfaces(), moulded("floor", (0.75, 0.75, 0.72), 0.5), moulded("line", (0.01, 0.01, 0.01), 0.5)]
+    numbers = {surface.name: number for number, surface in enumerate(surfaces)}
+    meshes, labels, x_m = (
+        [Triangles.of((block("floor", (0.0, 0.0, -0.01), (4.0, 4.0, 0.02), "floor"),), numbers)],
+        [],
+        -0.4,
+    )
+    for name, line_m in (("micromouse", 0.0075), ("nominal", 0.015), ("scout", 0.0292)):
+        robot, _ = draw_robot(load_section("robot", name), 1, "image")
+        x_m += 0.5 * robot.chassis.width_m
+        place = pose_X_WR(x_m, 0.0, -0.5 * np.pi)
+        line = block("line", (0.0, 0.0, 0.0), (3.0, line_m, 0.001), "line")
+        meshes.append(Triangles.of((*robot_body(robot), line), numbers).placed(place))
+        labels.append((x_m, f"{name}, {100 * robot.chassis.length_m:.0f} cm"))
+        x_m += 0.5 * robot.chassis.width_m + 0.09
+    camera, X_WC = (
+        Intrinsics(1800, 760, 1500.0, 1500.0, 899.5, 379.5),
+        _view_from((0.1, -1.15, 0.62), (0.02, -0.03, 0.06)),
+    )
+    triangles = Triangles.joined(meshes)
+    seen = rasterise(camera, X_WC, triangles).triangle
+    colours = np.array([typical_color(surface) for surface in surfaces])[triangles.surface]
+    light = 0.45 + 0.55 * np.abs(triangles.normals @ np.array([0.45, -0.3, 0.84]))
+    shown = np.clip(2.0 * colours * light[:, None], 0.0, 1.0)[seen] ** (1 / 2.2)
+    small = cv2.resize((255 * shown[..., ::-1]).astype(np.uint8), (900, 380), interpolation=cv2.INTER_AREA)
+    for x_m, label in labels:
+        u, v, depth = np.linalg.inv(X_WC)[:3] @ (x_m, -0.36, 0.0, 1.0)
+        at = (round(0.5 * (1500.0 * u / depth + 900.0)) + 22, round(0.5 * (1500.0 * v / depth + 380.0)))
+        cv2.putText(small, label, at, cv2.FONT_HERSHEY_SIMPLEX, 0.5, (60, 60, 60), 1, cv2.LINE_AA)
+    _save_jpeg("robots.jpg", small)
+
+
+def _view_from(eye: tuple[float, float, float], target: tuple[float, float, float]) -> np.ndarray:
+    """Return the pose (4, 4) of a level camera, x right, y down, z forward."""
+    forward = np.subtract(target, eye)
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right = right / np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3] = np.stack([right, np.cross(forward, right), forward, eye], axis=1)
+    return pose
+
+
 def _paths_of_controllers() -> dict[str, np.ndarray]:
     """Return the path (N, 2) of each controller in the first 36 s of a lap, or until it touches something."""
     settings = ("stop.lap=false", "stop.time_limit_s=36")
@@ -276,6 +329,7 @@ IMAGES: dict[str, Callable[[Path], None]] = {
     "annotations": annotations,
     "arenas": arenas,
     "controllers": controllers,
+    "robots": robots,
     "preview": preview,
     "baselines": baselines,
     "diagnosis": diagnosis,

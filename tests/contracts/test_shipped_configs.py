@@ -10,11 +10,14 @@ from configs.draw import draw_all, draw_arena, draw_look, draw_robot
 from configs.loader import load_scenario, load_section
 from configs.references import FOLDERS, SECTIONS, shipped_names
 from configs.schema.scenario import RunSpec, Scenario
+from symolo.core.errors import InputError
 from symolo.core.yaml.reader import read_yaml
 from symolo.core.yaml.tree import DISTRIBUTION_KINDS
 
 SHIPPED = Path(configs.__file__).parent
 FILES = sorted(path for folder in FOLDERS.values() for path in (SHIPPED / folder).iterdir() if path.is_file())
+TOO_LARGE = {("micromouse", "scout")}
+"""Scenarios and robots of which the robot, at 35 cm, does not fit between the obstacles of 4 cm."""
 MEMBERS = [(kind, name) for kind in SECTIONS for name in shipped_names(kind)]
 DRAW = {"arena": draw_arena, "robot": draw_robot, "look": draw_look}
 
@@ -52,6 +55,10 @@ def test_a_shipped_scenario_loads_and_draws_the_same_bytes_twice(name: str):
 @pytest.mark.parametrize(("kind", "name"), MEMBERS)
 @pytest.mark.parametrize("scenario", shipped_names("scenario"))
 def test_every_section_goes_with_every_scenario(scenario: str, kind: str, name: str):
+    if (scenario, name) in TOO_LARGE:
+        with pytest.raises(InputError, match="would start inside obstacle O2"):
+            draw_all(load_scenario(scenario, [f"{kind}={name}"]))
+        return
     specs = draw_all(load_scenario(scenario, [f"{kind}={name}"]))
     assert {getattr(spec, kind).name for spec in specs} == {name}
 

@@ -23,6 +23,19 @@ def pose_X_WR(x_m: float, y_m: float, yaw_rad: float) -> Array:
     return np.array([[c, -s, 0, x_m], [s, c, 0, y_m], [0, 0, 1, 0], [0, 0, 0, 1.0]])
 
 
+def transform_of(xyz: tuple[float, float, float], rpy: tuple[float, float, float]) -> Array:
+    """Return the (4, 4) pose of an origin [m], and roll, pitch, yaw [rad] about the fixed axes x, y, z, as in URDF."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    pose = np.eye(4)
+    pose[:3, :3] = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    pose[:3, 3] = xyz
+    return pose
+
+
 def rotations_about_z(yaw_rad: Array) -> Array:
     """Return the rotation matrices (N, 3, 3) of angles (N,) about the z axis."""
     rotations = np.tile(np.eye(3), (len(yaw_rad), 1, 1))
