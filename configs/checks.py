@@ -3,9 +3,11 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 from configs.faults import ConfigFault
 from configs.motion_checks import motion_faults
+from configs.robot_sensors import SensorSettings
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.base import Section
 from configs.schema.look import LookConfig
@@ -48,7 +50,8 @@ def check_run(scenario: Scenario, root: Node, index: int, run: int) -> None:
 def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
     """Refuse distributions whose ends are valid while nearly all draws are not."""
     for path, item in placed.items():
-        timing = len(path) == 3 and path[0] == "robot" and path[-1] in {"period_s", "delay_s"}
+        of_sensor = path[0] == "robot" and (len(path) == 3 or path[1] == "sensors")
+        timing = of_sensor and path[-1] in {"period_s", "delay_s"}
         if timing and not isinstance(item.distribution, Choice):
             allowed = "a number or {choice: [...]}, because it is a whole number of physics steps"
             raise InputError(dotted(path), where=root.place_of(path), got=root.plain_at(path), allowed=allowed)
@@ -96,15 +99,20 @@ def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[ConfigFault]:
 
 
 def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
-    sensors = {"tof": robot.tof, "line_sensor": robot.line_sensor, "encoder": robot.encoder}
-    for name, sensor in sensors.items():
+    sensors: dict[FieldPath, Any] = {
+        ("tof",): robot.tof,
+        ("line_sensor",): robot.line_sensor,
+        ("encoder",): robot.encoder,
+        **{("sensors", name): sensor for name, sensor in robot.sensors if isinstance(sensor, SensorSettings)},
+    }
+    for place, sensor in sensors.items():
         for field, value_s, min_steps in (("period_s", sensor.period_s, 1), ("delay_s", sensor.delay_s, 0)):
             steps = value_s * rates.physics_hz
             if round(steps) < min_steps or not math.isclose(steps, round(steps), rel_tol=1e-9):
                 near = max(min_steps, round(steps)) / rates.physics_hz
                 step_s = 1 / rates.physics_hz
                 allowed = f"a whole number of physics steps of {step_s:.9g} s (rates.physics_hz {rates.physics_hz})"
-                yield ConfigFault(("robot", name, field), got=value_s, allowed=allowed, cure=f"write {near:.9g}")
+                yield ConfigFault(("robot", *place, field), got=value_s, allowed=allowed, cure=f"write {near:.9g}")
 
 
 def _arena_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
@@ -203,6 +211,7 @@ def robot_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigF
     yield from _range_faults(robot)
     yield from _stall_faults(robot)
     yield from _effect_faults(robot, in_simulation=in_simulation)
+    yield from _sensor_faults(robot)
     corner: FieldPath = ("robot", "controller", "corner")
     yield from _order_faults(robot.controller.corner, corner, "front_below_m", "front_clear_m")
 
@@ -217,10 +226,20 @@ def _order_faults(section: Section, path: FieldPath, lower: str, upper: str) -> 
 
 def _effect_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigFault]:
     for effect in robot.effects:
-        place: FieldPath = ("robot", "effects", effect.name)
-        for fault in effect.faults(in_simulation=in_simulation):
-            against = (*place, *fault.against) if fault.against else ()
-            yield replace(fault, path=(*place, *fault.path), against=against)
+        yield from _below(("robot", "effects", effect.name), effect.faults(in_simulation=in_simulation))
+
+
+def _sensor_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
+    for name, settings in robot.sensors:
+        if isinstance(settings, SensorSettings):
+            yield from _below(("robot", "sensors", name), settings.faults())
+
+
+def _below(place: FieldPath, faults: Iterable[ConfigFault]) -> Iterator[ConfigFault]:
+    """Yield faults whose paths start at a place with their whole paths."""
+    for fault in faults:
+        against = (*place, *fault.against) if fault.against else ()
+        yield replace(fault, path=(*place, *fault.path), against=against)
 
 
 def _lens_faults(scenario: Scenario) -> Iterator[ConfigFault]:

@@ -76,7 +76,8 @@ def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> Co
     if here.tag_key and isinstance(got, dict):
         tag, tags = got.get(here.tag_key), f"one of {shown_names(here.tags)}"
         if tag is None:
-            return ConfigFault((*path, here.tag_key), "missing", allowed=tags)
+            close = nearest(path[-1], here.tags) if path else ""
+            return ConfigFault((*path, here.tag_key), "missing", allowed=tags, nearest=close)
         return ConfigFault((*path, here.tag_key), got=tag, allowed=tags, nearest=nearest(tag, here.tags))
     close = nearest(got, [str(option) for option in here.schema.get("enum", [])])
     return ConfigFault(path, got=got, allowed=here.words(), nearest=close, cure=_cure(path, got, here))

@@ -195,8 +195,10 @@ def with_defaults(node: Node, shape: Shape) -> Node:
             fields[key] = node_of(inner.schema["default"], node.where)
         elif isinstance(fields.get(key, node).value, dict) and isinstance(inner.schema.get("default"), dict):
             fields[key] = merge(node_of(inner.schema["default"], node.where), fields[key])
-        if key in fields:
-            fields[key] = with_defaults(fields[key], inner)
+    for key, value in fields.items():
+        inner = shape.child(key, node)
+        if inner is not None:
+            fields[key] = with_defaults(value, inner)
     return Node(fields, node.where)
 
 

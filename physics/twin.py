@@ -18,11 +18,12 @@ from physics.drivetrain.motor import HeldWheel
 from physics.drivetrain.motor_arrays import HeldDrive
 from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.robot.body_inertia import BodyOnWheels
+from physics.robot.body_motion import BodyMotion
 from physics.robot.model import RobotModel, through
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
-from symolo.core.geometry.poses import PlanarPose
+from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 
 MAX_SCALAR_TRIALS = 16
 """Number of trials of bare motors up to which a loop over plain floats is faster than arrays."""
@@ -207,12 +208,24 @@ class ReplayedWorld:
             )
 
     def pose(self) -> PlanarPose:
-        poses = self._run.pose[:, self._trial]
-        x, y, yaw = (float(np.interp(self.time_s, self._run.t_s, column)) for column in poses.T)
+        x, y, yaw = self._pose_at(self.time_s).tolist()
         return x, y, yaw
 
-    def cast(self, origins: Array, ends: Array) -> RayHits:
-        return self._rays.cast(origins, ends, self.time_s)
+    def motion(self) -> BodyMotion:
+        """Return the motion in the plane, from the poses half a step before and after this time."""
+        half_s = 0.5 / self._physics_hz
+        before, after = self._pose_at(self.time_s - half_s), self._pose_at(self.time_s + half_s)
+        rates = (after - before) / (2.0 * half_s)
+        x, y, yaw = self.pose()
+        velocity, spin = np.array([rates[0], rates[1], 0.0]), np.array([0.0, 0.0, rates[2]])
+        return BodyMotion(pose_X_WR(x, y, yaw)[:3, :3], np.array([x, y, 0.0]), velocity, spin)
+
+    def _pose_at(self, time_s: float) -> Array:
+        poses = self._run.pose[:, self._trial]
+        return np.array([np.interp(time_s, self._run.t_s, column) for column in poses.T])
+
+    def cast(self, origins: Array, ends: Array, time_s: float | None = None) -> RayHits:
+        return self._rays.cast(origins, ends, self.time_s if time_s is None else time_s)
 
     def encoder_counts(self) -> tuple[int, int]:
         row = int(np.searchsorted(self._run.t_s, self.time_s + 1e-9, side="right")) - 1

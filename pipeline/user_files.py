@@ -37,7 +37,7 @@ def environment() -> dict[str, str]:
 
 def hashes_of_files(spec: RunSpec) -> dict[str, str]:
     """Return the SHA-256 of each loaded file that this run needs, by the name of its effect, sensor or controller."""
-    needed = {effect.name for effect in spec.robot.effects} | {*spec.robot.sensors.names}
+    needed = {effect.name for effect in spec.robot.effects} | spec.robot.sensors.kinds
     files = {name: file for family in (EFFECTS, SENSORS) for name, file in family.files.items()}
     hashes = {name: sha256_of(file.resolve()) for name, file in files.items() if name in needed}
     if spec.controller is None:

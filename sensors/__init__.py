@@ -1,4 +1,11 @@
-"""Sensors: line sensor, time-of-flight sensors, encoders, pose log, odometry, and sensors from files of the user."""
+"""Sensors: those that every robot has, those of `robot.sensors`, odometry, and sensors from files of the user."""
 
-SENSORS = ("line_sensor", "tof", "encoders", "pose_log")
+SENSORS = (
+    "line_sensor",
+    "tof",
+    "encoders",
+    "pose_log",
+    "imu",
+    "lidar",
+)
 """Modules with one sensor each, in the order in which sensors sample if several of them do so at the same instant."""

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from configs.robot_sensors import SensorSettings
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
+from physics.robot.body_motion import BodyMotion
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.geometry.poses import PlanarPose
 from symolo.dataset.tables.column import Column, Series
-from symolo.dataset.tables.sensor_tables import SERIES, sensor_table
+from symolo.dataset.tables.sensor_tables import sensor_table
 from symolo.dataset.tables.side_tables import SideTable
 
 Reading = NDArray[np.float64] | NDArray[np.int64]
@@ -59,8 +60,12 @@ class World(Protocol):
         """Return X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
         ...
 
-    def cast(self, origins: Array, ends: Array) -> Hits:
-        """Cast rays from `origins` to `ends`, (N, 3) each, in W."""
+    def motion(self) -> BodyMotion:
+        """Return the motion of the body in space."""
+        ...
+
+    def cast(self, origins: Array, ends: Array, time_s: float | None = None) -> Hits:
+        """Cast rays from `origins` to `ends`, (N, 3) each, in W; obstacles are where they are at `time_s`, or now."""
         ...
 
     def encoder_counts(self) -> tuple[int, int]:
@@ -92,20 +97,23 @@ class Sampling:
 class Sensor(ABC):
     """One device with its own random stream.
 
-    A new class derives `Settings` from `SensorSettings`, lists its `columns` and defines `sample`. Its settings are
-    then `robot.sensors.<name>`, and its readings are the table `side/<name>.csv` of a dataset. The first paragraph of
-    its docstring is the meaning of the table.
+    A new class derives `Settings` from `SensorSettings`, lists its `columns` and defines `sample`. It is then a kind of
+    `robot.sensors`: each sensor of this kind has settings `robot.sensors.<name>`, and its samples are the table
+    `side/<name>.csv` of a dataset. The first paragraph of the docstring is the meaning of the table.
     """
 
     name: ClassVar[str]
-    """Name of the class in lower case with underscores (`RearBumper` is `rear_bumper`), unless a class sets a different
-    name. It is also the last part of the path of the random stream."""
+    """Name of the kind: that of the class in lower case with underscores (`RearBumper` is `rear_bumper`), unless a
+    class sets a different one. For a sensor that every robot has, it is also the last part of the path of the random
+    stream; for a sensor of `robot.sensors`, that is the name of the sensor."""
     Settings: ClassVar[type[Section]] = Section
     """Settings in the description of the robot."""
     columns: ClassVar[tuple[Column, ...]] = ()
-    """Columns of a dataset that hold a reading."""
-    series: ClassVar[tuple[Series, ...]]
-    """Series of a recording that hold a reading; by default a single one with all columns."""
+    """Columns of a dataset that hold a reading; for a sensor whose columns depend on its settings, see `columns_of`."""
+    series: ClassVar[tuple[Series, ...]] = ()
+    """Series of a recording that hold the delivered readings of a sensor that every robot has."""
+    settings: SensorSettings
+    """Settings of a sensor of `robot.sensors` with their values in this run."""
     sampling: Sampling
 
     def __init_subclass__(cls, **kwargs: object) -> None:
@@ -114,9 +122,6 @@ class Sensor(ABC):
             cls.name = re.sub(r"(?<=.)(?=[A-Z])", "_", cls.__name__).lower()
         if "series" in vars(cls):
             cls.columns = tuple(column for series in cls.series for column in series.columns)
-        else:
-            units = ", ".join(column.unit for column in cls.columns)
-            cls.series = (Series(SERIES.format(name=cls.name), units, cls.columns),)
 
     def __init__(self, settings: SensorSettings, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
         """Build the sensor of one run.
@@ -131,18 +136,26 @@ class Sensor(ABC):
         self.sampling = Sampling.from_seconds(settings.period_s, settings.delay_s, physics_hz)
 
     @classmethod
-    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "Sensor | None":
-        """Return the sensor of a robot, or None if the robot does not have it."""
-        settings = robot.sensors.get(cls.name)
-        return cls(settings, arena, physics_hz, rng) if isinstance(settings, SensorSettings) else None
+    def is_listed(cls) -> bool:
+        """Return whether it is a sensor of `robot.sensors`; every robot has the others."""
+        return issubclass(cls.Settings, SensorSettings)
 
     @classmethod
-    def table(cls) -> SideTable | None:
-        """Return the table of the dataset that holds the readings; None for a sensor that every robot has."""
-        if not issubclass(cls.Settings, SensorSettings):
-            return None
+    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "Sensor | None":
+        """Return a sensor that every robot has, or None if this robot does not need it."""
+        raise NotImplementedError
+
+    @classmethod
+    def columns_of(cls, settings: SensorSettings) -> tuple[Column, ...]:
+        """Return the columns of a sensor with these settings."""
+        del settings
+        return cls.columns
+
+    @classmethod
+    def table(cls, name: str, settings: SensorSettings) -> SideTable:
+        """Return the table of the dataset with the samples of a sensor of `robot.sensors`."""
         meaning = " ".join(inspect.cleandoc(cls.__doc__ or cls.name).partition("\n\n")[0].split())
-        return sensor_table(cls.name, meaning, cls.columns)
+        return sensor_table(name, meaning, cls.columns_of(settings))
 
     def glance(self, world: World) -> None:
         """Look at the world before a sample, at the times that `sampling.glances_before` names."""
@@ -153,16 +166,21 @@ class Sensor(ABC):
         """Return one reading of the world in its current state."""
 
     def recorded(self, reading: Reading) -> tuple[Reading, ...]:
-        """Return the part of a reading that goes into each series.
+        """Return the part of a reading that goes into each of `series`."""
+        return (reading,)
+
+    def checked(self, reading: Reading) -> Array:
+        """Return a reading of a sensor of `robot.sensors`, as its table contains it.
 
         Raises:
             InputError: The reading is not one finite number for each column.
         """
-        if np.shape(reading) != (len(self.columns),) or not np.isfinite(reading).all():
-            names = ", ".join(column.name for column in self.columns)
+        columns = self.columns_of(self.settings)
+        if np.shape(reading) != (sum(column.count for column in columns),) or not np.isfinite(reading).all():
+            names = ", ".join(column.title for column in columns)
             allowed = f"a finite number for each column: {names}"
             raise InputError(f"sensor {self.name}: the reading", got=str(reading), allowed=allowed)
-        return (reading,)
+        return np.asarray(reading, dtype=np.float64)
 
 
 def quantise(value: Array, step: float) -> Array:

@@ -1,16 +1,16 @@
 """The sensors of a robot, each on its own random stream, and their tables."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from configs.robot_sensors import RobotSensors
+from configs.robot_sensors import RobotSensors, SensorSettings
 from configs.schema.robot import RobotConfig
 from sensors.base import Sensor
 from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError, nearest
-from symolo.dataset.tables.side_tables import SideTable
+from symolo.dataset.tables.sensor_tables import ListedSensor
 
 
 def fit_out(
@@ -21,20 +21,29 @@ def fit_out(
     Raises:
         InputError: The class of a sensor of `robot.sensors` is not loaded.
     """
-    sensor_tables(robot.sensors)
-    built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in SENSORS.classes()}
+    listed = list(_listed(robot.sensors))
+    of_every_robot = (kind for kind in SENSORS.classes() if not kind.is_listed())
+    built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in of_every_robot}
+    built |= {name: kind(settings, arena, physics_hz, rng_of(name)) for name, kind, settings in listed}
     return {name: sensor for name, sensor in built.items() if sensor is not None}
 
 
-def sensor_tables(sensors: RobotSensors) -> tuple[SideTable, ...]:
-    """Return the tables of the sensors of `robot.sensors`.
+def listed_sensors(sensors: RobotSensors) -> tuple[ListedSensor, ...]:
+    """Return the sensors of `robot.sensors` with their tables.
 
     Raises:
         InputError: The class of a sensor is not loaded.
     """
-    known = {kind.name: table for kind in SENSORS.classes() if (table := kind.table())}
-    for name in sensors.names:
-        if name not in known:
-            cure = f"name its file in the environment variable {SENSORS.variable}"
-            raise InputError(f"robot.sensors.{name}: no such sensor", nearest=nearest(name, [*known]), cure=cure)
-    return tuple(known[name] for name in sensors.names)
+    return tuple(ListedSensor(kind.name, kind.table(name, settings)) for name, kind, settings in _listed(sensors))
+
+
+def _listed(sensors: RobotSensors) -> Iterator[tuple[str, type[Sensor], SensorSettings]]:
+    """Yield name, class and settings of each sensor of `robot.sensors`."""
+    known = {kind.name: kind for kind in SENSORS.classes() if kind.is_listed()}
+    for name, settings in sensors:
+        kind = known.get(settings.kind or name)
+        if kind is None or not isinstance(settings, SensorSettings):
+            got, cure = settings.kind or name, f"name its file in the environment variable {SENSORS.variable}"
+            hint = nearest(got, [*known])
+            raise InputError(f"robot.sensors.{name}: no such kind of sensor", got=got, nearest=hint, cure=cure)
+        yield name, kind, settings

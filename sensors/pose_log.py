@@ -8,7 +8,7 @@ from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
 from physics.robot.model import through
-from sensors.base import Reading, Sampling, Sensor, World
+from sensors.base import Sampling, Sensor, World
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.tables.column import Series
@@ -46,9 +46,6 @@ class PoseLog(Sensor):
         del arena, rng
         acts = robot.effects.in_slots({Slot.POSE_POINT, Slot.POSE_DELAY})
         return cls(robot.effects, physics_hz) if acts else None
-
-    def recorded(self, reading: Reading) -> tuple[Reading, ...]:
-        return (reading,)
 
     def sample(self, world: World) -> Array:
         return through(self._point, np.array(world.pose()))

@@ -9,9 +9,13 @@ from symolo.core.errors import InputError
 from symolo.dataset.tables.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
 
 
-def settings_by_name() -> tuple[tuple[str, type[SensorSettings]], ...]:
-    """Return name and settings of each sensor that `robot.sensors` may contain."""
-    return tuple((s.name, s.Settings) for s in SENSORS.classes() if issubclass(s.Settings, SensorSettings))
+def settings_by_kind() -> tuple[tuple[str, str, type[SensorSettings]], ...]:
+    """Return name, name of the class and settings of each kind of sensor that `robot.sensors` may contain."""
+    return tuple(
+        (kind.name, kind.__name__, kind.Settings)
+        for kind in SENSORS.classes()
+        if issubclass(kind.Settings, SensorSettings)
+    )
 
 
 def _check(sensor: type[Sensor], where: str) -> None:
@@ -24,6 +28,8 @@ def _check(sensor: type[Sensor], where: str) -> None:
     if not re.fullmatch(SENSOR_NAME, sensor.name) or sensor.name in TAKEN_NAMES:
         allowed = f"a name other than {', '.join(sorted(TAKEN_NAMES))}"
         raise InputError(f"{what}: the name is taken by another file of side/", where=where, allowed=allowed)
+    if sensor.columns_of.__func__ is not Sensor.columns_of.__func__:
+        return  # they depend on the settings
     columns = [column.name for column in sensor.columns]
     if not columns:
         cure = 'write, for example, columns = (Column("contact", "-", 0, "1 where something touches"),)'

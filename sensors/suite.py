@@ -3,8 +3,13 @@
 from collections.abc import Iterator, Mapping
 from typing import Protocol
 
+import numpy as np
+
 from sensors.base import Reading, Sensor, World
+from symolo.core.arrays import Array
+from symolo.core.time_series import TimeSeries
 from symolo.dataset.tables.column import Series
+from symolo.dataset.tables.sensor_tables import SERIES
 
 
 class SteppedWorld(World, Protocol):
@@ -28,15 +33,29 @@ class SensorSuite:
         self._glances: dict[str, list[int]] = {name: [] for name in self._sensors}
         """Physics steps before the next sample at which a sensor looks at the world, by sensor."""
         self._samples: dict[str, dict[int, Reading]] = {name: {} for name in self._sensors}
+        self._logged: dict[str, list[tuple[int, Array]]] = {
+            name: [] for name, sensor in sensors.items() if sensor.is_listed()
+        }
+        """Every sample of each sensor of `robot.sensors` with its step; of the others only those that are read are
+        taken."""
+
+    def samples(self, physics_hz: int) -> Iterator[TimeSeries]:
+        """Yield the samples so far of each sensor of `robot.sensors`, (N, columns)."""
+        for name, logged in self._logged.items():
+            steps, readings = zip(*logged, strict=True)
+            sensor = self._sensors[name]
+            units = ", ".join(column.unit for column in sensor.columns_of(sensor.settings))
+            yield TimeSeries(SERIES.format(name=name), units, np.array(steps) / physics_hz, np.stack(readings))
 
     def recorded(self, readings: Mapping[str, Reading]) -> Iterator[tuple[Series, Reading]]:
-        """Yield each series of a recording with its next row.
+        """Yield each series of the sensors that every robot has with its next row.
 
         Args:
             readings: The result of `read_at_tick`.
         """
         for name, sensor in self._sensors.items():
-            yield from zip(sensor.series, sensor.recorded(readings[name]), strict=True)
+            if name not in self._logged:
+                yield from zip(sensor.series, sensor.recorded(readings[name]), strict=True)
 
     def read_at_tick(self, world: SteppedWorld, tick: int) -> dict[str, Reading]:
         """Advance `world` to control tick `tick` and return the delivered reading of each sensor by name.
@@ -60,7 +79,10 @@ class SensorSuite:
 
     def _sample(self, name: str, world: World) -> None:
         sensor, step = self._sensors[name], self._next_step[name]
-        self._samples[name][step] = sensor.sample(world)
+        reading = self._samples[name][step] = sensor.sample(world)
+        if name in self._logged:
+            self._logged[name].append((step, sensor.checked(reading)))
+            self._next_step[name] += sensor.sampling.period_steps
         while self._next_step[name] <= step:
             self._next_tick[name] += 1
             self._next_step[name] = sensor.sampling.step_read_at(self._next_tick[name] * self._tick_steps)

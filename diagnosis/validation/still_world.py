@@ -6,8 +6,10 @@ from typing import Protocol
 
 import numpy as np
 
+from physics.robot.body_motion import BodyMotion
 from sensors.base import Hits
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import pose_X_WR
 
 
 class RayCaster(Protocol):
@@ -51,10 +53,15 @@ class StillWorld:
     def pose(self) -> tuple[float, float, float]:
         return 0.0, self.y_m, radians(self.yaw_deg)
 
+    def motion(self) -> BodyMotion:
+        x, y, yaw = self.pose()
+        return BodyMotion(pose_X_WR(0.0, 0.0, yaw)[:3, :3], np.array([x, y, 0.0]), np.zeros(3), np.zeros(3))
+
     def encoder_counts(self) -> tuple[int, int]:
         return 0, 0
 
-    def cast(self, origins: Array, ends: Array) -> Hits:
+    def cast(self, origins: Array, ends: Array, time_s: float | None = None) -> Hits:
+        del time_s
         if self.caster is None:
             raise NotImplementedError("nothing in this world can be hit by a ray")
         return self.caster.cast(origins, ends)

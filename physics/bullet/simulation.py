@@ -23,6 +23,7 @@ from physics.bullet.moving_boxes import MovingBoxes
 from physics.bullet.wheels_with_effects import WheelsWithEffects, needs_every_step
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
+from physics.robot.body_motion import BodyMotion
 from physics.robot.model import RobotModel
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -62,8 +63,8 @@ class BulletSimulation:
         self._speed_sum = 0.0
         # The vector from the chassis' centre of mass, whose pose PyBullet reports, to the middle of the axle.
         chassis = robot.chassis
-        axle_height = 0.5 * (model.geometry.right_radius_m + model.geometry.left_radius_m)
-        self._to_axle = (-chassis.center_of_mass_x_m, 0.0, axle_height - chassis.center_of_mass_z_m)
+        self._axle_height_m = 0.5 * (model.geometry.right_radius_m + model.geometry.left_radius_m)
+        self._to_axle = (-chassis.center_of_mass_x_m, 0.0, self._axle_height_m - chassis.center_of_mass_z_m)
         self._box_names = tuple(box.name for box in arena.boxes)
         self._touched: set[int] = set()
         self._pose_step = self._joints_step = -1
@@ -232,6 +233,20 @@ class BulletSimulation:
         slid_m_s, slid_rad_s = self._effects.slid(atan2(r[3], r[0]))
         return speed_m_s + slid_m_s, yaw_rate_rad_s + slid_rad_s
 
+    def motion(self) -> BodyMotion:
+        """Return the motion of the body in space, with what effects add to it."""
+        position, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
+        velocity, spin = pybullet.getBaseVelocity(self._robot, physicsClientId=self._client)
+        R_WR = np.array(pybullet.getMatrixFromQuaternion(turn)).reshape(3, 3)
+        to_axle, w_WR = R_WR @ self._to_axle, np.array(spin)
+        v_WA = velocity + np.cross(w_WR, to_axle)
+        if self._effects is not None:
+            slid_m_s, slid_rad_s = self._effects.slid(atan2(R_WR[1, 0], R_WR[0, 0]))
+            w_WR[2] = self._effects.yaw_share * w_WR[2] + slid_rad_s
+            v_WA = v_WA + slid_m_s * R_WR[:, 0]
+        to_floor = R_WR @ (0.0, 0.0, -self._axle_height_m)
+        return BodyMotion(R_WR, position + to_axle + to_floor, v_WA + np.cross(w_WR, to_floor), w_WR)
+
     def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Return the engine's joint states of both wheels: angle [rad], speed [rad/s] and more."""
         if self._joints_step != self._steps:
@@ -276,9 +291,15 @@ class BulletSimulation:
         motors = self._motors
         return motors.right.current_A(self._voltages[0], right), motors.left.current_A(self._voltages[1], left)
 
-    def cast(self, origins: Array, ends: Array) -> RayHits:
-        """Cast rays from `origins` to `ends`, (N, 3) each, in W; they pass through the robot."""
-        return self._rays.cast(origins, ends, self.time_s)
+    def cast(self, origins: Array, ends: Array, time_s: float | None = None) -> RayHits:
+        """Cast rays from `origins` to `ends`, (N, 3) each, in W; they pass through the robot.
+
+        Args:
+            origins: Beginnings of the rays.
+            ends: Ends of the rays.
+            time_s: Time at which moving obstacles are placed; by default now.
+        """
+        return self._rays.cast(origins, ends, self.time_s if time_s is None else time_s)
 
     def touching(self) -> tuple[str, ...]:
         """Return the names of walls and obstacles touched now or at a wheel-loop update since the last call."""

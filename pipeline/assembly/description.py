@@ -51,7 +51,7 @@ def _side_tables(metadata: Metadata, example: RunSpec) -> str:
     rows = []
     for table in (*side_tables(RunDocument.model_validate(example)), *metadata.sensor_tables):
         columns = metadata.columns[f"side/{table.file}"]
-        rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
+        rows.append((table.file, table.meaning, ", ".join(f"{c.column.title} [{c.unit}]" for c in columns)))
     meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
     rows.append((INTRINSICS, meaning, "JSON"))
     drawn = "what was drawn for the run's scene beyond its look: furniture piece by piece, phase of the mains, seed"

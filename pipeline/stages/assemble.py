@@ -12,7 +12,7 @@ from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered, image_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
-from sensors.fit_out import sensor_tables
+from sensors.fit_out import listed_sensors
 from symolo.arena.geometry import Arena
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
@@ -88,7 +88,7 @@ def assemble(
     if not good:
         _remove_files(workspace.out, (*SEALS, *CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
-    metadata = describe(tree, specs, records, failures, sensor_tables(specs[0].robot.sensors))
+    metadata = describe(tree, specs, records, failures, listed_sensors(specs[0].robot.sensors))
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
 
 
@@ -180,8 +180,8 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield scene_file(spec.arena, spec.look, image_seed(spec.seed, spec.route, spec.run))
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
-    for table in sensor_tables(spec.robot.sensors):
-        yield f"{SIDE}/{table.file}", sensor_csv(table, recording)
+    for sensor in listed_sensors(spec.robot.sensors):
+        yield f"{SIDE}/{sensor.table.file}", sensor_csv(sensor.table, recording)
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)

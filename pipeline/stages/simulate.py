@@ -142,4 +142,5 @@ class _Recorder:
             for name, values in stacked.items()
             if name not in in_trajectory
         ]
-        return Recording(trajectory, (*series, *obstacle_series(self._loop.arena, t_s)))
+        samples = self._loop.suite.samples(self._spec.rates.physics_hz)
+        return Recording(trajectory, (*series, *obstacle_series(self._loop.arena, t_s), *samples))

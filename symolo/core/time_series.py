@@ -59,7 +59,7 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Recording:
-    """A run: its trajectory and the series of its sensors and drive, at the same times."""
+    """A run: its trajectory, series of sensors and drive at the same times, and samples at times of their own."""
 
     trajectory: Trajectory
     series: tuple[TimeSeries, ...]

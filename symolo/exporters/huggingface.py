@@ -1,7 +1,8 @@
 """A folder that `datasets` can load (https://huggingface.co/docs/datasets): images with readings and poses, and rows.
 
 `load_dataset(folder)` gives a row for each image, decoded; `load_dataset(folder, "rows")` gives a row for each control
-period. The Parquet files contain the unchanged bytes of the image files.
+period, and `load_dataset(folder, NAME)` each sample of a sensor. The Parquet files contain the unchanged bytes of the
+image files.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,6 +28,8 @@ _CAMERA = "camera"
 _IN_16_BIT_COLOUR = ("normals", "flow")
 """Annotations that Pillow would cut to 8 bits; they are stored as the bytes of a PNG file."""
 _IMAGES_PER_GROUP = 100
+_WHOLE = "train-00000-of-00001.parquet"
+"""Name of the file of a table that is not divided."""
 Columns = dict[str, tuple[Feature, Sequence[Any]]]
 
 
@@ -43,7 +46,9 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
         name = f"images/train-{number:05d}-of-{len(shards):05d}.parquet"
         size = sum(map(_bytes, images))
         yield ExportedFile(name, lambda images=images: _images(images, first.annotation_kinds), lambda size=size: size)
-    yield ExportedFile("rows/train-00000-of-00001.parquet", lambda: stacked_bytes(data, _wide))
+    yield ExportedFile(f"rows/{_WHOLE}", lambda: stacked_bytes(data, _wide))
+    for name in _sensors(first):
+        yield ExportedFile(f"{name}/{_WHOLE}", lambda name=name: stacked_bytes(data, lambda run: run.side(name)))
 
 
 def _bytes(image: Image) -> int:
@@ -84,30 +89,36 @@ def _file(image: Image, path: Path) -> dict[str, object]:
 
 def _wide(run: Run) -> pd.DataFrame:
     """Return data.csv with the columns of the side tables, which have the same times."""
-    sensors = {table.name for table in run.sensor_tables}
+    others = {_CAMERA, *_sensors(run)}
     tables, units = [run.rows], {}
     for name in run.side_names:
-        if name != _CAMERA:
+        if name not in others:
             table = run.side(name).drop(columns="t")
-            prefix = f"{name}_" if name in sensors else ""  # two sensors may have columns of the same name
-            units |= {f"{prefix}{column}": table.attrs[UNITS][column] for column in table}
-            tables.append(table.add_prefix(prefix))
+            units |= {column: table.attrs[UNITS][column] for column in table}
+            tables.append(table)
     wide = pd.concat(tables, axis=1)
     wide.attrs[UNITS] = tables[0].attrs[UNITS] | units
     return wide
 
 
+def _sensors(run: Run) -> tuple[str, ...]:
+    """Return the names of the sensors of `robot.sensors`, whose samples are at times of their own."""
+    return tuple(table.name for table in run.sensor_tables)
+
+
 def _card(data: Dataset) -> bytes:
-    units = _wide(data.runs[0]).attrs[UNITS]
+    units, sensors = _wide(data.runs[0]).attrs[UNITS], _sensors(data.runs[0])
     text = [
         "A row of `images` is an image with the row of `rows` at which it was taken, the camera's pose X_WC, K and D;",
         "a row of `rows` is a control period. Depth is in 0.1 mm; `normals` and `flow` are PNG files of 16 bits.",
+        *(f"A row of `{name}` is a sample of this sensor, at time `t` in ms." for name in sensors),
         "",
         "| column | unit |",
         "|---|---|",
         *(f"| {column} | {unit} |" for column, unit in units.items()),
     ]
-    return hub_card(data, ["configs:", *_config("images", default=True), *_config("rows")], text)
+    tables = [line for name in ("rows", *sensors) for line in _config(name)]
+    return hub_card(data, ["configs:", *_config("images", default=True), *tables], text)
 
 
 def _config(name: str, *, default: bool = False) -> list[str]:

@@ -15,7 +15,7 @@ import pandas as pd
 
 from symolo.core.arrays import Array
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.core.geometry.poses import pose_X_WR, quaternions
+from symolo.core.geometry.poses import mounted, quaternions
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.tables.side_tables import SideTable
 from symolo.exporters.base import image_bytes
@@ -101,6 +101,10 @@ class Log:
     def odometry(self) -> list[Planar]:
         return self.wheels[["odometry_x", "odometry_y", "odometry_theta"]].to_numpy().tolist()
 
+    def sample_stamps(self, sensor: str) -> list[int]:
+        """Return the stamp [ns] of each sample of a sensor of `robot.sensors`."""
+        return [START_NS + round(t_ms * 1e6) for t_ms in self.run.sensors[sensor].numbers[:, 0].tolist()]
+
     def rows(self, *columns: np.ndarray) -> Iterator[tuple[int, int, Any]]:
         """Yield number, stamp [ns] and values of each row."""
         values = zip(*(one.tolist() for one in columns), strict=True)
@@ -144,20 +148,12 @@ def _static(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     poses = [(BASE, CAMERA, X_RC @ X_CB), (CAMERA, OPTICAL, np.linalg.inv(X_CB))]
     for name in TOF:
         mount = getattr(robot.tof.mounts, name)
-        X_RT = pose_X_WR(mount.x_m, mount.y_m, np.radians(mount.yaw_deg))
-        X_RT[:3, :3] = X_RT[:3, :3] @ _pitched_up(np.radians(mount.pitch_up_deg))
-        X_RT[2, 3] = mount.z_m
-        poses.append((BASE, _tof_frame(name), X_RT))
+        place_m, directions_deg = (mount.x_m, mount.y_m, mount.z_m), [mount.yaw_deg, mount.pitch_up_deg]
+        poses.append((BASE, _tof_frame(name), mounted(place_m, *np.radians(directions_deg))))
     X_RL = np.eye(4)
     X_RL[:3, 3] = robot.line_sensor.x_m, 0.0, robot.line_sensor.height_m
     poses.append((BASE, LINE_SENSOR, X_RL))
     yield START_NS, ros("tf2_msgs/TFMessage", [ros.fixed(*one) for one in poses])
-
-
-def _pitched_up(pitch_rad: float) -> Array:
-    """Return the rotation (3, 3) that lifts the x axis."""
-    c, s = np.cos(pitch_rad), np.sin(pitch_rad)
-    return np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
 
 
 def _tof_frame(name: str) -> str:
@@ -258,13 +254,12 @@ def _sensor(table: SideTable) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
     """Return the function of the topic of a sensor; the label of its array names the columns and their units."""
 
     def readings(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-        columns = table.columns[1:]
-        label = ", ".join(f"{column.name} [{column.unit}]" for column in columns)
-        dimension = ros("std_msgs/MultiArrayDimension", label, len(columns), len(columns))
+        columns, count = table.columns[1:], len(table.cells) - 1
+        label = ", ".join(f"{column.title} [{column.unit}]" for column in columns)
+        dimension = ros("std_msgs/MultiArrayDimension", label, count, count)
         layout = ros("std_msgs/MultiArrayLayout", [dimension], 0)
-        values = log.run.side(table.name)[[column.name for column in columns]].to_numpy(dtype=np.float64)
-        for at_ns, row in zip(log.at_ns, np.ascontiguousarray(values), strict=True):
-            yield at_ns, ros("std_msgs/Float64MultiArray", layout, row)
+        for at_ns, row in zip(log.sample_stamps(table.name), log.run.sensors[table.name].numbers[:, 1:], strict=True):
+            yield at_ns, ros("std_msgs/Float64MultiArray", layout, row.copy())
 
     return readings
 

@@ -7,6 +7,7 @@ many objects as there are dicts here, but `symolo pack` would then need scipy, r
 from typing import Any
 
 from symolo.dataset.layout import IMAGES
+from symolo.dataset.tables.column import single
 from symolo.publishing.about import Author
 from symolo.publishing.dataset import PackedFile, Published
 from symolo.publishing.responsible_ai import RAI_CONFORMS_TO, responsible_ai
@@ -99,7 +100,7 @@ def _image_files(data: Published) -> dict[str, Any]:
 def _rows(table: PlannedTable, data: Published) -> dict[str, Any]:
     file = {"fileObject": {"@id": table.file}}
     fields = [_field(table.name, RUN, "for example CW/test_1", "sc:Text", file | {"extract": {"column": RUN}})]
-    for column in data.metadata.columns[table.source]:
+    for column in single(one.column for one in data.metadata.columns[table.source]):
         text = f"{column.meaning or column.name} [{column.unit}]"
         source = file | {"extract": {"column": column.name}}
         fields.append(_field(table.name, column.name, text, table.kinds[column.name], source))

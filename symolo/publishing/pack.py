@@ -69,8 +69,8 @@ def plan(root: Path, about: About, shard_bytes: int) -> Plan:
     shards = planned_shards(data.root, digests, data.metadata.name, shard_bytes)
     runs = [run.name for run in data.runs]
     tables = tuple(
-        planned_table(data.root, runs, source, [column.name for column in columns], digests)
-        for source, columns in sorted(data.metadata.columns.items())
+        planned_table(data.root, runs, source, data.metadata.header(source), digests)
+        for source in sorted(data.metadata.columns)
     )
     return Plan(data.root, about, data.metadata, tables, tuple(shards))
 

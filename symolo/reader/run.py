@@ -24,6 +24,7 @@ from symolo.dataset.pixels import decoded
 from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.dataset.tables.side_reading import first_fault, read_side
 from symolo.dataset.tables.side_tables import CAMERA, SideTable
+from symolo.reader.sensor import RunSensor
 from symolo.reader.tables import frame, rows_frame
 
 OF_THE_RUN = "take those of the run that the images were made from"
@@ -210,7 +211,8 @@ class Run:
         return (CAMERA,)
 
     def side(self, name: str) -> pd.DataFrame:
-        """A table below `side/`, such as `wheels`: at the rows of `rows`, or of `image_rows` for `camera`.
+        """A table below `side/`, such as `wheels`: at the rows of `rows`, of `image_rows` for `camera`, or of the
+        samples of a sensor.
 
         Raises:
             InputError: There is none of this name, or it is damaged or of other times than data.csv.
@@ -221,7 +223,22 @@ class Run:
             cure = OF_THE_RUN if self.is_rerendered else ""
             what = f"has no side table {name}"
             raise InputError(what, where=str(self.folder), allowed=allowed, nearest=hint, cure=cure)
-        return frame(table.columns, self._side(table))
+        return frame(table.cells, self._side(table))
+
+    @cached_property
+    def sensors(self) -> dict[str, RunSensor]:
+        """Sensors of `robot.sensors` by name, with all their samples.
+
+        Raises:
+            InputError: A table is damaged, or spec.json does not contain its sensor.
+        """
+        sections, sensors = self.spec.robot.sensors if self.sensor_tables else {}, {}
+        for table in self.sensor_tables:
+            if table.name not in sections:
+                where = str(self.folder / SIDE / SPEC)
+                raise InputError(f"robot.sensors has no {table.name}, which metadata.json describes", where=where)
+            sensors[table.name] = RunSensor(table.name, sections[table.name], table, self._side(table))
+        return sensors
 
     @cached_property
     def numbers(self) -> tuple[int, ...]:

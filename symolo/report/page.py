@@ -87,7 +87,7 @@ def _sensor(facts: ReleaseFacts, number: int) -> SensorRows:
     limits = [run.sensor_limits[number] for run in facts.runs]
     rows = [
         (
-            column.name,
+            column.title,
             column.unit,
             f"{min(limit[0, i] for limit in limits):.{column.decimals}f}",
             f"{max(limit[1, i] for limit in limits):.{column.decimals}f}",

@@ -20,7 +20,7 @@ from symolo.dataset.layout import ANNOTATIONS, frame_name
 from symolo.dataset.pixels import MAX_PIXELS, decoded_bytes
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
-from symolo.dataset.tables.sensor_tables import fractions
+from symolo.dataset.tables.sensor_tables import fractions, sample_times_ms
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.dataset.tables.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
 from symolo.verification.annotations import annotation_faults
@@ -66,7 +66,7 @@ def check_run(
     content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json", check_spec)
     yield from faults
     yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
-    yield from _sensors(run / "side", f"{record.run}/side", rows, sensor_tables)
+    yield from _sensors(run / "side", f"{record.run}/side", rows, record, spec, sensor_tables)
     if spec is not None and set(spec.robot.sensors) != {table.name for table in sensor_tables}:
         names = ", ".join(table.name for table in sensor_tables) or "none"
         yield Finding(f"{record.run}/side/spec.json", f"robot.sensors are not those of metadata.json, {names}")
@@ -207,14 +207,19 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocum
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
 
 
-def _sensors(folder: Path, name: str, rows: Rows, tables: Sequence[SideTable]) -> Iterator[Finding]:
+def _sensors(  # noqa: PLR0917 - everything that a run's tables depend on
+    folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocument | None, tables: Sequence[SideTable]
+) -> Iterator[Finding]:
     """Check the tables of the sensors of `robot.sensors`."""
     for table in tables:
         file = f"{name}/{table.file}"
         numbers, faults = _table(folder / table.file, table.header)
         yield from _limited(file, faults or [*fractions(table, numbers)])
-        if len(numbers) and not np.array_equal(numbers[:, 0], rows.t_ms):
-            yield Finding(file, "column t is not that of data.csv")
+        if not faults and spec is not None and table.name in spec.robot.sensors:
+            period_s = spec.robot.sensors[table.name].period_s
+            expected = sample_times_ms(period_s, record.rates.physics_hz, float(rows.t_ms[-1]))
+            if not np.array_equal(numbers[:, 0], expected):
+                yield Finding(file, f"column t is not one sample every {1000 * period_s:g} ms from 0 to the last row")
 
 
 def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:

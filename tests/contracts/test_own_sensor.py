@@ -101,7 +101,7 @@ def drawn(*settings):
 def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
     path = written(tmp_path)
     for _ in range(2):
-        with pytest.raises(InputError, match=r"robot\.sensors\.bumper: unknown key"):
+        with pytest.raises(InputError, match=r"robot\.sensors\.bumper.* allowed"):
             drawn(f"{TRAVEL}=0.02")
         SENSORS.load(path)
         assert drawn(f"{TRAVEL}=0.02").robot.sensors.get("bumper").travel_m == 0.02
@@ -117,15 +117,50 @@ def test_it_is_a_key_of_the_schema_with_bounds_and_defaults():
     assert number == {"type": "number", "exclusiveMinimum": 0, "maximum": 1}
     assert properties["period_s"]["default"] == 0.05
     settings = load_scenario("smoke", [f"{TRAVEL}=0.02"]).tree["robot"]["sensors"]["bumper"]
-    assert settings == {
-        "x_m": 0.08, "height_m": 0.05, "travel_m": 0.02, "reach_m": 2.0, "period_s": 0.05, "delay_s": 0.0
-    }  # fmt: skip
+    defaults = {"kind": "bumper", "x_m": 0.08, "height_m": 0.05, "reach_m": 2.0, "period_s": 0.05, "delay_s": 0.0}
+    assert settings == {**defaults, "travel_m": 0.02}
     with pytest.raises(InputError, match=r"travel_m: got 3(\.0)?, allowed: number > 0(\.0)? and <= 1"):
         drawn(f"{TRAVEL}=3")
     with pytest.raises(InputError, match="did you mean travel_m"):
         drawn("robot.sensors.bumper.travl_m=0.02")
     with pytest.raises(InputError, match="did you mean bumper"):
         drawn("robot.sensors.bumber.travel_m=0.02")
+
+
+@pytest.mark.usefixtures("toy")
+def test_a_robot_has_several_of_a_kind_each_with_a_name_and_a_random_stream_of_its_own():
+    names = {"front": "{kind: bumper, x_m: 0.08}", "rear": "{kind: bumper, x_m: -0.08, period_s: 0.1}"}
+    spec = drawn(*(f"robot.sensors.{name}={value}" for name, value in names.items()))
+    assert [(name, settings.kind, settings.x_m) for name, settings in spec.robot.sensors] == [
+        ("front", "bumper", 0.08),
+        ("rear", "bumper", -0.08),
+    ]
+    assert type(spec).model_validate_json(spec.model_dump_json()) == spec
+    streams = []
+    fit_out(
+        spec.robot, Arena.from_config(spec.arena), 1000, lambda name: streams.append(name) or np.random.default_rng()
+    )
+    assert streams[-2:] == ["front", "rear"]
+    recording = simulate(spec).recording
+    np.testing.assert_allclose(recording["sensor_front"].t_s, np.arange(11) * 0.05)
+    np.testing.assert_allclose(recording["sensor_rear"].t_s, np.arange(6) * 0.1)
+
+
+@pytest.mark.usefixtures("toy")
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("front={travel_m: 0.01}", r"robot\.sensors\.front(\.kind)?: missing; allowed: .*one of .*bumper"),
+        ("front={kind: bumber}", r"kind: got 'bumber', allowed: .*one of .*bumper.*did you mean bumper"),
+        ("tof={kind: bumper}", r"got 'tof', allowed: names of small letters.*other than board, camera"),
+        ("Front={kind: bumper}", r"got 'Front', allowed: names of small letters"),
+        ("front={kind: bumper, period_s: 0.0333}", r"front\.period_s: got 0\.0333, allowed: a whole number of physics"),
+        ("front={kind: bumper, period_s: {uniform: [0.1, 0.2]}}", r"allowed: a number or \{choice"),
+    ],
+)
+def test_a_sensor_that_cannot_be_is_refused_with_its_place(setting, message):
+    with pytest.raises(InputError, match=message):
+        drawn(f"robot.sensors.{setting}")
 
 
 @pytest.mark.usefixtures("toy")
@@ -171,16 +206,16 @@ def _distance_m(pose, box):
 
 def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
     metadata = json.loads((released / "metadata.json").read_text())
-    assert metadata["sensors"] == {"bumper": MEANING}
+    assert metadata["sensors"] == {"bumper": {"kind": "bumper", "meaning": MEANING}}
     assert metadata["columns"]["side/bumper.csv"] == [
-        {"name": "t", "unit": "ms", "meaning": "", "decimals": 0},
+        {"name": "t", "unit": "ms", "meaning": "", "decimals": 3},
         {"name": "contact", "unit": "-", "meaning": "1 where the bumper is closed", "decimals": 0},
         {"name": "clearance", "unit": "m", "meaning": "distance straight ahead, or the reach", "decimals": 3},
     ]
     for run in metadata["runs"]:
         table = pd.read_csv(released / run["run"] / "side/bumper.csv")
         assert list(table) == ["t", "contact", "clearance"]
-        assert len(table) == run["rows"]
+        np.testing.assert_array_equal(table["t"], np.arange(run["rows"]) * 50.0)
         np.testing.assert_array_equal(table["contact"], (table["clearance"] <= run["drawn"][TRAVEL]).astype(int))
         assert 0 < table["clearance"].min() <= table["clearance"].max() <= 2.0
     readme = (released / "README.md").read_text()
@@ -191,9 +226,10 @@ def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
     ("damage", "message"),
     [
         (lambda text: text.replace("contact", "kontact"), "line 1: column kontact is not known"),
-        (lambda text: re.sub(r"\n50,\d,", "\n50,nan,", text), "line 3: column contact: got 'nan', allowed: a number"),
-        (lambda text: re.sub(r"\n50,\d,", "\n50,0.5,", text), "line 3: column contact: 0.5 is not a whole number"),
-        (lambda text: text.replace("\n50,", "\n51,"), "column t is not that of data.csv"),
+        (lambda text: re.sub(r"\n50.000,\d,", "\n50.000,nan,", text), "line 3: column contact: got 'nan', allowed:"),
+        (lambda text: re.sub(r"\n50.000,\d,", "\n50.000,0.5,", text), "line 3: column contact: 0.5 is not a whole"),
+        (lambda text: text.replace("\n50.000,", "\n51.000,"), "column t is not one sample every 50 ms from 0 to"),
+        (lambda text: text[: text.rindex("\n", 0, -1) + 1], "column t is not one sample every 50 ms from 0 to"),
         (lambda text: text[:-1], "does not end with a line end: the file is cut off"),
     ],
 )
@@ -219,7 +255,7 @@ def test_verify_finds_metadata_and_specification_that_disagree(released, copy_of
     ended = symolo("verify", copy)
     assert ended.code == 4
     assert "CW/test_1/side/spec.json: robot.sensors are not those of metadata.json, none" in ended.out + ended.err
-    metadata["sensors"] = {"bumper": MEANING}
+    metadata["sensors"] = {"bumper": {"kind": "bumper", "meaning": MEANING}}
     del metadata["columns"]["side/bumper.csv"]
     path.write_text(json.dumps(metadata))
     with pytest.raises(InputError, match=r"side/bumper\.csv has not the columns of a sensor"):
@@ -233,9 +269,14 @@ def test_the_reader_gives_its_table_with_units_where_its_class_is_unknown(releas
         assert run.side_names == ("wheels", "tof", "camera", "bumper")
         table = run.side("bumper")
         assert table.attrs["units"] == {"t": "ms", "contact": "-", "clearance": "m"}
-        assert [str(kind) for kind in table.dtypes] == ["int64", "int64", "float64"]
+        assert [str(kind) for kind in table.dtypes] == ["float64", "int64", "float64"]
         pd.testing.assert_frame_equal(table, pd.read_csv(run.folder / "side/bumper.csv"))
-        assert run.spec.robot.sensors["bumper"]["travel_m"] == run.spec.drawn[TRAVEL]
+        sensor = run.sensors["bumper"]
+        assert (sensor.kind, sensor.settings.period_s, sensor.X_RS[0, 3]) == ("bumper", 0.05, 0.08)
+        assert sensor.settings.model_extra["travel_m"] == run.spec.drawn[TRAVEL]
+        pd.testing.assert_frame_equal(sensor.samples, table)
+        np.testing.assert_array_equal(sensor.values("clearance"), table["clearance"])
+        np.testing.assert_array_equal(sensor.delivered(run.t_s), np.arange(len(run)))
     with pytest.raises(InputError, match="did you mean bumper"):
         data["CW/test_1"].side("bumber")
 
@@ -248,8 +289,9 @@ def test_every_export_of_tables_and_of_ros_holds_it(released, tmp_path, symolo):
     parquet = pd.read_parquet(tmp_path / "out/parquet/bumper.parquet")
     own = parquet[parquet["run"] == run.name].drop(columns="run").reset_index(drop=True)
     pd.testing.assert_frame_equal(own, expected, check_dtype=False)
-    wide = pd.read_parquet(next((tmp_path / "out/huggingface/rows").iterdir()))
-    np.testing.assert_array_equal(wide[wide["run"] == run.name]["bumper_clearance"], expected["clearance"])
+    samples = pd.read_parquet(next((tmp_path / "out/huggingface/bumper").iterdir()))
+    np.testing.assert_array_equal(samples[samples["run"] == run.name]["clearance"], expected["clearance"])
+    assert "- config_name: bumper" in (tmp_path / "out/huggingface/README.md").read_text()
     bag = tmp_path / "out/mcap/CW/test_1.mcap"
     with bag.open("rb") as stream:
         decoded = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(["/sensors/bumper"])
@@ -288,7 +330,7 @@ def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tm
     SENSORS.unload(path)
     read = type(spec).model_validate_json(spec.model_dump_json())
     assert read.model_dump_json() == spec.model_dump_json()
-    with pytest.raises(InputError, match=r"robot\.sensors\.bumper: no such sensor.*SYMOLO_SENSOR_FILES"):
+    with pytest.raises(InputError, match=r"robot\.sensors\.bumper: no such kind of sensor.*SYMOLO_SENSOR_FILES"):
         fit_out(read.robot, Arena.from_config(read.arena), 1000, lambda _: np.random.default_rng(0))
 
 
@@ -308,6 +350,7 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
     ("change", "message"),
     [
         (("class Bumper", "class Tof"), "sensor tof: the name is taken"),
+        (("class Bumper", "class Imu"), "sensor imu: the name is taken"),
         (("class Bumper", "class Board"), "sensor board: the name is taken by another file"),
         (("columns = (", "kolumns = ("), "sensor bumper: columns missing.*write, for example"),
         (('"contact"', '"t"'), "sensor bumper: columns: got 't', allowed: letters"),

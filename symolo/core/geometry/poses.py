@@ -36,6 +36,14 @@ def transform_of(xyz: tuple[float, float, float], rpy: tuple[float, float, float
     return pose
 
 
+def mounted(place_m: tuple[float, float, float], yaw_rad: float, pitch_up_rad: float, roll_rad: float = 0.0) -> Array:
+    """Return the pose (4, 4) in R of a frame that is turned to the left, then tilted upwards, then rolled about x.
+
+    A positive roll is clockwise as seen from behind.
+    """
+    return transform_of(place_m, (roll_rad, -pitch_up_rad, yaw_rad))
+
+
 def rotations_about_z(yaw_rad: Array) -> Array:
     """Return the rotation matrices (N, 3, 3) of angles (N,) about the z axis."""
     rotations = np.tile(np.eye(3), (len(yaw_rad), 1, 1))

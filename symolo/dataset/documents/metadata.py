@@ -3,6 +3,7 @@
 import platform
 import re
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,10 +18,10 @@ from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import BoardKind, FramingName, State
 from symolo.dataset.documents.run_document import RunDocument
-from symolo.dataset.tables.column import Column
+from symolo.dataset.tables.column import Column, single
 from symolo.dataset.tables.obstacles import obstacle_table
 from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows
-from symolo.dataset.tables.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
+from symolo.dataset.tables.sensor_tables import MAX_COLUMNS, SENSOR_NAME, TAKEN_NAMES, TIME, ListedSensor
 from symolo.dataset.tables.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
 
 METADATA = "metadata.json"
@@ -213,6 +214,26 @@ class ColumnRecord(Record):
     meaning: str = ""
     decimals: int | None = Field(default=None, ge=0, exclude_if=lambda decimals: decimals is None)
     """Digits after the point in the table of a sensor of `sensors`; a column of 0 digits has whole numbers."""
+    count: int = Field(default=1, ge=1, le=MAX_COLUMNS, exclude_if=lambda count: count == 1)
+    """Number of columns. More than one are numbered from 0: `range` stands for `range_0`, `range_1`..."""
+
+    @classmethod
+    def of(cls, column: Column) -> "ColumnRecord":
+        """Return the record of a column of a sensor's table."""
+        return cls(**asdict(column))
+
+    @property
+    def column(self) -> Column:
+        return Column(self.name, self.unit, self.decimals or 0, self.meaning, self.count)
+
+
+class SensorRecord(Record):
+    """A sensor of `robot.sensors`, whose table is `side/<name>.csv`."""
+
+    kind: str
+    """Kind of the sensor; each run's spec.json has its settings."""
+    meaning: str
+    """Meaning of the table, which has a row for each sample."""
 
 
 class Metadata(Record):
@@ -230,10 +251,10 @@ class Metadata(Record):
     states: dict[int, str]
     columns: dict[str, list[ColumnRecord]]
     """Columns by file name."""
-    sensors: dict[Annotated[str, Field(pattern=SENSOR_NAME)], str] = Field(
+    sensors: dict[Annotated[str, Field(pattern=SENSOR_NAME)], SensorRecord] = Field(
         default_factory=dict, exclude_if=lambda sensors: not sensors
     )
-    """Sensors of `robot.sensors`, each with the meaning of its table `side/<name>.csv`."""
+    """Sensors of `robot.sensors` by name."""
     scenario: dict[str, Any]
     """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
     runs: list[RunRecord] = Field(min_length=1)
@@ -256,11 +277,16 @@ class Metadata(Record):
         return tuple(
             SideTable(
                 f"{name}.csv",
-                meaning,
-                tuple(Column(c.name, c.unit, c.decimals or 0, c.meaning) for c in self.columns[f"side/{name}.csv"]),
+                sensor.meaning,
+                tuple(column.column for column in self.columns[f"side/{name}.csv"]),
+                "samples",
             )
-            for name, meaning in self.sensors.items()
+            for name, sensor in self.sensors.items()
         )
+
+    def header(self, file: str) -> tuple[str, ...]:
+        """Return the names of the columns of a table, as its first line has them; `file` is a key of `columns`."""
+        return tuple(column.name for column in single(column.column for column in self.columns[file]))
 
     def to_json(self) -> bytes:
         return canonical_json(self.model_dump(mode="json"))
@@ -282,7 +308,7 @@ def describe(
     specifications: Sequence[object],
     runs: Sequence[RunRecord],
     failed: Sequence[FailedRun],
-    sensors: Sequence[SideTable] = (),
+    sensors: Sequence[ListedSensor] = (),
 ) -> Metadata:
     """Return the metadata of a dataset.
 
@@ -291,16 +317,14 @@ def describe(
         specifications: Specifications of the runs: objects with the fields of a `RunDocument`.
         runs: The released runs.
         failed: The runs that are not released.
-        sensors: Tables of the sensors of `robot.sensors`.
+        sensors: Sensors of `robot.sensors`.
     """
     first = RunDocument.model_validate(specifications[0])
     columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
     for table in side_tables(first):
         columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
-    for table in sensors:
-        columns[f"side/{table.file}"] = [
-            ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning, decimals=c.decimals) for c in table.columns
-        ]
+    for sensor in sensors:
+        columns[f"side/{sensor.table.file}"] = [ColumnRecord.of(column) for column in sensor.table.columns]
     return Metadata(
         name=first.scenario,
         description=str(tree.get("description", "")),
@@ -310,7 +334,7 @@ def describe(
         frames=FRAMES,
         states=STATES,
         columns=columns,
-        sensors={table.name: table.meaning for table in sensors},
+        sensors={one.table.name: SensorRecord(kind=one.kind, meaning=one.table.meaning) for one in sensors},
         scenario=tree,
         runs=list(runs),
         failed_runs=list(failed),

@@ -5,7 +5,7 @@ attributes, so that the program that makes a run can pass its specification.
 """
 
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
@@ -148,6 +148,22 @@ class CameraSection(SpecSection):
     read_out_s: float
 
 
+class SensorSection(SpecSection):
+    """Settings of a sensor; a kind has more than those below."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, from_attributes=True, allow_inf_nan=False)
+
+    kind: str = ""
+    period_s: Positive
+    delay_s: float
+    x_m: float = 0.0
+    y_m: float = 0.0
+    z_m: float = 0.0
+    yaw_deg: float = 0.0
+    pitch_up_deg: float = 0.0
+    roll_deg: float = 0.0
+
+
 def _as_mapping(sensors: object) -> object:
     """Return the sensors of a complete config, which are pairs of name and settings, as a mapping."""
     return dict(sensors) if isinstance(sensors, Iterable) and not isinstance(sensors, str | list) else sensors
@@ -161,7 +177,7 @@ class RobotSection(SpecSection):
     line_sensor: LineSensorSection
     tof: TofSection
     camera: CameraSection
-    sensors: Annotated[dict[str, Any], BeforeValidator(_as_mapping)] = Field(default_factory=dict)
+    sensors: Annotated[dict[str, SensorSection], BeforeValidator(_as_mapping)] = Field(default_factory=dict)
     """Settings of the further sensors by name; metadata.json describes their tables."""
 
 

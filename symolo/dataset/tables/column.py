@@ -1,11 +1,12 @@
 """Columns of data.csv and of the tables in `side/`, and the series of a recording from which they are written."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
 class Column:
-    """Name, unit, digits and meaning of a column."""
+    """Name, unit, digits and meaning of a column, or of several columns of the same kind."""
 
     name: str
     unit: str
@@ -13,6 +14,22 @@ class Column:
     decimals: int
     """Digits after the point in the file; a column of 0 digits has whole numbers."""
     meaning: str = ""
+    count: int = 1
+    """Number of columns. More than one are numbered from 0: `range` stands for `range_0`, `range_1`..."""
+
+    @property
+    def title(self) -> str:
+        """Name as a person reads it, such as `range_0..range_359`."""
+        return self.name if self.count == 1 else f"{self.name}_0..{self.name}_{self.count - 1}"
+
+
+def single(columns: Iterable[Column]) -> tuple[Column, ...]:
+    """Return columns with one entry for each column of the file."""
+    return tuple(
+        column if column.count == 1 else replace(column, name=f"{column.name}_{number}", count=1)
+        for column in columns
+        for number in range(column.count)
+    )
 
 
 @dataclass(frozen=True)

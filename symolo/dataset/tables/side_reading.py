@@ -10,7 +10,7 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.rows import Rows, parse_table
-from symolo.dataset.tables.side_tables import CAMERA, SideTable
+from symolo.dataset.tables.side_tables import SideTable
 
 Record = TypeVar("Record", bound=BaseModel)
 
@@ -35,7 +35,7 @@ def first_fault(error: ValidationError) -> str:
 
 
 def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
-    """Return the numbers of a side table, (rows, columns) for the rows of data.csv; for the camera, for its images.
+    """Return the numbers of a side table, (rows, columns) for the rows of data.csv, its images, or its own samples.
 
     Raises:
         InputError: It cannot be read, or its format, times or images are wrong.
@@ -47,8 +47,15 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
     numbers, faults = parse_table(data, table.header)
     if faults:
         raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
+    if table.rows_of == "samples":
+        t_ms = numbers[:, 0]
+        if np.any(np.diff(t_ms) <= 0.0) or np.any((t_ms < rows.t_ms[0]) | (t_ms > rows.t_ms[-1])):
+            what = "column t does not increase within the times of data.csv"
+            raise InputError(what, where=str(path), cure="make the run again")
+        return numbers
     taken = rows.image > 0
-    keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if table is CAMERA else rows.t_ms[:, None]
+    is_of_images = table.rows_of == "images"
+    keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if is_of_images else rows.t_ms[:, None]
     for name, column, expected in zip(table.header, numbers.T, keys.T, strict=False):
         if not np.array_equal(column, expected):
             raise InputError(f"column {name} is not that of data.csv", where=str(path), cure="make the run again")

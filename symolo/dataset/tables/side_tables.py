@@ -1,14 +1,18 @@
 """Tables in addition to data.csv: image positions, drive, range statuses, camera poses."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import BOARD_COLUMNS, TofStatus
-from symolo.dataset.tables.column import Column, Series
+from symolo.dataset.tables.column import Column, Series, single
 from symolo.dataset.tables.rows import Numbers, Rows, csv_bytes, heading
+
+RowsOf = Literal["data", "images", "samples"]
+"""What a row of a table belongs to: a row of data.csv, an image, or a sample at a time of its own."""
 
 
 @dataclass(frozen=True)
@@ -18,6 +22,7 @@ class SideTable:
     file: str
     meaning: str
     columns: tuple[Column, ...]
+    rows_of: RowsOf = "data"
 
     @property
     def name(self) -> str:
@@ -25,11 +30,16 @@ class SideTable:
         return self.file.partition(".")[0]
 
     @property
+    def cells(self) -> tuple[Column, ...]:
+        """Columns of the file, one for each number of a row."""
+        return single(self.columns)
+
+    @property
     def header(self) -> tuple[str, ...]:
-        return tuple(column.name for column in self.columns)
+        return tuple(column.name for column in self.cells)
 
     def to_csv(self, table: Numbers) -> bytes:
-        return csv_bytes(self.header, [column.decimals for column in self.columns], table)
+        return csv_bytes(self.header, [column.decimals for column in self.cells], table)
 
 
 POSITIONS_HEADER = ("img", "x", "y", "theta")
@@ -75,6 +85,7 @@ CAMERA = SideTable(
         Column("exposure_start", "ms", 3),
         Column("exposure", "ms", 3),
     ),
+    rows_of="images",
 )
 BOARD_SERIES = "board"
 BOARD = SideTable(

@@ -10,6 +10,7 @@ from symolo.dataset.codes import State
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.tables.rows import Ints
 from symolo.reader.run import Run
+from symolo.reader.sensor import RunSensor
 from symolo.report.statistics.off_line import ahead_of, off_line_m
 
 
@@ -69,12 +70,13 @@ def run_facts(run: Run, record: RunRecord, *, with_path: bool) -> RunFacts:
             )
         ),
         path=RunPath(rows.pose, rows.state) if with_path else None,
-        sensor_limits=tuple(_limits(run.side(table.name).to_numpy(dtype=np.float64)) for table in run.sensor_tables),
+        sensor_limits=tuple(_limits(sensor) for sensor in run.sensors.values()),
     )
 
 
-def _limits(table: Array) -> Array:
-    return np.stack([table[:, 1:].min(axis=0), table[:, 1:].max(axis=0)])
+def _limits(sensor: RunSensor) -> Array:
+    values = [sensor.values(column.name) for column in sensor.side_table.columns[1:]]
+    return np.array([[one.min() for one in values], [one.max() for one in values]])
 
 
 def fresh(run: Run) -> Run:
