@@ -112,8 +112,6 @@ class Sensor(ABC):
     """Columns of a dataset that hold a reading; for a sensor whose columns depend on its settings, see `columns_of`."""
     series: ClassVar[tuple[Series, ...]] = ()
     """Series of a recording that hold the delivered readings of a sensor that every robot has."""
-    settings: SensorSettings
-    """Settings of a sensor of `robot.sensors` with their values in this run."""
     sampling: Sampling
 
     def __init_subclass__(cls, **kwargs: object) -> None:
