@@ -77,7 +77,7 @@ class UnloadedSettings(BaseModel):
 
     model_config = ConfigDict(extra="allow", frozen=True)
 
-    kind: str = ""
+    kind: str = Field(default="", exclude_if=lambda kind: not kind)
 
 
 Members = tuple[tuple[str, SensorSettings | UnloadedSettings], ...]
