@@ -26,10 +26,11 @@ from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclu
 from diagnosis.inference.refusal import is_of_noise
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.selection import Selection, rescued, select
-from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
+from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.wander import Wander, wander
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalLog
@@ -328,13 +329,13 @@ def _without_stand_ins(evidence: Evidence, selection: Selection, result: Adequac
     if not result.has_cause:
         # A drift adds little to the noise, so that it cannot stand behind an effect of the noise.
         return _with_only(
-            evidence, selection, fit, [*noise_effects, *survivors(evidence, selection.nominal, fit, result.worst)]
+            evidence, selection, fit, [*noise_effects, *survivors(evidence, selection.nominal, fit, result)]
         )
     mean_effects = [effect for effect in fit.hypothesis.effects if effect not in noise_effects]
     if len(mean_effects) < len(fit.hypothesis.effects):
         fit = _with_only(evidence, selection, fit, mean_effects)
         result = _structures_of(evidence, replace(selection, fit=fit), adequacy(evidence, fit))
-    return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, result.worst))
+    return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, result))
 
 
 def _with_only(

@@ -11,7 +11,8 @@ from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, Withhel
 from diagnosis.inference.refusal import is_at_bound, needed
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.selection import without
-from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy, change_by, survivors
+from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy, change_by
+from diagnosis.inference.unexplained.survivors import survivors
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def standing(
             fit = without(evidence, fit, comparison.effect)
         left = adequacy(evidence, fit)
         if left.has_cause and fit.hypothesis.effects:
-            surviving = survivors(evidence, nominal, fit, left.worst)
+            surviving = survivors(evidence, nominal, fit, left)
             substitutes = [effect for effect in fit.hypothesis.effects if effect not in surviving]
             withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
             for effect in substitutes:

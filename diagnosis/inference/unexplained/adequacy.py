@@ -6,9 +6,6 @@ functions are projected onto what the fitted parameters, with their priors, cann
 parameter could still remove does not count. The share of the residuals inside the span of the functions, relative to
 the share outside, has the F distribution if the model is adequate, whatever the level of the noise. The p-values of all
 tests are combined by Bonferroni.
-
-If structure remains, an effect stays named only if it is needed in addition to the flexible functions: an effect that
-was only a substitute for the unknown cause becomes insignificant beside them.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +18,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.projection import beyond, orthonormal
-from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
+from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, bases, standing_out
 from diagnosis.predictors.base import ROW_TIME
 from symolo.core.arrays import Array
 
@@ -31,9 +28,6 @@ REWEIGHTINGS = 6
 """Iterations of the weights for outliers."""
 CLIP = 3.0
 """Residual in sigmas at which it is clipped."""
-NEEDED = 16.0
-"""Fall of the cost beside the flexible functions, four standard errors, by which an effect stays named. It must not be
-less than what the functions explain, else the effect may be a part of the unknown cause."""
 AS_MUCH = 0.8
 """Share of what another covariate explains, from which two covariates count as equal."""
 MATERIAL = 9.0
@@ -45,8 +39,6 @@ DRIFT = 1.0
 next. It is reported as unexplained, but does not speak against effects that do not depend on time."""
 SESSION = ("row", "session_time_s", "sweep", "trial")
 """Covariates that tell when a row was taken; `t_s` too, where a quantity has no time since the session began."""
-EXPLAINED = 0.9
-"""Share of the explainable cost that the effects must explain to stay named."""
 
 
 @dataclass(frozen=True)
@@ -203,68 +195,6 @@ def _moved_beside(fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
     return z, x
 
 
-def survivors(
-    evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, structure: Structure
-) -> list[CandidateEffect]:
-    """Return the effects of a fit that are needed in addition to an unexplained structure, the most needed first.
-
-    The residuals of the nominal model are explained again, linearly and with the weights of the fit: first by the
-    flexible functions, then by one effect after the other, each at its fitted size, as long as one is needed. An effect
-    of the noise does not change the mean, and is given up with the first structure of the mean.
-
-    Args:
-        evidence: The observations.
-        nominal: The fit without effects.
-        fit: The fit with the effects.
-        structure: Structure in the residuals of the fit.
-    """
-    # Effects that explain much less than what stays unexplained are probably parts of the unknown cause.
-    drop = nominal.cost - fit.cost
-    if drop < EXPLAINED * (drop + structure.explainable) and not structure.is_drift:
-        return []
-    min_fall = NEEDED if structure.is_drift else max(NEEDED, structure.explainable)
-    root = fit.root_weights()
-    size = nominal.hypothesis.size
-    # A drift is slow: any function of time could also imitate what a sweep does from row to row.
-    flexible = [] if structure.is_drift else [_functions(evidence, structure)]
-    functions = np.concatenate([structure.basis, *flexible], axis=1)
-    taken_functions = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
-    taken = [nominal.tangents(root), taken_functions]
-    residual = nominal.weighted_residuals(nominal.z, root)
-    needed: list[CandidateEffect] = []
-    priors = np.zeros(size)
-    changes = {
-        effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
-        for effect in fit.hypothesis.effects
-    }
-    while changes:
-        basis = orthonormal(np.concatenate(taken, axis=1))
-        falls = {effect: _fall(residual, change, basis) for effect, change in changes.items()}
-        best = max(falls, key=lambda effect: falls[effect])
-        if falls[best] < min_fall:
-            break
-        needed.append(best)
-        taken.append(changes.pop(best)[:, None])
-    return needed
-
-
-def _functions(evidence: Evidence, structure: Structure) -> Array:
-    """Return columns (N, k) for any function of the structure's covariate, and of the one that it acts with.
-
-    They exist for every quantity with these covariates, since a cause shows in several quantities.
-    """
-    parts = []
-    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
-        beside = {covariate.beside for covariate in quantity.covariates if covariate.name == structure.covariate}
-        for covariate in quantity.covariates:
-            if covariate.name in {structure.covariate, *beside}:
-                functions = any_function(covariate, evidence.fit[place])
-                columns = np.zeros((len(evidence.values), functions.shape[1]))
-                columns[place] = functions
-                parts.append(columns)
-    return np.concatenate(parts, axis=1)
-
-
 def change_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> Array:
     """Return the change (N,) of the nominal prediction by a fitted effect alone, in sigmas; 0 outside the fit."""
     alone = nominal.hypothesis.with_effect(effect)
@@ -272,10 +202,3 @@ def change_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, ef
     x[alone.parameters(effect)] = fit.x[fit.hypothesis.parameters(effect)]
     before, after = evidence.predicted([nominal.robot, alone.robot(x)]).mean
     return np.where(evidence.fit, (after - before) / nominal.sd, 0.0)
-
-
-def _fall(residual: Array, change: Array, basis: Array) -> float:
-    """Return the fall of the squares by the best multiple of a change, in addition to a basis."""
-    free = change - basis @ (basis.T @ change)
-    square = float(free @ free)
-    return float(free @ residual) ** 2 / square if square > 1e-9 * float(change @ change) else 0.0

@@ -1,8 +1,13 @@
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
 
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import fits
-from diagnosis.inference.unexplained.adequacy import adequacy, survivors
+from diagnosis.inference.unexplained.adequacy import adequacy
+from diagnosis.inference.unexplained.survivors import survivors
+from diagnosis.predictors.base import Predicted
 
 SD_A = 0.01
 X = np.linspace(-1.0, 1.0, 160)
@@ -70,7 +75,7 @@ def test_a_name_that_stood_in_for_the_unknown_is_given_up_and_another_is_kept(ev
         fit, base = fitted(evidence, hypothesis.with_effect(hidden)), fitted(evidence, hypothesis)
         left = adequacy(evidence, fit)
         assert not left.is_adequate
-        kept = survivors(evidence, base, fit, left.worst)
+        kept = survivors(evidence, base, fit, left)
         assert kept == ([hidden] if is_kept else [])
 
 
@@ -78,3 +83,30 @@ def test_a_curve_far_below_the_noise_is_no_structure_though_nothing_scatters(evi
     """A twentieth of a sigma of what is stated, as a simulated log leaves: 160 rows hold 0.2 of cost in it."""
     evidence = evidence_of(X, X + 0.05 * SD_A * np.cos(4.0 * X) + 0.005 * noise(1))
     assert adequacy(evidence, fitted(evidence, hypothesis)).is_adequate
+
+
+@dataclass
+class StillStage:
+    """A reading that is 0 for every robot."""
+
+    observed: tuple
+    name: str = "tof"
+    at_once: int = 48
+
+    def predict(self, robots):
+        return (Predicted(np.zeros((len(robots), len(X))), self.observed[0].sd),)
+
+
+def test_what_is_unexplained_in_one_stage_withdraws_no_effect_of_another(evidence_of, hypothesis, effect):
+    """Each stage starts from what was measured, so that an offset of a current explains nothing of a range."""
+    hidden = effect("current_sensor_offset")
+    (first,) = evidence_of(X, X + 0.03 + noise(12)).stages
+    bump = 0.2 * np.exp(-((X - 0.5) ** 2) / 0.1)
+    for shift, is_kept in ((0.0, True), (1.0, False)):
+        observed = replace(first.observed[0], values=X + 0.03 + shift * bump + noise(12))
+        ranges = replace(first.observed[0], name="tof_front_m", channel="tof_m", values=bump + noise(13))
+        evidence = Evidence((replace(first, observed=(observed,)), StillStage((ranges,))))
+        fit, base = fitted(evidence, hypothesis.with_effect(hidden)), fitted(evidence, hypothesis)
+        left = adequacy(evidence, fit)
+        assert left.worst.p < 1e-9
+        assert survivors(evidence, base, fit, left) == ([hidden] if is_kept else [])
