@@ -212,7 +212,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     comparisons = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
-    if result.is_adequate:
+    if result.leaves_only_outliers:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
     parts = groups(evidence, [trial.name for trial in measurement.trials])
     model, withheld_names = standing(
@@ -327,7 +327,8 @@ def _without_stand_ins(evidence: Evidence, selection: Selection, result: Adequac
     fit = selection.fit
     noise_effects = [effect for effect in fit.hypothesis.effects if is_of_noise(fit, effect)]
     if not result.has_cause:
-        # A drift adds little to the noise, so that it cannot stand behind an effect of the noise.
+        # A drift adds little to the noise, and outliers have a density of their own: neither stands behind an effect of
+        # the noise.
         return _with_only(
             evidence, selection, fit, [*noise_effects, *survivors(evidence, selection.nominal, fit, result)]
         )

@@ -90,7 +90,7 @@ def _name_evidence(  # noqa: PLR0917 - all that is known of a name
 
     Beside such a structure a rival may win by taking over a part of it, so rivals count only without.
     """
-    fit, effect, has_rest = model.fit, comparison.effect, not model.result.is_adequate
+    fit, effect, has_rest = model.fit, comparison.effect, not model.result.leaves_only_outliers
     heldout_rise = float((base.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None
     rival = None if has_rest else next((rival for rival in comparison.rivals if not rival.refused), None)
     return NameEvidence(

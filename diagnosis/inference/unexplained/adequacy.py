@@ -37,6 +37,9 @@ errors would show."""
 DRIFT = 1.0
 """Root mean square in sigmas up to which the zero of an instrument may drift, within a session and from one to the
 next. It is reported as unexplained, but does not speak against effects that do not depend on time."""
+OUTLIERS_IN_A_ROW = 8
+"""Number of successive rows up to which outliers may come from the logger. They are reported as unexplained, but do not
+speak against effects, which act in all rows. GAP_FORMAT has runs of up to six; a run is found with a few rows more."""
 SESSION = ("row", "session_time_s", "sweep", "trial")
 """Covariates that tell when a row was taken; `t_s` too, where a quantity has no time since the session began."""
 
@@ -61,11 +64,23 @@ class Structure:
     """Root mean square of the structure [sigma], over the rows of the fit of its quantity."""
     is_over_time: bool
     """Whether the covariate is only the time at which a row was taken."""
+    longest_run: int = 0
+    """Number of rows of the longest of the runs of rows of which the structure consists; 0 for other structures."""
 
     @property
     def is_drift(self) -> bool:
         """Return whether the structure may be the slow drift that every zero has, and need not have a cause."""
-        return self.is_over_time and self.size < DRIFT
+        return self.is_over_time and self.size < DRIFT and not self.longest_run
+
+    @property
+    def is_of_outliers(self) -> bool:
+        """Return whether the structure may be a few outliers in successive rows, which a logger can cause."""
+        return 0 < self.longest_run <= OUTLIERS_IN_A_ROW
+
+    @property
+    def may_lack_cause(self) -> bool:
+        """Return whether the structure may be a disturbance of the log, which says nothing about the robot."""
+        return self.is_drift or self.is_of_outliers
 
 
 @dataclass(frozen=True)
@@ -80,9 +95,14 @@ class Adequacy:
         return not self.structures or self.structures[0].p >= LEVEL
 
     @property
+    def leaves_only_outliers(self) -> bool:
+        """Return whether the model is adequate but for outliers in successive rows, which favour no effect."""
+        return all(s.is_of_outliers for s in self.structures if s.p < LEVEL)
+
+    @property
     def has_cause(self) -> bool:
-        """Return whether there is a significant structure that is no mere drift."""
-        return any(s.p < LEVEL and not s.is_drift for s in self.structures)
+        """Return whether there is a significant structure that is no mere disturbance of the log."""
+        return any(s.p < LEVEL and not s.may_lack_cause for s in self.structures)
 
     @property
     def worst(self) -> Structure:
@@ -121,7 +141,15 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
                     rows_worth = float(evidence.weight[inside].sum())
                     over_time = covariate.name in SESSION or (covariate.name == ROW_TIME and not session)
                     best = Structure(
-                        *names, basis.what, p, gain, rank, columns, float(np.sqrt(gain / rows_worth)), over_time
+                        *names,
+                        basis.what,
+                        p,
+                        gain,
+                        rank,
+                        columns,
+                        float(np.sqrt(gain / rows_worth)),
+                        over_time,
+                        basis.longest_run,
                     )
             if best is not None:
                 structures.append(best)

@@ -51,6 +51,8 @@ class Basis:
     """Description for reports, such as `trend` or `wave of LENGTH`."""
     tries: int = 1
     """Number of bases that are tested, of which this is one."""
+    longest_run: int = 0
+    """Number of rows of the longest of the runs of which the basis consists; 0 for other bases."""
 
 
 def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
@@ -141,16 +143,18 @@ def standing_out(residuals: Array, trial: NDArray[np.int64]) -> Iterator[Basis]:
     begin, length, mean = np.concatenate(begins), np.concatenate(lengths), np.concatenate(means)
     square = length * mean**2
     column = np.zeros(len(residuals))
+    longest = 0
     for count in range(1, MAX_RUNS + 1):
         run = int(np.argmax(square))
         if square[run] <= 0.0:
             return
         first, last = int(begin[run]), int(begin[run] + length[run])
         column[first:last] = mean[run]
+        longest = max(longest, last - first)
         square[(begin < last) & (begin + length > first)] = 0.0
         if count.bit_count() == 1:  # 1, 2, 4, ...
             tries = math.comb(len(begin), count) * 2**count
-            yield Basis(column[:, None].copy(), RUNS_OF_ROWS, tries)
+            yield Basis(column[:, None].copy(), RUNS_OF_ROWS, tries, longest)
 
 
 def _where(known: Mask, columns: Array) -> Array:

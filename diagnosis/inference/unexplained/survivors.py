@@ -62,11 +62,13 @@ def _worst_by_stage(evidence: Evidence, result: Adequacy) -> dict[int, Structure
     """Return the worst structure of each stage that has a significant one, that of the whole test first."""
     stages = [number for number, stage in enumerate(evidence.stages) for _ in stage.observed]
     stage_of = {observed.name: stage for observed, stage in zip(evidence.observed, stages, strict=True)}
-    worst = {stage_of[result.worst.observed]: result.worst}
-    for stage in stages:
+    order = [stage_of[result.worst.observed], *stages]
+    worst: dict[int, Structure] = {}
+    for stage in dict.fromkeys(order):
         of_stage = [s for s in result.structures if s.p < LEVEL and stage_of[s.observed] == stage]
-        if of_stage and stage not in worst:
-            worst[stage] = Adequacy(tuple(of_stage)).worst
+        with_cause = [s for s in of_stage if not s.may_lack_cause]
+        if of_stage:
+            worst[stage] = Adequacy(tuple(with_cause or of_stage)).worst
     return worst
 
 
@@ -90,15 +92,21 @@ def _needed_beside(
         contested: Change (N,) of the nominal prediction by each effect, in sigmas.
         rows: (N,), samples of the stage that has the structure.
     """
-    # Effects that explain much less than what stays unexplained are probably parts of the unknown cause.
-    drop = _fall_of_stage(nominal, fit, rows)
-    if drop < EXPLAINED * (drop + structure.explainable) and not structure.is_drift:
-        return []
-    min_fall = NEEDED if structure.is_drift else max(NEEDED, structure.explainable)
     root = fit.root_weights()
+    flexible: list[Array] = []
+    min_fall = NEEDED
+    if structure.is_of_outliers:
+        # An effect acts in all rows, so it must be needed without those that stand out.
+        root = np.where(structure.basis.any(axis=1), 0.0, root)
+    elif not structure.is_drift:
+        # Effects that explain much less than what stays unexplained are probably parts of the unknown cause.
+        drop = _fall_of_stage(nominal, fit, rows)
+        if drop < EXPLAINED * (drop + structure.explainable):
+            return []
+        min_fall = max(NEEDED, structure.explainable)
+        # A drift is slow: any function of time could also imitate what a sweep does from row to row.
+        flexible = [_functions(nominal.evidence, structure)]
     size = nominal.hypothesis.size
-    # A drift is slow: any function of time could also imitate what a sweep does from row to row.
-    flexible = [] if structure.is_drift else [_functions(nominal.evidence, structure)]
     functions = np.concatenate([structure.basis, *flexible], axis=1)
     taken_functions = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
     taken = [nominal.tangents(root), taken_functions]

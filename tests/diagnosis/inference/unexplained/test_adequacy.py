@@ -110,3 +110,19 @@ def test_what_is_unexplained_in_one_stage_withdraws_no_effect_of_another(evidenc
         left = adequacy(evidence, fit)
         assert left.worst.p < 1e-9
         assert survivors(evidence, base, fit, left) == ([hidden] if is_kept else [])
+
+
+def test_outliers_in_a_row_are_reported_and_withdraw_no_effect_that_acts_in_all_rows(evidence_of, hypothesis, effect):
+    """Three runs of five wild readings are 9 % of the rows; a run of forty has a cause that may be all there is."""
+    hidden = effect("current_sensor_offset")
+    x = np.random.default_rng(3).permutation(X)
+    for length, begins, is_kept in ((5, (20, 70, 120), True), (40, (60,), False)):
+        readings = x + 0.03 + noise(12)
+        for begin in begins:
+            readings[begin : begin + length] += 0.15
+        evidence = evidence_of(x, readings, t_s=np.arange(len(x)))
+        fit, base = fitted(evidence, hypothesis.with_effect(hidden)), fitted(evidence, hypothesis)
+        left = adequacy(evidence, fit)
+        assert not left.is_adequate
+        assert left.leaves_only_outliers == is_kept
+        assert survivors(evidence, base, fit, left) == ([hidden] if is_kept else [])
