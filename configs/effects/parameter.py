@@ -25,6 +25,8 @@ class Parameter:
     """Whether the parameter is a direction or a phase, for which a whole turn is no change."""
     is_known: bool = False
     """Whether a fit takes the field's default instead of a value of its own, because no measurement would show it."""
+    tries: tuple[float, ...] = ()
+    """Further sizes at which the search for the effect begins, relative to the start, if sizes span decades."""
 
     @property
     def without_effect(self) -> float:

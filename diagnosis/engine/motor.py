@@ -4,12 +4,15 @@ PyBullet simulates the inertia of the wheel, so it is subtracted from the motor'
 everything that turns.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import EngineStage, less
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NominalStep
+from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
@@ -29,9 +32,13 @@ class MotorOnBench(EngineStage):
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._measurement = measurement
-        is_step = measurement.kind is CaseKind.MOTOR_STEP
-        stage = MotorStep(measurement, nominal) if is_step else MotorSteady(measurement, nominal)
-        self.observed = stage.observed
+        self.observed: tuple[Observed, ...]
+        if measurement.kind is CaseKind.MOTOR_STEP:
+            self.observed = MotorStep(measurement, nominal).observed
+        else:
+            stage = MotorSteady(measurement, nominal)
+            # Near the voltage at which the motor starts, the engine cannot be told what was seen.
+            self.observed = tuple(replace(o, usable=o.usable & stage.is_far) for o in stage.observed)
 
     def _means(self, robot: RobotConfig) -> tuple[Array, Array]:
         is_step = self._measurement.kind is CaseKind.MOTOR_STEP

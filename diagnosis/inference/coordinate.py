@@ -36,22 +36,27 @@ class Coordinate:
     """Whether the parameter is a direction or a phase."""
     is_time: bool = False
     """Whether the parameter is a delay or a lag. Fast logs show much shorter ones than slow logs."""
+    tries: tuple[float, ...] = ()
+    """Further sizes to try, relative to the distance of the start from the null value."""
 
     @classmethod
-    def of_parameter(cls, name: str, parameter: Parameter) -> "Coordinate":
-        """Return the coordinate of an effect's parameter."""
+    def of_parameter(cls, name: str, parameter: Parameter, scale: float = 1.0) -> "Coordinate":
+        """Return the coordinate of an effect's parameter, whose start is multiplied by `scale`."""
         if parameter.is_angle:
             return cls(
                 name, parameter.low, parameter.high, None, parameter.start, is_log=False, unit=1.0, is_angle=True
             )
         is_ceiling = parameter.null is not None and parameter.null == parameter.high
         if parameter.null is None or is_ceiling or parameter.low > 0.0:
-            low = log(max(parameter.low, MIN_LOG_SHARE * parameter.start))
+            start = min(max(scale * parameter.start, parameter.low), parameter.high)
+            low = log(max(parameter.low, MIN_LOG_SHARE * start))
             null = None if parameter.null is None else log(parameter.null)
-            return cls(name, low, log(parameter.high), null, log(parameter.start), is_log=True, unit=1.0)
-        unit = abs(parameter.start - parameter.null)
-        low, high, null, start = (x / unit for x in (parameter.low, parameter.high, parameter.null, parameter.start))
-        return cls(name, low, high, null, start, is_log=False, unit=unit, is_time=parameter.unit == "s")
+            return cls(name, low, log(parameter.high), null, log(start), is_log=True, unit=1.0)
+        unit = abs(scale * (parameter.start - parameter.null))
+        start = parameter.null + scale * (parameter.start - parameter.null)
+        low, high, null, start = (x / unit for x in (parameter.low, parameter.high, parameter.null, start))
+        is_time = parameter.unit == "s"
+        return cls(name, low, high, null, start, is_log=False, unit=unit, is_time=is_time, tries=parameter.tries)
 
     @classmethod
     def of_spread(cls, name: str, tolerance: float) -> "Coordinate":

@@ -17,6 +17,7 @@ import numpy as np
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import Coordinate
+from diagnosis.inference.motor_scales import UNSCALED, MotorScales, motor_scales
 from diagnosis.measured.channel import Mask
 from diagnosis.nuisances import Nuisance
 from symolo.core.arrays import Array
@@ -33,19 +34,22 @@ class CandidateEffect:
     choices: tuple[tuple[str, str], ...] = ()
     shape: tuple[tuple[str, float], ...] = ()
     """Numbers that are not fitted, since the nominal robot has the effect with this shape already."""
+    scales: MotorScales = UNSCALED
+    """Sizes of the motor, by which the start values are scaled."""
 
     @classmethod
     def on_top_of(
         cls, nominal: RobotConfig, kind: type[Effect], choices: tuple[tuple[str, str], ...]
     ) -> "CandidateEffect | None":
         """Return a candidate for a nominal robot; None if the robot has the effect with another choice."""
-        present = nominal.effects.get(kind)
+        present, scales = nominal.effects.get(kind), motor_scales(nominal)
         if present is None:
-            return cls(kind, choices)
+            return cls(kind, choices, scales=scales)
         if any(getattr(present, name) != value for name, value in choices):
             return None
         numbers = kind.parameters().items()
-        return cls(kind, choices, tuple((n, getattr(present, n)) for n, number in numbers if number.null is None))
+        shape = tuple((n, getattr(present, n)) for n, number in numbers if number.null is None)
+        return cls(kind, choices, shape, scales)
 
     @property
     def name(self) -> str:
@@ -56,7 +60,11 @@ class CandidateEffect:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         numbers = self.kind.parameters().items()
-        return tuple(Coordinate.of_parameter(name, number) for name, number in numbers if name not in self.known)
+        return tuple(
+            Coordinate.of_parameter(name, number, self.scales.of(number))
+            for name, number in numbers
+            if name not in self.known
+        )
 
     @property
     def known(self) -> Mapping[str, float]:

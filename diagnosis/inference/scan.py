@@ -109,6 +109,6 @@ def tried_values(coordinate: Coordinate) -> list[float]:
         factors = CEILINGS if coordinate.is_ceiling else SHAPES
         values = [coordinate.start + float(np.log(factor)) for factor in factors]
     else:
-        sizes = TIME_SIZES if coordinate.is_time else SIZES
+        sizes = (*(TIME_SIZES if coordinate.is_time else SIZES), *coordinate.tries)
         values = [coordinate.null + size * (coordinate.start - coordinate.null) for size in sizes]
     return [x for x in values if coordinate.low <= x <= coordinate.high]

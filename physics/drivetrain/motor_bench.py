@@ -5,6 +5,7 @@
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from symolo.core.finite import require_finite
 SETTLED = 1e-11
 """Accuracy of a steady speed, relative to the highest speed."""
 MAX_STEPS = 200
+MIN_FRICTION_N_M = 1e-9
+TURNING = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+"""Shares of the highest speed at which a motor may turn although it would not start."""
 
 
 def steady_states(
@@ -36,42 +40,116 @@ def steady_states(
     Raises:
         ValueError: A voltage is not a finite number.
     """
-    require_finite(voltage_V, "voltage_V", ("trial",))
-    driveline = Driveline.of_bench(model)
-    if supply_V is not None:
-        driveline.full_supply_V = supply_V[:, None]
-    time = time_s[:, None]
-    command = voltage_V[:, None]
-    _, voltage = driveline.voltage_V(command, command, time, np.inf)
-    no_load_V = driveline.supply_V(time)
-    sign = np.sign(voltage)
-
-    def surplus_N_m(speed: Array) -> Array:
-        drive = driveline.torque_constant_N_m_A * driveline.current_A(voltage, speed, no_load_V)
-        friction = driveline.friction_N_m(drive, speed, time)
-        return sign * (drive - driveline.viscous_N_m_s_rad * speed) - friction
-
-    def surplus_forward_N_m(size: Array) -> Array:
-        return surplus_N_m(sign * size)
-
-    rest = np.zeros_like(voltage)
-    at_rest = surplus_N_m(rest)
-    top = np.abs(voltage) / driveline.torque_constant_N_m_A
-    if driveline.may_coast:
-        top = np.where(surplus_forward_N_m(top) > 0.0, no_load_V / driveline.torque_constant_N_m_A, top)
-    moves = at_rest > 0.0
-    speed = np.where(moves, sign * _root(surplus_forward_N_m, at_rest, top, moves), 0.0)
-    return driveline.current_A(voltage, speed, no_load_V)[..., 0], speed[..., 0]
+    bench = _SteadyBench(model, voltage_V, time_s, supply_V)
+    speed = bench.speed_rad_s(bench.surplus_at_rest_N_m > 0.0)
+    return bench.current_A(speed)[..., 0], speed[..., 0]
 
 
-def _root(function: Callable[[Array], Array], at_0: Array, top: Array, wanted: NDArray[np.bool_]) -> Array:
-    """Return the zero of a function that falls from `at_0` at 0 to below 0 at `top`, by the Illinois method.
+@dataclass(frozen=True)
+class SeenStates:
+    """Steady states of a motor in rows of which it is known whether it turns; (N,) or (M, N) each."""
+
+    current_A: Array
+    speed_rad_s: Array
+    """Speed in the rows in which it turns; 0 if no speed is steady there."""
+    surplus: Array
+    """Torque at rest beyond the friction that holds, as a share of this friction: above 0 the motor starts."""
+
+
+def seen_steady_states(
+    model: RobotModel, voltage_V: Array, time_s: Array, turns: NDArray[np.bool_], supply_V: Array | None = None
+) -> SeenStates:
+    """Return the steady states if the motor turns in some rows and stands still in the others.
+
+    Near the voltage at which a motor starts, a small change of its friction decides whether it does. What it reads
+    there is therefore predicted for what it was seen to do.
+
+    Args:
+        model: The robot, or M of them, whose right motor is on the bench.
+        voltage_V: (N,), constant voltages.
+        time_s: (N,), time since the motor was first switched on.
+        turns: (N,), whether the motor turns.
+        supply_V: (N,), voltage of the supply; that of the robot by default.
+
+    Raises:
+        ValueError: A voltage is not a finite number.
+    """
+    bench = _SteadyBench(model, voltage_V, time_s, supply_V)
+    speed = bench.speed_rad_s(turns[:, None])
+    surplus = bench.surplus_at_rest_N_m / np.maximum(bench.hold_N_m, MIN_FRICTION_N_M)
+    return SeenStates(bench.current_A(speed)[..., 0], speed[..., 0], surplus[..., 0])
+
+
+class _SteadyBench:
+    """A motor at constant voltages (N, 1)."""
+
+    def __init__(self, model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None) -> None:
+        require_finite(voltage_V, "voltage_V", ("trial",))
+        self._driveline = Driveline.of_bench(model)
+        if supply_V is not None:
+            self._driveline.full_supply_V = supply_V[:, None]
+        self._time_s = time_s[:, None]
+        command = voltage_V[:, None]
+        _, self._voltage_V = self._driveline.voltage_V(command, command, self._time_s, np.inf)
+        self._no_load_V = self._driveline.supply_V(self._time_s)
+        self._sign = np.sign(self._voltage_V)
+        at_rest = self._drive_N_m(np.zeros_like(self._voltage_V))
+        self.hold_N_m = self._friction_N_m(at_rest, np.zeros_like(at_rest))
+        """Friction that holds the motor at rest."""
+        self.surplus_at_rest_N_m = self._sign * at_rest - self.hold_N_m
+        """Torque at rest beyond that friction."""
+
+    def current_A(self, speed_rad_s: Array) -> Array:
+        return self._driveline.current_A(self._voltage_V, speed_rad_s, self._no_load_V)
+
+    def speed_rad_s(self, turns: NDArray[np.bool_]) -> Array:
+        """Return the steady speeds where the motor turns, and 0 elsewhere."""
+        top = np.abs(self._voltage_V) / self._driveline.torque_constant_N_m_A
+        if self._driveline.may_coast:
+            no_load = self._no_load_V / self._driveline.torque_constant_N_m_A
+            top = np.where(self._surplus_N_m(top) > 0.0, no_load, top)
+        low, at_low = np.zeros_like(top), self.surplus_at_rest_N_m
+        starts = at_low > 0.0
+        if np.any(turns & ~starts):
+            low, at_low = self._turning(top, turns & ~starts)
+        moves = turns & (at_low > 0.0)
+        return np.where(moves, self._sign * _root(self._surplus_N_m, low, at_low, top, moves), 0.0)
+
+    def _turning(self, top: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Return speeds, and the surplus there, from which the motor would go on turning; 0 if there is none.
+
+        Friction that falls when motion begins keeps a motor at rest at voltages at which it could turn.
+        """
+        low, at_low = np.zeros_like(top), self.surplus_at_rest_N_m
+        for share in TURNING:
+            speed = share * top
+            surplus = self._surplus_N_m(speed)
+            better = rows & (surplus > 0.0)
+            low, at_low = np.where(better, speed, low), np.where(better, surplus, at_low)
+        return low, at_low
+
+    def _drive_N_m(self, speed_rad_s: Array) -> Array:
+        return self._driveline.torque_constant_N_m_A * self.current_A(speed_rad_s)
+
+    def _friction_N_m(self, drive_N_m: Array, speed_rad_s: Array) -> Array:
+        return self._driveline.friction_N_m(drive_N_m, speed_rad_s, self._time_s)
+
+    def _surplus_N_m(self, size_rad_s: Array) -> Array:
+        """Return the torque that accelerates the motor at a speed in the direction of its voltage."""
+        speed = self._sign * size_rad_s
+        drive = self._drive_N_m(speed)
+        return self._sign * (drive - self._driveline.viscous_N_m_s_rad * speed) - self._friction_N_m(drive, speed)
+
+
+def _root(
+    function: Callable[[Array], Array], low: Array, at_low: Array, top: Array, wanted: NDArray[np.bool_]
+) -> Array:
+    """Return the zero of a function that falls from `at_low` at `low` to below 0 at `top`, by the Illinois method.
 
     One step finds the zero of a straight line; kinks and curves take about ten. Every third step halves the bracket,
     which bounds the number of steps. Elements that are not `wanted` are not iterated to the end.
     """
-    low: Array = np.zeros_like(at_0)
-    high, at_low, at_high = low + top, at_0, function(top)
+    high, at_high = np.zeros_like(at_low) + top, function(top)
     root, was_above = low, wanted
     for step in range(MAX_STEPS):
         spread = at_low - at_high

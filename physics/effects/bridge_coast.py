@@ -20,7 +20,7 @@ class BridgeCoast(Effect):
 
     inductance_H: Annotated[
         float,
-        Parameter("H", null=0.0, start=5e-4, low=0.0, high=0.5),
+        Parameter("H", null=0.0, start=5e-4, low=0.0, high=0.5, tries=(0.05, 0.01, 0.002)),
         Plausible(0.0, 0.05, "the windings of small motors have 0.1 to 10 mH"),
     ]
     """Inductance of the winding; 0 stands for a bridge that brakes in its off time, where u = duty * supply is the

@@ -17,7 +17,7 @@ class BridgeVoltageDrop(Effect):
 
     drop_V: Annotated[
         float,
-        Parameter("V", null=0.0, start=0.3, low=0.0, high=5.0),
+        Parameter("V", null=0.0, start=0.3, low=0.0, high=20.0),
         Plausible(
             0.0, 5.0, "by the data sheet of the L298, both transistors lose 1.8 V at 1 A and at most 4.9 V at 2 A"
         ),

@@ -14,7 +14,7 @@ class QuadraticDrag(Effect):
     excitation = "current against speed, up to the highest speed"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
-    coefficient_N_m_s2_rad2: Annotated[float, Parameter("N m s2/rad2", null=0.0, start=1e-4, low=0.0, high=0.1)]
+    coefficient_N_m_s2_rad2: Annotated[float, Parameter("N m s2/rad2", null=0.0, start=1e-4, low=0.0, high=10.0)]
     """Friction + coefficient * w |w|."""
 
     def apply(self, friction_N_m: Array, motion: ShaftMotion) -> Array:

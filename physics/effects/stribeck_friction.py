@@ -16,7 +16,7 @@ class StribeckFriction(Effect):
     excitation = "slow speeds, and breakaway from rest"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
-    extra_torque_N_m: Annotated[float, Parameter("N m", null=0.0, start=0.008, low=0.0, high=1.0)]
+    extra_torque_N_m: Annotated[float, Parameter("N m", null=0.0, start=0.008, low=0.0, high=20.0)]
     """Friction + extra_torque * exp(-(w / stribeck_speed)^2), against the motion; breakaway at Tc + extra_torque."""
     stribeck_speed_rad_s: Annotated[float, Parameter("rad/s", null=None, start=2.0, low=0.05, high=50.0)]
 

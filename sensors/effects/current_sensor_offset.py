@@ -13,7 +13,7 @@ class CurrentSensorOffset(Effect):
     excitation = "rest at 0 V, and currents of both signs"
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
-    offset_A: Annotated[float, Parameter("A", null=0.0, start=0.03, low=-2.0, high=2.0)]
+    offset_A: Annotated[float, Parameter("A", null=0.0, start=0.03, low=-20.0, high=20.0)]
     """measured = true + offset."""
 
     def apply(self, current_A: Array) -> Array:

@@ -8,6 +8,7 @@ the share outside, has the F distribution if the model is adequate, whatever the
 tests are combined by Bonferroni.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,11 +20,16 @@ from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, bases, standing_out
+from diagnosis.inference.unexplained.outlier_clusters import cluster
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME
 from symolo.core.arrays import Array
 
 LEVEL = 0.001
 """Probability, over all tests together, of calling an adequate model inadequate."""
+MIN_ROWS = 8
+"""Least number of rows of a quantity that is tested."""
+CLUSTER = "outliers at neighbouring values"
 REWEIGHTINGS = 6
 """Iterations of the weights for outliers."""
 CLIP = 3.0
@@ -117,48 +123,88 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
     """Test the residuals of a fit; `beside` are columns (N, k) in sigmas whose multiples are fitted in addition."""
     tangents = _Tangents(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
     structures: list[Structure] = []
-    for quantity, place, level in zip(evidence.observed, evidence.places, fit.noise.levels.tolist(), strict=True):
-        rows = evidence.fit[place]
-        if np.count_nonzero(rows) < 8:
-            continue
-        inside = np.arange(place.start, place.stop)[rows]
-        session = any(covariate.name == "session_time_s" for covariate in quantity.covariates)
-        along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
-        along += [
-            (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows]))
-            for rank, covariate, _ in along
-            if covariate.name == ROW_TIME
-        ]
-        for rank, covariate, functions in along:
-            best: Structure | None = None
-            for basis in functions:
-                p, gain = tangents.test(inside, basis)
-                p = min(1.0, p * basis.tries) if gain * level**2 >= MATERIAL else 1.0
-                if best is None or p < best.p:
-                    names = (quantity.name, quantity.channel, covariate.name)
-                    columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
-                    columns[inside] = basis.columns
-                    rows_worth = float(evidence.weight[inside].sum())
-                    over_time = covariate.name in SESSION or (covariate.name == ROW_TIME and not session)
-                    best = Structure(
-                        *names,
-                        basis.what,
-                        p,
-                        gain,
-                        rank,
-                        columns,
-                        float(np.sqrt(gain / rows_worth)),
-                        over_time,
-                        basis.longest_run,
-                    )
-            if best is not None:
-                structures.append(best)
+    for number, rows in enumerate(evidence.fit[place] for place in evidence.places):
+        if np.count_nonzero(rows) >= MIN_ROWS:
+            structures += _functions_of(evidence, fit, tangents, number)
+            structures += _clusters(evidence, tangents, number)
     # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
     whole = [replace(structure, p=min(1.0, structure.p * len(structures))) for structure in structures]
-    explained = {s.observed for s in whole if s.p < LEVEL and s.what != RUNS_OF_ROWS}
-    # A function of a covariate also makes runs of rows stand out, which then add nothing.
-    structures = [s for s in whole if s.what != RUNS_OF_ROWS or s.observed not in explained]
+    of_rows = (RUNS_OF_ROWS, CLUSTER)
+    explained = {s.observed for s in whole if s.p < LEVEL and s.what not in of_rows}
+    # A function of a covariate also makes single rows stand out, which then add nothing.
+    structures = [s for s in whole if s.what not in of_rows or s.observed not in explained]
     return Adequacy(tuple(sorted(structures, key=lambda s: (s.p, -s.explainable))))
+
+
+def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents", number: int) -> Iterator[Structure]:
+    """Yield the best function of each covariate of a quantity, and the runs of its rows that stand out most."""
+    quantity, place, level = evidence.observed[number], evidence.places[number], float(fit.noise.levels[number])
+    rows = evidence.fit[place]
+    inside = np.arange(place.start, place.stop)[rows]
+    session = any(covariate.name == "session_time_s" for covariate in quantity.covariates)
+    along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
+    along += [
+        (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows]))
+        for rank, covariate, _ in along
+        if covariate.name == ROW_TIME
+    ]
+    rows_worth = float(evidence.weight[inside].sum())
+    for rank, covariate, functions in along:
+        best: Structure | None = None
+        for basis in functions:
+            p, gain = tangents.test(inside, basis)
+            p = min(1.0, p * basis.tries) if gain * level**2 >= MATERIAL else 1.0
+            if best is None or p < best.p:
+                columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
+                columns[inside] = basis.columns
+                best = Structure(
+                    observed=quantity.name,
+                    channel=quantity.channel,
+                    covariate=covariate.name,
+                    what=basis.what,
+                    p=p,
+                    explainable=gain,
+                    rank=rank,
+                    basis=columns,
+                    size=float(np.sqrt(gain / rows_worth)),
+                    is_over_time=covariate.name in SESSION or (covariate.name == ROW_TIME and not session),
+                    longest_run=basis.longest_run,
+                )
+        if best is not None:
+            yield best
+
+
+def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterator[Structure]:
+    """Yield the outliers of a quantity that gather along each covariate, where there are any."""
+    quantity, place = evidence.observed[number], evidence.places[number]
+    rows, z = evidence.fit[place], tangents.z[place]
+    for rank, covariate in enumerate(quantity.covariates):
+        found = cluster(z, covariate, rows)
+        if found is None:
+            continue
+        column = np.zeros((len(evidence.values), 1))
+        column[place, 0] = np.where(found.rows, np.sign(z), 0.0)
+        squares = CLIP**2 * float(evidence.weight[place][found.rows].sum())
+        yield Structure(
+            observed=quantity.name,
+            channel=quantity.channel,
+            covariate=covariate.name,
+            what=CLUSTER,
+            p=found.p,
+            explainable=squares,
+            rank=rank,
+            basis=column,
+            size=float(np.sqrt(squares / evidence.weight[place][rows].sum())),
+            is_over_time=False,
+            longest_run=_run(found.rows),
+        )
+
+
+def _run(rows: Mask) -> int:
+    """Return the number of rows from the first to the last of a cluster, if a logger can cause it; else 0."""
+    places = np.flatnonzero(rows)
+    length = int(places[-1] - places[0]) + 1
+    return length if length <= OUTLIERS_IN_A_ROW else 0
 
 
 class _Tangents:
@@ -168,6 +214,8 @@ class _Tangents:
         self._evidence = evidence
         self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
         z, x = _moved_beside(fit, beside)
+        self.z = z
+        """(N,), residuals in sigmas, which are not clipped."""
         padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
         self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
         residuals = replace(fit, x=x).weighted_residuals(np.clip(z, -CLIP, CLIP), self._root)
