@@ -48,6 +48,8 @@ MAX_WEIGHT_RATIO = 1.25
 """Ratio of the new to the old weight of a row, from which the effects are selected again."""
 SESSION_ROUNDS = 2
 """Fits after which the errors of the sessions are where the predictions are linear in them."""
+IN_ANSWER = {"distance_step_m": "previous_distance_m"}
+"""Names of covariates in GAP_FORMAT, where they differ."""
 NOISE_ROUNDS = 2
 """Fits after which an unknown noise has converged; the first guess may be far off."""
 
@@ -159,7 +161,7 @@ class Diagnosis:
         if self.unexplained is not None:
             result["unexplained_where"] = {
                 "channel": self.unexplained.channel,
-                "covariate": self.unexplained.covariate,
+                "covariate": IN_ANSWER.get(self.unexplained.covariate, self.unexplained.covariate),
             }
         if self.gain is not None:
             result["heldout_gain"] = self.gain.value
@@ -202,7 +204,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     if not result.is_adequate and (better := rescued(evidence, selection, library.testable)) is not None:
         selection, result = better, adequacy(evidence, better.fit)
     result = _structures_of(evidence, selection, result)
-    measured, slow = evidence, wander(evidence, selection.fit)
+    measured, slow = evidence, wander(evidence, selection.nominal, selection.fit)
     if slow is not None:
         steady, without_it = _selected(evidence.without(slow.path_m), bare, library.testable)
         rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))

@@ -12,6 +12,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import adequacy
+from sensors.effects.noise_scale import NoiseScale
 
 THRESHOLD = 15.0
 """Fall of the cost from which an effect with one parameter is accepted."""
@@ -28,6 +29,10 @@ CONFIRMED = 8.0
 """Fall of the cost of held-out rows, as for a parameter at 2.8 standard errors, from which few samples are enough."""
 MIN_SAMPLES = 8
 """Least number of samples for naming an effect."""
+MIN_SAMPLES_OF_NOISE = 40
+"""Least number of samples for naming an effect of the noise: in fewer ones, no test could see what else it may be."""
+STATED_WITHIN = 2.0
+"""Factor within which a stated noise may be wrong (GAP_FORMAT)."""
 NO_SLOPE = 1e-6
 """Change of the mean in sigmas that may be rounding error."""
 NEAR = 0.1
@@ -73,8 +78,8 @@ def refusal(
     # the samples fall by little, and no count of them says anything against the effect.
     if before.prior_cost - after.prior_cost > 0.5 * drop:
         return ""
-    if is_of_noise(after, effect) and adequacy(evidence, before).has_cause:
-        return "the mean has structure, which must be explained before the noise"
+    if is_of_noise(after, effect) and (reason := _refusal_of_noise(evidence, before, after, effect)):
+        return reason
     heldout_falls, fit_falls = falls[evidence.heldout], np.maximum(falls[evidence.fit], 0.0)
     rise = -float(heldout_falls.sum())
     # Effective number of samples (Kish): the number of equal falls with the same ratio of sum and sum of squares.
@@ -110,6 +115,26 @@ def is_at_bound(fit: HypothesisFit, effect: CandidateEffect) -> bool:
         if c.null is not None and not c.is_ceiling and (x + margin >= c.high > c.null or x - margin <= c.low < c.null):
             return True
     return False
+
+
+def _refusal_of_noise(evidence: Evidence, before: HypothesisFit, after: HypothesisFit, effect: CandidateEffect) -> str:
+    """Return why an effect of the noise is not accepted; empty if it is."""
+    if np.count_nonzero(evidence.fit) < MIN_SAMPLES_OF_NOISE:
+        return f"with fewer than {MIN_SAMPLES_OF_NOISE} samples, noise looks like an error of any other kind"
+    if _is_within_statement(after, effect):
+        return "the noise may be as large as stated, within a factor of two"
+    if adequacy(evidence, before).has_cause:
+        return "the mean has structure, which must be explained before the noise"
+    return ""
+
+
+def _is_within_statement(fit: HypothesisFit, effect: CandidateEffect) -> bool:
+    """Return whether a factor on the noise is not clearly beyond that by which a statement may be wrong."""
+    if effect.kind is not NoiseScale:
+        return False
+    place = fit.hypothesis.parameters(effect).start
+    distance = abs(float(fit.x[place] - fit.hypothesis.null()[place]))
+    return distance - 2.0 * float(np.sqrt(fit.covariance[place, place])) < np.log(STATED_WITHIN)
 
 
 def is_of_noise(fit: HypothesisFit, effect: CandidateEffect) -> bool:

@@ -21,7 +21,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.refusal import is_of_noise, needed, refusal
+from diagnosis.inference.refusal import THRESHOLD, is_of_noise, needed, refusal
 from diagnosis.inference.scan import Prospect, scan
 from diagnosis.inference.unexplained.adequacy import adequacy
 
@@ -32,6 +32,9 @@ RESCUE = 9.0
 """Fall of the cost that is enough if the model is known to be inadequate and the effect makes it adequate."""
 MAX_EFFECTS = 3
 """Effects in a model; with more, names mean little."""
+THIRD = 12.0
+"""Fall of the cost that a third effect needs in addition. Three effects together can imitate nearly any curve, and a
+cause that is in no list is more frequent than three causes at once."""
 PROMISING = 4
 """Least number of candidates that are fitted in each round, if the expected fall of the cost is not hopeless."""
 HOPELESS = 4.0
@@ -174,15 +177,16 @@ def _entered(
 ) -> tuple[HypothesisFit | None, list[Entry]]:
     """Return the fit with the best additional effect, if any is accepted, and the steps."""
     entries: list[Entry] = []
+    threshold = THRESHOLD + (THIRD if len(fit.hypothesis.effects) == MAX_EFFECTS - 1 else 0.0)
     for tried in _extended(evidence, fit, effects):
         effect = tried.hypothesis.added_to(fit.hypothesis)
         drop = fit.cost - tried.cost
-        reason = refusal(evidence, fit, tried, effect)
+        reason = refusal(evidence, fit, tried, effect, threshold)
         entries.append(Entry(effect, drop, not reason, reason or f"the cost falls by {drop:.1f}"))
         if not reason:
             return tried, entries
         # The candidates come best first, so after one that is too weak hardly any can be strong enough.
-        if drop < needed(effect):
+        if drop < needed(effect, threshold):
             break
     return None, entries
 

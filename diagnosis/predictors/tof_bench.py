@@ -66,6 +66,8 @@ class TofBenchStage:
             Covariate("t_s", self._since_on_s),
             Covariate("row", np.arange(1.0, len(materials) + 1.0)),
             Covariate("previous_distance_m", previous_m, beside="distance_m"),
+            # What a sensor remembers of the last reading is in proportion to the step since then.
+            Covariate("distance_step_m", self._distance_m - previous_m),
         )
         # A row without an input that other rows have may or may not show its effect.
         logged = [x for x in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(x).any()]

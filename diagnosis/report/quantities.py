@@ -31,6 +31,7 @@ NAMES = {
     "time_since_step": "time since the last step",
     "distance": "distance",
     "previous_distance": "distance in the previous row",
+    "distance_step": "step of the distance since the previous row",
     "from_middle": "distance from the middle of the object",
     "incidence": "angle of incidence",
     "temperature": "temperature",

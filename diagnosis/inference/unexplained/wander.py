@@ -2,15 +2,16 @@
 
 A wandering error is random: it has a standard deviation and a time constant, and no law. Its name stands only if its
 likelihood beats that of all that looks like it: white noise, a drift after power-on, a linear drift, a jump at one
-moment, and noise that is correlated over few rows. The likelihood is that of a first-order Gauss-Markov error beside
-white noise, with the error itself integrated out (`diagnosis.inference.unexplained.gauss_markov`).
+moment, noise that is correlated over few rows, a scale that wanders, and any smooth function of another covariate. The
+likelihood is that of a first-order Gauss-Markov error beside white noise, with the error itself integrated out
+(`diagnosis.inference.unexplained.gauss_markov`).
 
 An error that wanders up and down imitates a drift after power-on, an offset, and structure along anything that changes
 slowly. So the selected effects are weighed again beside it: what it explains by itself is no effect.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,9 +21,10 @@ from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
 from diagnosis.inference.rivals import confidence
 from diagnosis.inference.selection import TOLL, without
+from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import ROW_TIME
+from diagnosis.predictors.base import ROW_TIME, CovariateShape, Observed
 from sensors.effects.range_wander import RangeWander
 from sensors.effects.warmup_drift import WarmupDrift
 from symolo.core.arrays import Array
@@ -44,6 +46,10 @@ WITHOUT_WHITE = np.array([1e3])
 """Such a ratio for noise that has hardly any white part."""
 TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
+SHORTEST = 0.05
+"""Least length of a smooth function of a covariate, as a share of the range of its values."""
+DISTANCE = "distance_m"
+ROUNDING = 1e-9
 LIMITS = RangeWander.parameters()["time_constant_s"]
 """Least and greatest time constant of the effect, which hold for rows of any distance."""
 
@@ -145,11 +151,12 @@ class _Seen:
         return self.error.between(at_s, series.t_s) @ np.linalg.solve(covariance, residual_m)
 
 
-def wander(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
+def wander(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Wander | None:
     """Return the wandering error that a reading shows over time; None if anything else explains it.
 
     Args:
         evidence: The observations.
+        nominal: The fit without effects.
         fit: The fit with the selected effects.
     """
     number = next((k for k, observed in enumerate(evidence.observed) if observed.name == READING), None)
@@ -185,7 +192,9 @@ def wander(evidence: Evidence, fit: HypothesisFit) -> Wander | None:
     z, sd = seen.series.z, seen.series.sd_m
     drift = seen.series.cost_of(_left(z, np.stack([1.0 / sd, seen.series.t_s / sd], axis=1)))
     others += [drift, _jump(seen.series) + TOLL, min(_short(seen.series, row_s))]
+    others.append(_jump(_Series.of(nominal, place, time_s, rows)) + TOLL - _toll(seen.fit))
     white = seen.series.cost_of(float(z @ z))
+    others += [white - gain for gain in _gains_of_others(seen, observed, place, time_s, rows)]
     if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < TOLL:
         return None
     path_m = np.zeros(len(evidence.values))
@@ -243,6 +252,48 @@ def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) ->
         path_m,
         (float(seen.series.t_s.min()), float(seen.series.t_s.max())),
     )
+
+
+def _gains_of_others(seen: _Seen, observed: Observed, place: slice, time_s: Array, rows: Mask) -> Iterator[float]:
+    """Yield the falls of the cost of white noise by errors that look alike where a log is not varied enough.
+
+    One wanders in proportion to the distance, as a scale does. The others are any smooth functions of a covariate other
+    than time: along it, they have the same likelihood as a wandering error has along time.
+    """
+    fit = seen.fit
+    for covariate in observed.covariates:
+        known = rows & np.isfinite(covariate.values)
+        if covariate.shape is not CovariateShape.SMOOTH or covariate.name in (*SESSION, ROW_TIME) or not known.any():
+            continue
+        series = _Series.of(fit, place, covariate.values, known)
+        reach = float(np.ptp(series.t_s))
+        # The means of equal values may differ in their last digits.
+        if reach > ROUNDING * float(np.abs(series.t_s).max()):
+            lengths = reach * np.geomspace(SHORTEST, 1.0, TIMES)
+            yield _gain(series, likelihoods(series.t_s, series.residual_m, series.sd_m, lengths, RATIOS))
+        if covariate.name == DISTANCE:
+            share = np.where(known, covariate.values, 1.0)
+            relative = replace(fit, sd=_over(fit.sd, place, share))
+            series = _Series.of(relative, place, time_s, known & (share > 0.0))
+            likely = likelihoods(series.t_s, series.residual_m, series.sd_m, seen.times_s, RATIOS)
+            yield _gain(series, likely)
+
+
+def _over(values: Array, place: slice, divisor: Array) -> Array:
+    """Return values (N,) of which those of one quantity are divided by numbers (n,)."""
+    divided = values.copy()
+    divided[place] /= divisor
+    return divided
+
+
+def _gain(series: _Series, likely: Likelihoods) -> float:
+    """Return the fall of the cost of white noise by an error beside it."""
+    return series.cost_of(float(series.z @ series.z)) - float(likely.costs.min())
+
+
+def _toll(fit: HypothesisFit) -> float:
+    """Return the penalty for the parameters of all effects."""
+    return TOLL * sum(len(effect.coordinates) for effect in fit.hypothesis.effects)
 
 
 def _warms_up(fit: HypothesisFit) -> bool:
