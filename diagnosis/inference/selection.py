@@ -198,7 +198,8 @@ def rescued(evidence: Evidence, selection: Selection, effects: Sequence[Candidat
     open.
     """
     fit = selection.fit
-    if len(fit.hypothesis.effects) == MAX_EFFECTS:
+    # A third effect that is too weak for itself would make nearly any model adequate.
+    if len(fit.hypothesis.effects) >= MAX_EFFECTS - 1:
         return None
     for tried in _extended(evidence, fit, effects):
         effect = tried.hypothesis.added_to(fit.hypothesis)

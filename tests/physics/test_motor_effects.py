@@ -7,7 +7,7 @@ import pytest
 
 from physics.drivetrain.bridge import Chopper
 from physics.drivetrain.driveline import Driveline
-from physics.drivetrain.motor_bench import steady_states, step_responses
+from physics.drivetrain.motor_bench import seen_steady_states, steady_states, step_responses
 from physics.drivetrain.two_mass import Load, TwoMass
 from physics.drivetrain.wheel_turns import counted_turns
 from physics.effects.actuator_lag import ActuatorLag
@@ -256,6 +256,46 @@ class TestCoastingBridgeAtAHalfEmptyBattery:
     def test_an_empty_battery_drives_nothing(self, model):
         current, speed = steady_states(model, np.array([4.0]), np.array([700.0]))
         assert (current[0], speed[0]) == (0.0, 0.0)
+
+
+class TestSeenStates:
+    """What a motor reads in rows of which it is known whether it turns; breakaway at TC R / K = 0.2 V."""
+
+    def seen(self, motor, voltage, turns):
+        states = seen_steady_states(
+            RobotModel.from_config(motor), np.array(voltage), np.zeros(len(voltage)), np.array(turns)
+        )
+        return states.current_A, states.speed_rad_s, states.surplus
+
+    def test_a_motor_that_stands_still_shows_its_resistance_at_any_voltage(self, motor):
+        current, speed, surplus = self.seen(motor, [0.1, -0.4, 3.0], [False] * 3)
+        np.testing.assert_allclose(current, np.array([0.1, -0.4, 3.0]) / R, rtol=1e-12)
+        assert not speed.any()
+        # The torque K u / R at rest, as a multiple of the friction.
+        np.testing.assert_allclose(surplus, np.array([0.1, 0.4, 3.0]) * K / R / TC - 1.0, rtol=1e-12)
+
+    def test_a_motor_that_turns_follows_equation_20(self, motor):
+        for volts in (0.3, -2.0):
+            current, speed, _ = self.seen(motor, [volts], [True])
+            assert (current[0], speed[0]) == linear(volts)
+
+    def test_below_breakaway_no_speed_is_steady(self, motor):
+        current, speed, surplus = self.seen(motor, [0.15], [True])
+        assert (current[0], speed[0]) == (pytest.approx(0.15 / R), 0.0)
+        assert surplus[0] == pytest.approx(-0.25)
+
+    def test_a_motor_with_more_friction_at_rest_may_turn_where_it_would_not_start(self, motor):
+        """At 0.5 V, 0.05 N m cannot start it against 0.07 N m, but it keeps turning; the faster speed is stable."""
+        sticky = motor.with_effect(StribeckFriction(extra_torque_N_m=0.05, stribeck_speed_rad_s=0.3))
+        _, speed, surplus = self.seen(sticky, [0.5], [True])
+        assert surplus[0] == pytest.approx(0.05 / 0.07 - 1.0)
+        assert steady_states(RobotModel.from_config(sticky), np.array([0.5]), np.zeros(1))[1][0] == 0.0
+
+        def surplus_N_m(w):
+            return K * (0.5 - K * w) / R - B * w - TC - 0.05 * math.exp(-((w / 0.3) ** 2))
+
+        assert surplus_N_m(speed[0]) == pytest.approx(0.0, abs=1e-9)
+        assert surplus_N_m(0.99 * speed[0]) > 0.0 > surplus_N_m(1.01 * speed[0])
 
 
 class TestSupplyOfTwoMotors:

@@ -61,7 +61,15 @@ class TestRefusal:
         """The reason against an effect A beside B and C, by the falls of the rows of the fit and those held out."""
 
         def judge(
-            falls, heldout=NO_ROWS, prior_fall=0.0, *, at_bound_after=(), at_bound_before=(), noise=False, cause=False
+            falls,
+            heldout=NO_ROWS,
+            prior_fall=0.0,
+            *,
+            at_bound_after=(),
+            at_bound_before=(),
+            noise=False,
+            cause=False,
+            within=False,
         ):
             falls = np.array(falls, dtype=float)
             is_fit = np.arange(len(falls) + len(heldout)) < len(falls)
@@ -75,6 +83,7 @@ class TestRefusal:
             monkeypatch.setattr(refusals, "is_at_bound", lambda fit, effect: effect in fit.bound)
             monkeypatch.setattr(refusals, "is_of_noise", lambda *_: noise)
             monkeypatch.setattr(refusals, "adequacy", lambda *_: SimpleNamespace(has_cause=cause))
+            monkeypatch.setattr(refusals, "_is_within_statement", lambda *_: within)
             return refusal(evidence, before, after, A)
 
         return judge
@@ -117,6 +126,15 @@ class TestRefusal:
     def test_wider_noise_is_named_only_where_the_mean_is_explained(self, judged, noise, cause, is_named):
         reason = judged(np.ones(100), noise=noise, cause=cause)
         assert reason == ("" if is_named else "the mean has structure, which must be explained before the noise")
+
+    @pytest.mark.parametrize(("rows", "noise", "is_named"), [(39, True, False), (40, True, True), (39, False, True)])
+    def test_wider_noise_is_named_from_40_samples_on(self, judged, rows, noise, is_named):
+        reason = judged(np.ones(rows), noise=noise)
+        assert reason == ("" if is_named else "with fewer than 40 samples, noise looks like an error of any other kind")
+
+    def test_noise_within_twice_the_statement_is_no_effect(self, judged):
+        reason = judged(np.ones(100), noise=True, within=True)
+        assert reason == "the noise may be as large as stated, within a factor of two"
 
     def test_an_effect_at_its_bound_is_refused(self, judged):
         assert judged(np.ones(100), at_bound_after=[A]) == "its size would exceed its bounds"
@@ -292,6 +310,19 @@ class TestSteps:
         assert thresholds == [(A, 9.0), (B, 9.0), (C, 9.0)]
         adequate.remove(C)
         assert rescued(evidence, begin, ()) is None
+
+    def test_no_weak_third_effect_rescues_a_model(self, evidence, monkeypatch, refusing):
+        refusing()
+        monkeypatch.setattr(selection, "_extended", lambda *_: [fake_fit(90.0, C, D, A)])
+        monkeypatch.setattr(selection, "adequacy", lambda *_: SimpleNamespace(is_adequate=True))
+        assert rescued(evidence, Selection(fake_fit(200.0), fake_fit(100.0, C, D), ()), ()) is None
+
+    @pytest.mark.parametrize(("before", "threshold"), [((), 15.0), ((B,), 15.0), ((B, C), 27.0)])
+    def test_a_third_effect_needs_12_more(self, evidence, monkeypatch, refusing, before, threshold):
+        thresholds = refusing(A)
+        monkeypatch.setattr(selection, "_extended", lambda *_: [fake_fit(80.0, *before, A)])
+        assert selection._entered(evidence, fake_fit(100.0, *before), ())[0] is None
+        assert thresholds == [(A, threshold)]
 
     def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_9(self, evidence, monkeypatch):
         scanned, goals = [], []

@@ -63,11 +63,12 @@ def robot(carrier):
     return nominal_robot(NominalStep.model_validate(case), carrier)
 
 
-def trial(name, t_s, voltage, begins_s=0.0, *, is_timed=True):
+def trial(name, t_s, voltage, begins_s=0.0, *, is_timed=True, reads=0.0):
+    """Rows whose instruments read a number; a steady motor that reads 0 rad/s stands still."""
     t_s = np.array(t_s, dtype=float)
     channels = [Channel.logged(TimeSeries("u_cmd_V", "V", t_s, np.array(voltage, dtype=float)), Role.INPUT)]
     channels += [
-        Channel.logged(TimeSeries(name, unit, t_s, np.zeros(len(t_s))), Role.READING)
+        Channel.logged(TimeSeries(name, unit, t_s, np.full(len(t_s), reads)), Role.READING)
         for name, unit in (("current_A", "A"), ("omega_rad_s", "rad/s"))
     ]
     return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels), begins_s=begins_s, is_timed=is_timed)
@@ -91,7 +92,9 @@ def predict(kind, robot, *trials, nominal=None):
 def test_a_settled_motor_balances_its_torques(carrier):
     case = {"kind": "motor_steady", "motor": STEADY_MOTOR, "noise": {"current_A": 0.001, "omega_rad_s": 0.04}}
     robot = nominal_robot(NominalSteady.model_validate(case), carrier)
-    (predicted,) = predict(CaseKind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan]))
+    (predicted,) = predict(
+        CaseKind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan], reads=math.nan)
+    )
     speed = [0.0, 0.0, (K * 2.0 / R - TC) / DAMPING, -(K * 5.0 / R - TC) / DAMPING, math.nan]
     current = [(u - K * w) / R for u, w in zip((0.0, 0.19, 2.0, -5.0, math.nan), speed, strict=True)]
     np.testing.assert_allclose(predicted["omega_rad_s"], speed, rtol=1e-9)
@@ -108,7 +111,8 @@ def test_a_bench_without_any_voltage_is_refused_with_what_to_log(carrier):
 def test_a_sweep_taken_later_has_a_warmer_gear(robot):
     """Friction is 1.5 times its value when switched on and has fallen to 1.5/e above it after 100 s."""
     warm = robot.with_effect(FrictionWarmup(amplitude=0.5, time_constant_s=100.0))
-    first, second = predict(CaseKind.MOTOR_STEADY, warm, trial("1", [0.0], [2.0]), trial("2", [100.0], [2.0]))
+    rows = (trial(name, [t_s], [2.0], reads=15.0) for name, t_s in (("1", 0.0), ("2", 100.0)))
+    first, second = predict(CaseKind.MOTOR_STEADY, warm, *rows)
     for predicted, share in ((first, 1.5), (second, 1 + 0.5 / math.e)):
         assert predicted["omega_rad_s"][0] == pytest.approx((K * 2.0 / R - share * TC) / DAMPING)
 
@@ -300,3 +304,50 @@ def test_robots_of_different_effects_in_one_pass_are_each_as_alone(robot, kind):
     for k, one in enumerate(robots):
         for many, alone in zip(together, stage.predict([one]), strict=True):
             np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-6, atol=1e-6, err_msg=str(one.effects))
+
+
+class TestRowsNearBreakaway:
+    """The motor starts at TC R / K = 0.2 V; the rows at 0.1 and 0.3 V decide what is known of its friction."""
+
+    VOLTS = (0.0, 0.1, 0.3, 0.3, 2.0)
+
+    def stage(self, robot, speeds):
+        row = trial("1", range(len(self.VOLTS)), self.VOLTS)
+        channels = [channel for channel in row.channels if channel.name != "omega_rad_s"]
+        series = TimeSeries("omega_rad_s", "rad/s", row.t_s, np.array(speeds, dtype=float))
+        speed = Channel.logged(series, Role.READING, noise_sd=np.full(len(speeds), 0.1))
+        return bound(CaseKind.MOTOR_STEADY, robot, replace(row, channels=(*channels, speed)))
+
+    def test_a_motor_that_stands_still_is_a_reading_of_its_resistance(self, robot):
+        stage = self.stage(robot, [0.0, 0.0, 0.0, 1.0, 16.0])
+        current, speed = stage.observed
+        assert current.usable.all()
+        # Without a voltage, a motor that stands still says nothing.
+        assert speed.usable.tolist() == [False, True, True, True, True]
+        predicted, _ = stage.predict([robot])
+        np.testing.assert_allclose(predicted.mean[0, :3], np.array([0.0, 0.1, 0.3]) / R)
+        moving = (K * 0.3 / R - TC) / DAMPING
+        assert predicted.mean[0, 3] == pytest.approx((0.3 - K * moving) / R)
+
+    def test_whether_it_turns_is_evidence_about_the_friction(self, robot):
+        """With the logistic distribution of scale 0.05, -2 log P of standing still at 1.5 times the friction is 20."""
+        stage = self.stage(robot, [0.0, 0.0, 0.0, 1.0, 16.0])
+        _, speed = stage.predict([robot])
+        z = speed.mean[0] / 0.1
+        assert z[2] ** 2 == pytest.approx(2.0 * math.log1p(math.exp(0.5 / 0.05)))
+        assert z[1] == pytest.approx(0.0, abs=0.01)
+        doubled = robot.with_section("motor", {"coulomb_friction_N_m": 2.0 * TC})
+        _, with_more = stage.predict([doubled])
+        # With twice the friction, the row that stands still is expected, and the one that turns is not.
+        assert with_more.mean[0, 2] / 0.1 == pytest.approx(math.sqrt(2.0 * math.log1p(math.exp(-0.25 / 0.05))))
+        assert with_more.mean[0, 3] / 0.1 == pytest.approx(-math.sqrt(2.0 * math.log1p(math.exp(0.25 / 0.05))))
+
+    def test_where_nobody_knows_whether_it_turns_the_row_is_not_used(self, robot):
+        current, speed = self.stage(robot, [0.0, math.nan, 0.0, 1.0, 16.0]).observed
+        assert not current.usable[1]
+        assert not speed.usable[1]
+
+    def test_an_instrument_with_noise_at_rest_is_believed_beyond_it(self, robot):
+        """No reading is exactly 0: below three standard deviations it stands still, above six it turns."""
+        current, _ = self.stage(robot, [0.05, -0.02, 0.45, 1.0, 16.0]).observed
+        assert current.usable.tolist() == [True, True, False, True, True]

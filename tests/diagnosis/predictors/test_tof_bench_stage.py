@@ -153,8 +153,10 @@ def test_many_robots_at_once_are_each_of_them_alone(stage, robot):
 def test_covariates_name_what_a_reading_may_depend_on(stage):
     covariates = {covariate.name: covariate for covariate in stage.observed[0].covariates}
     assert set(covariates) == {
-        "distance_m", "material", "incidence_rad", "temperature_C", "ambient_lux", "t_s", "row", "previous_distance_m"
+        "distance_m", "material", "incidence_rad", "temperature_C", "ambient_lux", "t_s", "row", "previous_distance_m",
+        "distance_step_m",
     }  # fmt: skip
     assert [covariates["material"].labels[int(k)] for k in covariates["material"].values] == list(MATERIALS)
     np.testing.assert_array_equal(covariates["previous_distance_m"].values, [math.nan, *D[:-1]])
+    np.testing.assert_array_equal(covariates["distance_step_m"].values, [math.nan, *np.diff(D)])
     np.testing.assert_array_equal(covariates["t_s"].values, 100.0 + T_S)

@@ -76,6 +76,45 @@ def test_what_is_simpler_than_wandering_is_not_called_so(diagnosed, error_m):
     assert "range_wander" not in diagnosed(error_m).names
 
 
+@pytest.fixture
+def swept(tmp_path):
+    """The diagnosis of a bench whose distance grows and falls slowly, with an error [m] of distance and time."""
+
+    def of(error_m):
+        gap = importlib.import_module("gap_cases")
+        case = gap.make_case("tof_bench", 8, rows="some")
+        t_s, distance_m = case.columns["t_s"], case.columns["distance_m"]
+        order = np.argsort(np.argsort(np.abs(np.sin(2.0 * np.pi * t_s / np.ptp(t_s)))))
+        sweep_m = np.sort(distance_m)[order]
+        error = case.columns["reading_m"] - distance_m
+        reading_m = np.round(sweep_m + error[np.argsort(distance_m)][order] + error_m(sweep_m, t_s), 3)
+        gap.write(
+            replace(case, columns={**case.columns, "distance_m": sweep_m, "reading_m": reading_m}), tmp_path / "c"
+        )
+        return diagnose(tof_bench.IMPORTER.read(tmp_path / "c"))
+
+    return of
+
+
+@pytest.mark.parametrize(
+    "error_m",
+    [
+        lambda distance_m, _: 0.02 * np.exp(-(((distance_m - 0.4) / 0.08) ** 2)),
+        lambda distance_m, t_s: distance_m * gauss_markov(t_s, 0.02, 25.0),
+    ],
+    ids=["bump along the distance", "scale that wanders"],
+)
+def test_what_depends_on_the_distance_does_not_wander(swept, error_m):
+    diagnosis = swept(error_m)
+    assert "range_wander" not in diagnosis.names
+    assert diagnosis.answer()["unexplained"]
+
+
+def test_a_jump_is_no_drift_with_an_error_that_wanders(diagnosed):
+    """A drift after power-on, an offset and a wandering error imitate it together."""
+    assert diagnosed(lambda t_s: np.where(t_s > 0.4 * t_s.max(), -0.02, 0.0)).names == ()
+
+
 @pytest.mark.parametrize("seed", [2, 3, 5])
 def test_what_a_wandering_error_explains_by_itself_is_no_effect(diagnosed, seed):
     """Over few time constants an error that wanders has a mean and a trend, which look like other effects."""
@@ -109,7 +148,7 @@ def test_held_out_readings_have_no_part_in_the_error_that_is_taken_out_of_them(d
 
     def path_m(evidence):
         (fit,) = fits(evidence, [(nominal.hypothesis, nominal.x)])
-        return wander(evidence, fit).path_m
+        return wander(evidence, fit, fit).path_m
 
     changed = diagnosis.measured.without(np.where(diagnosis.measured.heldout, 0.003, 0.0))
     assert path_m(changed) == pytest.approx(path_m(diagnosis.measured), abs=1e-9)

@@ -1,0 +1,66 @@
+"""Outliers that gather along a covariate, by the formula of Fisher's exact test."""
+
+from math import comb
+
+import numpy as np
+import pytest
+
+from diagnosis.inference.unexplained.outlier_clusters import cluster
+from diagnosis.predictors.base import Covariate, CovariateShape
+
+ROWS = 60
+ALL = np.ones(ROWS, dtype=bool)
+X = np.random.default_rng(1).permutation(np.linspace(0.5, 2.0, ROWS))
+ORDER = np.argsort(X)
+
+
+def z_of(places, size=9.0):
+    """Residuals of 0 but for outliers at the given places in the order of X."""
+    z = np.zeros(ROWS)
+    z[ORDER[list(places)]] = size
+    return z
+
+
+def test_outliers_that_are_neighbours_have_the_probability_of_fishers_test():
+    """All five are in a range of five rows; there are 56 such ranges, and two sides."""
+    found = cluster(z_of(range(20, 25)), Covariate("x", X), ALL)
+    assert found.p == pytest.approx(2.0 * 56.0 / comb(60, 5))
+    assert sorted(np.flatnonzero(found.rows)) == sorted(ORDER[20:25])
+
+
+def test_outliers_that_are_anywhere_gather_nowhere():
+    found = cluster(z_of([3, 17, 29, 41, 55]), Covariate("x", X), ALL)
+    assert found is None or found.p > 0.2
+
+
+@pytest.mark.parametrize(("places", "sizes"), [(range(20, 22), [9.0, 9.0]), (range(20, 26), [9.0, -9.0] * 3)])
+def test_two_are_no_cluster_and_outliers_of_both_sides_are_noise(places, sizes):
+    z = z_of(places)
+    z[ORDER[list(places)]] = sizes
+    assert cluster(z, Covariate("x", X), ALL) is None
+
+
+def test_rows_outside_the_fit_do_not_count():
+    inside = ALL.copy()
+    inside[ORDER[20:22]] = False
+    found = cluster(z_of(range(20, 25)), Covariate("x", X), inside)
+    assert np.count_nonzero(found.rows) == 3
+
+
+def test_outliers_at_the_ends_of_both_directions_are_one_cluster():
+    """A counter that stops counting is too slow forward and too fast in reverse: 3 of 6 rows each, beyond 1.9."""
+    speed = np.concatenate([np.linspace(-2.0, -0.5, 30), np.linspace(0.5, 2.0, 30)])
+    z = np.where(np.abs(speed) > 1.88, -9.0 * np.sign(speed), 0.0)
+    assert np.count_nonzero(z) == 6
+    found = cluster(z, Covariate("omega_rad_s", speed), ALL)
+    assert np.count_nonzero(found.rows) == 6
+    # Two views of the covariate with two sides each, and 55 ranges of six rows.
+    assert found.p == pytest.approx(4.0 * 55.0 / comb(60, 6))
+
+
+def test_one_material_can_have_all_outliers():
+    material = np.arange(ROWS) % 4.0
+    z = np.where((material == 2.0) & (np.arange(ROWS) < 24), 9.0, 0.0)
+    found = cluster(z, Covariate("material", material, CovariateShape.CATEGORY), ALL)
+    assert np.count_nonzero(found.rows) == 6
+    assert found.p == pytest.approx(2.0 * 4.0 * comb(15, 6) / comb(60, 6))
