@@ -18,6 +18,7 @@ from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.likelihood import (
+    LEVEL_SD,
     NoiseFit,
     cost,
     costs_of_residuals,
@@ -303,6 +304,7 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     information = (slopes[:, rows] * weight) @ slopes[:, rows].T + 2.0 * (spreads[:, rows] * is_good) @ spreads[
         :, rows
     ].T
+    information -= _of_levels(evidence, hypothesis, spreads, is_good)
     nuisances = len(hypothesis.nuisances)
     information[range(nuisances), range(nuisances)] += 1.0
     state.cost = float(cost(evidence, here, hypothesis.prior(x)[None], rows, noise)[0])
@@ -311,6 +313,21 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     state.fit = HypothesisFit(
         evidence, hypothesis, x.copy(), state.cost, z, lost, sd, noise, slopes, spreads, information, by_tolerances
     )
+
+
+def _of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array, is_good: Array) -> Array:
+    """Return the information (P, P) about effects of the noise that is lost since the levels are not known.
+
+    It is the Schur complement of the levels in the joint information. `is_good` are the weights of the rows of the fit.
+    """
+    lost = np.zeros((len(spreads), len(spreads)))
+    held = _with_own_level(evidence, hypothesis, spreads)
+    quantity = evidence.quantity[evidence.fit]
+    for k in np.flatnonzero(~held).tolist():
+        of_quantity = np.where(quantity == k, is_good, 0.0)
+        shared = 2.0 * spreads[:, evidence.fit] @ of_quantity
+        lost += np.outer(shared, shared) / (2.0 * of_quantity.sum() + LEVEL_SD**-2)
+    return lost
 
 
 def _with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
