@@ -28,9 +28,9 @@ SHAPES = (0.1, 0.3, 1.0, 3.0, 10.0)
 """Factors on the start value of a shape parameter."""
 ANGLES = tuple((np.pi / 3.0 * np.arange(-2, 4)).tolist())
 """Directions and phases [rad]: none is further than 30 degrees from one of them."""
-CEILINGS = tuple(np.geomspace(0.1, 10.0, 25).tolist())
-"""Factors on the start value of a limit. They are dense, since a limit that is a little too high does nothing and one
-that is too low does much."""
+CEILINGS = (0.2, 0.35, 0.5, 0.6, 0.7, 0.78, 0.84, 0.88, 0.91, 0.94, 0.96, 0.975, 0.985, 0.992, 0.997)
+"""Shares of the samples below a limit that is tried. A limit a little above all samples does nothing, and one that is
+too low does much, so that only the samples themselves show where to try."""
 MAX_MULTIPLE = 4.0
 """Multiple of the tried size up to which the change is assumed to be linear."""
 MIN_SHARE = 1e-12
@@ -52,7 +52,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
     """Return the best prospect of each effect, the most promising first."""
     if not effects:
         return []
-    tries = [(effect, numbers) for effect in effects for numbers in product(*map(tried_values, effect.coordinates))]
+    tries = [(effect, numbers) for effect in effects for numbers in product(*_tried(evidence, effect))]
     hypotheses = {effect: fit.hypothesis.with_effect(effect) for effect in effects}
     starts = []
     for effect, numbers in tries:
@@ -101,13 +101,30 @@ def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[
     return np.where(is_new, 2.0 * sizes * along - sizes**2 * squares, 0.0), sizes
 
 
+def _tried(evidence: Evidence, effect: CandidateEffect) -> list[list[float]]:
+    """Return the coordinates at which each parameter of an effect is tried."""
+    units = {name: parameter.unit for name, parameter in effect.kind.parameters().items()}
+    return [
+        _ceilings(evidence, coordinate, units[coordinate.name]) if coordinate.is_ceiling else tried_values(coordinate)
+        for coordinate in effect.coordinates
+    ]
+
+
+def _ceilings(evidence: Evidence, coordinate: Coordinate, unit: str) -> list[float]:
+    """Return the coordinates of limits between the samples of the fit with the unit of the limit."""
+    of_unit = np.repeat([observed.unit == unit for observed in evidence.observed], evidence.counts)
+    sizes = np.abs(evidence.values[of_unit & evidence.fit])
+    levels = np.quantile(sizes[sizes > 0.0], CEILINGS) if (sizes > 0.0).any() else np.zeros(0)
+    values = [coordinate.coordinate(level) for level in np.unique(levels).tolist()] or [coordinate.start]
+    return [x for x in values if coordinate.low <= x <= coordinate.high]
+
+
 def tried_values(coordinate: Coordinate) -> list[float]:
-    """Return the coordinates at which a parameter is tried."""
+    """Return the coordinates at which a parameter that is no limit is tried."""
     if coordinate.is_angle:
         return list(ANGLES)
-    if coordinate.null is None or coordinate.is_ceiling:
-        factors = CEILINGS if coordinate.is_ceiling else SHAPES
-        values = [coordinate.start + float(np.log(factor)) for factor in factors]
+    if coordinate.null is None:
+        values = [coordinate.start + float(np.log(factor)) for factor in SHAPES]
     else:
         sizes = (*(TIME_SIZES if coordinate.is_time else SIZES), *coordinate.tries)
         values = [coordinate.null + size * (coordinate.start - coordinate.null) for size in sizes]

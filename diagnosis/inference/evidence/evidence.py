@@ -57,7 +57,8 @@ class Evidence:
         """Estimated noise by quantity."""
         self._factors = {name: noise.factor for name, noise in noises.items()}
         self.observed: tuple[Observed, ...] = tuple(observed for stage in stages for observed in stage.observed)
-        self._counts = [len(observed.values) for observed in self.observed]
+        self.counts = [len(observed.values) for observed in self.observed]
+        """Number of samples of each observed quantity."""
         self.values = np.concatenate([observed.values for observed in self.observed])
         self.sd = np.concatenate([observed.sd * self._factors.get(observed.name, 1.0) for observed in self.observed])
         """(N,), standard deviation of the noise by the nominal robot."""
@@ -73,7 +74,7 @@ class Evidence:
         ]
         """Correlation of the noise of successive samples, by observed quantity."""
         # The variance of a mean of many AR(1) samples is (1 + p)/(1 - p) times that of independent ones.
-        self.weight = np.repeat([(1.0 - p) / (1.0 + p) for p in self.correlations], self._counts)
+        self.weight = np.repeat([(1.0 - p) / (1.0 + p) for p in self.correlations], self.counts)
         """(N,), number of independent samples that a sample is worth."""
         self.known: dict[Hashable, object] = {}
         """Results that were computed before (`diagnosis.inference.evidence.remembered`)."""
@@ -81,18 +82,18 @@ class Evidence:
     @cached_property
     def resolution(self) -> Array:
         """(N,), step to which a sample is rounded; 0 where it is not known."""
-        return np.repeat([float(observed.resolution) for observed in self.observed], self._counts)
+        return np.repeat([float(observed.resolution) for observed in self.observed], self.counts)
 
     @cached_property
     def quantity(self) -> NDArray[np.int64]:
         """(N,), index of the observed quantity of a sample."""
-        return np.repeat(np.arange(len(self.observed)), self._counts)
+        return np.repeat(np.arange(len(self.observed)), self.counts)
 
     @cached_property
     def places(self) -> tuple[slice, ...]:
         """Positions of each observed quantity in the vector."""
-        ends = np.cumsum(self._counts).tolist()
-        return tuple(slice(end - count, end) for count, end in zip(self._counts, ends, strict=True))
+        ends = np.cumsum(self.counts).tolist()
+        return tuple(slice(end - count, end) for count, end in zip(self.counts, ends, strict=True))
 
     @cached_property
     def of_stage(self) -> NDArray[np.int64]:
