@@ -83,9 +83,10 @@ class MotorSteady:
         usable = self.is_far | self._is_seen
         # Without a voltage a motor stands still for certain, which says nothing.
         of_speed = np.where(self._is_seen, size_V > 0.0, self.is_far)
+        stands = self._is_seen & ~self._turns
         self.observed: tuple[Observed, ...] = tuple(
-            replace(observed_channel(measurement, name, rows, covariates), is_series=False)
-            for name, rows in (("current_A", usable), ("omega_rad_s", usable & of_speed))
+            replace(observed_channel(measurement, name, rows, covariates), is_series=False, is_state=states)
+            for name, rows, states in (("current_A", usable, None), ("omega_rad_s", usable & of_speed, stands))
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:

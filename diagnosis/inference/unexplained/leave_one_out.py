@@ -18,7 +18,9 @@ MAX_ROWS = 60
 
 
 def leave_one_out(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Array]:
-    """Return the error of each row that is left out, (n,) by observed quantity in its unit; NaN where not usable.
+    """Return the error of each row that is left out, (n,) by observed quantity in its unit.
+
+    It is NaN where the row is not usable, and where only a state is known.
 
     Args:
         evidence: Observations of one bench, whose quantities have the same rows, none of them held out.
@@ -41,4 +43,7 @@ def leave_one_out(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Array]
         mean = evidence.predicted([refit.robot]).mean[0] + refit.local_change
         residuals = np.where(evidence.fit, evidence.values - mean, np.nan)
         errors[:, row] = [residuals[place][row] for place in evidence.places]
-    return {observed.name: errors[k] for k, observed in enumerate(evidence.observed)}
+    return {
+        observed.name: np.where(observed.is_state, np.nan, errors[k]) if observed.is_state is not None else errors[k]
+        for k, observed in enumerate(evidence.observed)
+    }
