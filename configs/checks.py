@@ -330,7 +330,7 @@ def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: Fi
         if math.dist(wall.start, wall.end) > 0 and overlap(body, wall_footprint(wall)):
             yield _blocked(route, path, f"wall {wall.name}")
     for obstacle in arena.obstacles:
-        if overlap(body, obstacle_footprint(obstacle)):
+        if obstacle.solid and overlap(body, obstacle_footprint(obstacle)):
             yield _blocked(route, path, f"obstacle {obstacle.name}")
 
 

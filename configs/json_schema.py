@@ -31,6 +31,7 @@ _SCALE = {
     "maximum": MAX_SCALE,
     "description": "Factor on all lengths of what it extends; masses, motors, speeds and gains follow from it.",
 }
+_FOLDER_OF_MESHES = "Folder of your meshes, relative to the YAML file that names it."
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
@@ -49,6 +50,7 @@ def scenario_json_schema() -> dict[str, Any]:
         if kind in MODELS:
             definitions[name]["properties"]["scale"] = _SCALE
     definitions["LookConfig"]["properties"]["assets"] = _FOLDER
+    definitions["ArenaConfig"]["properties"]["assets"] = {**_FOLDER, "description": _FOLDER_OF_MESHES}
     top = _mapping(shape.schema, shape, required=False)
     for kind in SECTIONS:
         field = shape.schema["properties"][kind]

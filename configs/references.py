@@ -11,6 +11,8 @@ from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
 
 FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
 SECTIONS = ("arena", "robot", "look")
+WITH_FILES = ("arena", "look")
+"""Sections with a key `assets`, which names a folder of the user."""
 _MAX_CHAIN = 32
 _SHIPPED = Path(__file__).parent
 
@@ -71,7 +73,7 @@ def read_file(kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
 
 def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()) -> Node:
     """Return a mapping merged over what it extends; relative paths in it start at `folder`."""
-    root = anchored(root, folder) if kind == "look" else root
+    root = anchored(root, folder) if kind in WITH_FILES else root
     fields = {str(key): node for key, node in root.children()}
     complete = set()
     if kind == "scenario":
@@ -110,4 +112,4 @@ def resolve_section(kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
         raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
     if "extends" in node.value or (kind in MODELS and "scale" in node.value):
         return resolve(kind, node, folder, prefix=(kind,)), True
-    return (anchored(node, folder) if kind == "look" else node), False
+    return (anchored(node, folder) if kind in WITH_FILES else node), False

@@ -20,6 +20,14 @@ _UNITS = {
 """Unit of a value written as text -> unit at the end of the field's name, and the factor to it."""
 
 
+NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pitch_deg", "roll_deg", "tilt_deg"})
+"""Keys of an arena by which users try to describe a floor that is no plane."""
+FLAT_FLOOR = (
+    "the floor is a plane: ramps, steps and tilted things cannot be simulated; for a floor that slopes everywhere, use"
+    " robot.effects.floor_slope"
+)
+
+
 def explained(error: ValidationError, root: Node, shape: Shape) -> InputError:
     """Return the first fault as an error of one line, with the number of further ones.
 
@@ -90,7 +98,9 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     missing = [name for name in known if node.child(name) is None]
     close = nearest(key, missing) or nearest(key, known)
     cure = ""
-    if key == "extends":
+    if above[:1] == ("arena",) and key in NOT_FLAT:
+        close, cure = "", FLAT_FLOOR
+    elif key == "extends":
         cure = "'extends' is allowed at the top of a file and directly in arena, robot and look"
     elif not close:
         close = next((dotted(place) for place in shape.paths() if place[-1] == key), "")

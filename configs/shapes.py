@@ -143,7 +143,7 @@ class Shape:
             bounds = [f"{sign} {schema[key]}" for key, sign in _BOUNDS.items() if key in schema]
             return f"{kind} {' and '.join(bounds)}".strip()
         min_items = schema.get("minItems")
-        ending = f" with at least {min_items} item" if min_items else ""
+        ending = f" with at least {min_items} item{'s' if min_items > 1 else ''}" if min_items else ""
         return _PLAIN_WORDS.get(schema.get("type", ""), "a mapping") + ending
 
     def _variant(self, node: Node | None) -> "Shape | None":

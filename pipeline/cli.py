@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from pipeline.address_space import check_address_space
-from pipeline.commands import case, explanation, hil, inspection, keeping, robot, sharing, stages, validate
+from pipeline.commands import arena, case, explanation, hil, inspection, keeping, robot, sharing, stages, validate
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.model import model
 from pipeline.commands.preview import preview
@@ -85,6 +85,7 @@ def command_line() -> typer.Typer:
     for name, group, panel in (
         ("case", case, "Explain measured data"),
         ("robot", robot, "Make data"),
+        ("arena", arena, "Make data"),
         ("validate", validate, "Look at the robot's parts"),
     ):
         commands = typer.Typer(no_args_is_help=True)

@@ -6,13 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import Solid
+from blender_scenes.annotations.occlusion import triangles
 from blender_scenes.annotations.visible_scene import VisibleScene
+from physics.arena.triangle_rays import TriangleBody
 from symolo.core.arrays import Array
 from symolo.core.geometry.lens import NO_DISTORTION
 from symolo.core.geometry.pinhole import project
 from symolo.core.geometry.poses import Matrix4, as_rows
 from symolo.dataset.annotations import Box3D, PixelBox, pixel_box
 
+_FAR = 1000.0
+"""Length of a ray along the optical axis [m]."""
 _DECIMALS = 9
 """Digits of poses after the decimal point, down to a nanometre."""
 
@@ -60,6 +64,7 @@ def _rows(matrix: Array) -> Matrix4:
 def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:
     """Return (H, W) whether the ray through each pixel's middle meets the box, in closed form, by its three slabs.
 
+    Of an obstacle of triangles, the ray must meet one of them too.
     Pixels in which the box is visible count in any case: the renderer's rays are up to 0.005 px from the middle.
     """
     mask = seen.instance == solid.instance_id
@@ -72,8 +77,24 @@ def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:
         one, other = (-half - eye) / rays, (half - eye) / rays
     # The ray is inside the box where it is inside all three slabs: after its last entry and before its first exit.
     enters, leaves = np.fmin(one, other).max(axis=-1), np.fmax(one, other).min(axis=-1)
-    mask[rows, columns] |= (leaves >= enters) & (leaves > 0)
+    meets = (leaves >= enters) & (leaves > 0)
+    body = _triangles_of(seen, solid)
+    if body is not None and meets.any():
+        along = _FAR * seen.rays_W[rows, columns][meets]
+        meets[meets] = np.isfinite(body.cast(np.tile(seen.X_WC[:3, 3], (len(along), 1)), along)[0])
+    mask[rows, columns] |= meets
     return mask
+
+
+def _triangles_of(seen: VisibleScene, solid: Solid) -> TriangleBody | None:
+    """Return the triangles of an obstacle in W, or None for a box, whose rendered mesh has faces of four corners."""
+    scene = seen.job.scene
+    number = seen.job.instances.of_mesh.index(solid.instance_id) - 1
+    mesh = (*scene.meshes, *scene.robot_parts, *scene.moving)[number]
+    if any(len(face) != 3 for face in mesh.faces):
+        return None
+    X_WI = seen.pose_X_WI(solid.instance_id)
+    return TriangleBody.of(triangles(mesh) @ X_WI[:3, :3].T + X_WI[:3, 3])
 
 
 def _window(seen: VisibleScene, solid: Solid) -> tuple[slice, slice]:

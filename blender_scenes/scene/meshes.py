@@ -6,6 +6,7 @@ import numpy as np
 
 from blender_scenes.scene.description import Mesh, Point2, Point3
 from symolo.arena.geometry import Box
+from symolo.arena.mesh import TriangleMesh
 from symolo.core.arrays import Array
 
 SIDES = ("back", "right", "front", "left", "bottom", "top")
@@ -58,6 +59,24 @@ def block(name: str, center: Point3, size: Point3, surface: str) -> Mesh:
         [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
     )
     return box(name, np.asarray(center) + signs * half, (surface,) * 6)
+
+
+def triangle_body(name: str, box: Box, body: TriangleMesh, surface: str) -> Mesh:
+    """Return an obstacle of triangles at its place, with surface coordinates along the two flattest axes of a face."""
+    c, s = np.cos(box.yaw_rad), np.sin(box.yaw_rad)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    base = np.array([*box.center[:2], box.center[2] - 0.5 * box.size[2]])
+    corners = body.vertices[body.triangles]
+    steepest = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).argmax(axis=1)
+    flat = np.array([(1, 2), (0, 2), (0, 1)])[steepest]
+    uv_m = np.take_along_axis(corners, np.broadcast_to(flat[:, None], (len(corners), 3, 2)), axis=2)
+    return Mesh(
+        name,
+        tuple((x, y, z) for x, y, z in (body.vertices @ turn.T + base).tolist()),
+        tuple((i, j, k) for i, j, k in body.triangles.tolist()),
+        tuple(tuple((u, v) for u, v in face) for face in uv_m.tolist()),
+        (surface,) * len(body.triangles),
+    )
 
 
 def wheel(name: str, center: Point3, radius_m: float, width_m: float, surface: str) -> Mesh:

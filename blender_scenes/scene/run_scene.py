@@ -125,6 +125,9 @@ def _painted(line: Line, look: LinePaintLook, seed: int) -> list[MeshAndSurfaces
 def _box(box: Box, look: LookConfig, seed: int) -> MeshAndSurfaces:
     name = f"{box.kind}_{box.name}"
     length, width, height = box.size
+    if box.mesh is not None:
+        surface = body_material(look, box.surface, SurfacePatch(f"{name}_body", (max(length, width), height), seed))
+        return geometry.triangle_body(name, box, box.mesh, surface.name), (surface,)
     ends = body_material(look, box.surface, SurfacePatch(f"{name}_ends", (width, height), seed))
     sides = body_material(look, box.surface, SurfacePatch(f"{name}_sides", (length, height), seed))
     lid = body_material(look, box.surface, SurfacePatch(f"{name}_lid", (length, width), seed))

@@ -17,13 +17,13 @@ _FOLDER: FieldPath = ("look", "assets")
 _MAX_NAME_LENGTH = 255
 
 
-def anchored(look: Node, folder: Path) -> Node:
-    """Return the look with an absolute path of its `assets`, which is relative to `folder` in a file."""
-    assets = look.child("assets")
-    if assets is None or not isinstance(assets.value, str) or not assets.value or not isinstance(look.value, dict):
-        return look
+def anchored(section: Node, folder: Path) -> Node:
+    """Return a look or an arena with an absolute path of its `assets`, which is relative to `folder` in a file."""
+    assets, fields = section.child("assets"), section.value
+    if assets is None or not isinstance(assets.value, str) or not assets.value or not isinstance(fields, dict):
+        return section
     place = os.path.abspath(folder / os.path.expanduser(assets.value))  # noqa: PTH100, PTH111 - no link is followed yet
-    return Node({**look.value, "assets": Node(place, assets.where)}, look.where)
+    return Node({**fields, "assets": Node(place, assets.where)}, section.where)
 
 
 def with_assets(root: Node, shape: Shape) -> tuple[Node, dict[str, Path]]:
@@ -75,6 +75,29 @@ def _names(node: Node, path: FieldPath) -> list[str]:
     return [items]
 
 
+def place_in(folder: Path, name: str, key: str) -> Path:
+    """Return the path of a file in a folder of the user, after following links.
+
+    Raises:
+        Refusal: It is outside the folder that `key` names, or there is no such file.
+    """
+    parts = PurePosixPath(name).parts
+    if PurePosixPath(name).is_absolute() or ".." in parts:
+        raise Refusal(f"leads out of the folder of {key}", cure="name a file inside, without '..'")
+    if not parts or len(name) > _MAX_NAME_LENGTH or not name.isprintable():
+        raise Refusal("is no name of a file")
+    try:
+        place = (folder / name).resolve(strict=True)
+        inside = place.is_relative_to(folder.resolve(strict=True))
+    except (OSError, RuntimeError, ValueError):
+        raise Refusal(f"no such file in {displayed(folder)}", is_missing=True) from None
+    if not inside:
+        raise Refusal(f"is a link that leads out of the folder of {key}", cure="put the file itself there")
+    if not place.is_file():
+        raise Refusal("is no file", cure="name a file in the folder")
+    return place
+
+
 @dataclass
 class _Folder:
     path: Path | None
@@ -112,7 +135,7 @@ class _Folder:
         from configs.assets.reading import read_asset  # noqa: PLC0415 - OpenCV, only where there are files to read
 
         try:
-            place = self._place(self.path, name)
+            place = place_in(self.path, name, dotted(_FOLDER))
             self.taken[name, kind] = asset = read_asset(kind, name, place)
         except Refusal as refusal:
             what = f"{dotted(path)}: {refusal}"
@@ -120,25 +143,6 @@ class _Folder:
             cure = "" if close else refusal.cure
             raise InputError(what, where=node.where, got=name, nearest=close, cure=cure) from None
         self.places[asset.sha256] = place
-
-    @staticmethod
-    def _place(folder: Path, name: str) -> Path:
-        """Return the path of a file after following links."""
-        parts = PurePosixPath(name).parts
-        if PurePosixPath(name).is_absolute() or ".." in parts:
-            raise Refusal("leads out of the folder of look.assets", cure="name a file inside, without '..'")
-        if not parts or len(name) > _MAX_NAME_LENGTH or not name.isprintable():
-            raise Refusal("is no name of a file")
-        try:
-            place = (folder / name).resolve(strict=True)
-            inside = place.is_relative_to(folder.resolve(strict=True))
-        except (OSError, RuntimeError, ValueError):
-            raise Refusal(f"no such file in {displayed(folder)}", is_missing=True) from None
-        if not inside:
-            raise Refusal("is a link that leads out of the folder of look.assets", cure="put the file itself there")
-        if not place.is_file():
-            raise Refusal("is no file", cure="name a file in the folder")
-        return place
 
     @staticmethod
     def _beside(folder: Path) -> list[str]:

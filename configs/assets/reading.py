@@ -20,7 +20,7 @@ def read_asset(kind: AssetKind, name: str, place: Path) -> Asset:
         Refusal: It cannot be read, or is not of its kind.
     """
     try:
-        data = _bytes(place, images.MAX_BYTES if kind == "image" else panoramas.MAX_BYTES)
+        data = read_bytes(place, images.MAX_BYTES if kind == "image" else panoramas.MAX_BYTES)
         (height_px, width_px, _), mean = _image(data) if kind == "image" else _panorama(data)
     except ValueError as error:
         raise Refusal(str(error), cure=_CURES[kind]) from None
@@ -46,7 +46,7 @@ def _panorama(data: bytes) -> _ShapeAndMean:
     return light.shape, panoramas.mean_above(light)
 
 
-def _bytes(place: Path, max_bytes: int) -> bytes:
+def read_bytes(place: Path, max_bytes: int) -> bytes:
     try:
         with place.open("rb") as file:
             data = file.read(max_bytes + 1)

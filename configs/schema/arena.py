@@ -2,11 +2,12 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from configs.schema.arena_generator import ArenaGenerator
-from configs.schema.base import FromList, Point2, Section, Size3, Slug, absent
+from configs.schema.base import Fixed, FromList, Point2, Section, Size3, Slug, absent, disagreement
 from configs.schema.surface import SurfaceName
+from symolo.arena.mesh import unpacked
 
 
 class StraightPiece(Section):
@@ -71,6 +72,23 @@ class WallConfig(Section):
     """Surface of the wall, which range sensors and images show."""
 
 
+class WallPolygon(Section):
+    """Walls along a polygon: a room around the robot, a pillar beside it, or an open row of walls."""
+
+    name: Slug
+    """Name of the polygon; its walls are NAME_1, NAME_2 and so on, from the first point."""
+    points: Annotated[tuple[Point2, ...], FromList, Field(min_length=2, max_length=500)]
+    """Corners of the faces that the robot sees, in one direction around the polygon: x, y [m] in W."""
+    robot_is: Literal["inside", "outside", "left"] = "inside"
+    """Side on which the robot is: inside or outside of a closed polygon, or to the left of an open row of walls."""
+    height_m: float = Field(default=0.15, ge=0.01, le=3)
+    """Height of the walls [m]."""
+    thickness_m: float = Field(default=0.02, ge=0.001, le=0.5)
+    """Thickness of the walls behind their faces [m]."""
+    surface: SurfaceName = "white_board"
+    """Surface of the walls, which range sensors and images show."""
+
+
 class Waypoint(Section):
     """Place of an obstacle at one time, relative to its place at t = 0, so that a drawn place moves the whole path."""
 
@@ -91,15 +109,44 @@ class MotionConfig(Section):
     """After the last waypoint: stay there, start again (a closed path), or go back and forth along the path."""
 
 
+class ObstacleMesh(Section):
+    """The shape of an obstacle from a file in the folder that `arena.assets` names."""
+
+    file: Annotated[str, Fixed("it is the name of a file")] = Field(pattern=r"^[^\x00-\x1f\x7f]{1,255}$")
+    """File in glTF 2.0 (.glb, .gltf), Wavefront OBJ (.obj) or STL (.stl)."""
+    scale: Annotated[float, Fixed("the size of the obstacle follows from it")] = Field(default=1.0, gt=0, le=1e6)
+    """Factor from the lengths of the file to metres: 0.001 for a file in millimetres."""
+    up: Annotated[Literal["y", "z"] | None, Fixed("it belongs to the file")] = None
+    """Axis of the file that points upwards; by default y for glTF and z for the others."""
+    sha256: str = Field(default="", pattern=r"^([0-9a-f]{64})?$")
+    """SHA-256 of the file, which symolo fills in."""
+    packed: str = Field(default="", max_length=2_000_000)
+    """Triangles of the file, which symolo fills in, so that a specification needs no other file."""
+
+    @field_validator("packed")
+    @classmethod
+    def _is_a_mesh(cls, packed: str) -> str:
+        if packed:
+            try:
+                unpacked(packed)
+            except ValueError as error:
+                raise disagreement("", "another text", f"a packed mesh; it {error}") from None
+        return packed
+
+
 class Obstacle(Section):
-    """A box on the floor, which may move."""
+    """A box or a mesh on the floor, which may move."""
 
     name: Slug
     """Name of the obstacle, unique in the arena; a moving one has columns of this name."""
     center: Point2
     """Middle of the box's footprint: x, y [m] in W."""
     size: Size3 = (0.08, 0.08, 0.12)
-    """Length, width and height of the box [m], before the rotation."""
+    """Length, width and height of the box [m], before the rotation; those of a mesh follow from its file."""
+    mesh: ObstacleMesh | None = Field(default_factory=absent, exclude_if=lambda mesh: mesh is None)
+    """Shape from a file, in place of a box."""
+    solid: bool = Field(default_factory=lambda: True, exclude_if=lambda solid: solid)  # not written into files
+    """Whether the robot touches it and range sensors see it; without, it is furniture that only images show."""
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     """Rotation of the box, counter-clockwise."""
     surface: SurfaceName = "cardboard"
@@ -119,6 +166,8 @@ class ArenaConfig(Section):
     line: LineConfig
     walls: Annotated[tuple[WallConfig, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
+    polygons: Annotated[tuple[WallPolygon, ...], FromList] = Field(default_factory=tuple, exclude=True)
+    """Polygons of walls; the specification of a run has them among its walls."""
     generate: ArenaGenerator | None = Field(default_factory=absent, exclude=True)
     """Recipe from which line, walls and obstacles are drawn for each run; the specification of a run has the drawn ones
     instead."""

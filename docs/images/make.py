@@ -260,6 +260,16 @@ def _paths_of_controllers() -> dict[str, np.ndarray]:
     return {**by_name, "random agent": np.array(poses)[:, :2]}
 
 
+def meshes(workspace: Path) -> None:
+    """Write an image of the example with meshes beside its instances."""
+    out = workspace / "meshes"
+    _command("release", HERE.parents[1] / "examples/meshes.yaml", "--out", out, "--set", "render.samples=16")
+    image = cv2.imread(str(out / "CW/test_1/images/000001.jpg"))
+    number = cv2.imread(str(out / "CW/test_1/annotations/instance/000001.png"), cv2.IMREAD_UNCHANGED)
+    shades = np.array([(37 * n % 200 + 40, 91 * n % 200 + 40, 149 * n % 200 + 40) for n in range(256)], np.uint8)
+    _save_jpeg("meshes.jpg", np.hstack([image, shades[number % 256]]))
+
+
 def preview(workspace: Path) -> None:
     """Write the sheet of a preview."""
     sheet = workspace / "preview.jpg"
@@ -330,6 +340,7 @@ IMAGES: dict[str, Callable[[Path], None]] = {
     "arenas": arenas,
     "controllers": controllers,
     "robots": robots,
+    "meshes": meshes,
     "preview": preview,
     "baselines": baselines,
     "diagnosis": diagnosis,

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symolo.arena.geometry import Arena
+from physics.arena.triangle_rays import TriangleBody, in_box
+from symolo.arena.geometry import Arena, Box
+from symolo.arena.mesh import TriangleMesh
 from symolo.core.arrays import Array
 
 PARALLEL = 1e-30
@@ -38,6 +40,15 @@ class RayScene:
         self._yaw = np.array([0.0, *(box.yaw_rad for box in arena.boxes)])
         self._middle = np.array([(0.0, 0.0, -0.5 * FLOOR_SIZE_M[2]), *(box.center for box in arena.boxes)])
         self._half_size = 0.5 * np.array([FLOOR_SIZE_M, *(box.size for box in arena.boxes)]).T[..., None]
+        self._bodies = [
+            (1 + index, 0.5 * np.array(box.size), _triangles_of(box, box.mesh))
+            for index, box in enumerate(arena.boxes)
+            if box.is_solid and box.mesh is not None
+        ]
+        """Row, half the size and triangles of each obstacle that is no box."""
+        for index, box in enumerate(arena.boxes):
+            if box.mesh is not None or not box.is_solid:
+                self._half_size[:, 1 + index] = -1.0  # no ray is between faces in the wrong order
         self._time_s = 0.0
         self._orient()
 
@@ -84,6 +95,20 @@ class RayScene:
         # The face of the last entry is the one that the ray meets.
         axis = entry[:, surface, ray].argmax(axis=0)
         normal = self._outward[(along[axis, surface, ray] < 0.0).astype(np.int64), axis, surface]
+        for row, half_size, body in self._bodies:
+            to_body = self._to_boxes.reshape(3, -1, 3)[:, row]
+            start, way = (origins - self._middle[row]) @ to_body.T, (ends - origins) @ to_body.T
+            (near,) = in_box(half_size, start, way + PARALLEL).nonzero()
+            if len(near):
+                met, normals = body.cast(start[near], way[near])
+                closer = met < fraction[near]
+                rays = near[closer]
+                fraction[rays], surface[rays], normal[rays] = met[closer], row, normals[closer] @ to_body
         (nothing,) = (fraction > 1.0).nonzero()
         fraction[nothing], surface[nothing], normal[nothing] = 1.0, -1, 0.0
         return RayHits(fraction, surface, normal)
+
+
+def _triangles_of(box: Box, mesh: TriangleMesh) -> TriangleBody:
+    """Return the triangles of an obstacle in its own axes about the middle of its bounding box."""
+    return TriangleBody.of((mesh.vertices - (0.0, 0.0, 0.5 * box.size[2]))[mesh.triangles])

@@ -36,12 +36,27 @@ def add_arena(client: int, arena: Arena) -> dict[int, int]:
     floor = pybullet.createMultiBody(0, shape, physicsClientId=client)
     pybullet.changeDynamics(floor, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
     pybullet.setCollisionFilterGroupMask(floor, -1, FLOOR, TREADS | RAYS, physicsClientId=client)
-    return {floor: 0} | {_add_box(client, box): 1 + i for i, box in enumerate(arena.boxes)}
+    return {floor: 0} | {_add_box(client, box): 1 + i for i, box in enumerate(arena.boxes) if box.is_solid}
+
+
+def _shape(client: int, box: Box) -> int:
+    if box.mesh is None:
+        half = [0.5 * size for size in box.size]
+        return int(pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client))
+    # The body's origin is the middle of the bounding box, as for a box.
+    vertices = (box.mesh.vertices - (0.0, 0.0, 0.5 * box.size[2])).tolist()
+    shape = pybullet.createCollisionShape(
+        pybullet.GEOM_MESH,
+        vertices=vertices,
+        indices=box.mesh.triangles.ravel().tolist(),
+        flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
+        physicsClientId=client,
+    )
+    return int(shape)
 
 
 def _add_box(client: int, box: Box) -> int:
-    half = [0.5 * size for size in box.size]
-    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
+    shape = _shape(client, box)
     turn = [0.0, 0.0, sin(0.5 * box.yaw_rad), cos(0.5 * box.yaw_rad)]
     body = pybullet.createMultiBody(0, shape, basePosition=box.center, baseOrientation=turn, physicsClientId=client)
     pybullet.changeDynamics(body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)

@@ -57,11 +57,19 @@ class MotionForm(Protocol):
     def waypoints(self) -> Sequence[WaypointForm]: ...
 
 
+class MeshForm(Protocol):
+    packed: str
+
+
 class ObstacleForm(Protocol):
     name: str
     center: Point2
     size: tuple[float, float, float]
     yaw_deg: float
+    solid: bool
+
+    @property
+    def mesh(self) -> MeshForm | None: ...
 
     @property
     def surface(self) -> str: ...

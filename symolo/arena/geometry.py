@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from symolo.arena.footprints import Rectangle, obstacle_footprint, wall_footprint
 from symolo.arena.forms import ArcForm, ArenaForm, ObstacleForm, StraightForm, WallForm
+from symolo.arena.mesh import TriangleMesh, unpacked
 from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.core.arrays import Array
 
@@ -142,6 +143,10 @@ class Box:
     surface: str
     motion: ObstacleMotion | None = None
     """Motion of the box, whose `center` and `yaw_rad` are then those at t = 0; None where it stands still."""
+    mesh: TriangleMesh | None = None
+    """Shape of the body, whose bounding box this then is; None for a box."""
+    is_solid: bool = True
+    """Whether robots touch it and range sensors see it; images always show it."""
 
     def footprint(self) -> Array:
         """Corners (4, 2) counter-clockwise, at t = 0."""
@@ -190,7 +195,8 @@ def _wall(wall: WallForm) -> Box:
 
 def _obstacle(obstacle: ObstacleForm) -> Box:
     box = _box(obstacle.name, "obstacle", obstacle_footprint(obstacle), obstacle.size[2], obstacle.surface)
-    return replace(box, motion=ObstacleMotion.from_config(obstacle))
+    mesh = unpacked(obstacle.mesh.packed) if obstacle.mesh is not None else None
+    return replace(box, motion=ObstacleMotion.from_config(obstacle), mesh=mesh, is_solid=obstacle.solid)
 
 
 def _box(name: str, kind: Kind, footprint: Rectangle, height_m: float, surface: str) -> Box:

@@ -12,6 +12,8 @@ EXTRA_OF = {
     "pybullet_data": "generate",
     "scipy": "generate",
     "serial": "generate",
+    "svgelements": "generate",
+    "trimesh": "generate",
     "h5py": "export",
     "pyarrow": "export",
     "rosbags": "export",

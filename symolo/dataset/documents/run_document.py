@@ -7,8 +7,9 @@ attributes, so that the program that makes a run can pass its specification.
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
+from symolo.arena.mesh import unpacked
 from symolo.dataset.annotations import AnnotationName
 
 Point2 = tuple[float, float]
@@ -66,6 +67,15 @@ class MotionSection(SpecSection):
     waypoints: tuple[WaypointSection, ...]
 
 
+def _checked(packed: str) -> str:
+    unpacked(packed)
+    return packed
+
+
+class MeshSection(SpecSection):
+    packed: Annotated[str, AfterValidator(_checked)]
+
+
 class ObstacleSection(SpecSection):
     name: str
     center: Point2
@@ -73,6 +83,8 @@ class ObstacleSection(SpecSection):
     yaw_deg: float
     surface: str
     motion: MotionSection | None = None
+    mesh: MeshSection | None = None
+    solid: bool = True
 
 
 class ArenaSection(SpecSection):

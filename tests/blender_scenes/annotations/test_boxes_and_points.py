@@ -13,6 +13,7 @@ from blender_scenes.annotations.job import build_annotation_job
 from blender_scenes.annotations.occlusion import hidden, triangles
 from blender_scenes.annotations.record import FrameRecord, record
 from blender_scenes.annotations.visible_scene import Passes, VisibleScene
+from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.meshes import block
 from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Intrinsics, matrix_K
@@ -56,6 +57,21 @@ def test_the_silhouette_of_a_square_face_is_its_similar_triangle(job):
     mask = silhouette(seen(job), solid_named(job, "cube"))
     assert pixel_box(mask) == (35, 23, 10, 10)
     assert mask.sum() == 100
+
+
+def test_the_silhouette_of_triangles_is_theirs_and_not_that_of_their_bounding_box(job):
+    """Half of the square face above, cut along its diagonal: 45 of 100 pixels and some of the 10 on the diagonal."""
+    corners = ((1.0, -0.1, 0.0), (1.0, 0.1, 0.0), (1.0, 0.1, 0.2))
+    uv_m = tuple((y, z) for _, y, z in corners)
+    plate = Mesh("obstacle_cube", corners, ((0, 1, 2),), (uv_m,), ("plain",))
+    meshes = tuple(plate if mesh.name == plate.name else mesh for mesh in job.scene.meshes)
+    assert plate in meshes
+    cut = replace(job, scene=replace(job.scene, meshes=meshes))
+    mask = silhouette(seen(cut), solid_named(cut, "cube"))
+    assert pixel_box(mask)[:2] == (35, 23)  # y grows to the left in the image
+    assert 45 <= mask.sum() <= 55
+    assert mask[32, 35:45].sum() >= 9
+    assert mask[23, 35:45].sum() <= 1
 
 
 def test_boxes_and_fraction_of_a_thing_that_is_half_hidden(job):

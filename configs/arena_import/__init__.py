@@ -1,0 +1,1 @@
+"""Arenas from drawings: SVG files and images of floor plans."""

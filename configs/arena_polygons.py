@@ -1,0 +1,69 @@
+"""Polygons of walls, which become single walls before anything is drawn."""
+
+from itertools import pairwise
+from typing import Annotated
+
+from configs.schema.arena import WallPolygon
+from configs.schema.base import FromList, Section
+from configs.shapes import Shape, with_defaults
+from configs.validation import distributions_of, validated
+from symolo.core.errors import InputError
+from symolo.core.yaml.tree import Node, dotted, node_of
+
+Point = tuple[float, float]
+
+
+class _Arena(Section):
+    polygons: Annotated[tuple[WallPolygon, ...], FromList]
+
+
+class _Alone(Section):
+    """A tree with polygons alone, so that messages have their paths."""
+
+    arena: _Arena
+
+
+def with_polygons(root: Node) -> Node:
+    """Return the tree with the walls of all polygons in place of the polygons.
+
+    Args:
+        root: Tree of a scenario, or of a section, with all defaults.
+
+    Raises:
+        InputError: A polygon is wrong, or has a random corner, which two walls share.
+    """
+    arena = root.child("arena")
+    polygons = arena.child("polygons") if arena else None
+    if arena is None or polygons is None or not isinstance(arena.value, dict) or not isinstance(root.value, dict):
+        return root
+    fields = {key: node for key, node in arena.value.items() if key != "polygons"}
+    if polygons.value is not None:
+        alone = with_defaults(Node({"arena": Node({"polygons": polygons}, arena.where)}, root.where), Shape.of(_Alone))
+        for path in distributions_of(alone, _Alone):
+            cure = "write numbers; the walls of a polygon share their corners"
+            raise InputError(f"{dotted(path)}: no distribution is allowed here", where=alone.place_of(path), cure=cure)
+        walls = fields.get("walls", Node((), arena.where))
+        given = walls.value if isinstance(walls.value, tuple) else ()
+        built = [wall for polygon in validated(alone, _Alone, {}).arena.polygons for wall in walls_of(polygon)]
+        nodes = tuple(node_of(wall, polygons.where) for wall in built)
+        fields["walls"] = Node((*given, *nodes), walls.where)
+    return Node({**root.value, "arena": Node(fields, arena.where)}, root.where)
+
+
+def walls_of(polygon: WallPolygon) -> list[dict[str, object]]:
+    """Return the walls of a polygon as an arena file has them; the body of each is on the right of start to end."""
+    points = list(polygon.points)
+    if polygon.robot_is != "left":
+        # Around a robot that is inside, counter-clockwise walls have it on their left.
+        if (_area2(points) > 0.0) != (polygon.robot_is == "inside"):
+            points = [points[0], *points[:0:-1]]
+        points.append(points[0])
+    common = polygon.model_dump(include={"height_m", "thickness_m", "surface"})
+    sides = enumerate(pairwise(points), start=1)
+    return [{"name": f"{polygon.name}_{n}", "start": [*a], "end": [*b], **common} for n, (a, b) in sides]
+
+
+def _area2(points: list[Point]) -> float:
+    """Return twice the area [m2] of a polygon, above 0 for counter-clockwise corners."""
+    ends = [*points[1:], points[0]]
+    return sum(ax * by - bx * ay for (ax, ay), (bx, by) in zip(points, ends, strict=True))

@@ -1,0 +1,81 @@
+"""Meshes of the user: glTF, OBJ and STL files, read from memory without opening any other file."""
+
+import io
+import warnings
+
+import numpy as np
+
+from symolo.arena.mesh import MAX_TRIANGLES, TriangleMesh
+
+MAX_BYTES = 32 << 20
+MIN_SIZE_M, MAX_SIZE_M = 0.002, 20.0
+FORMATS = {".glb": "glb", ".gltf": "gltf", ".obj": "obj", ".stl": "stl"}
+"""Name of each format in trimesh by the ending of the file."""
+GLTF = frozenset({".glb", ".gltf"})
+"""Formats whose y axis points upwards (glTF 2.0, section 3.4)."""
+
+
+class _OtherFileError(Exception):
+    """A mesh refers to another file."""
+
+
+class _NoFiles(dict[str, bytes]):
+    def __missing__(self, name: str) -> bytes:
+        raise _OtherFileError(name)
+
+    def get(self, name: str, default: object = None) -> bytes:  # pyright: ignore[reportIncompatibleMethodOverride]
+        del default
+        raise _OtherFileError(name)
+
+
+def read_mesh(data: bytes, ending: str, scale: float, up: str) -> TriangleMesh:
+    """Return the triangles of a file's bytes, standing on the floor above the origin.
+
+    Args:
+        data: The bytes of the file.
+        ending: Ending of its name, which is one of `FORMATS`.
+        scale: Factor from its lengths to metres.
+        up: Axis that points upwards, y or z.
+
+    Raises:
+        ValueError: It cannot be read, refers to other files, has no triangles or too many, or is too large or small.
+    """
+    vertices, triangles = _triangles(data, ending)
+    if not len(triangles):
+        raise ValueError("has no triangles")
+    if len(triangles) > MAX_TRIANGLES:
+        raise ValueError(f"has {len(triangles)} triangles; at most {MAX_TRIANGLES} can be used")
+    if not np.isfinite(vertices).all():
+        raise ValueError("has vertices that are not finite numbers")
+    placed = vertices * scale
+    if up == "y":  # to z up: x stays, y becomes z, z becomes -y
+        placed = np.column_stack([placed[:, 0], -placed[:, 2], placed[:, 1]])
+    low, high = placed.min(axis=0), placed.max(axis=0)
+    smallest, largest = float((high - low).min()), float((high - low).max())
+    if smallest < MIN_SIZE_M or largest > MAX_SIZE_M:
+        sizes = " x ".join(f"{length:.4g}" for length in high - low)
+        raise ValueError(f"is {sizes} m; each length must be from {MIN_SIZE_M:g} to {MAX_SIZE_M:g} m")
+    placed = placed - (*(0.5 * (low + high))[:2], low[2])
+    # As 32-bit numbers, so that the shape is that which a specification stores.
+    return TriangleMesh(placed.astype(np.float32).astype(float), triangles)
+
+
+def _triangles(data: bytes, ending: str) -> tuple[np.ndarray, np.ndarray]:
+    import trimesh  # noqa: PLC0415 - only where there are meshes
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            # The resolver has no files, so that a reference to another one fails. Materials would decode images.
+            options = {"process": False, "resolver": _NoFiles()}
+            options |= {"skip_materials": True} if ending != ".stl" else {}
+            scene = trimesh.load_scene(io.BytesIO(data), file_type=FORMATS[ending], **options)
+            body = scene.to_mesh()
+    except _OtherFileError as other:
+        raise ValueError(f"refers to another file, {str(other)[:60]!r}; save it as one file, such as .glb") from None
+    except Exception as error:  # noqa: BLE001 - the reader raises whatever a damaged file leads to
+        raise ValueError(f"cannot be read as {FORMATS[ending]}: {type(error).__name__}: {error}"[:200]) from None
+    vertices = np.array(body.vertices, dtype=float).reshape(-1, 3)
+    triangles = np.array(body.faces, dtype=np.int64).reshape(-1, 3)
+    used, numbers = np.unique(triangles, return_inverse=True)
+    return vertices[used], numbers.reshape(-1, 3)
