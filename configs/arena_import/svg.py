@@ -16,6 +16,8 @@ MAX_BYTES = 8 << 20
 MAX_ELEMENTS = 5000
 CHORD_M = 0.02
 """Length of the straight pieces that stand for a curve."""
+MAX_CHORDS = 200
+"""Largest number of straight pieces of one curve."""
 ROLES = ("line", "room", "pillar", "wall", "obstacle", "ramp")
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _ROUND = 1e-3
@@ -42,6 +44,8 @@ def drawing_from_svg(data: bytes, where: str, width_m: float | None) -> Drawing:
         svg = SVG.parse(io.BytesIO(data), ppi=25.4)
     except Exception as error:  # noqa: BLE001 - the reader raises whatever a damaged file leads to
         raise InputError(f"cannot be read: {type(error).__name__}: {error}"[:200], where=where) from None
+    if not isinstance(svg, SVG):
+        raise InputError("the first tag", where=where, allowed="svg")
     reader = _Reader(where, _scale(svg, data, where, width_m))
     for count, (element, names) in enumerate(_elements(svg, ())):
         if count > MAX_ELEMENTS:
@@ -179,9 +183,10 @@ class _Reader:
         self.drawing.obstacles.append((label, middle, (round(length, 4), round(width, 4)), yaw_deg))
 
     def _flattened(self, segment: Any) -> list[Point]:  # noqa: ANN401 - as above
-        length_m = self._scale * float(segment.length(error=1e-3))
-        count = max(2, math.ceil(length_m / CHORD_M) + 1)
-        return [self._point(segment.point(i / (count - 1))) for i in range(count)]
+        rough = [self._point(segment.point(i / MAX_CHORDS)) for i in range(0, MAX_CHORDS + 1, 4)]
+        length_m = sum(math.dist(start, end) for start, end in pairwise(rough))
+        count = min(MAX_CHORDS, max(1, math.ceil(length_m / CHORD_M)))
+        return [self._point(segment.point(i / count)) for i in range(count + 1)]
 
     def _point(self, point: Any) -> Point:  # noqa: ANN401 - as above
         x, y = self._scale * float(point.x), -self._scale * float(point.y)

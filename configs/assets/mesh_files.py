@@ -1,6 +1,7 @@
 """Meshes of the user: glTF, OBJ and STL files, read from memory without opening any other file."""
 
 import io
+import json
 import warnings
 
 import numpy as np
@@ -17,6 +18,18 @@ GLTF = frozenset({".glb", ".gltf"})
 
 class _OtherFileError(Exception):
     """A mesh refers to another file."""
+
+
+class _TooManyError(Exception):
+    """A mesh has more triangles than can be used."""
+
+
+def _check_counts(data: bytes) -> None:
+    """Refuse a glTF file that states a number of values which its reader would allocate before it reads any."""
+    text = data[20 : 20 + int.from_bytes(data[12:16], "little")] if data.startswith(b"glTF") else data
+    for accessor in json.loads(text).get("accessors", ()):
+        if not 0 <= accessor["count"] <= 3 * MAX_TRIANGLES:
+            raise _TooManyError(f"{accessor['count']} corners or")
 
 
 class _NoFiles(dict[str, bytes]):
@@ -43,8 +56,6 @@ def read_mesh(data: bytes, ending: str, scale: float, up: str) -> TriangleMesh:
     vertices, triangles = _triangles(data, ending)
     if not len(triangles):
         raise ValueError("has no triangles")
-    if len(triangles) > MAX_TRIANGLES:
-        raise ValueError(f"has {len(triangles)} triangles; at most {MAX_TRIANGLES} can be used")
     if not np.isfinite(vertices).all():
         raise ValueError("has vertices that are not finite numbers")
     placed = vertices * scale
@@ -69,13 +80,23 @@ def _triangles(data: bytes, ending: str) -> tuple[np.ndarray, np.ndarray]:
             # The resolver has no files, so that a reference to another one fails. Materials would decode images.
             options = {"process": False, "resolver": _NoFiles()}
             options |= {"skip_materials": True} if ending != ".stl" else {}
+            if ending in GLTF:
+                _check_counts(data)
             scene = trimesh.load_scene(io.BytesIO(data), file_type=FORMATS[ending], **options)
+            shown = [scene.graph[node][1] for node in scene.graph.nodes_geometry]
+            count = sum(len(getattr(scene.geometry[name], "faces", ())) for name in shown)
+            if count > MAX_TRIANGLES:
+                raise _TooManyError(count)  # noqa: TRY301 - before its copies are made
             body = scene.to_mesh()
     except _OtherFileError as other:
         raise ValueError(f"refers to another file, {str(other)[:60]!r}; save it as one file, such as .glb") from None
+    except _TooManyError as many:
+        raise ValueError(f"has {many} triangles; at most {MAX_TRIANGLES} can be used") from None
     except Exception as error:  # noqa: BLE001 - the reader raises whatever a damaged file leads to
         raise ValueError(f"cannot be read as {FORMATS[ending]}: {type(error).__name__}: {error}"[:200]) from None
     vertices = np.array(body.vertices, dtype=float).reshape(-1, 3)
     triangles = np.array(body.faces, dtype=np.int64).reshape(-1, 3)
+    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
+        raise ValueError("has triangles with vertices that do not exist")
     used, numbers = np.unique(triangles, return_inverse=True)
     return vertices[used], numbers.reshape(-1, 3)

@@ -3,7 +3,6 @@
 Only primitive shapes are read; a mesh has a place and no size. Joints are at zero.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
@@ -16,6 +15,8 @@ from symolo.core.geometry.poses import transform_of
 
 MAX_BYTES = 4 << 20
 MAX_LINKS = 2000
+MAX_NUMBER = 1e4
+"""Largest length [m], mass [kg] or angle [rad] of a file; a larger one is a mistake."""
 TURNING = frozenset({"continuous", "revolute"})
 
 
@@ -172,7 +173,7 @@ def _link(name: str, link: ET.Element, X: Array) -> UrdfLink:
     mass_kg, center = 0.0, X[:3, 3]
     if inertial is not None:
         mass = inertial.find("mass")
-        mass_kg = 0.0 if mass is None else float(mass.get("value", "0"))
+        mass_kg = 0.0 if mass is None else _number(mass.get("value", "0"))
         center = (X @ _origin(inertial))[:3, 3]
     for tag in ("collision", "visual"):
         if shapes := tuple(_shapes(link, tag, X)):
@@ -189,10 +190,10 @@ def _shapes(link: ET.Element, tag: str, X: Array) -> Iterator[UrdfShape]:
                 case "box":
                     yield UrdfShape("box", tuple(_numbers(shape.get("size", ""), 3).tolist()), pose)
                 case "cylinder":
-                    size = (float(shape.get("radius", "")), float(shape.get("length", "")))
+                    size = (_number(shape.get("radius", "")), _number(shape.get("length", "")))
                     yield UrdfShape("cylinder", size, pose)
                 case "sphere":
-                    yield UrdfShape("sphere", (float(shape.get("radius", "")),), pose)
+                    yield UrdfShape("sphere", (_number(shape.get("radius", "")),), pose)
                 case "mesh":
                     yield UrdfShape("mesh", (), pose)
 
@@ -207,9 +208,13 @@ def _origin(element: ET.Element) -> Array:
 
 def _numbers(text: str, count: int) -> Array:
     values = [float(word) for word in text.split()]
-    if len(values) != count or not all(map(math.isfinite, values)):
+    if len(values) != count or not all(abs(value) <= MAX_NUMBER for value in values):
         raise ValueError(f"{text[:60]!r}, {count} finite numbers were expected")
     return np.array(values)
+
+
+def _number(text: str) -> float:
+    return float(_numbers(text, 1)[0])
 
 
 def _positive(limit: ET.Element | None, name: str) -> float | None:

@@ -15,7 +15,17 @@ from tests.fuzz.guard import TooSlowError, limits, outcome_of
 from tests.fuzz.mutations import mutated
 from tests.fuzz.readers import READERS, valid_copy
 
-COUNTS = {"scenario": 12, "dataset": 15, "bag": 15, "logs": 60, "panorama": 100, "image": 100, "download": 100}
+COUNTS = {
+    "scenario": 12,
+    "dataset": 15,
+    "bag": 15,
+    "logs": 60,
+    "panorama": 100,
+    "image": 100,
+    "download": 100,
+    "mesh": 80,
+    "drawing": 60,
+}
 """Changed inputs by reader; 200 of those that are not named here, which are quicker."""
 FORM = "the form of a dataset has changed: make the valid files again, with tests/fuzz/make_datasets.py"
 
