@@ -50,7 +50,8 @@ def scenario_json_schema() -> dict[str, Any]:
         if kind in MODELS:
             definitions[name]["properties"]["scale"] = _SCALE
     definitions["LookConfig"]["properties"]["assets"] = _FOLDER
-    definitions["ArenaConfig"]["properties"]["assets"] = {**_FOLDER, "description": _FOLDER_OF_MESHES}
+    for name in ("ArenaConfig", "RobotConfig"):
+        definitions[name]["properties"]["assets"] = {**_FOLDER, "description": _FOLDER_OF_MESHES}
     top = _mapping(shape.schema, shape, required=False)
     for kind in SECTIONS:
         field = shape.schema["properties"][kind]

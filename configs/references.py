@@ -11,7 +11,7 @@ from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
 
 FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
 SECTIONS = ("arena", "robot", "look")
-WITH_FILES = ("arena", "look")
+WITH_FILES = ("arena", "robot", "look")
 """Sections with a key `assets`, which names a folder of the user."""
 _MAX_CHAIN = 32
 _SHIPPED = Path(__file__).parent

@@ -77,7 +77,7 @@ def _scaled(node: Node, s: float, path: FieldPath, exponent: float = 0.0) -> Nod
         keep = node.is_distribution or exponent != 0.0
         return Node(
             {
-                key: _scaled(child, s, (*path, key), exponent if keep else _exponent(key, child))
+                key: _scaled(child, s, (*path, key), exponent if keep else _exponent(key, child, path))
                 for key, child in node.value.items()
             },
             node.where,
@@ -90,7 +90,9 @@ def _scaled(node: Node, s: float, path: FieldPath, exponent: float = 0.0) -> Nod
     return Node(float(f"{node.value * s**exponent:.{DIGITS}g}"), node.where)
 
 
-def _exponent(key: str, child: Node) -> float:
+def _exponent(key: str, child: Node, path: FieldPath) -> float:
+    if path[-1:] == ("mesh",):
+        return 1.0 if key == "scale" else 0.0
     if key in _LENGTHS and isinstance(child.value, tuple):
         return 1.0
     return next((power for unit, power in _EXPONENTS.items() if key == unit or key.endswith(f"_{unit}")), 0.0)

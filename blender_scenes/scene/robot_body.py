@@ -3,11 +3,14 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from blender_scenes.materials.fittings import bare_metal, moulded
 from blender_scenes.scene.description import Mesh
-from blender_scenes.scene.meshes import block, wheel
+from blender_scenes.scene.meshes import block, of_triangles, wheel
 from blender_scenes.scene.shading import Surface
-from configs.schema.robot import Chassis, Drive, RobotConfig, TofMounts
+from configs.schema.robot import Chassis, Drive, RobotBody, RobotConfig, TofMounts
+from symolo.arena.mesh import unpacked
 
 CAMERA_BODY = "robot_camera"
 """Name of the camera's body, which the camera never sees."""
@@ -16,8 +19,10 @@ _DRAWN_LENGTH_M = 0.18
 """Length of the robot for which the sizes of motors, battery, boards and posts are; others have them in proportion."""
 
 
-def robot_surfaces() -> tuple[Surface, ...]:
+def robot_surfaces(robot: RobotConfig) -> tuple[Surface, ...]:
+    own = (moulded("robot_body", robot.body.color, 0.5),) if robot.body else ()
     return (
+        *own,
         moulded("robot_plate", (0.03, 0.03, 0.035), 0.4),
         moulded("robot_rubber", (0.02, 0.02, 0.02), 0.8),
         moulded("robot_board", (0.02, 0.08, 0.03), 0.4),
@@ -28,7 +33,12 @@ def robot_surfaces() -> tuple[Surface, ...]:
 
 def robot_body(robot: RobotConfig) -> tuple[Mesh, ...]:
     """Return base plate, drive, battery, sensor boards, mast and camera, at their configured places."""
-    return (*_chassis(robot.chassis, robot.drive), *_wheels(robot.drive), *_sensors(robot))
+    chassis = _chassis(robot.chassis, robot.drive) if robot.body is None else (_body_of(robot.body),)
+    return (*chassis, *_wheels(robot.drive), *_sensors(robot))
+
+
+def _body_of(body: RobotBody) -> Mesh:
+    return of_triangles("robot_body", unpacked(body.mesh.packed), np.eye(3), (body.x_m, 0.0, body.z_m), "robot_body")
 
 
 def _chassis(chassis: Chassis, drive: Drive) -> Iterator[Mesh]:

@@ -18,7 +18,7 @@ _MAX_NAME_LENGTH = 255
 
 
 def anchored(section: Node, folder: Path) -> Node:
-    """Return a look or an arena with an absolute path of its `assets`, which is relative to `folder` in a file."""
+    """Return a section with an absolute path of its `assets`, which is relative to `folder` in a file."""
     assets, fields = section.child("assets"), section.value
     if assets is None or not isinstance(assets.value, str) or not assets.value or not isinstance(fields, dict):
         return section

@@ -41,14 +41,15 @@ class _NoFiles(dict[str, bytes]):
         raise _OtherFileError(name)
 
 
-def read_mesh(data: bytes, ending: str, scale: float, up: str) -> TriangleMesh:
-    """Return the triangles of a file's bytes, standing on the floor above the origin.
+def read_mesh(data: bytes, ending: str, scale: float, up: str, *, is_standing: bool = True) -> TriangleMesh:
+    """Return the triangles of a file's bytes.
 
     Args:
         data: The bytes of the file.
         ending: Ending of its name, which is one of `FORMATS`.
         scale: Factor from its lengths to metres.
         up: Axis that points upwards, y or z.
+        is_standing: Whether it is moved so that it stands on the floor above the origin.
 
     Raises:
         ValueError: It cannot be read, refers to other files, has no triangles or too many, or is too large or small.
@@ -66,7 +67,8 @@ def read_mesh(data: bytes, ending: str, scale: float, up: str) -> TriangleMesh:
     if smallest < MIN_SIZE_M or largest > MAX_SIZE_M:
         sizes = " x ".join(f"{length:.4g}" for length in high - low)
         raise ValueError(f"is {sizes} m; each length must be from {MIN_SIZE_M:g} to {MAX_SIZE_M:g} m")
-    placed = placed - (*(0.5 * (low + high))[:2], low[2])
+    if is_standing:
+        placed = placed - (*(0.5 * (low + high))[:2], low[2])
     # As 32-bit numbers, so that the shape is that which a specification stores.
     return TriangleMesh(placed.astype(np.float32).astype(float), triangles)
 

@@ -2,12 +2,12 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from configs.schema.arena_generator import ArenaGenerator
-from configs.schema.base import Fixed, FromList, Point2, Section, Size3, Slug, absent, disagreement
+from configs.schema.base import FromList, Point2, Section, Size3, Slug, absent
+from configs.schema.mesh import MeshFile
 from configs.schema.surface import SurfaceName
-from symolo.arena.mesh import unpacked
 
 
 class StraightPiece(Section):
@@ -109,31 +109,6 @@ class MotionConfig(Section):
     """After the last waypoint: stay there, start again (a closed path), or go back and forth along the path."""
 
 
-class ObstacleMesh(Section):
-    """The shape of an obstacle from a file in the folder that `arena.assets` names."""
-
-    file: Annotated[str, Fixed("it is the name of a file")] = Field(pattern=r"^[^\x00-\x1f\x7f]{1,255}$")
-    """File in glTF 2.0 (.glb, .gltf), Wavefront OBJ (.obj) or STL (.stl)."""
-    scale: Annotated[float, Fixed("the size of the obstacle follows from it")] = Field(default=1.0, gt=0, le=1e6)
-    """Factor from the lengths of the file to metres: 0.001 for a file in millimetres."""
-    up: Annotated[Literal["y", "z"] | None, Fixed("it belongs to the file")] = None
-    """Axis of the file that points upwards; by default y for glTF and z for the others."""
-    sha256: str = Field(default="", pattern=r"^([0-9a-f]{64})?$")
-    """SHA-256 of the file, which symolo fills in."""
-    packed: str = Field(default="", max_length=2_000_000)
-    """Triangles of the file, which symolo fills in, so that a specification needs no other file."""
-
-    @field_validator("packed")
-    @classmethod
-    def _is_a_mesh(cls, packed: str) -> str:
-        if packed:
-            try:
-                unpacked(packed)
-            except ValueError as error:
-                raise disagreement("", "another text", f"a packed mesh; it {error}") from None
-        return packed
-
-
 class Obstacle(Section):
     """A box or a mesh on the floor, which may move."""
 
@@ -143,7 +118,7 @@ class Obstacle(Section):
     """Middle of the box's footprint: x, y [m] in W."""
     size: Size3 = (0.08, 0.08, 0.12)
     """Length, width and height of the box [m], before the rotation; those of a mesh follow from its file."""
-    mesh: ObstacleMesh | None = Field(default_factory=absent, exclude_if=lambda mesh: mesh is None)
+    mesh: MeshFile | None = Field(default_factory=absent, exclude_if=lambda mesh: mesh is None)
     """Shape from a file, in place of a box."""
     solid: bool = Field(default_factory=lambda: True, exclude_if=lambda solid: solid)  # not written into files
     """Whether the robot touches it and range sensors see it; without, it is furniture that only images show."""

@@ -8,9 +8,12 @@ from pydantic import Field
 from configs.effects.base import Effect
 from configs.effects.robot_effects import RobotEffects
 from configs.robot_sensors import RobotSensors
-from configs.schema.base import FromList, Section, Slug
+from configs.schema.base import FromList, Section, Slug, absent
 from configs.schema.controller import Controller
 from configs.schema.effect_range import EffectRange
+from configs.schema.mesh import MeshFile
+
+Share = Annotated[float, Field(ge=0, le=1)]
 
 
 class Chassis(Section):
@@ -256,6 +259,22 @@ class Camera(Section):
     """Whether images show the robot's body, without the camera; they always show its shadow."""
 
 
+class RobotBody(Section):
+    """Shape of the chassis from a mesh file, in place of a plate and boxes; wheels and sensors stay as they are.
+
+    The axes of the file are those of R: x forward, and after `mesh.up` z upwards.
+    """
+
+    mesh: MeshFile
+    """File of the shape; contacts are those of its convex hull."""
+    x_m: float = Field(default=0.0, ge=-1, le=1)
+    """Origin of the file ahead of the axle [m]."""
+    z_m: float = Field(default=0.0, ge=-1, le=1)
+    """Origin of the file above the floor [m]."""
+    color: Annotated[tuple[Share, Share, Share], FromList] = (0.05, 0.1, 0.35)
+    """Reflectance of the body: red, green and blue, 0 black, 1 white."""
+
+
 class RobotConfig(Section):
     """Body, drive, sensors and controller of the robot."""
 
@@ -264,6 +283,8 @@ class RobotConfig(Section):
     description: str = ""
     """Description for people."""
     chassis: Chassis
+    body: RobotBody | None = Field(default_factory=absent, exclude_if=lambda body: body is None)
+    """Shape of the chassis; without it, the robot has a plate with boxes."""
     drive: Drive
     motor: Motor
     power: Power

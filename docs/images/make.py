@@ -197,7 +197,12 @@ def controllers(_workspace: Path) -> None:
 
 def robots(_workspace: Path) -> None:
     """Write the shipped robots of three sizes beside each other on one floor, each on the line of its arena."""
-    surfaces = [*robot_surfaces(), moulded("floor", (0.75, 0.75, 0.72), 0.5), moulded("line", (0.01, 0.01, 0.01), 0.5)]
+    nominal, _ = draw_robot(load_section("robot", "nominal"), 1, "image")
+    surfaces = [
+        *robot_surfaces(nominal),
+        moulded("floor", (0.75, 0.75, 0.72), 0.5),
+        moulded("line", (0.01, 0.01, 0.01), 0.5),
+    ]
     numbers = {surface.name: number for number, surface in enumerate(surfaces)}
     meshes, labels, x_m = (
         [Triangles.of((block("floor", (0.0, 0.0, -0.01), (4.0, 4.0, 0.02), "floor"),), numbers)],

@@ -2,6 +2,7 @@
 
 from math import cos, sin
 
+import numpy as np
 import pybullet
 
 from configs.schema.robot import RobotConfig
@@ -10,16 +11,18 @@ from physics.drivetrain.motor import MotorModel
 from physics.robot.links import CASTER, LEFT_WHEEL, RIGHT_WHEEL
 from physics.robot.model import RobotModel
 from physics.robot.urdf import robot_urdf
+from symolo.arena.mesh import unpacked
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.geometry.poses import PlanarPose
 
+_BODY_FILE = "body.obj"
 MAX_JOINT_SPEED_RAD_S = 1000.0
 """Limit of joint speeds; Bullet's default of 100 rad/s is too low."""
 
 
 def add_robot(client: int, robot: RobotConfig, start: PlanarPose) -> tuple[int, list[int]]:
     """Put the robot on the floor at x [m], y [m], yaw [rad]; return its body id and wheel joints, right and left."""
-    body = _load(client, robot_urdf(robot), start)
+    body = _load(client, robot, start)
     pybullet.changeDynamics(
         body,
         -1,
@@ -40,11 +43,14 @@ def add_robot(client: int, robot: RobotConfig, start: PlanarPose) -> tuple[int, 
     return body, wheels
 
 
-def _load(client: int, urdf: str, start: PlanarPose) -> int:
+def _load(client: int, robot: RobotConfig, start: PlanarPose) -> int:
     x, y, yaw = start
     with scratch_folder() as folder:
         path = folder / "robot.urdf"
-        path.write_text(urdf, encoding="utf-8")
+        shape = _body_text(robot)
+        path.write_text(robot_urdf(robot, _BODY_FILE if shape else ""), encoding="utf-8")
+        if shape:
+            (folder / _BODY_FILE).write_text(shape, encoding="utf-8")
         body = pybullet.loadURDF(
             str(path),
             basePosition=[x, y, 0.0],
@@ -54,6 +60,18 @@ def _load(client: int, urdf: str, start: PlanarPose) -> int:
             physicsClientId=client,
         )
     return int(body)
+
+
+def _body_text(robot: RobotConfig) -> str:
+    """Return the body as an OBJ file, of which the engine takes the convex hull; empty for a body that is a box."""
+    if robot.body is None:
+        return ""
+    mesh = unpacked(robot.body.mesh.packed)
+    origin = np.array([robot.body.x_m, 0.0, robot.body.z_m])
+    vertices = (mesh.vertices + origin).tolist()
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices]
+    lines += [f"f {i + 1} {j + 1} {k + 1}" for i, j, k in mesh.triangles.tolist()]
+    return "\n".join(lines) + "\n"
 
 
 def _links(client: int, body: int) -> dict[str, int]:

@@ -11,16 +11,16 @@ from physics.robot.links import BASE, BoxShape, RobotLink, SphereShape, Vector, 
 _NOWHERE = (0.0, 0.0, 0.0)
 
 
-def robot_urdf(robot: RobotConfig) -> str:
-    """Return the robot as URDF 1.0."""
-    return urdf_text(robot_element(robot))
+def robot_urdf(robot: RobotConfig, body_file: str = "") -> str:
+    """Return the robot as URDF 1.0; its body is a box, or the shape of a file beside the URDF."""
+    return urdf_text(robot_element(robot, body_file))
 
 
-def robot_element(robot: RobotConfig) -> ET.Element:
+def robot_element(robot: RobotConfig, body_file: str = "") -> ET.Element:
     """Return the robot as XML elements. Joint damping is back-EMF and viscous friction, without dry friction."""
     root = ET.Element("robot", name=robot.name)
     for link in robot_links(robot):
-        _link(root, link)
+        _link(root, link, body_file if link.name == BASE else "")
         if link.name != BASE:
             _joint(root, link)
     return root
@@ -54,10 +54,13 @@ def add_inertial(parent: ET.Element, mass_kg: float, center: Vector, inertia_kg_
     ET.SubElement(inertial, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
 
 
-def _link(root: ET.Element, link: RobotLink) -> None:
+def _link(root: ET.Element, link: RobotLink, shape_file: str) -> None:
     element = ET.SubElement(root, "link", name=link.name)
     add_inertial(element, link.mass_kg, link.center_of_mass, link.inertia_kg_m2)
     collision = ET.SubElement(element, "collision")
+    if shape_file:
+        ET.SubElement(ET.SubElement(collision, "geometry"), "mesh", filename=shape_file)
+        return
     if link.shape_center != _NOWHERE:
         ET.SubElement(collision, "origin", xyz=numbers(link.shape_center))
     add_shape(collision, link.shape)

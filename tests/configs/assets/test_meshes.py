@@ -120,7 +120,7 @@ def test_a_file_is_found_beside_its_arena_and_gives_the_size(folder):
             "{file: cone.stl, scale: 100}",
             r"is 40 x 40 x 50 m; each length must be from 0\.002 to 20 m: got 'cone\.stl'; set mesh\.scale",
         ),
-        ("{file: cone.stl, scale: {uniform: [1, 2]}}", "the size of the obstacle follows from it"),
+        ("{file: cone.stl, scale: {uniform: [1, 2]}}", "sizes follow from it"),
         ("{fil: cone.stl}", "unknown key.*did you mean file"),
         ("{file: cone.stl, packed: abc}", "allowed: a packed mesh"),
     ],
