@@ -69,7 +69,7 @@ def triangle_body(name: str, box: Box, body: TriangleMesh, surface: str) -> Mesh
 
 
 def of_triangles(name: str, body: TriangleMesh, turn: Array, base: Point3, surface: str) -> Mesh:
-    """Return triangles, turned by `turn` (3, 3) and moved to `base`, with u and v along the flattest axes of each face."""
+    """Return triangles, turned by `turn` (3, 3) and moved to `base`; u and v lie along the flattest axes of a face."""
     corners = body.vertices[body.triangles]
     steepest = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).argmax(axis=1)
     flat = np.array([(1, 2), (0, 2), (0, 1)])[steepest]
