@@ -100,12 +100,12 @@ def test_a_look_has_no_size():
         section_of("look", {"extends": "lab", "scale": 2.0}, "test")
 
 
-def test_a_scaled_robot_drives_the_same_lap_in_the_time_of_its_scale():
-    """Without noise the paths would be equal; the lap of the nominal robot takes 37.85 s (docs/hil.md)."""
-    spec = draw_run(load_scenario("micromouse", ["seed=3"]), "CW", 1)
-    outcome = simulate(spec)
+@pytest.mark.parametrize(("name", "scale", "route"), [("micromouse", 0.5, "CW"), ("scout", 1.944, "CCW")])
+def test_a_scaled_robot_drives_the_same_lap_in_the_time_of_its_scale(name, scale, route):
+    """Without noise the paths would be equal; a lap of the nominal robot takes 37.85 or 37.7 s (docs/hil.md)."""
+    outcome = simulate(draw_run(load_scenario(name, ["seed=3"]), route, 1))
     assert not outcome.problems
-    assert outcome.lap_time_s == pytest.approx(37.85 * math.sqrt(0.5), rel=0.02)
-    # The line starts and ends half as far from the origin.
+    assert outcome.lap_time_s == pytest.approx(37.8 * math.sqrt(scale), rel=0.02)
+    # The line and the walls reach as much further from the origin.
     reach_m = abs(outcome.recording.trajectory.pose[:, :2]).max(axis=0)
-    assert reach_m == pytest.approx([0.5 * 0.87, 0.5 * 1.06], rel=0.1)
+    assert reach_m == pytest.approx([scale * 0.87, scale * 1.06], rel=0.1)
