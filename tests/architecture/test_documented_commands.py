@@ -7,6 +7,8 @@ import shutil
 from functools import cache
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from typer.main import get_command
 
@@ -94,6 +96,7 @@ def test_its_commands_parse(page, tmp_path, monkeypatch):
 
 def _save_files_of(page, folder):
     """Files that a page says to write: blocks whose first line is a comment with the name of the file."""
+    shutil.copytree(ROOT / "examples", folder / "examples", dirs_exist_ok=True)
     text = page.read_text()
     for block in (*re.findall(r"^```(?:yaml|python)\n(.*?)^```", text, re.MULTILINE | re.DOTALL), *_indented(text)):
         if named := re.match(r"# ([\w.-]+\.(?:yaml|py))\b", block):
@@ -131,7 +134,10 @@ def desk(tmp_path, release, monkeypatch):
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
     about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]
     (tmp_path / "about.yaml").write_text(about)
-    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    plan = np.full((60, 80), 255, np.uint8)
+    plan[5:55, 5:75] = 0
+    plan[10:50, 10:70] = 255
+    cv2.imwrite(str(tmp_path / "plan.png"), plan)
     monkeypatch.setenv("SYMOLO_PASSPHRASE", "correct horse")
     monkeypatch.chdir(tmp_path)
     return tmp_path
