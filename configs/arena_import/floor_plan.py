@@ -36,10 +36,12 @@ def drawing_from_image(data: bytes, where: str, width_m: float | None) -> Drawin
         raise InputError(f"the image {error}", where=where, allowed="PNG or JPEG") from None
     dark = (cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) < DARK).astype(np.uint8)
     # A border of floor, so that a wall at the edge of the image has an outline there.
-    framed = cv2.copyMakeBorder(dark, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    framed = np.pad(dark, 1)
     outlines, tree = cv2.findContours(framed, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     drawing, metres = Drawing(), width_m / image.shape[1]
-    for outline, (_, _, _, parent) in zip(outlines, tree[0] if tree is not None else (), strict=True):
+    # The tree has the next and the previous outline, the first one inside and the one around; it is None without any.
+    parents: list[int] = np.asarray(tree).reshape(-1, 4)[:, 3].tolist() if outlines else []
+    for outline, parent in zip(outlines, parents, strict=True):
         if cv2.contourArea(outline) < MIN_AREA_PX:
             drawing.ignored.append("a spot of a few pixels")
             continue
