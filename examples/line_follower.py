@@ -1,6 +1,6 @@
 """A controller that follows the line, in place of the built-in one.
 
-symolo --controller-file examples/line_follower.py simulate smoke --out data
+symolo --controller-file examples/line_follower.py simulate smoke --set "arena.obstacles=[]" --out data
 """
 
 from pydantic import Field

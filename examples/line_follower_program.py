@@ -1,6 +1,7 @@
-"""A controller as a program of its own: it reads and writes lines of JSON, and needs nothing of symolo.
+r"""A controller as a program of its own: it reads and writes lines of JSON, and needs nothing of symolo.
 
-symolo --controller-command "python3 examples/line_follower_program.py" simulate smoke --out data
+symolo --controller-command "python3 examples/line_follower_program.py" \
+    simulate smoke --set "arena.obstacles=[]" --out data
 """
 
 import json

@@ -160,9 +160,9 @@ def test_its_commands_run(page, desk):
         if out and out not in made:
             _removed(desk / out)  # is there for other pages
         made.add(out)
+        _forget_controllers()
         # What is compared here need not be the same.
         assert main(_made_small(words)) in ({0, 7} if words[0] == "compare" else {0}), command
-        _forget_controllers()
     if page.parent.name == "tutorials":
         for program in re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL):
             exec(program, {})  # noqa: S102 - our own page
