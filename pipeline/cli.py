@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from pipeline.address_space import check_address_space
-from pipeline.commands import arena, case, explanation, hil, inspection, keeping, robot, sharing, stages, validate
+from pipeline.commands import arena, case, explanation, hil, inspection, keeping, robot, sharing, showing, stages, validate
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.model import model
 from pipeline.commands.preview import preview
@@ -53,8 +53,9 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
         *(rerender, model),
     ),
     "Hardware in the loop": (hil.hil, hil.firmware),
+    "Look at data": (showing.view, showing.report, showing.contact_sheet),
     "Inspect data and machine": (
-        *(inspection.verify, inspection.compare, inspection.contact_sheet, inspection.report, inspection.baselines),
+        *(inspection.verify, inspection.compare, inspection.baselines),
         *(inspection.doctor, inspection.schema),
     ),
     "Keep, convert and share data": (

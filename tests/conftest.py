@@ -22,11 +22,21 @@ from hil.tools import (
     has_compiler,
 )
 
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+"""Names under which systems install Chromium."""
+
+
+def browser() -> str | None:
+    """Return the path of Chromium; None where it is not installed."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
 TOOLS = {
     "compiler": (has_compiler, NATIVE_PACKAGES),
     "avr_compiler": (has_avr_compiler, AVR_PACKAGES),
     "board": (has_board, HIL_PACKAGES),
     "minisign": (lambda: shutil.which("minisign") is not None, "minisign"),
+    "browser": (lambda: browser() is not None, "chromium"),
 }
 """By marker, the test whether its tools are there and the Debian packages that hold them."""
 RECORDINGS = (

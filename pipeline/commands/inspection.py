@@ -1,4 +1,4 @@
-"""Commands that inspect data or the machine: verify, compare, contact-sheet, report, baselines, schema, doctor."""
+"""Commands that inspect data or the machine: verify, compare, baselines, schema, doctor."""
 
 from math import radians
 from pathlib import Path
@@ -14,9 +14,7 @@ from pipeline.commands.options import (
     Seed,
     Workers,
     checked_input,
-    checked_new_image,
     names,
-    new_file_check,
 )
 from symolo.core.errors import InputError, one_line
 from symolo.core.text_enum import TextEnum
@@ -153,64 +151,6 @@ def compare(
     conclusion = Conclusion.of(results)
     typer.echo(conclusion.text)
     return conclusion.code
-
-
-def contact_sheet(
-    folder: Annotated[
-        Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
-    ],
-    out: Annotated[
-        Path,
-        typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
-    ],
-    per_run: Annotated[
-        int, typer.Option(min=1, max=100, metavar="N", help="Number of images of each run, evenly spaced.")
-    ] = 6,
-    width_px: Annotated[int, typer.Option(min=16, max=4096, metavar="PX", help="Width of each image in pixels.")] = 240,
-) -> None:
-    """Put images of every run on one sheet, labelled with run, image number and state.
-
-    Example: symolo contact-sheet data --out sheet.jpg
-    """
-    from symolo.core.errors import InputError
-    from symolo.pages.contact_sheet import contact_sheet as sheet_of
-    from symolo.pages.sheet import save
-
-    if not folder.is_dir():
-        raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
-    save(sheet_of(folder, per_run, width_px), out)
-    typer.echo(str(out))
-
-
-def report(
-    folder: Dataset,
-    *,
-    out: Annotated[
-        Path,
-        typer.Option("--out", metavar="FILE", callback=new_file_check(".html"), help="Page to write, .html."),
-    ],
-    runs: Runs = None,
-    detail: Annotated[
-        int,
-        typer.Option(min=0, max=200, metavar="N", help="Maximum number of runs that have their own section."),
-    ] = 12,
-) -> None:
-    """Make one HTML page about a release: content, paths, runs, images, random draws, warnings, provenance.
-
-    The page is one file that needs no other files and no network. The release is checked first, and a damaged release
-    is refused. The same release gives the same bytes.
-
-    Example: symolo report data --out report.html
-    """
-    from symolo.core.files.atomic_files import write_file
-    from symolo.core.progress import report_here
-    from symolo.exporters.export import open_release
-    from symolo.report.build import release_report
-
-    data = open_release(folder, runs)
-    page = release_report(data, detail, report_here())
-    write_file(out, page)
-    typer.echo(f"{out}: {len(data)} runs, {len(page) / 1e6:.1f} MB")
 
 
 def baselines(

@@ -33,17 +33,22 @@ def checked_new_folder(path: Path) -> Path:
     return path
 
 
-def new_file_check(*suffixes: str) -> Callable[[Path], Path]:
-    """Return a check of the path of a file to write, whose name must end in one of these suffixes."""
+def new_file_check(*suffixes: str, option: str = "--out") -> Callable[[Path], Path]:
+    """Return a check of the path of a file to write, whose name must end in one of these suffixes.
+
+    Args:
+        suffixes: The endings, such as `.html`.
+        option: Name of the option in a message.
+    """
 
     def checked(path: Path) -> Path:
         from symolo.dataset.folder_kind import check_outside
 
-        check_new_path(path, "--out")
+        check_new_path(path, option)
         if path.suffix not in suffixes or path.is_dir() or not path.absolute().parent.is_dir():
             allowed = f"a file name ending in {' or '.join(suffixes)} in a folder that exists"
-            raise InputError("--out", got=str(path), allowed=allowed)
-        check_outside(path)
+            raise InputError(option, got=str(path), allowed=allowed)
+        check_outside(path, f"{option} {path}")
         return path
 
     return checked

@@ -1,8 +1,7 @@
 """A release in other formats, in the folders `OUT/<format>/`, and a file that names the release."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
+from dataclasses import dataclass
 from pathlib import Path
 
 from symolo.core.errors import InputError, nearest
@@ -60,13 +59,7 @@ def open_release(root: Path, runs: str | None) -> Dataset:
         cure = "name the folder of the release, and choose the run with --runs"
         raise InputError("is a single run, which has no checksums", where=str(root), cure=cure)
     Inventory.of_whole(data.root)
-    if runs is None:
-        return data
-    chosen = tuple(run for run in data.runs if fnmatchcase(run.name, runs))
-    if not chosen:
-        names = ", ".join(run.name for run in data.runs[:5])
-        raise InputError("--runs", got=runs, allowed=f"a pattern of names such as {names}")
-    return replace(data, runs=chosen)
+    return data.matching(runs)
 
 
 def plan(data: Dataset, exporters: Sequence[Exporter], settings: ExportSettings) -> tuple[PlannedFormat, ...]:

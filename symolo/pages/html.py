@@ -1,14 +1,41 @@
 """HTML pages from Jinja2 templates: every text is escaped, and a page needs no file beside itself."""
 
 import base64
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache, partial
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from jinja2.utils import htmlsafe_json_dumps
+from markupsafe import Markup
 
 from symolo.core.progress import plural
 
 
-def render_page(package: str, **context: object) -> str:
+@dataclass(frozen=True)
+class PageScript:
+    """The script of a page, and the hash by which the page's policy allows it and no other."""
+
+    text: Markup
+    sha256: str
+    """In base64, as a Content Security Policy writes it."""
+
+    @classmethod
+    def of(cls, parts: Sequence[str]) -> "PageScript":
+        """Return the script with these parts, one after the other."""
+        # A strict reader of XML takes what is in between as it is, and a browser takes the marks as comments.
+        text = "//<![CDATA[\n" + "\n".join(parts) + "\n//]]>"
+        return cls(Markup(text), base64.b64encode(hashlib.sha256(text.encode()).digest()).decode())  # noqa: S704 - ours
+
+
+def page_data(value: object) -> Markup:
+    """Return a value as JSON for an element `<script type="application/json">`; nothing in it can end the element."""
+    return htmlsafe_json_dumps(value, partial(json.dumps, allow_nan=False, separators=(",", ":"), sort_keys=True))
+
+
+def render_page(package: str, *, scripts: Sequence[str] = (), **context: object) -> str:
     """Return the page that `templates/page.html.j2` of a package makes.
 
     The template extends `base.html.j2` of this package, which shows `title`. A value that the template uses and
@@ -16,9 +43,20 @@ def render_page(package: str, **context: object) -> str:
 
     Args:
         package: Dotted name of the package that has the folder `templates`.
+        scripts: Names of files in this folder that together are the script of the page; by default it has none, and
+            the page allows none.
         context: The values that the template shows. Texts are escaped.
     """
-    return _environment(package).get_template("page.html.j2").render(context)
+    environment = _environment(package)
+    script = PageScript.of([_source(environment, name) for name in scripts]) if scripts else None
+    return environment.get_template("page.html.j2").render(context, script=script)
+
+
+def _source(environment: Environment, name: str) -> str:
+    """Return the text of a file in the folder `templates`; unlike a template, it is taken as it is."""
+    if environment.loader is None:
+        raise ValueError("an environment of ours has a loader")
+    return environment.loader.get_source(environment, name)[0]
 
 
 @cache

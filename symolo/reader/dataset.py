@@ -2,7 +2,8 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import pandas as pd
@@ -49,6 +50,20 @@ class Dataset:
     def __len__(self) -> int:
         """Number of runs."""
         return len(self.runs)
+
+    def matching(self, pattern: str | None) -> "Dataset":
+        """Return the dataset with only the runs whose name matches a pattern such as `CW/*`; with all for None.
+
+        Raises:
+            InputError: No run matches.
+        """
+        if pattern is None:
+            return self
+        runs = tuple(run for run in self.runs if fnmatchcase(run.name, pattern))
+        if not runs:
+            names = ", ".join(run.name for run in self.runs[:5])
+            raise InputError("--runs", got=pattern, allowed=f"a pattern of names such as {names}")
+        return replace(self, runs=runs)
 
     @property
     def rows(self) -> pd.DataFrame:

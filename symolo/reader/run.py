@@ -142,6 +142,8 @@ class Run:
     """For example `CW/test_1`."""
     sensor_tables: tuple[SideTable, ...] = ()
     """Tables of the sensors of `robot.sensors`, as metadata.json describes them."""
+    image_folder: Path | None = None
+    """Folder of the images of a run that is not released; by default that within `folder`."""
 
     @cached_property
     def table(self) -> Rows:
@@ -272,7 +274,7 @@ class Run:
         return self.images[self.index_of(number)]
 
     def image_path(self, number: int) -> Path:
-        return self.folder / IMAGES / frame_name(number)
+        return (self.image_folder or self.folder / IMAGES) / frame_name(number)
 
     @cached_property
     def X_WC(self) -> Array:

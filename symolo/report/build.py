@@ -1,16 +1,16 @@
 """The page of a release, from its folder alone: the same bytes for the same release."""
 
 from symolo.core.progress import Report
+from symolo.pages.thumbnails import thumbnail
 from symolo.reader.dataset import Dataset
-from symolo.report.media import MAPS_PER_FIGURE, Media
+from symolo.report.media import Media
 from symolo.report.page import MAX_OUTLIERS, page
-from symolo.report.state_sheets import images_of_states, thumbnail
+from symolo.report.state_sheets import images_of_states
 from symolo.report.statistics.facts import ReleaseFacts, release_facts
 from symolo.report.statistics.maps import route_maps
 from symolo.report.statistics.spread import spread
 
 MAX_MAPS = 12
-"""A multiple of `MAPS_PER_FIGURE`."""
 MAX_SPREAD_RUNS = 40
 """Runs with a row in the plot of brightness, clipping and sharpness."""
 
@@ -53,16 +53,13 @@ def _media(data: Dataset, facts: ReleaseFacts, report: Report) -> Media:
     images = {(image.run, image.number) for images in state_sheets.values() for image in images}
     images |= {(group.run, group.worst) for group in facts.outliers[:MAX_OUTLIERS]}
     return Media(
-        maps=tuple(
-            map_plot(tuple(shown_maps[first : first + MAPS_PER_FIGURE]))
-            for first in range(0, len(shown_maps), MAPS_PER_FIGURE)
-        ),
+        maps=tuple(map_plot(one) for one in shown_maps),
         map_count=len(maps),
         runs=runs,
         sensors={table.name: sensor_plot(sensor_run, table) for table in sensor_run.sensor_tables},
         sensor_run=sensor_run.name,
         state_sheets=state_sheets,
-        images={(run, number): thumbnail(data, run, number) for run, number in sorted(images)},
+        images={(run, number): thumbnail(data[run].image(number)) for run, number in sorted(images)},
         brightness=brightness_plot(facts.images) if facts.images else b"",
         spread=spread_plot(spread_runs) if spread_runs else b"",
         spread_runs=len(spread_runs),

@@ -5,16 +5,13 @@ from dataclasses import dataclass, field
 
 from symolo.report.state_sheets import StateImage
 
-MAPS_PER_FIGURE = 2
-"""Maps side by side; the last figure may have fewer."""
-
 
 @dataclass(frozen=True)
 class Media:
     """All plots and images of the page, encoded."""
 
     maps: tuple[bytes, ...]
-    """SVG figures with up to `MAPS_PER_FIGURE` maps each."""
+    """SVG of each map that is shown."""
     map_count: int
     """Number of maps of the release; a release with many arenas shows only some of them."""
     runs: Mapping[str, bytes]
@@ -33,4 +30,3 @@ class Media:
     """SVG plot of each sensor of `robot.sensors` in the run `sensor_run`, by the name of the sensor."""
     sensor_run: str = ""
     """Name of the run that the plots of the sensors show."""
-    maps_per_figure: int = MAPS_PER_FIGURE

@@ -7,10 +7,10 @@ from statistics import median
 
 from symolo.core.errors import one_line
 from symolo.core.progress import seconds
-from symolo.pages.html import render_page
+from symolo.pages.html import grouped, render_page
+from symolo.pages.states import named
 from symolo.report.media import Media
 from symolo.report.plots.draw_strip import Strip, in_words, strip
-from symolo.report.plots.states import named
 from symolo.report.statistics.draws import DrawnField, drawn_fields
 from symolo.report.statistics.facts import ReleaseFacts
 from symolo.report.statistics.spread import spread
@@ -21,18 +21,30 @@ _MAX_LISTED_OUTLIERS = 200
 _MAX_TABLE_RUNS = 1000
 _MAX_OPTIONS = 8
 _MAX_RUN_NAMES = 12
+_SECTIONS = {
+    "states": "What the camera sees",
+    "map": "Where the robot drove",
+    "runs": "Runs over time",
+    "sensors": "Further sensors",
+    "draws": "What varies from run to run",
+    "images": "Images in numbers",
+    "warnings": "Warnings",
+    "contents": "Files, columns and how to read them",
+    "provenance": "Provenance",
+}
+"""Title of each part of the page by the name of its template, in their order."""
 
 
 def page(facts: ReleaseFacts, media: Media) -> str:
     """Return the whole page, which needs no file beside itself."""
     metadata = facts.metadata
     records = [run.record for run in facts.runs]
-    run_names = [record.run for record in records]
     outliers = [(group.run, group.worst, f"{group.why}; {group.extent}") for group in facts.outliers]
     return render_page(
         "symolo.report",
         title=f"{metadata.name}: release",
         svg="image/svg+xml",
+        sections=_sections(facts),
         facts=facts,
         media=media,
         metadata=metadata,
@@ -40,8 +52,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         routes=len({run.route for run in facts.runs}),
         driven=seconds(sum(record.duration_s for record in records)),
         distance_m=sum(record.distance_m for record in records),
-        run_names=", ".join(run_names) if len(run_names) <= _MAX_RUN_NAMES else f"{run_names[0]} to {run_names[-1]}",
-        image_sizes=sorted({f"{record.image_width_px} x {record.image_height_px} px" for record in records}),
+        contents=_contents(facts),
         columns=[(column.name, column.unit, column.meaning) for column in metadata.columns.get("data.csv", [])],
         mapped_runs=sum(run.path is not None for run in facts.runs),
         sensors=[_sensor(facts, number) for number in range(len(metadata.sensors))],
@@ -70,6 +81,35 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         ],
         scenario=json.dumps(metadata.scenario, indent=2, ensure_ascii=False, sort_keys=True),
     )
+
+
+def _sections(facts: ReleaseFacts) -> dict[str, str]:
+    """Return the titles of the parts that have a content."""
+    empty = {"sensors"} if not facts.metadata.sensors else set()
+    empty |= {"states", "images"} if not facts.images else set()
+    return {name: title for name, title in _SECTIONS.items() if name not in empty}
+
+
+def _contents(facts: ReleaseFacts) -> list[tuple[str, str]]:
+    """Return what is in the release, by name; size and licence are those of a release only."""
+    records = [run.record for run in facts.runs]
+    names, first = [record.run for record in records], records[0]
+    sizes = sorted({f"{record.image_width_px} x {record.image_height_px} px" for record in records})
+    size = f"{facts.size_bytes / 1e6:.1f} MB in {grouped(facts.files)} files, the whole release"
+    listed = ", ".join(names) if len(names) <= _MAX_RUN_NAMES else f"{names[0]} to {names[-1]}"
+    duration_s, distance_m = (
+        sum(values) for values in zip(*((r.duration_s, r.distance_m) for r in records), strict=True)
+    )
+    rows, images = (sum(values) for values in zip(*((r.rows, r.images) for r in records), strict=True))
+    return [
+        *([("Licence", facts.metadata.licence)] if facts.is_released else []),
+        ("Runs", f"{len(records)}: {listed}"),
+        ("Driving", f"{seconds(duration_s)}, {distance_m:.2f} m"),
+        ("Rows", f"{grouped(rows)}, {first.rates.control_hz} per second"),
+        ("Images", f"{grouped(images)}, {first.rates.camera_hz} per second, {', '.join(sizes)}"),
+        ("Annotations", ", ".join(first.annotations) or "none"),
+        *([("Size", size)] if facts.is_released else []),
+    ]
 
 
 @dataclass(frozen=True)

@@ -1,20 +1,13 @@
-"""Which images are shown for each state (the paper's Fig. 28), and their copies for the page."""
+"""Which images are shown for each state (the paper's Fig. 28)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from symolo.core.errors import InputError
-from symolo.core.files.plain_files import FileKind, read_file
-from symolo.reader.dataset import Dataset
 from symolo.report.statistics.run_facts import RunFacts
 from symolo.report.statistics.spread import spread
 
 MAX_IMAGES = 6
 """Images of each state."""
-_MAX_WIDTH_PX = 320
-_QUALITY = 85
 
 
 @dataclass(frozen=True)
@@ -47,24 +40,3 @@ def _choose(images_by_run: Sequence[Sequence[StateImage]]) -> tuple[StateImage, 
             share = (k + (i + 0.5) / len(runs)) / count
             chosen[images[int(share * len(images))]] = None
     return tuple(chosen)
-
-
-def thumbnail(data: Dataset, run: str, number: int) -> bytes:
-    """Return an image as JPEG, scaled down if it is wider than the page needs.
-
-    Raises:
-        InputError: It is missing or cannot be decoded.
-    """
-    import cv2  # noqa: PLC0415 - takes half a second, which readers of tables need not wait for
-
-    image = data[run].image(number)
-    pixels = image.pixels()
-    height_px, width_px = pixels.shape[:2]
-    if width_px <= _MAX_WIDTH_PX:
-        return read_file(image.path, FileKind.IMAGE)
-    size = (_MAX_WIDTH_PX, max(1, round(height_px * _MAX_WIDTH_PX / width_px)))
-    small = np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), np.uint8)
-    encoded, jpeg = cv2.imencode(".jpg", small[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
-    if not encoded:
-        raise InputError("cannot be scaled down", where=str(image.path))
-    return jpeg.tobytes()

@@ -30,7 +30,7 @@ _LINES = (
 
 def brightness_plot(runs: Sequence[ImageNumbers]) -> bytes:
     """Return histograms of the grey values of all pixels as SVG; `runs` has at least one run, and each has an image."""
-    figure = Figure(figsize=(11.0, 3.0), layout="constrained")
+    figure = Figure(figsize=(7.0, 3.2), layout="constrained")
     axes = figure.subplots()
     for (name, pixels), (colour, dash) in zip(_curves(runs), cycle(_LINES), strict=False):
         share = 100 * pixels.reshape(-1, _BIN).sum(axis=1) / max(int(pixels.sum()), 1)
@@ -58,11 +58,11 @@ def _curves(runs: Sequence[ImageNumbers]) -> list[tuple[str, Ints]]:
 def spread_plot(runs: Sequence[ImageNumbers]) -> bytes:
     """Return a plot with a row for each run as SVG; each run has an image."""
     columns = (
-        ("brightness [mean grey value]", [run.brightness for run in runs]),
-        ("black or overexposed [% of pixels]", [100 * (run.black + run.burnt) for run in runs]),
-        ("sharpness [sd of the Laplacian]", [run.sharpness for run in runs]),
+        ("brightness\n[mean grey value]", [run.brightness for run in runs]),
+        ("black or overexposed\n[% of pixels]", [100 * (run.black + run.burnt) for run in runs]),
+        ("sharpness\n[sd of the Laplacian]", [run.sharpness for run in runs]),
     )
-    figure = Figure(figsize=(11.0, 0.9 + 0.27 * len(runs)), layout="constrained")
+    figure = Figure(figsize=(7.0, 1.1 + 0.27 * max(len(runs), 4)), layout="constrained")
     panels = figure.subplots(1, len(columns), sharey=True)
     for axes, (label, values) in zip(panels, columns, strict=True):
         for row, run_values in enumerate(values):

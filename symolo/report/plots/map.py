@@ -13,16 +13,17 @@ from matplotlib.ticker import MultipleLocator
 from symolo.arena.geometry import Box
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, GREY, svg
-from symolo.report.plots.states import STATE_STYLES, named, stretches
+from symolo.pages.states import STATE_STYLES, named, stretches
 from symolo.report.statistics.maps import RouteMap
 from symolo.report.statistics.run_facts import RunPath
 
 _WALL, _OBSTACLE, _TAPE = "#8A8A8A", "#F4F4F4", "#C9C9C9"
 _MARGIN = 0.06
 """Free margin around the arena, as a share of its longer side."""
-_WIDTH_IN, _HIGHEST_IN = 11.0, 6.5
-_LABELS_IN, _LEGEND_IN = 0.75, 1.5
-"""Space for the labels beside a panel, and for title, labels and legend above and below all panels."""
+_WIDTH_IN, _HIGHEST_IN = 6.0, 7.0
+_LABELS_IN, _TITLE_IN, _LEGEND_ROW_IN = 0.75, 0.9, 0.19
+"""Space for the labels beside the panel, for title and labels above and below it, and for a row of the legend."""
+_LEGEND_COLUMNS = 3
 _ARROW_PT, _NAME_PT = 26.0, 8.0
 _MARKED_M = 0.05
 """Radius around the start in which no number would be readable."""
@@ -32,23 +33,17 @@ _GHOSTS = 4
 _HALO = [withStroke(linewidth=2.5, foreground="white")]
 
 
-def map_plot(maps: tuple[RouteMap, ...]) -> bytes:
-    """Return the maps side by side as SVG; `maps` has at least one."""
-    windows = [_window(one) for one in maps]
-    widths = [width for width, _ in windows]
-    floor_in = (_WIDTH_IN - _LABELS_IN * len(maps)) / sum(widths) * max(height for _, height in windows)
-    figure = Figure(figsize=(_WIDTH_IN, min(floor_in, _HIGHEST_IN) + _LEGEND_IN), layout="constrained")
-    panels = figure.subplots(1, len(maps), squeeze=False, width_ratios=widths)[0]
-    for axes, one in zip(panels, maps, strict=True):
-        _panel(axes, one)
-    figure.legend(handles=_legend(maps), loc="outside lower center", ncols=4, fontsize="small", frameon=False)
-    return svg(figure)
-
-
-def _window(one: RouteMap) -> tuple[float, float]:
-    """Return width and height of what the panel shows [m]."""
+def map_plot(one: RouteMap) -> bytes:
+    """Return the map as SVG."""
     low, high = _corners(one)
-    return float(high[0] - low[0]), float(high[1] - low[1])
+    width_m, height_m = (high - low).tolist()
+    floor_in = (_WIDTH_IN - _LABELS_IN) / width_m * height_m
+    handles = _legend(one)
+    around_in = _TITLE_IN + _LEGEND_ROW_IN * -(-len(handles) // _LEGEND_COLUMNS)
+    figure = Figure(figsize=(_WIDTH_IN, min(floor_in, _HIGHEST_IN) + around_in), layout="constrained")
+    _panel(figure.subplots(), one)
+    figure.legend(handles=handles, loc="outside lower center", ncols=_LEGEND_COLUMNS, fontsize="small", frameon=False)
+    return svg(figure)
 
 
 def _corners(one: RouteMap) -> tuple[Array, Array]:
@@ -153,19 +148,19 @@ def _path(axes: Axes, path: RunPath, *, numbered: bool) -> None:
         axes.annotate("", (x, y), tip, textcoords="offset points", arrowprops=look, zorder=5)
 
 
-def _legend(maps: tuple[RouteMap, ...]) -> list[Line2D | Patch]:
-    seen = {int(s) for one in maps for f in one.runs if f.path is not None for s in np.unique(f.path.state)}
+def _legend(one: RouteMap) -> list[Line2D | Patch]:
+    seen = {int(state) for facts in one.runs if facts.path is not None for state in np.unique(facts.path.state)}
     handles: list[Line2D | Patch] = []
     for state in sorted(seen):
         style = STATE_STYLES[state]
         handles.append(Line2D([], [], color=style.colour, linestyle=style.dash, label=named(state)))
     handles.append(Line2D([], [], color=BLACK, marker="o", linestyle="none", label="start, and where it faces"))
     handles.append(Patch(facecolor=_TAPE, label="line"))
-    kinds = {box.kind for one in maps for box in one.arena.boxes}
+    kinds = {box.kind for box in one.arena.boxes}
     if "wall" in kinds:
         handles.append(Patch(facecolor=_WALL, edgecolor=BLACK, label="wall"))
     if "obstacle" in kinds:
         handles.append(Patch(facecolor=_OBSTACLE, edgecolor=BLACK, hatch="////", label="obstacle, at the start"))
-    if any(one.arena.moving for one in maps):
+    if one.arena.moving:
         handles.append(Line2D([], [], color=GREY, linestyle=(0, (2.0, 2.0)), label="path of a moving obstacle"))
     return handles

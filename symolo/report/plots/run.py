@@ -9,12 +9,12 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Rows
 from symolo.pages.plotting import BLACK, BLUE, GREY, PALE, VERMILION, svg
+from symolo.pages.states import STATE_STYLES, Stretch, named, stretches
 from symolo.reader.run import Run
-from symolo.report.plots.states import STATE_STYLES, Stretch, named, stretches
 from symolo.report.statistics.off_line import ahead_of, off_line_m
 from symolo.report.statistics.run_facts import RunFacts, fresh
 
-_WIDTH_IN = 11.0
+_WIDTH_IN = 7.0
 _CHANNELS = 8
 _RANGES = (("front", BLACK, "-"), ("left", BLUE, (0, (4.0, 1.5))), ("right", VERMILION, (0, (1.0, 1.0))))
 
@@ -74,7 +74,7 @@ def _ranges(axes: Axes, t_s: Array, rows: Rows, facts: RunFacts) -> None:
         axes.text(0.5, 0.5, "no sensor saw a target", transform=axes.transAxes, ha="center", va="center")
     axes.set_ylabel("range [m]")
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
+    axes.legend(loc="best", ncols=3, fontsize="small", framealpha=0.7)
 
 
 def _line(axes: Axes, t_s: Array, line: Array) -> None:

@@ -8,7 +8,7 @@ from symolo.pages.plotting import BLACK, svg
 from symolo.reader.run import Run
 from symolo.report.statistics.run_facts import fresh
 
-_WIDTH_IN, _PANEL_IN = 11.0, 1.1
+_WIDTH_IN, _PANEL_IN = 7.0, 1.1
 
 
 def sensor_plot(run: Run, table: SideTable) -> bytes:

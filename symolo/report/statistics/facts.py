@@ -28,10 +28,15 @@ class ReleaseFacts:
     detailed: tuple[str, ...]
     """Names of the runs that are shown in detail."""
     files: int
-    """Number of files of the whole release."""
+    """Number of files of the whole release; 0 for runs that are not released."""
     size_bytes: int
-    """Size of the whole release."""
+    """Size of the whole release; 0 for runs that are not released."""
     manifest_sha256: str
+    """Empty for runs that are not released."""
+
+    @property
+    def is_released(self) -> bool:
+        return bool(self.manifest_sha256)
 
 
 def release_facts(data: Dataset, metadata: Metadata, max_detailed: int, report: Report) -> ReleaseFacts:
@@ -49,8 +54,8 @@ def release_facts(data: Dataset, metadata: Metadata, max_detailed: int, report: 
             facts.append(one)
             if one.images:
                 images.append(image_numbers(run, lambda done, name=run.name: stage.update(name, done)))
-    manifest = read_file(data.root / MANIFEST, FileKind.CHECKSUMS)
-    sizes = [(data.root / name).stat().st_size for name in read_manifest(manifest)]
+    manifest = read_file(data.root / MANIFEST, FileKind.CHECKSUMS) if (data.root / MANIFEST).is_file() else b""
+    sizes = [(data.root / name).stat().st_size for name in read_manifest(manifest)] if manifest else []
     return ReleaseFacts(
         metadata=metadata,
         runs=tuple(facts),
@@ -59,5 +64,5 @@ def release_facts(data: Dataset, metadata: Metadata, max_detailed: int, report: 
         detailed=tuple(run.name for run in spread(data.runs, max_detailed)),
         files=len(sizes),
         size_bytes=sum(sizes),
-        manifest_sha256=hashlib.sha256(manifest).hexdigest(),
+        manifest_sha256=hashlib.sha256(manifest).hexdigest() if manifest else "",
     )

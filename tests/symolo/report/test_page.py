@@ -70,7 +70,7 @@ def test_nothing_is_loaded_from_elsewhere(whole):
     inside = [one for one in addresses if one.startswith("#")]
     embedded = [one for one in addresses if re.match(r"data:image/(png|jpeg|svg\+xml);base64,", one)]
     assert sorted(inside + embedded) == sorted(addresses)
-    assert sum(one.startswith("data:image/svg") for one in embedded) == 4  # map, one run, histogram, spread
+    assert sum(one.startswith("data:image/svg") for one in embedded) == 5  # two maps, one run, histogram, spread
     assert any(one.startswith("data:image/jpeg") for one in embedded)
 
 
@@ -80,6 +80,24 @@ def test_every_link_leads_somewhere(whole):
     links = re.findall(r'<a href="#([^"]*)"', html)
     assert len(links) >= 9
     assert set(links) <= there
+
+
+def test_images_come_first_and_tables_are_folded(whole):
+    _, html = whole
+    body = html.partition("<h1>")[2]
+    assert body.index("<img") < body.index("<table")
+    tree = ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
+    open_tables = len(list(tree.iter("table"))) - sum(len(list(fold.iter("table"))) for fold in tree.iter("details"))
+    assert open_tables == 1, "the table of seed and versions is short"
+
+
+def test_every_image_can_be_enlarged_without_a_script(whole):
+    _, html = whole
+    tree = ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
+    images = list(tree.iter("img"))
+    enlarged = [label for label in tree.iter("label") if label.find("input[@type='checkbox']") is not None]
+    assert len(images) >= 17
+    assert [label.find("span/img") for label in enlarged] == images
 
 
 def test_the_same_release_gives_the_same_bytes(whole, symolo, tmp_path):
@@ -130,8 +148,8 @@ def test_of_many_runs_some_are_shown_and_the_page_says_so(painted):
     assert re.findall(r'<h3 id="run-([^"]*)">', html) == ["CW/test_1", "CCW/test_1"]
     assert re.findall(r'href="#run-([^"]*)"', html) == ["CW/test_1", "CCW/test_1"]
     assert "are shown in detail" not in words(text_page(root, max_detailed=5))
-    assert "2 of 30 maps are shown." in words(text_page(root, maps=30))
-    assert "maps are shown" not in words(text_page(root, maps=2))
+    assert "1 of 30 maps are shown." in words(text_page(root, maps=30))
+    assert "maps are shown" not in words(text_page(root, maps=1))
 
 
 def test_warnings_and_runs_set_aside_are_named_and_linked_from_the_top(painted):
@@ -139,7 +157,7 @@ def test_warnings_and_runs_set_aside_are_named_and_linked_from_the_top(painted):
     html = text_page(painted(warnings=["3 of 10 images are black"], failed=failed))
     told = words(html)
     assert "1 warning, 1 run excluded" in told
-    assert html.index('href="#warnings" class="warn"') < html.index("What is in it")
+    assert html.index('href="#warnings" class="warn"') < html.index("Where the robot drove")
     assert "CW/test_1 3 of 10 images are black" in told
     assert "CW/test_9 simulate hit the wall A2 at 12.3 s" in told
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from symolo.dataset.tables.rows import STATES
-from symolo.report.plots.states import STATE_STYLES, stretches
+from symolo.pages.states import STATE_STYLES, stretches
 
 # Okabe and Ito, Color Universal Design (2008), without the yellow that a white page swallows; and a grey.
 SAFE = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7", "#777777"}

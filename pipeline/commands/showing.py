@@ -1,0 +1,134 @@
+"""Commands that show data: view, report, contact-sheet."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.options import Dataset, Runs, checked_input, checked_new_image, if_given, new_file_check
+
+Shown = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR",
+        callback=checked_input,
+        help="Dataset, run folder, output folder of simulate or rerender, or a data.csv.",
+    ),
+]
+
+
+def view(
+    folder: Shown,
+    *,
+    page: Annotated[
+        Path | None,
+        typer.Option(
+            "--page",
+            metavar="FILE",
+            callback=if_given(new_file_check(".html", option="--page")),
+            help="Page to write, .html; by default it is named after the dataset, such as smoke-view.html.",
+        ),
+    ] = None,
+    runs: Runs = None,
+    max_runs: Annotated[
+        int, typer.Option(min=1, max=200, metavar="N", help="Maximum number of runs on the page.")
+    ] = 12,
+    max_images: Annotated[
+        int, typer.Option(min=1, max=100_000, metavar="N", help="Maximum number of images on the page.")
+    ] = 1500,
+    width_px: Annotated[
+        int, typer.Option(min=16, max=4096, metavar="PX", help="Maximum width of the images on the page.")
+    ] = 320,
+) -> None:
+    """Play runs in a browser: what the camera sees, the map with the robot, and the readings over time.
+
+    The command writes one page with a slider over time, which needs no other files and no network, and opens it where
+    there is a screen. Runs may be released, rendered again, or simulated only, even while they are being made. The same
+    runs give the same bytes.
+
+    Example: symolo view data --page view.html
+
+    Only some runs, with larger images: symolo view data --runs "CW/*" --width-px 640
+    """
+    from pipeline.run_folder.shown_runs import shown_runs
+    from symolo.core.files.atomic_files import write_file
+    from symolo.core.progress import plural, report_here
+    from symolo.view.page import ViewLimits, view_page
+
+    place = page or new_file_check(".html", option="--page")(Path(f"{folder.absolute().name}-view.html"))
+    with shown_runs(folder, runs) as data:
+        made = view_page(data, ViewLimits(max_runs, max_images, width_px), report_here())
+    write_file(place, made.html)
+    counts = f"{plural(made.runs, 'run')}, {plural(made.images, 'image')}"
+    typer.echo(f"{place}: {counts}, {len(made.html) / 1e6:.1f} MB")
+    if page is None:
+        _open_in_browser(place)
+
+
+def _open_in_browser(page: Path) -> None:
+    """Open a page where there is a screen; elsewhere, a browser for terminals would take over the terminal."""
+    import os
+    import sys
+    import webbrowser
+
+    if sys.platform != "linux" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        webbrowser.open(page.absolute().as_uri())
+
+
+def report(
+    folder: Dataset,
+    *,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", callback=new_file_check(".html"), help="Page to write, .html."),
+    ],
+    runs: Runs = None,
+    detail: Annotated[
+        int,
+        typer.Option(min=0, max=200, metavar="N", help="Maximum number of runs that have their own section."),
+    ] = 12,
+) -> None:
+    """Make one HTML page about a release: images, paths, runs, random draws, warnings, provenance.
+
+    The page is one file that needs no other files and no network. The release is checked first, and a damaged release
+    is refused. The same release gives the same bytes. Runs that are simulated and not released yet have a page too.
+
+    Example: symolo report data --out report.html
+    """
+    from pipeline.run_folder.shown_runs import checked_runs
+    from symolo.core.files.atomic_files import write_file
+    from symolo.core.progress import plural, report_here
+    from symolo.report.build import release_report
+
+    with checked_runs(folder, runs) as data:
+        page = release_report(data, detail, report_here())
+        count = plural(len(data), "run")
+    write_file(out, page)
+    typer.echo(f"{out}: {count}, {len(page) / 1e6:.1f} MB")
+
+
+def contact_sheet(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
+    ],
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
+    ],
+    per_run: Annotated[
+        int, typer.Option(min=1, max=100, metavar="N", help="Number of images of each run, evenly spaced.")
+    ] = 6,
+    width_px: Annotated[int, typer.Option(min=16, max=4096, metavar="PX", help="Width of each image in pixels.")] = 240,
+) -> None:
+    """Put images of every run on one sheet, labelled with run, image number and state.
+
+    Example: symolo contact-sheet data --out sheet.jpg
+    """
+    from symolo.core.errors import InputError
+    from symolo.pages.contact_sheet import contact_sheet as sheet_of
+    from symolo.pages.sheet import save
+
+    if not folder.is_dir():
+        raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
+    save(sheet_of(folder, per_run, width_px), out)
+    typer.echo(str(out))

@@ -1,0 +1,73 @@
+"""The runs of a folder that people look at: released, rendered again, or simulated and not released yet."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from symolo.core.errors import InputError
+from symolo.dataset.bag import DECLARATION
+from symolo.dataset.documents.metadata import METADATA
+from symolo.dataset.layout import DATA, LOOK, STAGES
+from symolo.exporters.export import open_release
+from symolo.reader.dataset import Dataset, load
+from symolo.reader.run import Run
+
+
+@contextmanager
+def shown_runs(path: Path, pattern: str | None = None) -> Iterator[Dataset]:
+    """Yield the runs of a folder, or only those whose name matches a pattern.
+
+    Args:
+        path: A release, a run of it, an output folder of `simulate` or `render`, a run in its `.stages`, an output of
+            `rerender` with one draw or several, or a data.csv. Checksums are not verified.
+        pattern: A pattern of names such as `CW/*`.
+
+    Raises:
+        InputError: It is nothing of that kind, it is damaged, or no run matches.
+    """
+    root = path.parent if path.name == DATA and path.is_file() else path
+    if _is_unreleased(root):
+        yield from _unreleased(root, pattern)
+    elif draws := _draws(root):
+        yield Dataset(root, None, tuple(Run(folder, folder.name) for folder in draws)).matching(pattern)
+    else:
+        yield load(root).matching(pattern)
+
+
+@contextmanager
+def checked_runs(root: Path, pattern: str | None) -> Iterator[Dataset]:
+    """Yield the runs of a release whose checksums hold, or of an output folder of `simulate` or `render`.
+
+    Raises:
+        InputError: It is neither, it is damaged, or no run matches the pattern.
+    """
+    if _is_unreleased(root):
+        yield from _unreleased(root, pattern)
+    else:
+        yield open_release(root, pattern)
+
+
+def _is_unreleased(root: Path) -> bool:
+    """Return whether a folder is a run in `.stages/simulate`, or an output folder that holds no release yet."""
+    if STAGES in root.absolute().parts:
+        return True
+    return (root / STAGES / "simulate").is_dir() and not ((root / METADATA).exists() or (root / DECLARATION).exists())
+
+
+def _unreleased(root: Path, pattern: str | None) -> Iterator[Dataset]:
+    # What reads simulations takes a second to load, which is not spent on a release.
+    from pipeline.run_folder.stored_runs import simulated_folders  # noqa: PLC0415
+    from pipeline.run_folder.unreleased import unreleased  # noqa: PLC0415
+
+    folders = [root] if STAGES in root.absolute().parts else simulated_folders(root)
+    if not folders:
+        raise InputError("holds no simulated run", where=str(root), cure="wait until the first run is simulated")
+    with unreleased(folders) as data:
+        yield data.matching(pattern)
+
+
+def _draws(root: Path) -> list[Path]:
+    """Return the folders of several draws of `rerender`; none where `root` itself holds a run."""
+    if not root.is_dir() or (root / DATA).exists():
+        return []
+    return sorted(folder for folder in root.iterdir() if (folder / LOOK).is_file() and (folder / DATA).is_file())

@@ -1,0 +1,70 @@
+"""Simulated runs that are not released yet, as a dataset, so that they can be looked at as a release can."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.run_folder.stored_runs import read_simulated, run_name
+from pipeline.run_folder.stored_spec import read_spec
+from pipeline.stages.assemble import tables
+from pipeline.stages.simulate_runs import read_outcome
+from sensors.fit_out import sensor_tables
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.scratch_folders import scratch_folder
+from symolo.core.time_series import Recording
+from symolo.dataset.documents.metadata import RunRecord, describe
+from symolo.dataset.layout import IMAGES, SIDE, SPEC, STAGES, frame_name
+from symolo.dataset.tables.rows import Rows
+from symolo.reader.dataset import Dataset
+from symolo.reader.run import Run
+
+
+@contextmanager
+def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
+    """Yield simulated runs as a dataset in a temporary folder, with the images that are rendered so far.
+
+    Args:
+        folders: Folders of simulated runs in `.stages`, at least one.
+
+    Raises:
+        InputError: A file of a run is missing or damaged.
+    """
+    with scratch_folder() as scratch:
+        runs, records, specs = [], [], []
+        for folder in folders:
+            spec, recording = read_spec(folder / SPEC), read_simulated(folder)
+            images = _rendered_images(folder)
+            recording = _with_images(recording, images)
+            _write_tables(scratch / run_name(folder), tables(spec, recording))
+            sensors = tuple(sensor_tables(spec.robot.sensors))
+            runs.append(Run(scratch / run_name(folder), run_name(folder), sensors, images))
+            outcome = read_outcome(folder)
+            warnings = (*outcome.problems, *outcome.warnings)
+            records.append(RunRecord.of(spec, Rows.from_recording(recording), outcome.lap_time_s, warnings))
+            specs.append(spec)
+        metadata = describe({"description": "Simulated runs"}, specs, records, (), runs[0].sensor_tables)
+        yield Dataset(scratch, metadata, tuple(runs))
+
+
+def _rendered_images(folder: Path) -> Path:
+    """Return the folder of the images of a simulated run, which exists once one is rendered."""
+    stages = next((above for above in folder.absolute().parents if above.name == STAGES), folder)
+    return stages / "render" / run_name(folder) / IMAGES
+
+
+def _with_images(recording: Recording, folder: Path) -> Recording:
+    """Return the recording with the numbers of those images that are in a folder, and 0 for the others."""
+    series = recording["image"]
+    there = {int(number): (folder / frame_name(int(number))).is_file() for number in np.unique(series.values)}
+    values = np.array([number if number and there[number] else 0 for number in series.values.tolist()])
+    kept = replace(series, values=values)
+    return replace(recording, series=tuple(kept if one is series else one for one in recording.series))
+
+
+def _write_tables(folder: Path, files: Iterator[tuple[str, bytes]]) -> None:
+    make_folder(folder / SIDE)
+    for name, data in files:
+        write_file(folder / name, data)

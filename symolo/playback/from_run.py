@@ -1,0 +1,138 @@
+"""What is shown of a run of a dataset: everything that its tables and the metadata name."""
+
+from collections.abc import Iterator, Sequence
+from itertools import cycle
+
+import numpy as np
+
+from symolo.arena.geometry import Arena
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+from symolo.dataset.documents.run_document import RunDocument
+from symolo.dataset.layout import SIDE, SPEC
+from symolo.dataset.tables.rows import COLUMNS, HEADER, LINE, RANGES
+from symolo.dataset.tables.side_tables import SideTable
+from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from symolo.pages.states import Dash
+from symolo.playback.playback import Beam, CameraTrack, Curve, CurvePlot, Playback, RobotOutline, StripePlot
+from symolo.reader.run import Run
+
+MAX_CURVES = 6
+"""Columns of one unit and table that are drawn as curves; more are drawn as a strip of greys."""
+_RANGE_NAMES = ("front", "left", "right")
+"""Directions of the range sensors, in the order of their columns."""
+_DASHED: Dash = (0, (4.0, 1.5))
+_DOTTED: Dash = (0, (1.0, 1.0))
+_STYLES: tuple[tuple[str, Dash], ...] = (
+    (BLACK, "-"),
+    (BLUE, _DASHED),
+    (VERMILION, _DOTTED),
+    (GREEN, "-"),
+    (ORANGE, _DASHED),
+    (PURPLE, "-"),
+    (SKY, "-"),
+    (GREY, _DASHED),
+)
+
+
+def playback_of(run: Run) -> Playback:
+    """Return what is shown of a run; images are read when they are needed.
+
+    Raises:
+        InputError: A file of the run is missing or damaged.
+    """
+    rows, spec = run.table, _spec(run)
+    ranges_m = np.where(rows.tof_m == _no_target_m(spec), np.nan, rows.tof_m)
+    return Playback(
+        name=run.name,
+        t_s=run.t_s,
+        pose=rows.pose,
+        state=rows.state,
+        arena=Arena.from_config(spec.arena) if spec else None,
+        robot=_outline(spec),
+        beams=_beams(spec, ranges_m),
+        plots=(*_data_plots(run, ranges_m), *_sensor_plots(run)),
+        cameras=_cameras(run),
+    )
+
+
+def _spec(run: Run) -> RunDocument | None:
+    """Return the specification of a run; None for one that never had any."""
+    return run.spec if (run.folder / SIDE / SPEC).exists() else None
+
+
+def _no_target_m(spec: RunDocument | None) -> float:
+    """Return the reading of a range sensor without a target, with the digits of data.csv."""
+    return round(spec.robot.tof.no_target_m, COLUMNS[HEADER.index("d_f")].decimals) if spec else np.nan
+
+
+def _outline(spec: RunDocument | None) -> RobotOutline:
+    if spec is None:
+        return RobotOutline()
+    chassis, drive = spec.robot.chassis, spec.robot.drive
+    return RobotOutline(chassis.length_m, chassis.width_m, drive.track_m, drive.wheel_diameter_m)
+
+
+def _beams(spec: RunDocument | None, ranges_m: Array) -> tuple[Beam, ...]:
+    if spec is None:
+        return ()
+    mounts = spec.robot.tof.mounts
+    places = (mounts.front, mounts.left, mounts.right)
+    return tuple(
+        Beam(column.name, place.x_m, place.y_m, float(np.radians(place.yaw_deg)), range_m)
+        for column, place, range_m in zip(RANGES.columns, places, ranges_m.T, strict=True)
+    )
+
+
+def _data_plots(run: Run, ranges_m: Array) -> Iterator[CurvePlot | StripePlot]:
+    """Yield the plots of data.csv: speeds, ranges, line sensor."""
+    rows, t_s = run.table, run.t_s
+    units = {column.name: column.unit for column in COLUMNS}
+    yield curve_plot("forward speed v", units["v"], t_s, ["v"], rows.twist[:, :1])
+    yield curve_plot("yaw rate w", units["w"], t_s, ["w"], rows.twist[:, 1:])
+    yield curve_plot("range", RANGES.unit, t_s, _RANGE_NAMES, ranges_m)
+    yield StripePlot("line sensor", "", t_s, tuple(column.name for column in LINE.columns), rows.line)
+
+
+def _sensor_plots(run: Run) -> Iterator[CurvePlot | StripePlot]:
+    """Yield plots of the tables of the robot's further sensors, one for each unit."""
+    for table in run.sensor_tables:
+        values = run.side(table.name)
+        times_s = values[table.columns[0].name].to_numpy(dtype=np.float64) / 1000
+        for unit, names in _by_unit(table).items():
+            columns = values[names].to_numpy(dtype=np.float64)
+            title, shown_unit = table.name.replace("_", " "), "" if unit == "-" else unit
+            if len(names) <= MAX_CURVES:
+                yield curve_plot(title, shown_unit, times_s, names, columns)
+            else:
+                yield StripePlot(title, shown_unit, times_s, tuple(names), _levels(columns))
+
+
+def _by_unit(table: SideTable) -> dict[str, list[str]]:
+    """Return the names of the columns after the time, by their unit."""
+    names: dict[str, list[str]] = {}
+    for column in table.columns[1:]:
+        names.setdefault(column.unit, []).append(column.name)
+    return names
+
+
+def _levels(values: Array) -> Array:
+    """Return values from 0 for the smallest to 1 for the largest."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    return (values - low) / (high - low) if high > low else np.full_like(values, 0.5)
+
+
+def curve_plot(title: str, unit: str, t_s: Array, names: Sequence[str], values: Array) -> CurvePlot:
+    """Return a plot with a curve for each column of values (M, columns)."""
+    styled = zip(names, values.T, cycle(_STYLES), strict=False)
+    return CurvePlot(title, unit, t_s, tuple(Curve(name, column, *style) for name, column, style in styled))
+
+
+def _cameras(run: Run) -> tuple[CameraTrack, ...]:
+    if not run.numbers:
+        return ()
+    try:
+        width_px, height_px = run.camera.width_px, run.camera.height_px
+    except InputError:  # such as of a dataset without side tables
+        height_px, width_px = run.images[0].pixels().shape[:2]
+    return (CameraTrack("camera", width_px, height_px, run.images),)

@@ -1,0 +1,99 @@
+"""One run as it is shown over time: path, arena, images, and plots of whatever was recorded."""
+
+from dataclasses import dataclass
+
+from symolo.arena.geometry import Arena
+from symolo.core.arrays import Array
+from symolo.dataset.tables.rows import Ints
+from symolo.pages.states import Dash
+from symolo.reader.run import Image
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One quantity in a plot."""
+
+    name: str
+    values: Array
+    """(M,), in the unit of the plot; NaN where there is none, such as for a range sensor that saw no target."""
+    colour: str
+    dash: Dash
+
+
+@dataclass(frozen=True)
+class CurvePlot:
+    """Curves of one unit over the same times."""
+
+    title: str
+    unit: str
+    """For example `m/s`; empty for numbers without a unit."""
+    t_s: Array
+    """(M,)."""
+    curves: tuple[Curve, ...]
+
+
+@dataclass(frozen=True)
+class StripePlot:
+    """Many channels of one unit over the same times, as a strip of greys."""
+
+    title: str
+    unit: str
+    t_s: Array
+    """(M,)."""
+    names: tuple[str, ...]
+    """Name of each channel, the lowest stripe first."""
+    levels: Array
+    """(M, channels), 0 black to 1 white."""
+
+
+@dataclass(frozen=True)
+class CameraTrack:
+    """The images of one camera."""
+
+    name: str
+    width_px: int
+    height_px: int
+    images: tuple[Image, ...]
+    """At least one, in their order."""
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A range sensor on the robot, as its readings are drawn on a map."""
+
+    name: str
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    """Place and direction in the robot's frame R."""
+    range_m: Array
+    """(N,), NaN where it saw no target."""
+
+
+@dataclass(frozen=True)
+class RobotOutline:
+    """What a map shows of the robot, around the middle of its axle."""
+
+    length_m: float = 0.18
+    width_m: float = 0.17
+    track_m: float = 0.14
+    wheel_diameter_m: float = 0.065
+
+
+@dataclass(frozen=True)
+class Playback:
+    name: str
+    """Name of the run, such as `CW/test_1`."""
+    t_s: Array
+    """(N,), time of each row."""
+    pose: Array
+    """(N, 3), x [m], y [m], theta [rad] in W."""
+    state: Ints
+    """(N,), state of the controller."""
+    arena: Arena | None
+    """None for a run whose arena is not known, such as one that `rerender` made."""
+    robot: RobotOutline
+    beams: tuple[Beam, ...]
+    plots: tuple[CurvePlot | StripePlot, ...]
+    cameras: tuple[CameraTrack, ...]
+    """Cameras that took an image."""

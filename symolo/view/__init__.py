@@ -1,0 +1,1 @@
+"""A page that plays the runs of a dataset in a browser."""

@@ -1,0 +1,111 @@
+"""The page that plays runs: what it holds, and that it fetches and runs nothing but its own script."""
+
+import base64
+import hashlib
+import json
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from symolo.core.progress import LineReport
+from symolo.reader.dataset import load
+from symolo.view.page import ViewLimits, view_page
+
+LIMITS = ViewLimits(max_runs=12, max_images=1500, max_width_px=320)
+
+
+def data_of(html):
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', html, re.DOTALL).group(1))
+
+
+def words(html):
+    return " ".join(re.sub(r"<script.*?</script>|<[^>]*>", " ", html.partition("<body>")[2], flags=re.DOTALL).split())
+
+
+@pytest.fixture(scope="module")
+def root(painted):
+    return painted()
+
+
+@pytest.fixture(scope="module")
+def page(root):
+    return view_page(load(root), LIMITS, LineReport()).html.decode()
+
+
+def test_rows_and_images_are_those_of_the_release(root, page):
+    runs = data_of(page)["runs"]
+    assert [run["name"] for run in runs] == ["CW/test_1", "CW/test_2", "CCW/test_1"]
+    first = runs[0]
+    # The drive of the fixture: 41 rows at 20 Hz, 10 mm each down the straight at x = 0.55 m, then at 0.58 m.
+    assert first["t"] == pytest.approx(0.05 * np.arange(41))
+    assert first["pose"]["x"] == pytest.approx([0.55] * 20 + [0.58] * 21)
+    assert first["pose"]["y"] == pytest.approx(-0.20 - 0.01 * np.arange(41))
+    assert first["state"] == [0] * 20 + [5] * 12 + [0] * 9
+    (camera,) = first["cameras"]
+    assert camera["t"] == pytest.approx(0.2 * np.arange(11))
+    for number, jpeg in zip(camera["number"], camera["jpeg"], strict=True):
+        assert base64.b64decode(jpeg) == (root / f"CW/test_1/images/{number:06d}.jpg").read_bytes()
+
+
+def test_plots_are_those_of_the_columns(page):
+    plots = {plot["title"]: plot for plot in data_of(page)["runs"][0]["plots"]}
+    assert plots["forward speed v"]["curves"][0]["values"] == [0.2] * 41
+    assert [curve["name"] for curve in plots["range"]["curves"]] == ["front", "left", "right"]
+    assert plots["range"]["curves"][0]["values"] == [None] * 41, "2.0 m stands for no target"
+    line = plots["line sensor"]
+    assert base64.b64decode(line["levels"]) == bytes([round(0.9 * 255)]) * (41 * 8)
+    assert (line["rows"], line["channels"], line["names"][0]) == (41, 8, "L0")
+
+
+def test_the_policy_allows_the_script_of_the_page_and_nothing_else(page):
+    tree = ET.fromstring(page.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
+    (policy,) = (meta for meta in tree.iter("meta") if meta.get("http-equiv") == "Content-Security-Policy")
+    allowed = dict(part.strip().split(" ", 1) for part in policy.attrib["content"].split(";"))
+    assert (allowed["default-src"], allowed["img-src"]) == ("'none'", "data:")
+    script = re.search(r"<script>(.*?)</script>", page, re.DOTALL).group(1)
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert allowed["script-src"] == f"'sha256-{digest}'"
+    assert [element.get("type") for element in tree.iter("script")] == ["application/json", None]
+    assert not [name for element in tree.iter() for name in element.attrib if name in {"src", "href"}]
+
+
+def test_markup_in_a_name_is_text(painted):
+    data = load(painted())
+    hostile = "</script><script>alert(1)</script>"
+    metadata = data.metadata.model_copy(update={"name": hostile})
+    runs = tuple(type(run)(run.folder, hostile, run.sensor_tables) for run in data.runs[:1])
+    html = view_page(type(data)(data.root, metadata, runs), LIMITS, LineReport()).html.decode()
+    assert data_of(html)["runs"][0]["name"] == hostile
+    assert html.count("<script") == 2
+    ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
+
+
+def test_of_many_runs_and_images_some_are_shown_and_the_page_says_so(root):
+    made = view_page(load(root), ViewLimits(max_runs=2, max_images=8, max_width_px=24), LineReport())
+    page = made.html.decode()
+    runs = data_of(page)["runs"]
+    assert [run["name"] for run in runs] == ["CW/test_1", "CCW/test_1"]
+    assert [run["cameras"][0]["number"] for run in runs] == [[1, 4, 8, 11]] * 2, "the first and the last among them"
+    assert (made.runs, made.images) == (2, 8)
+    assert "2 of 3 runs are on this page" in words(page)
+    assert "8 of 22 images are on this page" in words(page)
+    for jpeg in runs[0]["cameras"][0]["jpeg"]:
+        header = base64.b64decode(jpeg)
+        frame = header.index(b"\xff\xc0")  # SOF0 of JPEG: length, precision, height, width
+        assert header[frame + 5 : frame + 9] == bytes([0, 16, 0, 24])
+
+
+def test_an_arena_with_moving_obstacles_has_their_pose_at_each_row(painted):
+    html = view_page(load(painted(settings=["arena=moving"])), LIMITS, LineReport()).html.decode()
+    boxes = {box["name"]: box for box in data_of(html)["runs"][0]["arena"]["boxes"]}
+    crosser = boxes["Crosser"]
+    assert len(boxes["O1"]["x"]) == 1
+    # configs/arenas/moving.yaml: 0.75 m towards -x and a quarter turn in 1.5 s, which are 30 rows.
+    assert [crosser["x"][row] - crosser["x"][0] for row in (15, 30, 40)] == pytest.approx([-0.375, -0.75, -0.75])
+    assert crosser["theta"][40] - crosser["theta"][0] == pytest.approx(np.pi / 2, abs=1e-3)
+
+
+def test_the_same_runs_give_the_same_bytes(root, page):
+    assert view_page(load(root), LIMITS, LineReport()).html.decode() == page
