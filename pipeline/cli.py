@@ -53,7 +53,7 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
         *(rerender, model),
     ),
     "Hardware in the loop": (hil.hil, hil.firmware),
-    "Look at data": (showing.view, showing.report, showing.contact_sheet),
+    "Look at data": (showing.view, showing.video, showing.report, showing.contact_sheet),
     "Inspect data and machine": (
         *(inspection.verify, inspection.compare, inspection.baselines),
         *(inspection.doctor, inspection.schema),

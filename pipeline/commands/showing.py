@@ -1,4 +1,4 @@
-"""Commands that show data: view, report, contact-sheet."""
+"""Commands that show data: view, video, report, contact-sheet."""
 
 from pathlib import Path
 from typing import Annotated
@@ -75,6 +75,69 @@ def _open_in_browser(page: Path) -> None:
         webbrowser.open(page.absolute().as_uri())
 
 
+def video(
+    folder: Shown,
+    *,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            callback=if_given(new_file_check(".mp4", ".gif", ".webp")),
+            help="Video to write, .mp4, .gif or .webp; by default it is named after the dataset, such as smoke.mp4.",
+        ),
+    ] = None,
+    runs: Runs = None,
+    max_runs: Annotated[int, typer.Option(min=1, max=1000, metavar="N", help="Maximum number of runs.")] = 12,
+    speed: Annotated[
+        float, typer.Option(min=0.05, max=100, metavar="N", help="Seconds of a run per second of the video.")
+    ] = 1.0,
+    fps: Annotated[
+        float | None,
+        typer.Option(min=0.5, max=60, metavar="HZ", help="Frames per second; by default 20 for .mp4, otherwise 10."),
+    ] = None,
+    width_px: Annotated[
+        int | None,
+        typer.Option(
+            min=320, max=3840, metavar="PX", help="Width of the video; by default 1280 for .mp4, otherwise 640."
+        ),
+    ] = None,
+) -> None:
+    """Make a video of runs: what the camera sees, the floor with the robot, its state and its readings.
+
+    The runs follow one after another. They may be released, rendered again, or simulated only; without images, the
+    floor is larger. MP4 has H.264, which every browser plays, and needs the extra `video`. The same runs give the same
+    bytes.
+
+    Example: symolo video data --out run.mp4 --runs CW/test_1
+
+    A small animation at four times the speed: symolo video data/CW/test_1 --out run.gif --speed 4
+    """
+    from fractions import Fraction
+
+    from pipeline.run_folder.shown_runs import shown_runs
+    from symolo.core.files.atomic_files import write_chunks
+    from symolo.core.progress import plural, report_here, seconds
+    from symolo.video.build import Video, VideoSettings
+    from symolo.video.encoders import FORMATS, check_encoder
+
+    place = out or new_file_check(".mp4")(Path(f"{folder.absolute().name}.mp4"))
+    kind = FORMATS[place.suffix]
+    check_encoder(place)
+    rate = Fraction(fps or kind.fps).limit_denominator(1000)
+    settings = VideoSettings(width_px or kind.width_px, rate, speed, max_runs)
+    with shown_runs(folder, runs) as data:
+        made = Video(data, settings)
+        made.check_length(kind.max_frames)
+        with report_here().stage("video", made.film().count, "frames") as stage:
+            write_chunks(place, kind.chunks(made.film(stage)))
+    left_out = f" of {len(data)}" if made.runs < len(data) else ""
+    size = f"{place.stat().st_size / 1e6:.1f} MB"
+    typer.echo(
+        f"{place}: {made.runs}{left_out} {plural(made.runs, 'run').split()[1]}, {seconds(made.duration_s)}, {size}"
+    )
+
+
 def report(
     folder: Dataset,
     *,
@@ -108,9 +171,7 @@ def report(
 
 
 def contact_sheet(
-    folder: Annotated[
-        Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
-    ],
+    folder: Shown,
     out: Annotated[
         Path,
         typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
@@ -119,16 +180,18 @@ def contact_sheet(
         int, typer.Option(min=1, max=100, metavar="N", help="Number of images of each run, evenly spaced.")
     ] = 6,
     width_px: Annotated[int, typer.Option(min=16, max=4096, metavar="PX", help="Width of each image in pixels.")] = 240,
+    runs: Runs = None,
 ) -> None:
     """Put images of every run on one sheet, labelled with run, image number and state.
 
+    Runs without images, such as those that are simulated only, show the floor with the robot and its path.
+
     Example: symolo contact-sheet data --out sheet.jpg
     """
-    from symolo.core.errors import InputError
-    from symolo.pages.contact_sheet import contact_sheet as sheet_of
+    from pipeline.run_folder.shown_runs import shown_runs
     from symolo.pages.sheet import save
+    from symolo.report.contact_sheet import contact_sheet as sheet_of
 
-    if not folder.is_dir():
-        raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
-    save(sheet_of(folder, per_run, width_px), out)
+    with shown_runs(folder, runs) as data:
+        save(sheet_of(data, per_run, width_px), out)
     typer.echo(str(out))

@@ -5,9 +5,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import check_folders
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA
-from symolo.dataset.layout import DATA, LOOK, STAGES
+from symolo.dataset.layout import DATA, STAGES
 from symolo.exporters.export import open_release
 from symolo.reader.dataset import Dataset, load
 from symolo.reader.run import Run
@@ -19,7 +20,7 @@ def shown_runs(path: Path, pattern: str | None = None) -> Iterator[Dataset]:
 
     Args:
         path: A release, a run of it, an output folder of `simulate` or `render`, a run in its `.stages`, an output of
-            `rerender` with one draw or several, or a data.csv. Checksums are not verified.
+            `rerender` with one draw or several, another folder with runs, or a data.csv. Checksums are not verified.
         pattern: A pattern of names such as `CW/*`.
 
     Raises:
@@ -28,8 +29,8 @@ def shown_runs(path: Path, pattern: str | None = None) -> Iterator[Dataset]:
     root = path.parent if path.name == DATA and path.is_file() else path
     if _is_unreleased(root):
         yield from _unreleased(root, pattern)
-    elif draws := _draws(root):
-        yield Dataset(root, None, tuple(Run(folder, folder.name) for folder in draws)).matching(pattern)
+    elif runs := _several(root):
+        yield Dataset(root, None, runs).matching(pattern)
     else:
         yield load(root).matching(pattern)
 
@@ -66,8 +67,11 @@ def _unreleased(root: Path, pattern: str | None) -> Iterator[Dataset]:
         yield data.matching(pattern)
 
 
-def _draws(root: Path) -> list[Path]:
-    """Return the folders of several draws of `rerender`; none where `root` itself holds a run."""
-    if not root.is_dir() or (root / DATA).exists():
-        return []
-    return sorted(folder for folder in root.iterdir() if (folder / LOOK).is_file() and (folder / DATA).is_file())
+def _several(root: Path) -> tuple[Run, ...]:
+    """Return the runs below a folder without metadata, such as draws of `rerender` or a dataset of somebody else."""
+    if not root.is_dir() or any((root / name).exists() for name in (DATA, METADATA, DECLARATION)):
+        return ()
+    names = sorted(path.parent.relative_to(root).as_posix() for path in root.rglob(DATA))
+    for name in names:
+        check_folders(root, name)
+    return tuple(Run(root / name, name) for name in names)

@@ -17,6 +17,7 @@ EXTRA_OF = {
     "h5py": "export",
     "pyarrow": "export",
     "rosbags": "export",
+    "av": "video",
     "obstore": "cloud",
     "cryptography": "sign",
     "ray": "cluster",

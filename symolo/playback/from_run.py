@@ -1,6 +1,7 @@
 """What is shown of a run of a dataset: everything that its tables and the metadata name."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import cycle
 
 import numpy as np
@@ -90,7 +91,7 @@ def _data_plots(run: Run, ranges_m: Array) -> Iterator[CurvePlot | StripePlot]:
     units = {column.name: column.unit for column in COLUMNS}
     yield curve_plot("forward speed v", units["v"], t_s, ["v"], rows.twist[:, :1])
     yield curve_plot("yaw rate w", units["w"], t_s, ["w"], rows.twist[:, 1:])
-    yield curve_plot("range", RANGES.unit, t_s, _RANGE_NAMES, ranges_m)
+    yield replace(curve_plot("range", RANGES.unit, t_s, _RANGE_NAMES, ranges_m), from_zero=True)
     yield StripePlot("line sensor", "", t_s, tuple(column.name for column in LINE.columns), rows.line)
 
 

@@ -30,6 +30,8 @@ class CurvePlot:
     t_s: Array
     """(M,)."""
     curves: tuple[Curve, ...]
+    from_zero: bool = False
+    """Whether the axis begins at 0 even if all values are far from it."""
 
 
 @dataclass(frozen=True)

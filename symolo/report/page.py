@@ -97,10 +97,8 @@ def _contents(facts: ReleaseFacts) -> list[tuple[str, str]]:
     sizes = sorted({f"{record.image_width_px} x {record.image_height_px} px" for record in records})
     size = f"{facts.size_bytes / 1e6:.1f} MB in {grouped(facts.files)} files, the whole release"
     listed = ", ".join(names) if len(names) <= _MAX_RUN_NAMES else f"{names[0]} to {names[-1]}"
-    duration_s, distance_m = (
-        sum(values) for values in zip(*((r.duration_s, r.distance_m) for r in records), strict=True)
-    )
-    rows, images = (sum(values) for values in zip(*((r.rows, r.images) for r in records), strict=True))
+    duration_s, distance_m = sum(record.duration_s for record in records), sum(record.distance_m for record in records)
+    rows, images = sum(record.rows for record in records), sum(record.images for record in records)
     return [
         *([("Licence", facts.metadata.licence)] if facts.is_released else []),
         ("Runs", f"{len(records)}: {listed}"),

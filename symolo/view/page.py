@@ -125,7 +125,8 @@ def _plot(plot: CurvePlot | StripePlot, t_s: Array) -> dict[str, Any]:
     times = {} if np.array_equal(plot.t_s, t_s) else {"t": _numbers(plot.t_s)}
     head = {"title": plot.title, "unit": plot.unit, **times}
     if isinstance(plot, CurvePlot):
-        return {"kind": "curves", **head, "curves": [_curve(curve) for curve in plot.curves]}
+        curves = [_curve(curve) for curve in plot.curves]
+        return {"kind": "curves", **head, "fromZero": plot.from_zero, "curves": curves}
     levels = np.clip(np.rint(255 * np.nan_to_num(plot.levels)), 0, 255).astype(np.uint8)
     rows, channels = levels.shape
     encoded = base64.b64encode(levels.tobytes()).decode()

@@ -72,6 +72,8 @@ COMMANDS = {
     "export": ["export", "DATA", "--format", "tum,coco,kitti", "--out", "OUT"],
     "compare": ["compare", "DATA", "RELEASE"],
     "contact-sheet": ["contact-sheet", "DATA", "--out", "OUT.jpg"],
+    "view": ["view", "DATA", "--page", "OUT.html"],
+    "video": ["video", "DATA", "--out", "OUT.gif", "--width-px", "320", "--fps", "2", "--runs", RUN],
     "pack": ["pack", "DATA", "--about", "ABOUT", "--out", "OUT"],
     "bag": ["bag", "DATA", "--out", "OUT"],
     "upload": ["upload", "DATA", "file://OUT"],
@@ -80,7 +82,7 @@ COMMANDS = {
     "baselines": ["baselines", "DATA", "--out", "OUT"],
     "rerender": ["rerender", f"DATA/{RUN}", "--look", "lab", "--out", "OUT", "--preview"],
 }
-READS_SOME = ("report", "contact-sheet", "diagnose", "inspect", "rerender", "status", "status --check")
+READS_SOME = ("report", "contact-sheet", "view", "video", "diagnose", "inspect", "rerender", "status", "status --check")
 ALLOWED = {command: {0, 2} for command in READS_SOME} | {"verify": {4}, "compare": {2, 7}, "repair": {0, 2, 4}}
 """Exit codes; 2 for those that are not named. A command that does not read a file may succeed without it."""
 ABOUT = """

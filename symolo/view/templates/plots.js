@@ -105,12 +105,12 @@ class TimePlot {
   }
 
   curves() {
-    const { curves } = this.plot;
+    const { curves, fromZero } = this.plot;
     const times = this.plot.t || this.times;
     const all = curves.flatMap((curve) => curve.values.filter((value) => value !== null));
     let low = all.length ? all.reduce((a, b) => Math.min(a, b)) : 0;
     let high = all.length ? all.reduce((a, b) => Math.max(a, b)) : 1;
-    if (low > 0 && low < 0.5 * high) low = 0;
+    if (low > 0 && (fromZero || low < 0.5 * high)) low = 0;
     const step = niceStep((high - low) || Math.abs(high) || 1);
     [low, high] = [Math.floor(low / step) * step, Math.ceil(high / step) * step];
     if (low === high) high = low + step;

@@ -1,0 +1,64 @@
+"""One image file with moments of every run, evenly spread over its time, for a quick look."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from symolo.core.errors import InputError
+from symolo.dataset.layout import DATA, IMAGES
+from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked
+from symolo.playback.from_run import playback_of
+from symolo.reader.dataset import Dataset
+from symolo.reader.run import Run
+from symolo.report.statistics.run_facts import fresh
+from symolo.report.statistics.spread import spread
+from symolo.video.floor import Floor
+
+
+def contact_sheet(data: Dataset, per_run: int, width_px: int) -> Pixels:
+    """Return a sheet (H, W, 3) BGR: a row for each run, with `per_run` cells that are `width_px` wide.
+
+    A cell shows an image; of a run without images, the floor with the robot.
+
+    Raises:
+        InputError: An image cannot be decoded, or the sheet is too large.
+    """
+    moments = [_moments(run, per_run) for run in data]
+    check_side("wide", max(map(len, moments)) * width_px, "--per-run or --width-px")
+    rows: list[Pixels] = []
+    for run, chosen in zip(data, moments, strict=True):
+        rows.append(row(_cells(fresh(run), chosen, width_px), width_px))
+        check_side("high", sum(row.shape[0] for row in rows), "--width-px, or name a single run")
+    return stacked(rows)
+
+
+def _moments(run: Run, count: int) -> list[int]:
+    """Return rows of a run, evenly spread: those with an image, or any of a run without images."""
+    table = fresh(run).table
+    if (run.folder / IMAGES).is_dir() and not table.image.any():
+        where = str(run.folder / DATA)
+        raise InputError("img is 0 in every row, though there are images", where=where, cure="run `symolo verify`")
+    with_image = np.flatnonzero(table.image)
+    rows = with_image if len(with_image) else np.arange(len(table.image))
+    return spread(rows.tolist(), count)
+
+
+def _cells(run: Run, rows: Sequence[int], width_px: int) -> list[Cell]:
+    table = run.table
+    if table.image.any():
+        images = [run.image(int(table.image[row])) for row in rows]
+        return [
+            Cell(
+                np.ascontiguousarray(image.pixels()[..., ::-1]),
+                (f"{run.name} {image.number} s{table.state[image.row]}",),
+            )
+            for image in images
+        ]
+    floor = Floor(playback_of(run), width_px, width_px)
+    return [
+        Cell(
+            np.ascontiguousarray(floor.frame(at).pixels[..., ::-1]),
+            (f"{run.name} {run.t_s[at]:.1f} s s{table.state[at]}",),
+        )
+        for at in rows
+    ]

@@ -1,0 +1,1 @@
+"""Runs as a video: camera, floor, states and readings over time."""
