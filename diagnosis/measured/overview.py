@@ -1,6 +1,7 @@
-"""The text of `symolo inspect`: trials with rates and gaps, and channels with missing samples, outliers and noise."""
+"""What a log contains, for `symolo inspect`: trials with rates and gaps; channels with missing samples and noise."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -33,17 +34,121 @@ _HEAD = (
 )
 
 
+@dataclass(frozen=True)
+class TrialSummary:
+    """One trial of a log."""
+
+    name: str
+    rows: int
+    held_out: int
+    """Number of rows that are not fitted."""
+    begins_s: float | None
+    """Time of its first row on the clock of the log; None where it has none."""
+    lasts_s: float | None
+    rate_hz: float | None
+    gaps: int | None
+    longest_s: float | None
+    """Longest time between two rows; None, as rate and gaps, for rows that are no time series."""
+
+
+@dataclass(frozen=True)
+class NoiseSummary:
+    """The noise that was estimated from the data."""
+
+    text: str
+    """As `symolo inspect` prints it."""
+    sd: float | None = None
+    """Standard deviation in the unit of the channel, or in that of the stated noise; None where it is not known."""
+    correlation: float | None = None
+    """Correlation from row to row; None for repeats."""
+    repeats: int | None = None
+    """Number of repeated measurements; None for a time series."""
+    in_known: bool = False
+    """Whether the unit of `sd` is the stated noise."""
+
+
+@dataclass(frozen=True)
+class ChannelSummary:
+    """One channel of a log, over all trials."""
+
+    name: str
+    unit: str
+    role: str
+    rows: int
+    missing: int
+    no_target: int
+    stale: int
+    outliers: int
+    low: float | None
+    high: float | None
+    """Smallest and largest good value; None where there is none."""
+    step: float | None
+    """Quantisation step; None where none shows."""
+    noise: NoiseSummary
+    known: str
+    """Noise that the source states, as text; `-` where it states none."""
+
+
+@dataclass(frozen=True)
+class LogSummary:
+    """What a log contains."""
+
+    name: str
+    kind: str
+    rows: int
+    held_out: int
+    origin: str
+    licence: str
+    files: tuple[str, ...]
+    has_nominal: bool
+    """Whether nominal parameters came with the data."""
+    trials: tuple[TrialSummary, ...]
+    channels: tuple[ChannelSummary, ...]
+    labels: Mapping[str, Sequence[str]]
+    """Words that occur in each label."""
+    clocks: Mapping[str, Sequence[str]]
+    """Names of the channels by their clock."""
+    notes: tuple[str, ...]
+
+
+def summarise(measurement: Measurement) -> LogSummary:
+    """Return what a log contains."""
+    first, source = measurement.trials[0], measurement.source
+    clocks: dict[str, list[str]] = {}
+    for channel in first.channels:
+        clocks.setdefault(channel.clock, []).append(channel.name)
+    return LogSummary(
+        name=measurement.name,
+        kind=measurement.kind,
+        rows=measurement.rows,
+        held_out=measurement.heldout_rows,
+        origin=source.origin,
+        licence=source.licence,
+        files=tuple(source.files),
+        has_nominal=measurement.nominal is not None,
+        trials=tuple(_trial(trial) for trial in measurement.trials),
+        channels=tuple(_channel(measurement, name) for name in measurement.channel_names()),
+        labels={
+            label.name: sorted({word for trial in measurement.trials for word in trial.label(label.name).values})
+            for label in first.labels
+        },
+        clocks=clocks,
+        notes=tuple(measurement.notes),
+    )
+
+
 def overview(measurement: Measurement) -> list[str]:
     """Return the lines of the text."""
-    licence = f" ({measurement.source.licence})" if measurement.source.licence else ""
-    lines = [summary_line(measurement), f"source: {measurement.source.origin}{licence}"]
-    if measurement.source.files:
-        first, *more = measurement.source.files
+    summary = summarise(measurement)
+    licence = f" ({summary.licence})" if summary.licence else ""
+    lines = [summary_line(measurement), f"source: {summary.origin}{licence}"]
+    if summary.files:
+        first, *more = summary.files
         lines.append(f"read from {first}{f' and {len(more)} more' if more else ''}")
-    if measurement.nominal is None:
+    if not summary.has_nominal:
         lines.append("nominal parameters: none came with the data")
-    lines += ["", *_trials(measurement), "", *_channels(measurement)]
-    lines += ["", *(f"note: {note}" for note in measurement.notes)] if measurement.notes else []
+    lines += ["", *_trial_lines(summary), "", *_channel_lines(summary)]
+    lines += ["", *(f"note: {note}" for note in summary.notes)] if summary.notes else []
     return lines
 
 
@@ -55,64 +160,89 @@ def summary_line(measurement: Measurement) -> str:
     return f"{measurement.name}: {measurement.kind}, {trials} trial{'s' * (trials > 1)}, {rows} rows ({split})"
 
 
-def _trials(measurement: Measurement) -> Iterator[str]:
+def _trial(trial: Trial) -> TrialSummary:
+    steps = timing(trial.t_s) if trial.is_timed else None
+    return TrialSummary(
+        name=trial.name,
+        rows=len(trial.t_s),
+        held_out=int(np.count_nonzero(trial.holdout)),
+        begins_s=None if trial.begins_s is None else float(trial.begins_s + trial.t_s[0]),
+        lasts_s=float(trial.t_s[-1] - trial.t_s[0]) if steps else None,
+        rate_hz=float(steps.rate_hz) if steps else None,
+        gaps=int(steps.gaps) if steps else None,
+        longest_s=float(steps.longest_s) if steps else None,
+    )
+
+
+def _trial_lines(summary: LogSummary) -> Iterator[str]:
     times = f"{'begins, s':>12}{'lasts, s':>11}{'rate, Hz':>10}{'gaps':>6}{'longest, s':>12}"
     yield f"{'trial':28}{'rows':>7}{'held out':>10}{times}"
-    for trial in measurement.trials[:MAX_TRIALS]:
-        held = int(np.count_nonzero(trial.holdout))
-        begins = "-" if trial.begins_s is None else f"{trial.begins_s + trial.t_s[0]:.3f}"
-        yield f"{trial.name:28}{len(trial.t_s):>7}{held:>10}{begins:>12}{_times(trial)}"
-    more = len(measurement.trials) - MAX_TRIALS
+    for trial in summary.trials[:MAX_TRIALS]:
+        begins = "-" if trial.begins_s is None else f"{trial.begins_s:.3f}"
+        yield f"{trial.name:28}{trial.rows:>7}{trial.held_out:>10}{begins:>12}{_times(trial)}"
+    more = len(summary.trials) - MAX_TRIALS
     if more > 0:
         yield f"and {more} more"
 
 
-def _times(trial: Trial) -> str:
-    steps = timing(trial.t_s) if trial.is_timed else None
-    if steps is None:
+def _times(trial: TrialSummary) -> str:
+    if trial.rate_hz is None:
         return f"{'-':>11}{'-':>10}{'-':>6}{'-':>12}"
-    lasts_s = trial.t_s[-1] - trial.t_s[0]
-    return f"{lasts_s:>11.2f}{steps.rate_hz:>10.3g}{steps.gaps:>6}{steps.longest_s:>12.3g}"
+    return f"{trial.lasts_s:>11.2f}{trial.rate_hz:>10.3g}{trial.gaps:>6}{trial.longest_s:>12.3g}"
 
 
-def _channels(measurement: Measurement) -> Iterator[str]:
-    rows = [_HEAD, *(_cells(measurement, name) for name in measurement.channel_names())]
+def _channel(measurement: Measurement, name: str) -> ChannelSummary:
+    across = measurement.across(name)
+    first = across[0]
+    values = np.concatenate([usable(channel) for channel in across])
+    known = values[np.isfinite(values)]
+    missing, no_target, stale = (sum(channel.count(quality) for channel in across) for quality in _COUNTED)
+    is_reading = first.role is Role.READING
+    step = resolution(values)
+    return ChannelSummary(
+        name=name,
+        unit=first.unit,
+        role=first.role,
+        rows=len(values),
+        missing=missing,
+        no_target=no_target,
+        stale=stale,
+        outliers=sum(int(np.count_nonzero(mask)) for mask in _outliers(measurement, name)) if is_reading else 0,
+        low=float(known.min()) if len(known) else None,
+        high=float(known.max()) if len(known) else None,
+        step=float(step) if step else None,
+        noise=_noise(measurement, name) if is_reading else NoiseSummary("-"),
+        known=_known(across),
+    )
+
+
+def _channel_lines(summary: LogSummary) -> Iterator[str]:
+    rows = [_HEAD, *(_cells(channel) for channel in summary.channels)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(_HEAD))]
     for row in rows:
         names = [cell.ljust(width) for cell, width in zip(row[:3], widths[:3], strict=True)]
         numbers = [cell.rjust(width) for cell, width in zip(row[3:], widths[3:], strict=True)]
         yield "  ".join([*names, *numbers]).rstrip()
-    for label in measurement.trials[0].labels:
-        words = sorted({word for trial in measurement.trials for word in trial.label(label.name).values})
-        yield f"{label.name}: {', '.join(word or '(not noted)' for word in words)}"
-    clocks: dict[str, list[str]] = {}
-    for channel in measurement.trials[0].channels:
-        clocks.setdefault(channel.clock, []).append(channel.name)
-    if len(clocks) > 1:
-        others = "; ".join(f"{clock}: {', '.join(names)}" for clock, names in clocks.items() if clock != "log")
+    for label, words in summary.labels.items():
+        yield f"{label}: {', '.join(word or '(not noted)' for word in words)}"
+    if len(summary.clocks) > 1:
+        others = "; ".join(f"{clock}: {', '.join(names)}" for clock, names in summary.clocks.items() if clock != "log")
         yield f"with the times of another clock, whose offset is not known: {others}"
 
 
-def _cells(measurement: Measurement, name: str) -> tuple[str, ...]:
-    across = measurement.across(name)
-    first = across[0]
-    values = np.concatenate([usable(channel) for channel in across])
-    known = values[np.isfinite(values)]
-    counts = [sum(channel.count(quality) for channel in across) for quality in _COUNTED]
-    is_reading = first.role is Role.READING
-    outliers = sum(int(np.count_nonzero(mask)) for mask in _outliers(measurement, name)) if is_reading else 0
+def _cells(channel: ChannelSummary) -> tuple[str, ...]:
+    counts = (channel.missing, channel.no_target, channel.stale, channel.outliers)
+    limits = (channel.low, channel.high)
     return (
-        name,
-        first.unit or "-",
-        first.role,
-        str(len(values)),
+        channel.name,
+        channel.unit or "-",
+        channel.role,
+        str(channel.rows),
         *(str(count) if count else "-" for count in counts),
-        str(outliers) if outliers else "-",
-        f"{known.min():.4g}" if len(known) else "-",
-        f"{known.max():.4g}" if len(known) else "-",
-        f"{step:.2g}" if (step := resolution(values)) else "-",
-        _noise(measurement, name) if is_reading else "-",
-        _known(across),
+        *("-" if limit is None else f"{limit:.4g}" for limit in limits),
+        f"{channel.step:.2g}" if channel.step else "-",
+        channel.noise.text,
+        channel.known,
     )
 
 
@@ -130,8 +260,8 @@ def _outliers(measurement: Measurement, name: str) -> Iterator[Mask]:
             yield spikes(channel)
 
 
-def _noise(measurement: Measurement, name: str) -> str:
-    """Return the noise as text: the median over the trials of the standard deviation and of the correlation.
+def _noise(measurement: Measurement, name: str) -> NoiseSummary:
+    """Return the noise: the median over the trials of the standard deviation and of the correlation.
 
     On a bench it is the noise of repeats, in units of the stated noise if that differs from row to row.
     """
@@ -139,45 +269,50 @@ def _noise(measurement: Measurement, name: str) -> str:
     if repeats is not None:
         return repeats(measurement, name)
     if not all(trial.is_timed for trial in measurement.trials):
-        return "-"
+        return NoiseSummary("-")
     noises = [noise for channel in measurement.across(name) for noise in (noise_of(channel),) if noise is not None]
     if not noises:
-        return "-"
+        return NoiseSummary("-")
     if 2 * sum(not noise.is_resolved for noise in noises) > len(noises):
-        return "below resolution"
+        return NoiseSummary("below resolution")
     if 2 * sum(noise.is_separable for noise in noises) < len(measurement.trials):
-        return "not separable"
+        return NoiseSummary("not separable")
     sd, correlation = np.median([(noise.sd, noise.correlation) for noise in noises], axis=0).tolist()
-    return f"{sd:.2g}, corr {correlation:+.2f}" if sd > 0.0 else "0"
+    return NoiseSummary(f"{sd:.2g}, corr {correlation:+.2f}" if sd > 0.0 else "0", sd, correlation)
 
 
-def _steady_repeats(measurement: Measurement, name: str) -> str:
+def _steady_repeats(measurement: Measurement, name: str) -> NoiseSummary:
     """Return the noise of readings at the same voltage in several sweeps of one motor."""
     trials = measurement.trials
     values = np.concatenate([usable(trial[name]) for trial in trials])
     conditions = [(trial.part, voltage) for trial in trials for voltage in trial["u_cmd_V"].values.round(6).tolist()]
     noise = noise_of_repeats(values, conditions)
-    return f"{noise.sd:.2g} of {noise.rows} repeats" if noise else "-"
+    if not noise:
+        return NoiseSummary("-")
+    return NoiseSummary(f"{noise.sd:.2g} of {noise.rows} repeats", float(noise.sd), repeats=noise.rows)
 
 
-def _range_repeats(measurement: Measurement, name: str) -> str:
+def _range_repeats(measurement: Measurement, name: str) -> NoiseSummary:
     """Return the noise of readings of the same target at about the same temperature, in units of the stated noise."""
     z, conditions = [], []
     names = set(measurement.channel_names())
     for trial in measurement.trials:
         channel = trial[name]
         if channel.noise_sd is None:
-            return "-"
+            return NoiseSummary("-")
         z += (usable(channel) / channel.noise_sd).tolist()
         logged = [trial[quantity].values for quantity in ("distance_m", "incidence_rad") if quantity in names]
         logged += [np.floor(trial["temperature_C"].values / SAME_TEMPERATURE_K)] if "temperature_C" in names else []
         columns = [np.nan_to_num(values, nan=NOT_NOTED).round(6).tolist() for values in logged]
         conditions += zip(trial.label("material").values, *columns, strict=True)
     noise = noise_of_repeats(np.array(z), conditions)
-    return f"{noise.sd:.2f} x known, {noise.rows} repeats" if noise else "-"
+    if not noise:
+        return NoiseSummary("-")
+    text = f"{noise.sd:.2f} x known, {noise.rows} repeats"
+    return NoiseSummary(text, float(noise.sd), repeats=noise.rows, in_known=True)
 
 
-_REPEATS: dict[CaseKind, Callable[[Measurement, str], str]] = {
+_REPEATS: dict[CaseKind, Callable[[Measurement, str], NoiseSummary]] = {
     CaseKind.MOTOR_STEADY: _steady_repeats,
     CaseKind.TOF_BENCH: _range_repeats,
 }

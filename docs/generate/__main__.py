@@ -1,4 +1,5 @@
-"""The pages of docs that are generated from the code: commands, settings, effects, materials, formats.
+"""The pages of docs that are generated from the code: commands, settings, effects, materials, formats,
+results as JSON.
 
 python docs/generate            write the pages
 python docs/generate --check    write nothing; name the pages that differ from the code, and exit with 1

@@ -7,6 +7,7 @@ from commands import commands
 from configuration import configuration
 from effects import effects
 from formats import formats
+from json_results import json_results
 from materials import materials
 
 DOCS = Path(__file__).parents[1]
@@ -16,6 +17,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "reference/effects.md": effects,
     "reference/materials.md": materials,
     "reference/formats.md": formats,
+    "reference/json.md": json_results,
 }
 
 

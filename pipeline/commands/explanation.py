@@ -31,6 +31,7 @@ def inspect(
     ],
     *,
     importer: ImporterName = None,
+    as_json: Json = False,
 ) -> None:
     """Show what the log of a real robot or test bench contains: channels, rates, gaps, noise.
 
@@ -69,10 +70,16 @@ def inspect(
     Example: symolo inspect table-1
     """
     from diagnosis.importers.choose import read_measurement
-    from diagnosis.measured.overview import overview
+    from diagnosis.measured.overview import overview, summarise
     from pipeline.diagnosing.importers import IMPORTERS
 
-    for line in overview(read_measurement(case, IMPORTERS, importer)):
+    measurement = read_measurement(case, IMPORTERS, importer)
+    if as_json:
+        from pipeline.json_results.inspect import InspectResult
+
+        typer.echo(InspectResult.of(summarise(measurement)).to_json())
+        return
+    for line in overview(measurement):
         typer.echo(line)
 
 

@@ -1,14 +1,17 @@
 """Commands that inspect data or the machine: verify, compare, baselines, schema, doctor."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import radians
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pipeline.commands.exit_codes import FAULTS, MACHINE_LACKS
 from pipeline.commands.options import (
     Dataset,
+    Json,
     NewFolder,
     Runs,
     Seed,
@@ -18,6 +21,10 @@ from pipeline.commands.options import (
 )
 from symolo.core.errors import InputError, one_line
 from symolo.core.text_enum import TextEnum
+
+if TYPE_CHECKING:
+    from pipeline.repair.reproduction import Reproduction
+    from symolo.verification.findings import Finding
 
 
 def verify(
@@ -48,6 +55,7 @@ def verify(
         ),
     ] = None,
     workers: Workers = None,
+    as_json: Json = False,
 ) -> int:
     """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums, signature.
 
@@ -69,23 +77,47 @@ def verify(
     from symolo.verification.signature import trusted_comment
     from symolo.verification.verify import verify as findings_of
 
-    public, count = read_public_key(key) if key is not None else None, 0
+    public, findings = read_public_key(key) if key is not None else None, []
     if is_held(folder / STAGES):
         what, cure = "another symolo command is working in this folder", "verify it when that command has ended"
         raise InputError(what, where=str(folder), cure=cure)
     with silenced():
         for finding in findings_of(folder, spec_problem, public):
-            typer.echo(str(finding))
-            count += 1
-    if count:
-        typer.echo(f"{folder}: {plural(count, 'fault')}", err=True)
-        return FAULTS
-    signed = f", signed by the key {public.name} ({trusted_comment(folder)})" if public is not None else ""
-    typer.echo(f"{folder}: no fault{one_line(signed)}")
-    return 0 if reproduce is None else _reproduce(folder, reproduce, seed, workers)
+            if not as_json:
+                typer.echo(str(finding))
+            findings.append(finding)
+    comment = trusted_comment(folder) if public is not None and not findings else ""
+    if not as_json and findings:
+        typer.echo(f"{folder}: {plural(len(findings), 'fault')}", err=True)
+    elif not as_json:
+        signed = f", signed by the key {public.name} ({comment})" if public is not None else ""
+        typer.echo(f"{folder}: no fault{one_line(signed)}")
+    drawn = None if findings or reproduce is None else _reproduced(folder, reproduce, seed, workers)
+    code = FAULTS if findings else 0 if drawn is None else drawn.exit_code
+    if as_json:
+        _print_verify_result(folder, code, findings, (public.name, comment) if public else None, drawn)
+    elif drawn is not None:
+        _print_reproduction(folder, drawn)
+    return code
 
 
-def _reproduce(folder: Path, count: int, seed: int | None, workers: int | None) -> int:
+@dataclass(frozen=True)
+class _Drawn:
+    """Images that were drawn at random and rendered again."""
+
+    seed: int
+    reproduction: "Reproduction"
+
+    @property
+    def exit_code(self) -> int:
+        unequal = self.reproduction.unequal
+        if not unequal:
+            return 0
+        is_machine = self.reproduction.difference or all(image.is_missing for image in unequal)
+        return MACHINE_LACKS if is_machine else FAULTS
+
+
+def _reproduced(folder: Path, count: int, seed: int | None, workers: int | None) -> _Drawn:
     import secrets
 
     from pipeline.repair.reproduction import reproduce
@@ -94,18 +126,35 @@ def _reproduce(folder: Path, count: int, seed: int | None, workers: int | None) 
     from symolo.publishing.bagging import dataset_in
 
     chosen = secrets.randbelow(2**32) if seed is None else seed
-    result = reproduce(dataset_in(folder), count, chosen, workers or cores(), report_here())
+    return _Drawn(chosen, reproduce(dataset_in(folder), count, chosen, workers or cores(), report_here()))
+
+
+def _print_reproduction(folder: Path, drawn: _Drawn) -> None:
+    result = drawn.reproduction
     for image in result.unequal:
         typer.echo(str(image))
     equal, total = len(result.images) - len(result.unequal), len(result.images)
     typer.echo(
-        f"{folder}: {equal} of {total} images have the same bytes when they are rendered again (--seed {chosen})"
+        f"{folder}: {equal} of {total} images have the same bytes when they are rendered again (--seed {drawn.seed})"
     )
-    if not result.unequal:
-        return 0
-    if result.difference:
+    if result.unequal and result.difference:
         typer.echo(f"{folder}: different bytes are no proof of a fault here: {result.difference}", err=True)
-    return MACHINE_LACKS if result.difference or all(image.is_missing for image in result.unequal) else FAULTS
+
+
+def _print_verify_result(
+    folder: Path, code: int, findings: "Sequence[Finding]", signer: tuple[str, str] | None, drawn: _Drawn | None
+) -> None:
+    """Print the result of `verify` as JSON; `signer` has the name of the key and the comment of the signature."""
+    from pipeline.json_results.verify import ReproducedPart, SignaturePart, VerifyResult, faults_of
+
+    result = VerifyResult(
+        exit_code=code,
+        folder=str(folder),
+        faults=faults_of(findings),
+        signature=SignaturePart(key=signer[0], comment=signer[1]) if signer and not findings else None,
+        reproduced=ReproducedPart.of(drawn.reproduction, drawn.seed) if drawn else None,
+    )
+    typer.echo(result.to_json())
 
 
 def compare(
@@ -127,7 +176,9 @@ def compare(
             "its largest value.",
         ),
     ] = 50.0,
-    every: Annotated[bool, typer.Option("--all", help="Also list identical files.")] = False,  # noqa: FBT002 - typer's
+    *,
+    every: Annotated[bool, typer.Option("--all", help="Also list identical files.")] = False,
+    as_json: Json = False,
 ) -> int:
     """Compare two datasets, runs or folders of images, file by file.
 
@@ -141,6 +192,13 @@ def compare(
     from symolo.compare.folders import Verdict
     from symolo.compare.folders import compare as results_of
 
+    if as_json:
+        from pipeline.json_results.compare import CompareResult
+
+        compared, differently = list(results_of(a, b, tolerance_db)), list(made_differently(a, b))
+        result = CompareResult.of(str(a), str(b), tolerance_db, compared, differently, every=every)
+        typer.echo(result.to_json())
+        return result.exit_code
     results = []
     for result in results_of(a, b, tolerance_db):
         results.append(result)
@@ -214,42 +272,70 @@ def baselines(
 
 
 class SchemaOf(TextEnum):
-    """The kinds of file that have a schema."""
+    """The kinds of JSON and YAML that have a schema."""
 
     SCENARIO = "scenario"
     METADATA = "metadata"
+    STATUS = "status"
+    VERIFY = "verify"
+    COMPARE = "compare"
+    PLAN = "plan"
+    DOCTOR = "doctor"
+    INSPECT = "inspect"
 
 
 def schema(
     of: Annotated[
-        SchemaOf, typer.Option("--of", help="scenario: scenario files; metadata: metadata.json of a dataset.")
+        SchemaOf,
+        typer.Option(
+            "--of",
+            help="scenario: scenario files; metadata: metadata.json of a dataset; the others: what the command of "
+            "this name prints with --json.",
+        ),
     ] = SchemaOf.SCENARIO,
 ) -> None:
-    """Print the JSON Schema of scenario files or of metadata.json, which editors use to check and complete such files.
+    """Print a JSON Schema: of scenario files, of metadata.json, or of the results that commands print with --json.
+
+    Editors use the first two to check and complete such files.
 
     Example: symolo schema > scenario.schema.json
 
-    Example: symolo schema --of metadata > metadata.schema.json
+    Example: symolo schema --of verify > verify.schema.json
     """
     import json
 
     from configs.json_schema import scenario_json_schema
+    from pipeline.json_results import result_json_schema
     from symolo.dataset.documents.metadata_schema import metadata_json_schema
 
-    document = scenario_json_schema() if of is SchemaOf.SCENARIO else metadata_json_schema()
+    match of:
+        case SchemaOf.SCENARIO:
+            document = scenario_json_schema()
+        case SchemaOf.METADATA:
+            document = metadata_json_schema()
+        case _:
+            document = result_json_schema(of.value)
     typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
 
 
-def doctor() -> int:
+def doctor(*, as_json: Json = False) -> int:
     """Check this machine: Python, packages, system libraries, Blender, PyBullet, disk, cores, memory, graphics card.
 
     For each missing item, the command prints the line that installs it. If anything is missing, it ends with exit code
     5.
+
+    Example: symolo doctor
     """
     from pipeline.doctor import examine
 
-    lacking = False
+    checks = []
     for check in examine(Path.cwd()):
-        typer.echo(str(check))
-        lacking |= not check.ok
-    return MACHINE_LACKS if lacking else 0
+        if not as_json:
+            typer.echo(str(check))
+        checks.append(check)
+    code = 0 if all(check.ok for check in checks) else MACHINE_LACKS
+    if as_json:
+        from pipeline.json_results.doctor import CheckPart, DoctorResult
+
+        typer.echo(DoctorResult(exit_code=code, checks=[CheckPart.of(check) for check in checks]).to_json())
+    return code

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.exit_codes import FAULTS
-from pipeline.commands.options import Dataset, Settings, Workers, checked_input
+from pipeline.commands.options import Dataset, Json, Settings, Workers, checked_input
 
 
 def status(
@@ -18,6 +18,7 @@ def status(
     *,
     settings: Settings = None,
     check: Annotated[bool, typer.Option("--check", help="Also hash every file, to detect damage.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Show what an output folder contains, what failed, and what the next release would do and why.
 
@@ -28,14 +29,21 @@ def status(
     """
     from configs.loader import load_scenario
     from pipeline.planning.drawing import draw_reported
-    from pipeline.run_folder.status import status as lines
+    from pipeline.run_folder.status import status as status_of
+    from pipeline.run_folder.status_text import status_lines
     from symolo.core.errors import InputError
     from symolo.core.progress import report_here
 
     if settings and scenario is None:
         raise InputError("--set", got=settings[0], cure="name the scenario that it applies to")
     specs = draw_reported(load_scenario(scenario, settings or ()), report_here()) if scenario is not None else ()
-    for line in lines(folder, specs, check=check):
+    result = status_of(folder, specs, check=check)
+    if as_json:
+        from pipeline.json_results.status import StatusResult
+
+        typer.echo(StatusResult.of(str(folder), result).to_json())
+        return
+    for line in status_lines(result, check=check):
         typer.echo(line)
 
 

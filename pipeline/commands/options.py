@@ -95,7 +95,9 @@ Runs = Annotated[
     str | None, typer.Option("--runs", metavar="GLOB", help="Include only runs whose name matches, such as 'CW/*'.")
 ]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Print what would be written or sent, and do nothing else.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
+Json = Annotated[
+    bool, typer.Option("--json", help="Print the result as one JSON object, and nothing else on standard output.")
+]
 ImporterName = Annotated[
     str | None,
     typer.Option("--importer", metavar="NAME", help="Kind of data; by default symolo recognises it from the files."),

@@ -15,6 +15,7 @@ from pipeline.commands.options import (
     Endpoint,
     ExecutorName,
     GpuShare,
+    Json,
     OnDevice,
     Out,
     Part,
@@ -54,6 +55,7 @@ def plan(
         ),
     ] = None,
     device: OnDevice = None,
+    as_json: Json = False,
 ) -> None:
     """Show what a scenario will produce, its size and how long it takes. Nothing is written.
 
@@ -72,10 +74,20 @@ def plan(
         from pipeline.planning.price import measure
 
         price, about = measure(scenario, overrides, report_here())
-        typer.echo(price.text(images, about))
+        if as_json:
+            from pipeline.json_results.plan import PlanResult
+
+            typer.echo(PlanResult.of_price(scenario, cores(), price, images).to_json())
+        else:
+            typer.echo(price.text(images, about))
         return
-    specs = draw_reported(load_scenario(scenario, overrides), report_here())
-    typer.echo(ScenarioPlan.of(specs, cores()).text())
+    planned = ScenarioPlan.of(draw_reported(load_scenario(scenario, overrides), report_here()), cores())
+    if as_json:
+        from pipeline.json_results.plan import PlanResult
+
+        typer.echo(PlanResult.of(scenario, planned).to_json())
+    else:
+        typer.echo(planned.text())
 
 
 def simulate(

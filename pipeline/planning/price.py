@@ -23,7 +23,7 @@ from pipeline.work.supervisor import cores
 from symolo.core.errors import RunFailed
 from symolo.core.files.disk_space import check_scratch
 from symolo.core.files.scratch_folders import scratch_folder
-from symolo.core.progress import Report, seconds
+from symolo.core.progress import Report, plural, seconds
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.metadata import FailedRun
 
@@ -66,31 +66,39 @@ class Price:
     image_bytes: float
     annotation_bytes: float
 
-    def text(self, frames: int, about: str) -> str:
-        """Return hours, bytes and shards for that number of images as text, with the assumptions."""
+    def cost(self, images: int) -> "Cost":
+        """Return the cost of that number of images."""
         block_s = self.start_s / BLOCK_FRAMES
-        simulate, render, annotate = (
-            frames * each / HOUR_S
-            for each in (
-                self.simulate_s,
-                self.render_s + block_s + self.first_s / BLOCK_FRAMES,
-                self.annotate_s + block_s,
-            )
+        render_s = self.render_s + block_s + self.first_s / BLOCK_FRAMES
+        bare = images * (self.image_bytes + self.rows_per_image * BYTES_PER_ROW)
+        return Cost(
+            images=images,
+            simulate_h=images * self.simulate_s / HOUR_S,
+            render_h=images * render_s / HOUR_S,
+            annotate_h=images * (self.annotate_s + block_s) / HOUR_S,
+            bare_bytes=bare,
+            annotated_bytes=bare + images * self.annotation_bytes,
         )
-        bare = frames * (self.image_bytes + self.rows_per_image * BYTES_PER_ROW)
-        whole = bare + frames * self.annotation_bytes
-        unit = "core" if self.device == "CPU" else f"{self.device}"
-        alone = (simulate + render) * HOUR_S / cores() if self.device == "CPU" else render * HOUR_S
-        block = f"{self.start_s + self.first_s:.3g} s per block"
+
+    def alone_s(self, cost: "Cost") -> float:
+        """Return how long this machine takes without annotations [s]."""
+        on_cpu = (cost.simulate_h + cost.render_h) * HOUR_S / cores()
+        return on_cpu if self.device == "CPU" else cost.render_h * HOUR_S
+
+    def text(self, images: int, about: str) -> str:
+        """Return hours, bytes and shards for that number of images as text, with the assumptions."""
+        cost, unit = self.cost(images), "core" if self.device == "CPU" else f"{self.device}"
+        bare, whole = cost.bare_bytes, cost.annotated_bytes
+        block, annotate = f"{self.start_s + self.first_s:.3g} s per block", f"{self.annotate_s:.3g} s per image"
         lines = [
-            f"{frames} images of {about}",
+            f"{plural(images, 'image')} of {about}",
             "",
-            f"simulate   {_hours(simulate)} core-hours",
-            f"render     {_hours(render)} {unit}-hours: {self.render_s:.3g} s per image, {block}",
-            f"annotate   {_hours(annotate)} {unit}-hours more for all annotations: {self.annotate_s:.3g} s per image",
+            f"simulate   {_hours(cost.simulate_h)} core-hours",
+            f"render     {_hours(cost.render_h)} {unit}-hours: {self.render_s:.3g} s per image, {block}",
+            f"annotate   {_hours(cost.annotate_h)} {unit}-hours more for all annotations: {annotate}",
             f"disk       {_bytes(bare)}, with all annotations {_bytes(whole)}; twice that while .stages is kept",
             f"shards     {_shards(bare)} of {SHARD_BYTES / 1e9:g} GB, with all annotations {_shards(whole)}",
-            f"here       about {seconds(alone)} without annotations"
+            f"here       about {seconds(self.alone_s(cost))} without annotations"
             + (f", on {cores()} cores" if self.device == "CPU" else ""),
         ]
         lines += [
@@ -102,6 +110,22 @@ class Price:
         if self.device == "CPU":
             lines += ["No graphics card was measured; --device gpu measures one if there is one."]
         return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """The cost of a number of images."""
+
+    images: int
+    simulate_h: float
+    """Hours of one core."""
+    render_h: float
+    annotate_h: float
+    """Hours of one core, or of the graphics card."""
+    bare_bytes: float
+    """Size without annotations."""
+    annotated_bytes: float
+    """Size with all annotations."""
 
 
 def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Price, str]:

@@ -3,7 +3,7 @@
 import fcntl
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -53,8 +53,57 @@ class RunStatus:
         return not any(stage.again for stage in self.stages)
 
 
-def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> Iterator[str]:
-    """Yield the status as lines of text.
+@dataclass(frozen=True)
+class Worker:
+    """Whether another command works in the folder."""
+
+    is_working: bool
+    process: int = 0
+    """Number of its process; 0 where it is not known."""
+    has_stages: bool = True
+    """Whether there is a `.stages`, without which the next release makes everything again."""
+
+
+@dataclass(frozen=True)
+class ReleaseStatus:
+    missing_lists: tuple[str, ...]
+    """Lists of checksums that are missing, so that the release is not finished."""
+    faults: int | None = None
+    """Number of damaged files; None where they were not checked."""
+
+
+@dataclass(frozen=True)
+class ImageCost:
+    """The time that the images took, without the starts of Blender."""
+
+    images: int
+    core_s: float
+    planned_core_s: float | None
+    """Planned time of one image, starts of Blender included; None without a scenario."""
+
+
+@dataclass(frozen=True)
+class FolderStatus:
+    """The status of an output folder."""
+
+    worker: Worker
+    runs: tuple[RunStatus, ...]
+    mixed: Mapping[str, str]
+    """Warning by run whose frames were made on several classes of processor."""
+    release: ReleaseStatus
+    cost: ImageCost | None
+    """None where no image was rendered."""
+    disk_bytes: Mapping[str, int]
+    """Size of each part of the folder, the largest name first."""
+
+    @property
+    def reasons(self) -> Mapping[str, int]:
+        """What the next release would do, with the number of runs."""
+        return Counter(f"{stage.stage}: {stage.again}" for run in self.runs for stage in run.stages if stage.again)
+
+
+def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> FolderStatus:
+    """Return the status of an output folder.
 
     Args:
         out: A folder that a command for datasets works in.
@@ -71,21 +120,17 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
     check_tree(out, STAGES)
     workspace = Workspace(out.absolute())
-    yield _working(workspace)
-    runs = [run_status(workspace, run, spec, check=check) for run, spec in _runs(workspace, specs).items()]
-    whole = sum(run.done for run in runs)
-    yield f"runs: {whole} of {len(runs)} released and up to date"
-    for run in runs:
-        if not run.done or check or len(runs) <= 20:
-            yield f"{run.run}: " + "; ".join(f"{stage.stage} {stage.text}" for stage in run.stages)
-    reasons = Counter(f"{stage.stage}: {stage.again}" for run in runs for stage in run.stages if stage.again)
-    for reason, count in reasons.items():
-        yield f"would be done by the next release, {plural(count, 'run')}: {reason}"
-    yield from _mixed(workspace, [run.run for run in runs])
-    yield _release(workspace, check=check)
-    if cost := _cost(workspace, [run.run for run in runs], specs):
-        yield cost
-    yield _disk(workspace)
+    worker = _worker(workspace)
+    runs = tuple(run_status(workspace, run, spec, check=check) for run, spec in _runs(workspace, specs).items())
+    names = [run.run for run in runs]
+    return FolderStatus(
+        worker=worker,
+        runs=runs,
+        mixed=_mixed(workspace, names),
+        release=_release(workspace, check=check),
+        cost=_cost(workspace, names, specs),
+        disk_bytes=_disk(workspace),
+    )
 
 
 def again(workspace: Workspace, specs: Sequence[RunSpec]) -> Iterator[str]:
@@ -206,21 +251,18 @@ def _in_order(run: str) -> tuple[str, int]:
     return route, int(number) if number.isdigit() else 0
 
 
-def _working(workspace: Workspace) -> str:
+def _worker(workspace: Workspace) -> Worker:
     """Return whether another command works in the folder, by its lock, which is released at once."""
     try:
         descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
-        if (workspace.out / STAGES).is_dir():
-            return "no command is working here now"
-        return "no command is working here; .stages is missing, so the next release makes everything again"
+        return Worker(is_working=False, has_stages=(workspace.out / STAGES).is_dir())
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
-        number = _holder(os.fstat(descriptor))
-        return "a command is working here now" + (f", process {number}" if number else "")
+        return Worker(is_working=True, process=_holder(os.fstat(descriptor)))
     else:
-        return "no command is working here now"
+        return Worker(is_working=False)
     finally:
         os.close(descriptor)
 
@@ -236,20 +278,14 @@ def _holder(place: os.stat_result) -> int:
     return next((int(row[4]) for row in rows if row[1:2] == ["FLOCK"] and row[5:6] == [where]), 0)
 
 
-def _release(workspace: Workspace, *, check: bool) -> str:
-    lists = [name for name in (MANIFEST, TAG_MANIFEST) if not (workspace.out / name).is_file()]
-    if lists:
-        return f"release: not finished, {' and '.join(lists)} missing"
-    if not check:
-        return "release: its lists of checksums are there; --check checks every file"
-    faults = sum(1 for _ in Inventory.of(workspace.out).findings())
-    if faults:
-        return f"release: {plural(faults, 'fault')}; `symolo verify` lists them"
-    return "release: every file as it was released"
+def _release(workspace: Workspace, *, check: bool) -> ReleaseStatus:
+    missing = tuple(name for name in (MANIFEST, TAG_MANIFEST) if not (workspace.out / name).is_file())
+    if missing or not check:
+        return ReleaseStatus(missing)
+    return ReleaseStatus(missing, sum(1 for _ in Inventory.of(workspace.out).findings()))
 
 
-def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -> str:
-    """Return the time that the images took, from their journals; without the starts of Blender."""
+def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -> ImageCost | None:
     images, core_s = 0, 0.0
     for run in runs:
         for name, ledger in _journals(workspace, run):
@@ -257,22 +293,15 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
             core_s += sum(file.seconds * file.threads for file in files)
             images += len({file.file for file in files}) if name == IMAGES else 0
     if not images:
-        return ""
-    text = (
-        f"cost: {plural(images, 'image')} took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
-    )
-    if not specs:
-        return text
-    planned = ScenarioPlan.of(specs, 1)
-    return f"{text}; the plan was {planned.render_s / planned.images:.3g} each, including the starts of Blender"
+        return None
+    planned = ScenarioPlan.of(specs, 1) if specs else None
+    return ImageCost(images, core_s, planned.render_s / planned.images if planned else None)
 
 
-def _mixed(workspace: Workspace, runs: Sequence[str]) -> Iterator[str]:
-    """Yield a warning about each run whose frames were made on several classes of processor."""
-    for run in runs:
-        cpus = {cpu for _, ledger in _journals(workspace, run) for cpu in ledger.processors()}
-        if len(cpus) > 1:
-            yield f"{run}: {of_several_classes(sorted(cpus))}"
+def _mixed(workspace: Workspace, runs: Sequence[str]) -> dict[str, str]:
+    """Return a warning for each run whose frames were made on several classes of processor."""
+    classes = {run: {cpu for _, ledger in _journals(workspace, run) for cpu in ledger.processors()} for run in runs}
+    return {run: of_several_classes(sorted(cpus)) for run, cpus in classes.items() if len(cpus) > 1}
 
 
 def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
@@ -282,7 +311,7 @@ def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
             yield name, journal(folder, name)
 
 
-def _disk(workspace: Workspace) -> str:
+def _disk(workspace: Workspace) -> dict[str, int]:
     sizes: Counter[str] = Counter()
     for folder, _, files in os.walk(workspace.out):
         inner = Path(folder).relative_to(workspace.out).parts
@@ -292,8 +321,7 @@ def _disk(workspace: Workspace) -> str:
                 sizes[part] += os.lstat(os.path.join(folder, name)).st_size  # noqa: PTH118 - of many files
             except OSError:  # gone meanwhile
                 continue
-    parts = ", ".join(f"{part} {size / 1e6:.1f} MB" for part, size in sorted(sizes.items(), reverse=True))
-    return f"disk: {sum(sizes.values()) / 1e6:.1f} MB: {parts}"
+    return dict(sorted(sizes.items(), reverse=True))
 
 
 def _outcome(workspace: Workspace, run: str) -> RunOutcome | None:

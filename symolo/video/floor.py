@@ -12,8 +12,8 @@ _TAPE, _WALL, _OBSTACLE, _EDGE = (190, 190, 190), (150, 150, 150), (236, 236, 23
 _PALE = 0.75
 """Share of white in the colour of the path that is still to come."""
 _MARGIN_M = 0.12
-_CORNERS = 0.5 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
-_NOSE = np.array([[0.42, 0.0], [0.1, 0.22], [0.1, -0.22]])
+_CORNERS: Array = 0.5 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+_NOSE: Array = np.array([[0.42, 0.0], [0.1, 0.22], [0.1, -0.22]])
 """Triangle that points ahead, in lengths and widths of the robot."""
 
 

@@ -200,7 +200,7 @@ def _dataset_reader(place: Path) -> Read:
                 (folder.root / TAG_MANIFEST).write_bytes(tag_manifest(hashes))
             try:
                 list(map(str, verify(folder.root, spec_problem)))
-                list(status(folder.root))
+                status(folder.root)
                 if path.suffix not in {".jpg", ".png"}:  # a large one takes its time in each command
                     list(compare(path, whole / name, 50.0))
                 _load(folder.root)

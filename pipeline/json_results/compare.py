@@ -1,0 +1,95 @@
+"""The result of `symolo compare --json`."""
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+from pipeline.json_results.base import JsonPart, JsonResult
+from symolo.compare.conclusion import CLOSE, DIFFERENT, IDENTICAL, Conclusion
+from symolo.compare.folders import FileResult, Verdict
+
+ConclusionName = Literal["identical", "close", "different"]
+_CONCLUSIONS: dict[int, ConclusionName] = {IDENTICAL: "identical", CLOSE: "close", DIFFERENT: "different"}
+VerdictName = Literal["identical", "close", "follows", "different", "only_in_a", "only_in_b"]
+_VERDICTS: dict[Verdict, VerdictName] = {
+    Verdict.IDENTICAL: "identical",
+    Verdict.CLOSE: "close",
+    Verdict.FOLLOWS: "follows",
+    Verdict.DIFFERENT: "different",
+    Verdict.ONLY_A: "only_in_a",
+    Verdict.ONLY_B: "only_in_b",
+}
+
+
+class ComparedFile(JsonPart):
+    name: str
+    """Path in both folders."""
+    verdict: VerdictName
+    """close: other bytes that are equal within the tolerance; follows: a list or description of the other files."""
+    level_db: float | None
+    """Peak over root mean square of the difference, the PSNR of images; null for equal values and if there is no such
+    number."""
+    what: str
+    """Largest difference and its place; empty for an identical file."""
+
+    @classmethod
+    def of(cls, result: FileResult) -> "ComparedFile":
+        level_db = result.likeness.level_db
+        return cls(
+            name=result.name,
+            verdict=_VERDICTS[result.verdict],
+            level_db=round(level_db, 4) if math.isfinite(level_db) else None,
+            what=result.likeness.what,
+        )
+
+
+class CompareResult(JsonResult):
+    """How alike two datasets, runs, folders or files are."""
+
+    command: str = "compare"
+    """Name of the command."""
+    a: str
+    """First path, as it was named."""
+    b: str
+    """Second path, as it was named."""
+    tolerance_db: float
+    """Level from which files count as equal."""
+    conclusion: ConclusionName
+    """close: all files are equal within the tolerance."""
+    text: str
+    """The conclusion in one line."""
+    files: int
+    """Number of files that were compared."""
+    identical: int
+    """Number of files with the same bytes."""
+    differences: list[ComparedFile]
+    """Files with other bytes; all files with --all."""
+    made_differently: list[str]
+    """A line for each program and processor that differs."""
+
+    @classmethod
+    def of(
+        cls,
+        a: str,
+        b: str,
+        tolerance_db: float,
+        results: Sequence[FileResult],
+        made_differently: Sequence[str],
+        *,
+        every: bool,
+    ) -> "CompareResult":
+        conclusion = Conclusion.of(results)
+        same = sum(result.verdict is Verdict.IDENTICAL for result in results)
+        shown = [result for result in results if every or result.verdict is not Verdict.IDENTICAL]
+        return cls(
+            exit_code=conclusion.code,
+            a=a,
+            b=b,
+            tolerance_db=tolerance_db,
+            conclusion=_CONCLUSIONS[conclusion.code],
+            text=conclusion.text,
+            files=len(results),
+            identical=same,
+            differences=[ComparedFile.of(result) for result in shown],
+            made_differently=list(made_differently),
+        )

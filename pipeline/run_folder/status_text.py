@@ -1,0 +1,55 @@
+"""The lines that `symolo status` prints."""
+
+from collections.abc import Iterator
+
+from pipeline.run_folder.status import FolderStatus, ImageCost, ReleaseStatus, Worker
+from symolo.core.progress import plural
+
+MAX_DONE_RUNS = 20
+"""Of more runs, those that are done have no line."""
+
+
+def status_lines(status: FolderStatus, *, check: bool) -> Iterator[str]:
+    """Yield the status as lines of text; `check` as for `status`."""
+    runs = status.runs
+    yield _worker(status.worker)
+    yield f"runs: {sum(run.done for run in runs)} of {len(runs)} released and up to date"
+    for run in runs:
+        if not run.done or check or len(runs) <= MAX_DONE_RUNS:
+            yield f"{run.run}: " + "; ".join(f"{stage.stage} {stage.text}" for stage in run.stages)
+    for reason, count in status.reasons.items():
+        yield f"would be done by the next release, {plural(count, 'run')}: {reason}"
+    for run, warning in status.mixed.items():
+        yield f"{run}: {warning}"
+    yield _release(status.release)
+    if status.cost is not None:
+        yield _cost(status.cost)
+    parts = ", ".join(f"{part} {size / 1e6:.1f} MB" for part, size in status.disk_bytes.items())
+    yield f"disk: {sum(status.disk_bytes.values()) / 1e6:.1f} MB: {parts}"
+
+
+def _worker(worker: Worker) -> str:
+    if worker.is_working:
+        return "a command is working here now" + (f", process {worker.process}" if worker.process else "")
+    if worker.has_stages:
+        return "no command is working here now"
+    return "no command is working here; .stages is missing, so the next release makes everything again"
+
+
+def _release(release: ReleaseStatus) -> str:
+    if release.missing_lists:
+        return f"release: not finished, {' and '.join(release.missing_lists)} missing"
+    if release.faults is None:
+        return "release: its lists of checksums are there; --check checks every file"
+    if release.faults:
+        return f"release: {plural(release.faults, 'fault')}; `symolo verify` lists them"
+    return "release: every file as it was released"
+
+
+def _cost(cost: ImageCost) -> str:
+    each_s = cost.core_s / cost.images
+    took = f"{cost.core_s / 3600:.3g} core-hours, {each_s:.3g} core-seconds each"
+    text = f"cost: {plural(cost.images, 'image')} took {took}"
+    if cost.planned_core_s is None:
+        return text
+    return f"{text}; the plan was {cost.planned_core_s:.3g} each, including the starts of Blender"
