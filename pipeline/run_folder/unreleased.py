@@ -11,7 +11,7 @@ from pipeline.run_folder.stored_runs import read_simulated, run_name
 from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.assemble import tables
 from pipeline.stages.simulate_runs import read_outcome
-from sensors.fit_out import sensor_tables
+from sensors.fit_out import listed_sensors
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.time_series import Recording
@@ -39,13 +39,14 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
             images = _rendered_images(folder)
             recording = _with_images(recording, images)
             _write_tables(scratch / run_name(folder), tables(spec, recording))
-            sensors = tuple(sensor_tables(spec.robot.sensors))
-            runs.append(Run(scratch / run_name(folder), run_name(folder), sensors, images))
+            sensor_tables = tuple(sensor.table for sensor in listed_sensors(spec.robot.sensors))
+            runs.append(Run(scratch / run_name(folder), run_name(folder), sensor_tables, images))
             outcome = read_outcome(folder)
             warnings = (*outcome.problems, *outcome.warnings)
             records.append(RunRecord.of(spec, Rows.from_recording(recording), outcome.lap_time_s, warnings))
             specs.append(spec)
-        metadata = describe({"description": "Simulated runs"}, specs, records, (), runs[0].sensor_tables)
+        sensors = listed_sensors(specs[0].robot.sensors)
+        metadata = describe({"description": "Simulated runs"}, specs, records, (), sensors)
         yield Dataset(scratch, metadata, tuple(runs))
 
 

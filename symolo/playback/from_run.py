@@ -15,7 +15,7 @@ from symolo.dataset.tables.rows import COLUMNS, HEADER, LINE, RANGES
 from symolo.dataset.tables.side_tables import SideTable
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from symolo.pages.states import Dash
-from symolo.playback.playback import Beam, CameraTrack, Curve, CurvePlot, Playback, RobotOutline, StripePlot
+from symolo.playback.playback import Beam, CameraTrack, Curve, CurvePlot, Playback, RobotOutline, Scan, StripePlot
 from symolo.reader.run import Run
 
 MAX_CURVES = 6
@@ -52,6 +52,7 @@ def playback_of(run: Run) -> Playback:
         arena=Arena.from_config(spec.arena) if spec else None,
         robot=_outline(spec),
         beams=_beams(spec, ranges_m),
+        scans=tuple(_scans(run)),
         plots=(*_data_plots(run, ranges_m), *_sensor_plots(run)),
         cameras=_cameras(run),
     )
@@ -96,25 +97,46 @@ def _data_plots(run: Run, ranges_m: Array) -> Iterator[CurvePlot | StripePlot]:
 
 
 def _sensor_plots(run: Run) -> Iterator[CurvePlot | StripePlot]:
-    """Yield plots of the tables of the robot's further sensors, one for each unit."""
-    for table in run.sensor_tables:
-        values = run.side(table.name)
-        times_s = values[table.columns[0].name].to_numpy(dtype=np.float64) / 1000
-        for unit, names in _by_unit(table).items():
-            columns = values[names].to_numpy(dtype=np.float64)
-            title, shown_unit = table.name.replace("_", " "), "" if unit == "-" else unit
+    """Yield plots of the robot's further sensors: one for each unit, and one for each group of numbered columns."""
+    for sensor in run.sensors.values():
+        title = sensor.name.replace("_", " ")
+        for unit, names in _by_unit(sensor.side_table).items():
+            values = np.column_stack([sensor.values(name) for name in names])
             if len(names) <= MAX_CURVES:
-                yield curve_plot(title, shown_unit, times_s, names, columns)
+                yield curve_plot(title, unit, sensor.t_s, names, values)
             else:
-                yield StripePlot(title, shown_unit, times_s, tuple(names), _levels(columns))
+                yield StripePlot(title, unit, sensor.t_s, tuple(names), _levels(values))
+        for column in sensor.side_table.columns[1:]:
+            if column.count > 1:
+                names = tuple(map(str, range(column.count)))
+                levels = _levels(sensor.values(column.name))
+                yield StripePlot(f"{title} {column.name}", _unit(column.unit), sensor.t_s, names, levels)
 
 
 def _by_unit(table: SideTable) -> dict[str, list[str]]:
-    """Return the names of the columns after the time, by their unit."""
+    """Return the names of the single columns after the time, by their unit."""
     names: dict[str, list[str]] = {}
     for column in table.columns[1:]:
-        names.setdefault(column.unit, []).append(column.name)
+        if column.count == 1:
+            names.setdefault(_unit(column.unit), []).append(column.name)
     return names
+
+
+def _unit(unit: str) -> str:
+    """Return a unit for a label, which is empty for a number without one."""
+    return "" if unit == "-" else unit
+
+
+def _scans(run: Run) -> Iterator[Scan]:
+    """Yield the sensors of kind lidar; their ranges are 0 where a ray had no return."""
+    for sensor in run.sensors.values():
+        settings = sensor.settings.model_extra or {}
+        if sensor.kind == "lidar" and {"first_ray_deg", "ray_step_deg"} <= settings.keys():
+            range_m = sensor.values("range").reshape(len(sensor.t_s), -1)
+            rays_deg = settings["first_ray_deg"] + settings["ray_step_deg"] * np.arange(range_m.shape[1])
+            angles_rad = np.radians(sensor.settings.yaw_deg + rays_deg)
+            seen_m = np.where(range_m > 0, range_m, np.nan)
+            yield Scan(sensor.name, sensor.settings.x_m, sensor.settings.y_m, angles_rad, sensor.t_s, seen_m)
 
 
 def _levels(values: Array) -> Array:

@@ -73,6 +73,22 @@ class Beam:
 
 
 @dataclass(frozen=True)
+class Scan:
+    """A lidar on the robot, as its scans are drawn on a map."""
+
+    name: str
+    x_m: float
+    y_m: float
+    """Place in the robot's frame R."""
+    angles_rad: Array
+    """(K,), direction of each ray in R."""
+    t_s: Array
+    """(M,), time of each scan."""
+    range_m: Array
+    """(M, K), NaN for a ray without a return."""
+
+
+@dataclass(frozen=True)
 class RobotOutline:
     """What a map shows of the robot, around the middle of its axle."""
 
@@ -96,6 +112,7 @@ class Playback:
     """None for a run whose arena is not known, such as one that `rerender` made."""
     robot: RobotOutline
     beams: tuple[Beam, ...]
+    scans: tuple[Scan, ...]
     plots: tuple[CurvePlot | StripePlot, ...]
     cameras: tuple[CameraTrack, ...]
     """Cameras that took an image."""

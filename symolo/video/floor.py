@@ -3,10 +3,11 @@
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.pages.plotting import VERMILION
+from symolo.pages.plotting import BLUE, VERMILION
 from symolo.pages.states import STATE_STYLES, stretches
 from symolo.playback.playback import Playback
 from symolo.video.canvas import Canvas, Colour, rgb
+from symolo.video.rows import row_at
 
 _TAPE, _WALL, _OBSTACLE, _EDGE = (190, 190, 190), (150, 150, 150), (236, 236, 236), (70, 74, 80)
 _PALE = 0.75
@@ -46,6 +47,7 @@ class Floor:
             if box.motion is not None:
                 (pose,) = box.poses_at(self._run.t_s[row : row + 1])
                 self._box(canvas, pose, box.size[:2], _OBSTACLE)
+        self._scans(canvas, row)
         self._beams(canvas, row)
         self._robot(canvas, row)
         return canvas
@@ -75,6 +77,18 @@ class Floor:
                 red, green, blue = np.rint(colour + pale * (255 - colour)).astype(int).tolist()
                 points = self._place(self._run.pose[begin : end + 1, :2])
                 canvas.line(points, (red, green, blue), (1.0 if pale else 2.0) * self.line_px)
+
+    def _scans(self, canvas: Canvas, row: int) -> None:
+        """Draw the end of each ray of the last scan, from where the robot was then."""
+        for scan in self._run.scans:
+            index = row_at(scan.t_s, float(self._run.t_s[row]))
+            if scan.t_s[index] > self._run.t_s[row] + 1e-6:
+                continue
+            rays = np.column_stack((np.cos(scan.angles_rad), np.sin(scan.angles_rad)))
+            ends = np.array([scan.x_m, scan.y_m]) + scan.range_m[index][:, None] * rays
+            pose = self._run.pose[row_at(self._run.t_s, float(scan.t_s[index]))]
+            for point in self._place(_on_floor(pose, ends[np.isfinite(ends).all(axis=1)])):
+                canvas.area(point + 2.2 * self.line_px * _CORNERS, rgb(BLUE))
 
     def _beams(self, canvas: Canvas, row: int) -> None:
         for beam in self._run.beams:

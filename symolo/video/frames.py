@@ -11,7 +11,8 @@ from symolo.core.arrays import Array
 from symolo.playback.playback import CameraTrack, CurvePlot, Playback, StripePlot
 from symolo.video.canvas import Canvas, Pixels, text_width
 from symolo.video.floor import Floor
-from symolo.video.time_plots import StateBand, TimePlot, row_at
+from symolo.video.rows import row_at
+from symolo.video.time_plots import StateBand, TimePlot
 
 _BASE_WIDTH_PX = 1280
 _TEXT_PX = 15.0

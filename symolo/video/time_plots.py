@@ -8,6 +8,7 @@ from symolo.pages.plotting import BLUE
 from symolo.pages.states import STATE_STYLES, named, stretches
 from symolo.playback.playback import CurvePlot, Playback, StripePlot
 from symolo.video.canvas import Canvas, Colour, rgb, text_width
+from symolo.video.rows import row_at
 
 _FAINT, _GRID = (95, 100, 108), (220, 224, 228)
 _MAX_TICKS = 3
@@ -107,11 +108,6 @@ class StateBand:
     def _x(self, t_s: float) -> float:
         first, last = self._span_s
         return (self._still.pixels.shape[1] - 1) * (t_s - first) / max(last - first, 1e-9)
-
-
-def row_at(t_s: Array, now_s: float) -> int:
-    """Return the last row whose time is not after `now_s`, or the first row."""
-    return max(int(np.searchsorted(t_s, now_s + 1e-6, side="right")) - 1, 0)
 
 
 def ticks_around(values: Array, *, from_zero: bool) -> list[float]:

@@ -14,7 +14,7 @@ from symolo.pages.html import page_data, render_page
 from symolo.pages.states import STATE_STYLES, Dash
 from symolo.pages.thumbnails import thumbnail
 from symolo.playback.from_run import playback_of
-from symolo.playback.playback import CameraTrack, Curve, CurvePlot, Playback, StripePlot
+from symolo.playback.playback import CameraTrack, Curve, CurvePlot, Playback, Scan, StripePlot
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image
 from symolo.report.statistics.run_facts import fresh
@@ -101,6 +101,7 @@ def _run(playback: Playback, max_images: int, max_width_px: int) -> dict[str, An
             {"name": beam.name, "x": beam.x_m, "y": beam.y_m, "yaw": beam.yaw_rad, "range": _numbers(beam.range_m)}
             for beam in playback.beams
         ],
+        "scans": [_scan(scan) for scan in playback.scans],
         "plots": [_plot(plot, playback.t_s) for plot in playback.plots],
         "cameras": [_camera(camera, spread(camera.images, per_camera), max_width_px) for camera in playback.cameras],
     }
@@ -118,6 +119,19 @@ def _box(box: Box, t_s: Array) -> dict[str, Any]:
     x, y, theta = (_numbers(values) for values in box.poses_at(t_s if box.motion is not None else t_s[:1]).T)
     size = {"length": box.size[0], "width": box.size[1]}
     return {"name": box.name, "kind": box.kind, "x": x, "y": y, "theta": theta, **size}
+
+
+def _scan(scan: Scan) -> dict[str, Any]:
+    """Return a lidar; its ranges are whole millimetres of 16 bits, low byte first, and 0 where a ray had no return."""
+    millimetres = np.clip(np.rint(1000 * np.nan_to_num(scan.range_m)), 0, 65_535).astype("<u2")
+    return {
+        "name": scan.name,
+        "x": scan.x_m,
+        "y": scan.y_m,
+        "angles": _numbers(scan.angles_rad),
+        "t": _numbers(scan.t_s),
+        "mm": base64.b64encode(millimetres.tobytes()).decode(),
+    }
 
 
 def _plot(plot: CurvePlot | StripePlot, t_s: Array) -> dict[str, Any]:

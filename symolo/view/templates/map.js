@@ -10,6 +10,10 @@ class FloorMap {
 
   show(run) {
     this.run = run;
+    for (const scan of run.scans) {
+      const bytes = Uint8Array.from(atob(scan.mm), (letter) => letter.charCodeAt(0));
+      scan.ranges = new Uint16Array(bytes.buffer); // of the byte order of every machine that has a browser
+    }
     this.window = windowOf(run);
     this.resize();
   }
@@ -51,6 +55,7 @@ class FloorMap {
     }
     this.path(place, 0, run.state.length - 1, 1, 0.35);
     this.path(place, 0, row, 2.5, 1);
+    for (const scan of run.scans) this.scan(scan, place);
     for (const beam of run.beams) this.beam(beam, pose, place);
     this.robot(pose, place, this.colours.of(run.state[row]));
   }
@@ -82,6 +87,23 @@ class FloorMap {
     outline(this.context, [place(from), to], this.colours.beam(), 1.5);
     this.context.fillStyle = this.colours.beam();
     this.context.fillRect(to[0] - 2.5, to[1] - 2.5, 5, 5);
+  }
+
+  /** Draw the end of each ray of the last scan, from where the robot was then. */
+  scan(scan, place) {
+    const { run } = this;
+    const i = rowAt(scan.t, run.t[this.row]);
+    if (scan.t[i] > run.t[this.row] + 1e-6) return;
+    const row = rowAt(run.t, scan.t[i]);
+    const pose = [run.pose.x[row], run.pose.y[row], run.pose.theta[row]];
+    const from = onFloor(pose, [scan.x, scan.y]);
+    this.context.fillStyle = this.colours.scan();
+    scan.angles.forEach((angle, k) => {
+      const range = scan.ranges[i * scan.angles.length + k] / 1000;
+      if (range === 0) return;
+      const [x, y] = place([from[0] + range * Math.cos(pose[2] + angle), from[1] + range * Math.sin(pose[2] + angle)]);
+      this.context.fillRect(x - 1.2, y - 1.2, 2.4, 2.4);
+    });
   }
 
   robot(pose, place, colour) {

@@ -16,7 +16,8 @@ from symolo.video.build import Video, VideoSettings
 from symolo.video.encoders import gif_chunks, mp4_chunks, webp_chunks
 from symolo.video.floor import Floor
 from symolo.video.frames import times_s
-from symolo.video.time_plots import row_at, ticks_around
+from symolo.video.rows import row_at
+from symolo.video.time_plots import ticks_around
 
 SMALL = VideoSettings(width_px=320, fps=Fraction(5), speed=1.0, max_runs=12)
 CAMERA = (slice(35, 50), slice(75, 90))

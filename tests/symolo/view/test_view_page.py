@@ -107,5 +107,32 @@ def test_an_arena_with_moving_obstacles_has_their_pose_at_each_row(painted):
     assert crosser["theta"][40] - crosser["theta"][0] == pytest.approx(np.pi / 2, abs=1e-3)
 
 
+def test_further_sensors_have_plots_and_scans_lie_on_the_walls(tmp_path, symolo):
+    """A simulated run with IMU and lidar: the ends of the rays, from the pose at the time of the scan."""
+    robot = tmp_path / "robot.yaml"
+    sensors = "{imu: {period_s: 0.01}, lidar: {rays: 90, ray_step_deg: 4, sweep_s: 0, noise_m: 0, noise_share: 0}}"
+    robot.write_text(f"extends: nominal\nname: sensing\nsensors: {sensors}\n")
+    settings = ("--set", f"robot={robot}", "--set", "stop.time_limit_s=0.5", "--workers", 1)
+    assert symolo("simulate", "smoke", *settings, "--out", tmp_path / "data").code == 0
+    out = tmp_path / "view.html"
+    assert symolo("view", tmp_path / "data", "--page", out, "--runs", "CW/*").code == 0
+    (run,) = data_of(out.read_text())["runs"]
+    plots = {plot["title"]: plot for plot in run["plots"]}
+    assert [len(plots[name]["t"]) for name in ("imu", "lidar range")] == [51, 6]
+    assert (plots["lidar range"]["channels"], plots["lidar range"]["names"][-1]) == (90, "89")
+    (scan,) = run["scans"]
+    ranges_m = np.frombuffer(base64.b64decode(scan["mm"]), "<u2").reshape(6, 90)[0] / 1000
+    seen = ranges_m > 0
+    x, y, theta = (run["pose"][name][0] for name in ("x", "y", "theta"))
+    angles = theta + np.array(scan["angles"])[seen]
+    ends = np.array([x, y]) + ranges_m[seen, None] * np.column_stack((np.cos(angles), np.sin(angles)))
+    # Wall B of the arena has its face from (-0.49, 0.30) to (-0.52, -0.72) and faces the robot with its other side.
+    along = np.array([-0.03, -1.02]) / np.hypot(0.03, 1.02)
+    across = (ends - [-0.49, 0.30]) @ np.array([-along[1], along[0]])
+    on_b = (np.abs((ends - [-0.49, 0.30]) @ along - 0.51) < 0.45) & (np.abs(across) < 0.1)
+    assert on_b.sum() >= 5
+    assert np.abs(np.abs(across[on_b]) - 0.01).max() < 0.02
+
+
 def test_the_same_runs_give_the_same_bytes(root, page):
     assert view_page(load(root), LIMITS, LineReport()).html.decode() == page
