@@ -11,7 +11,6 @@ from symolo.playback.from_run import playback_of
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 from symolo.report.statistics.run_facts import fresh
-from symolo.report.statistics.spread import spread
 from symolo.video.floor import Floor
 
 
@@ -40,7 +39,8 @@ def _moments(run: Run, count: int) -> list[int]:
         raise InputError("img is 0 in every row, though there are images", where=where, cure="run `symolo verify`")
     with_image = np.flatnonzero(table.image)
     rows = with_image if len(with_image) else np.arange(len(table.image))
-    return spread(rows.tolist(), count)
+    at = np.unique(np.linspace(0, len(rows) - 1, min(count, len(rows))).round().astype(int))
+    return rows[at].tolist()
 
 
 def _cells(run: Run, rows: Sequence[int], width_px: int) -> list[Cell]:

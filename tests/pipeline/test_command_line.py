@@ -413,7 +413,7 @@ def test_contact_sheet_shows_every_run(dataset, tmp_path, symolo):
     assert symolo("contact-sheet", dataset, "--out", out, "--per-run", 3, "--width-px", 64).code == 0
     sheet = cv2.imread(str(out))
     assert sheet.shape == (2 * (48 + 18), 3 * 64, 3)
-    first = cv2.imread(str(dataset / "CCW/test_1/images/000001.jpg"))
+    first = cv2.imread(str(dataset / "CW/test_1/images/000001.jpg"))
     shown = cv2.resize(sheet[:48, :64], (32, 24), interpolation=cv2.INTER_NEAREST)
     assert abs(shown.astype(int) - first).max() == 0
 
