@@ -13,7 +13,19 @@ from typing import Annotated
 import typer
 
 from pipeline.address_space import check_address_space
-from pipeline.commands import arena, case, explanation, hil, inspection, keeping, robot, sharing, showing, stages, validate
+from pipeline.commands import (
+    arena,
+    case,
+    explanation,
+    hil,
+    inspection,
+    keeping,
+    robot,
+    sharing,
+    showing,
+    stages,
+    validate,
+)
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.model import model
 from pipeline.commands.preview import preview
