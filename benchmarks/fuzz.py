@@ -1,12 +1,12 @@
 """Give a reader of files from strangers changed inputs until the time is over: `python benchmarks/fuzz.py READER`.
 
-    python benchmarks/fuzz.py [READER ...] [--seconds 60] [--seed 0] [--keep DIR]
+    python benchmarks/fuzz.py [READER ...] [--seconds 60] [--processor] [--seed 0] [--keep DIR] [--corpus DIR]
 
 Each reader runs in a child that may take 2 s of the processor for an input and 500 MB more memory than at its start. A
 reader fails if it takes more, crashes, or raises anything but the errors of the project, which are one line. Each
 failing input is made shorter and saved, one for each fault of the code. Where atheris is installed (`pip install
-atheris`), it measures which lines of our code an input reaches and keeps inputs that reach new ones; without it, an
-input is kept that is refused for another reason than all before.
+atheris`), it measures which lines of our code an input reaches and keeps inputs that reach new ones, with `--corpus`
+for the next command too; without atheris, an input is kept that is refused for another reason than all before.
 """
 
 import argparse
@@ -86,8 +86,10 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("readers", nargs="*", metavar="READER", help=f"all by default: {', '.join(NAMES)}")
     parser.add_argument("--seconds", type=float, default=60.0, help="for each reader")
+    parser.add_argument("--processor", action="store_true", help="count time of the processor, not of the clock")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, help="folder for failing inputs; tests/fuzz/corpus by default")
+    parser.add_argument("--corpus", type=Path, help="folder for inputs that reach new lines; temporary by default")
     parser.add_argument("--without-atheris", action="store_true")
     parser.add_argument("--child", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -99,12 +101,12 @@ def _options() -> argparse.Namespace:
 def _parent(name: str, options: argparse.Namespace) -> int:
     """Start children until the time is over, for an input may end a child, and print the figures."""
     keep = (options.keep or ROOT / "tests" / "fuzz" / "corpus") / name
-    begin, seed, deaths = time.monotonic(), options.seed, 0
+    begin, begin_processor, seed, deaths = time.monotonic(), _processor_s(), options.seed, 0
     with tempfile.TemporaryDirectory(prefix="symolo-fuzz-") as folder:
         place = Path(folder)
         total = Tally(place / "tally.json")
         inputs = 0
-        while (left := options.seconds - (time.monotonic() - begin)) > 0.5:
+        while (left := options.seconds - _spent(options, begin, begin_processor)) > 0.5:
             command = [
                 sys.executable,
                 __file__,
@@ -114,8 +116,10 @@ def _parent(name: str, options: argparse.Namespace) -> int:
                 f"--seconds={left}",
                 f"--seed={seed}",
                 f"--keep={keep}",
+                f"--corpus={(options.corpus or place / 'corpus') / name}",
             ]
             command += ["--without-atheris"] if options.without_atheris else []
+            command += ["--processor"] if options.processor else []
             with (place / "log").open("wb") as log:
                 ended = subprocess.run(command, stdout=log, stderr=log, check=False)
             total.read()
@@ -131,13 +135,21 @@ def _parent(name: str, options: argparse.Namespace) -> int:
             if not inputs and deaths > 3:
                 print((place / "log").read_text(errors="replace")[-2000:])
                 break
-        seconds = time.monotonic() - begin
-    rate = inputs / seconds
-    print(f"{name}: {inputs} inputs in {seconds:.0f} s, {rate:.0f} per second, {total.kept} kept, ", end="")
-    print(f"{len(total.lines)} failures", flush=True)
+        seconds, processor_s = time.monotonic() - begin, _processor_s() - begin_processor
+    print(f"{name}: {inputs} inputs in {seconds:.0f} s ({processor_s:.0f} s of the processor), ", end="")
+    print(f"{inputs / processor_s:.0f} per second, {total.kept} kept, {len(total.lines)} failures", flush=True)
     for problem, file in sorted(total.lines.items()):
         print(f"  {problem}: {file}")
     return bool(total.lines)
+
+
+def _processor_s() -> float:
+    """Return the time of the processor of this process and of its children that have ended."""
+    return sum(os.times()[:4])
+
+
+def _spent(options: argparse.Namespace, begin: float, begin_processor: float) -> float:
+    return _processor_s() - begin_processor if options.processor else time.monotonic() - begin
 
 
 def _death(code: int, log: Path) -> str:
@@ -172,9 +184,13 @@ class Session:
         self.read = self.reader.opened(Path(work))
         self.inputs = [*self.reader.valid(), *self.reader.failed_once]
         self.draw = random.Random(options.seed)  # noqa: S311 - changes of inputs, not secrets
-        self.ends = time.monotonic() + options.seconds
+        self._clock = _processor_s if options.processor else time.monotonic
+        self._ends = self._clock() + options.seconds
         self._outcome_of, self._mutated = outcome_of, mutated
         self._current = os.open(self.place / "input", os.O_CREAT | os.O_RDWR)
+
+    def is_over(self) -> bool:
+        return self._clock() > self._ends
 
     def outcome(self, data: bytes) -> "Outcome":
         """Return what comes of an input, which is on the disk in case the process does not come back."""
@@ -219,7 +235,7 @@ class Session:
     def by_reasons(self) -> None:
         """Change inputs at random, and keep those that are refused for a new reason."""
         seen: set[str] = set()
-        while time.monotonic() < self.ends:
+        while not self.is_over():
             data = self.changed(self.draw.choice(self.inputs))
             reason = _NAMED.sub("", self.take(data))[:80]
             if reason not in seen and len(self.inputs) < MAX_KEPT:
@@ -258,8 +274,8 @@ def _atheris():  # noqa: ANN202 - a module that has no types
 
 def _by_coverage(fuzzer, session: Session) -> None:  # noqa: ANN001 - as above
     """Leave the choice of inputs to libFuzzer, which ends the process."""
-    corpus = session.place / "corpus"
-    corpus.mkdir(exist_ok=True)
+    corpus = session.options.corpus
+    corpus.mkdir(parents=True, exist_ok=True)
     for number, data in enumerate(session.inputs):
         (corpus / str(number)).write_bytes(data)
 
@@ -270,7 +286,7 @@ def _by_coverage(fuzzer, session: Session) -> None:  # noqa: ANN001 - as above
 
     def take(data: bytes) -> None:
         session.take(data)
-        if time.monotonic() > session.ends:
+        if session.is_over():
             session.tally.kept = len(list(corpus.iterdir()))
             session.tally.write()
             os._exit(0)
