@@ -68,9 +68,11 @@ def make_dataset(root: Path, runs: int) -> int:
 
 def measured(tree: Path, data: Path) -> float:
     """Return the processor time of one command [s], and print how long it took and how it ended."""
-    environment = {**os.environ, "PYTHONPATH": str(tree), "OPENBLAS_NUM_THREADS": "1"}
+    environment = {**os.environ, "PYTHONPATH": str(tree.resolve()), "OPENBLAS_NUM_THREADS": "1"}
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    ended = subprocess.run([*COMMAND, str(data)], env=environment, capture_output=True, text=True, check=False)
+    # Not in a working tree, whose packages would come before those of PYTHONPATH.
+    command, place = [*COMMAND, str(data)], data.parent
+    ended = subprocess.run(command, env=environment, cwd=place, capture_output=True, text=True, check=False)
     elapsed_s, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     lines = len((ended.stdout + ended.stderr).splitlines())

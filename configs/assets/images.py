@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from configs.assets.quiet import decoded
+from configs.assets.decoding import decoded
+from symolo.core.files.image_decoder import COLOUR
 from symolo.core.files.image_headers import JPEG, image_size
 
 MAX_BYTES = 64 << 20
@@ -31,7 +32,7 @@ def whole_image(data: bytes) -> Bytes:
         ValueError: Neither PNG nor JPEG, too large, cut short or damaged.
     """
     width, height = image_size(data, MAX_PIXELS)
-    image = decoded(data, cv2.IMREAD_COLOR, (width, height), is_strict=data.startswith(JPEG))
+    image = decoded(data, COLOUR, (width, height), is_strict=data.startswith(JPEG))
     return np.asarray(image[..., ::-1], np.uint8)
 
 

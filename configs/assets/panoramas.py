@@ -5,9 +5,10 @@ import re
 import cv2
 import numpy as np
 
-from configs.assets.quiet import decoded
+from configs.assets.decoding import decoded
 from symolo.core.arrays import FloatImage
 from symolo.core.files.exr import is_exr, read_exr
+from symolo.core.files.image_decoder import LIGHT
 
 MAX_BYTES = 256 << 20
 MAX_PIXELS = 8192 * 4096
@@ -71,7 +72,7 @@ def _radiance(data: bytes) -> FloatImage:
     _check_size(width, height)
     # OpenCV misreads some valid headers; replace the header by a plain one.
     plain = _RADIANCE[0] + _FORMAT + b"\n" + data[match.start() :]
-    light = decoded(plain, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR, (width, height))
+    light = decoded(plain, LIGHT, (width, height))
     return np.asarray(light[..., ::-1], np.float32)
 
 

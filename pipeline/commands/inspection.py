@@ -68,7 +68,6 @@ def verify(
 
     Example: symolo verify data --key symolo.pub --reproduce 10
     """
-    from configs.assets.quiet import silenced
     from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.files.file_locks import is_held
     from symolo.core.progress import plural
@@ -81,11 +80,10 @@ def verify(
     if is_held(folder / STAGES):
         what, cure = "another symolo command is working in this folder", "verify it when that command has ended"
         raise InputError(what, where=str(folder), cure=cure)
-    with silenced():
-        for finding in findings_of(folder, spec_problem, public):
-            if not as_json:
-                typer.echo(str(finding))
-            findings.append(finding)
+    for finding in findings_of(folder, spec_problem, public):
+        if not as_json:
+            typer.echo(str(finding))
+        findings.append(finding)
     comment = trusted_comment(folder) if public is not None and not findings else ""
     if not as_json and findings:
         typer.echo(f"{folder}: {plural(len(findings), 'fault')}", err=True)

@@ -102,7 +102,6 @@ def _sign(
 ) -> None:
     import re
 
-    from configs.assets.quiet import silenced
     from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.errors import InputError
     from symolo.dataset.manifest import PROVENANCE, SIGNATURE
@@ -115,8 +114,7 @@ def _sign(
     if not folder.is_dir():
         raise InputError("no such folder", where=str(folder), cure="name the folder that holds metadata.json")
     secret = read_secret_key(key, lambda: _passphrase(passphrase_file, new=False))
-    with silenced():
-        comment = sign_release(folder, secret, facts, spec_problem, with_provenance=with_provenance)
+    comment = sign_release(folder, secret, facts, spec_problem, with_provenance=with_provenance)
     if with_provenance:
         typer.echo(f"{folder / PROVENANCE}: signed by the key {secret.public.name}")
     typer.echo(f"{folder / SIGNATURE}: signed by the key {secret.public.name} ({comment})")

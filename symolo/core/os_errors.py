@@ -49,7 +49,7 @@ def lacking(error: BaseException) -> str:
     return f"{error}; {cure}" if cure else ""
 
 
-def _is_memory_limited() -> bool:
+def is_memory_limited() -> bool:
     """Return whether the process may address only so much memory; the system then refuses, and does not kill it."""
     if sys.platform == "win32":
         return False
@@ -63,7 +63,7 @@ def _shortage_behind(error: BaseException | None) -> BaseException | None:
     while error is not None:
         if isinstance(error, MemoryError) or (isinstance(error, Exception) and _NO_MEMORY.search(str(error))):
             return error
-        if isinstance(error, SystemError) and _is_memory_limited():  # Python 3.11 loses a MemoryError at some places
+        if isinstance(error, SystemError) and is_memory_limited():  # Python 3.11 loses a MemoryError at some places
             return error
         error = (error.__cause__ or error.__context__) if isinstance(error, ImportError) else None
     return None

@@ -1,6 +1,6 @@
 """Checks of the annotations of a released run: files, their form, and ids that no table has."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ from symolo.dataset.documents.camera_model import camera_table
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.layout import frame_name
-from symolo.dataset.pixels import decoded
+from symolo.dataset.pixels import decoded_files
 from symolo.dataset.tables.rows import Rows
 
 _FORMS = {
@@ -51,8 +51,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
         yield name, "is missing"
     for name in sorted(there - expected):
         yield name, "is none of the annotations that metadata.json names"
-    known = set(range(2**16))
-    size = record.image_width_px, record.image_height_px
+    known, category_of = set(range(2**16)), None
     if DOCUMENT in expected & there:
         try:
             document = AnnotationDocument.from_json(read_file(folder / DOCUMENT, FileKind.ANNOTATIONS))
@@ -68,11 +67,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
             yield from strange
             if not strange:
                 category_of = {one.id: one.category_id for one in document.instances}
-                yield from _category_faults(folder, expected & there, category_of, size)
-    for name in sorted((expected & there) - {DOCUMENT}):
-        fault = _image_fault(folder / name, record, known)
-        if fault:
-            yield name, fault
+    yield from _image_faults(folder, (expected & there) - {DOCUMENT}, record, known, category_of)
 
 
 def _expected(numbers: Sequence[int], record: RunRecord) -> Iterator[str]:
@@ -117,25 +112,6 @@ def _camera_faults(document: AnnotationDocument, rows: Rows, spec: RunDocument) 
             yield DOCUMENT, f"t_s or X_WC of image {image.id} is not that of data.csv"
 
 
-def _category_faults(
-    folder: Path, names: set[str], category_of: dict[int, int], size: tuple[int, int]
-) -> Iterator[Fault]:
-    """Check that each pixel has the category of its instance or, without an image of instances, a known category."""
-    for name in sorted(name for name in names if name.startswith("semantic/")):
-        semantic = decoded(folder / name, size)
-        instance = decoded(folder / name.replace("semantic", "instance"), size)
-        if semantic is None or semantic.ndim != 2:
-            continue  # `_image_fault` reports it
-        if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
-            table = np.zeros(_LAST_ID + 1, np.int64)
-            table[list(category_of)] = list(category_of.values())
-            differ = np.count_nonzero(table[instance] != semantic)
-            if differ:
-                yield name, f"differs in {differ} pixels from the categories of the instances there"
-        elif semantic.max() >= len(CATEGORIES):
-            yield name, f"has the id {semantic.max()}, which {DOCUMENT} does not name"
-
-
 def _document_faults(document: AnnotationDocument, numbers: Sequence[int], known: set[int]) -> Iterator[Fault]:
     if [image.id for image in document.images] != list(numbers):
         yield DOCUMENT, "images are not those of data.csv"
@@ -154,14 +130,54 @@ def _document_faults(document: AnnotationDocument, numbers: Sequence[int], known
         yield DOCUMENT, f"{len(strays)} sightings are of an image or a key point that is not there"
 
 
-def _image_fault(path: Path, record: RunRecord, known: set[int]) -> str:
+def _image_faults(
+    folder: Path, names: Iterable[str], record: RunRecord, known: set[int], category_of: dict[int, int] | None
+) -> Iterator[Fault]:
+    """Yield the faults of the images.
+
+    Args:
+        folder: The annotations.
+        names: Images in it.
+        record: The run.
+        known: Ids of instances, and 0.
+        category_of: Category of each instance; None where the document does not say it.
+    """
     size = record.image_width_px, record.image_height_px
-    pixels = decoded(path, size)
-    if pixels is None:
-        return f"is no image of {size[0]} x {size[1]} px"
-    dtype, channels = _FORMS[path.parent.name]
-    form = record.image_height_px, record.image_width_px
+    instances: tuple[str, np.ndarray | None] = "", None
+    # The kinds of an image follow one another, so that those that belong together are decoded once.
+    ordered = sorted((Path(name).name, name) for name in names)
+    for (file, name), pixels in zip(ordered, decoded_files([folder / name for _, name in ordered], size), strict=True):
+        kind = name.partition("/")[0]
+        if kind == "instance":
+            instances = file, pixels
+        if pixels is None:
+            yield name, f"is no image of {size[0]} x {size[1]} px"
+        elif fault := _form_fault(kind, pixels, size) or (_id_fault(pixels, known) if kind == "instance" else ""):
+            yield name, fault
+        elif kind == "semantic" and category_of is not None:
+            fault = _category_fault(pixels, instances[1] if instances[0] == file else None, category_of)
+            if fault:
+                yield name, fault
+
+
+def _form_fault(kind: str, pixels: np.ndarray, size: tuple[int, int]) -> str:
+    dtype, channels = _FORMS[kind]
+    form = size[::-1]
     if pixels.dtype != dtype or pixels.shape != (form if channels == 1 else (*form, channels)):
         return f"is {pixels.dtype} {pixels.shape}, expected {np.dtype(dtype)} of {form} and {channels} channels"
-    strange = set(np.unique(pixels).tolist()) - known if path.parent.name == "instance" else set()
+    return ""
+
+
+def _id_fault(pixels: np.ndarray, known: set[int]) -> str:
+    strange = set(np.unique(pixels).tolist()) - known
     return f"has the id {min(strange)}, which {DOCUMENT} does not name" if strange else ""
+
+
+def _category_fault(semantic: np.ndarray, instance: np.ndarray | None, category_of: dict[int, int]) -> str:
+    """Check that each pixel has the category of its instance or, without an image of instances, a known category."""
+    if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
+        table = np.zeros(_LAST_ID + 1, np.int64)
+        table[list(category_of)] = list(category_of.values())
+        differ = np.count_nonzero(table[instance] != semantic)
+        return f"differs in {differ} pixels from the categories of the instances there" if differ else ""
+    return f"has the id {semantic.max()}, which {DOCUMENT} does not name" if semantic.max() >= len(CATEGORIES) else ""

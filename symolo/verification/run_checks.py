@@ -17,7 +17,7 @@ from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, frame_name
-from symolo.dataset.pixels import MAX_PIXELS, decoded_bytes
+from symolo.dataset.pixels import MAX_PIXELS, decoded_contents
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions, sample_times_ms
@@ -138,14 +138,20 @@ def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[
     there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     yield from _limited(name, [f"{file} is missing" for file in sorted(expected - there)])
     yield from _limited(name, [f"{file} is not named in data.csv" for file in sorted(there - expected)])
-    for file in sorted(expected & there):
-        fault = _picture_fault(folder / file, record.image_width_px, record.image_height_px)
-        if fault:
-            yield Finding(f"{name}/{file}", fault)
+    size, faults, present = (record.image_width_px, record.image_height_px), [], sorted(expected & there)
+
+    def whole_ones() -> Iterator[bytes | None]:
+        for file in present:
+            data = read_file(folder / file, FileKind.IMAGE)
+            faults.append(_header_fault(data, *size))
+            yield None if faults[-1] else data
+
+    for number, pixels in enumerate(decoded_contents(whole_ones(), in_colour=True)):
+        if fault := faults[number] or _size_fault(pixels, *size):
+            yield Finding(f"{name}/{present[number]}", fault)
 
 
-def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
-    data = read_file(path, FileKind.IMAGE)
+def _header_fault(data: bytes, width_px: int, height_px: int) -> str:
     if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
         return "is not a whole JPEG file"
     try:
@@ -155,11 +161,14 @@ def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
     # A header that announces a large image costs a second of decoding; EXIF may exchange width and height.
     if size not in {(width_px, height_px), (height_px, width_px)}:
         return f"is {size[0]} x {size[1]} px, metadata.json says {width_px} x {height_px}"
-    picture = decoded_bytes(data, in_colour=True)
-    if picture is None:
+    return ""
+
+
+def _size_fault(pixels: np.ndarray | None, width_px: int, height_px: int) -> str:
+    if pixels is None:
         return "cannot be decoded"
-    if picture.shape[:2] != (height_px, width_px):
-        return f"is {picture.shape[1]} x {picture.shape[0]} px, metadata.json says {width_px} x {height_px}"
+    if pixels.shape[:2] != (height_px, width_px):
+        return f"is {pixels.shape[1]} x {pixels.shape[0]} px, metadata.json says {width_px} x {height_px}"
     return ""
 
 

@@ -1,6 +1,6 @@
 """Every file of a dataset is opened in one way, that of `symolo.core.files.plain_files`.
 
-Its images are decoded in one way too, that of `symolo.dataset.pixels`.
+Its images are decoded in one way too, that of `symolo.dataset.pixels`, and all images of others in a child.
 """
 
 import ast
@@ -27,6 +27,14 @@ READERS = {
     "genfromtxt",
 }
 READERS |= {"copyfile", "copy2", "copytree", "copyfileobj", "readlines", "FileIO", "ZipFile", "TarFile", "mmap"}
+DECODERS = {"imread", "imdecode", "imdecodemulti", "imreadmulti"}
+DECODING = {
+    "symolo/core/files/image_decoder_child.py",
+    "blender_scenes/render/frame_files.py",
+    "pipeline/preview/engines.py",
+    "sensors/camera/exposure_guard.py",
+}
+"""The child that decodes images of strangers, and what decodes images that symolo has just made."""
 OF_MODULES = {
     "np.load",
     "numpy.load",
@@ -43,7 +51,6 @@ OF_PANDAS = ("pd.read_", "pandas.read_", "pq.read_", "pyarrow.")
 OPENERS = ("open", "fdopen")
 
 JUSTIFIED = {
-    ("symolo/dataset/pixels.py", "imdecode"): "after its header was looked at",
     ("pipeline/preview/engines.py", "imdecode"): "what Blender has just made, as scratch",
     ("blender_scenes/render/frame_files.py", "imdecode"): "what was just encoded",
     ("blender_scenes/blender_side/rendering.py", "read_bytes"): "the picture that Blender has just made, as scratch",
@@ -58,6 +65,10 @@ JUSTIFIED = {
     ("symolo/core/files/atomic_files.py", "os.open"): "files that are written, and folders",
     ("symolo/core/files/atomic_files.py", "read_bytes"): "what was just written beside its place",
     ("symolo/core/files/file_locks.py", "os.open"): "files and folders that are locked and not read",
+    ("symolo/core/files/image_decoder_child.py", "fdopen"): "the pipes to the owner",
+    ("symolo/core/files/image_decoder_child.py", "imdecode"): "in the child, within its limits",
+    ("symolo/core/files/image_decoder_child.py", "os.open"): "the null device",
+    ("symolo/core/files/image_decoder_child.py", "read_text"): "/proc",
     ("symolo/core/files/npz_file.py", "ZipFile"): "from a buffer",
     ("symolo/exporters/mcap.py", "read_bytes"): "what a library has just written, as scratch",
     ("symolo/exporters/ros1.py", "read_bytes"): "what a library has just written, as scratch",
@@ -97,6 +108,13 @@ def test_nothing_opens_files_in_another_way():
     found = set().union(*(found_in(path) for path in MODULES if path.relative_to(ROOT).as_posix() != THE_WAY))
     assert found - JUSTIFIED.keys() == set()
     assert JUSTIFIED.keys() - found == set(), "these are justified no longer"
+
+
+def test_images_of_strangers_are_decoded_in_the_child_alone():
+    packages = (*PACKAGES, "configs", "physics", "sensors", "hil")
+    modules = [path for package in packages for path in (ROOT / package).rglob("*.py")]
+    found = {path.relative_to(ROOT).as_posix() for path in modules if {name for _, name in found_in(path)} & DECODERS}
+    assert found == DECODING
 
 
 @pytest.mark.parametrize(

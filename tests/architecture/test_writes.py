@@ -17,13 +17,13 @@ OF_NUMPY = {"np.save", "numpy.save", "np.memmap", "json.dump", "yaml.dump"}
 """Calls that write to a file, where a name alone would say too little."""
 
 JUSTIFIED = {
-    ("configs/assets/quiet.py", "open"): "the null device, which takes what a decoder says",
     ("physics/bullet/body.py", "write_text"): "the URDF in a scratch folder, for PyBullet reads no text",
     ("hil/build.py", "write_text"): "sources in a scratch folder, for the compiler reads no text",
     ("symolo/core/time_series.py", "savez_compressed"): "into a buffer",
     ("symolo/core/files/file_locks.py", "open"): "files that are locked and hold nothing",
     ("symolo/pages/plotting.py", "savefig"): "into a buffer",
     ("symolo/core/child_process.py", "fdopen"): "the pipe to the owner",
+    ("symolo/core/files/image_decoder_child.py", "fdopen"): "the pipes to the owner",
     ("symolo/core/files/scratch_folders.py", "mkdtemp"): "the only place that makes scratch folders",
     ("symolo/core/files/scratch_folders.py", "rmtree"): "scratch folders",
     ("symolo/core/files/scratch_folders.py", "unlink"): "files in abandoned scratch folders",

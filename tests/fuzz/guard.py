@@ -1,15 +1,20 @@
-"""One input given to one reader: what must not happen, and how it is named."""
+"""One input given to one reader: what must not happen, and how it is named.
 
+The child that decodes images for a reader is held to the same limits.
+"""
+
+import os
 import resource
 import signal
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
 from symolo.core.errors import FaultsError
+from symolo.core.files.image_decoder import decode_images
 
 SECONDS = 2.0
 """Of the processor, within which an input is read or refused."""
@@ -48,8 +53,11 @@ def outcome_of(read: Read, data: bytes, refusals: tuple[type[Exception], ...]) -
         refusals: Errors that the reader may raise; their message must be one line for each of few faults.
     """
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
+    begin = _children_s()
     try:
         read(data)
+        if _children_s() - begin > SECONDS:
+            return Outcome(f"more than {SECONDS:g} s in a child")
     except refusals as error:
         text = str(error)
         listed = error.faults if isinstance(error, FaultsError) else (error,)
@@ -90,6 +98,9 @@ def limits() -> Iterator[None]:
 
     before = signal.signal(signal.SIGPROF, too_slow)
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    decode_images([])  # starts the child, which is limited by itself
+    for child in _children():
+        resource.prlimit(child, resource.RLIMIT_AS, (_address_space(child) + BYTES, hard))
     resource.setrlimit(resource.RLIMIT_AS, (_address_space() + BYTES, hard))
     try:
         yield
@@ -98,6 +109,21 @@ def limits() -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def _address_space() -> int:
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+def _address_space(process: int | str = "self") -> int:
+    pages = int(Path(f"/proc/{process}/statm").read_text(encoding="ascii").split()[0])
     return pages * resource.getpagesize()
+
+
+def _children() -> list[int]:
+    tasks = Path("/proc/self/task").iterdir()
+    return [int(child) for task in tasks for child in (task / "children").read_text(encoding="ascii").split()]
+
+
+def _children_s() -> float:
+    """Return the time of the processor of all children, ended ones too."""
+    ended, ticks = resource.getrusage(resource.RUSAGE_CHILDREN), 0
+    for child in _children():
+        with suppress(OSError):  # it has just ended
+            stat = Path(f"/proc/{child}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+            ticks += int(stat[11]) + int(stat[12])
+    return ended.ru_utime + ended.ru_stime + ticks / os.sysconf("SC_CLK_TCK")

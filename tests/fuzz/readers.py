@@ -8,7 +8,7 @@ import hashlib
 import io
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stderr, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +18,6 @@ import yaml
 
 from configs.assets.images import read_image
 from configs.assets.panoramas import read_panorama
-from configs.assets.quiet import silenced
 from configs.draw import draw_run
 from configs.loader import load_scenario, load_section
 from configs.schema.robot import RobotConfig
@@ -161,10 +160,9 @@ def _images() -> list[bytes]:
 
 def _image_reader(_place: Path) -> Read:
     def read(data: bytes) -> None:
-        with silenced():
-            decoded_bytes(data)
-            decoded_bytes(data, in_colour=True)
-            read_image(data)
+        decoded_bytes(data)
+        decoded_bytes(data, in_colour=True)
+        read_image(data)
 
     return read
 
@@ -179,8 +177,7 @@ def _panoramas() -> list[bytes]:
 
 def _panorama_reader(_place: Path) -> Read:
     def read(data: bytes) -> None:
-        with silenced():
-            read_panorama(data)
+        read_panorama(data)
 
     return read
 
@@ -192,7 +189,7 @@ def _dataset_reader(place: Path) -> Read:
     lists = {name: (folder.root / name).read_bytes() for name in (MANIFEST, TAG_MANIFEST)}
 
     def read(data: bytes) -> None:
-        with folder.replaced(data) as path, silenced():
+        with folder.replaced(data) as path:
             name = path.relative_to(folder.root).as_posix()
             if STAGES not in path.parts and name not in lists:
                 hashes = released_hashes(folder.root)
@@ -276,7 +273,7 @@ def _download_reader(place: Path) -> Read:
             digests = {}
         store = MemoryStore({MANIFEST: data, TAG_MANIFEST: tag_manifest(digests)}, tuple(digests))
         try:
-            with silenced():
+            with redirect_stderr(io.StringIO()):
                 download(Remote.of(store), out, LineReport())
         finally:
             there = {path.name for path in place.iterdir()}, {path.name for path in out.parent.iterdir()}

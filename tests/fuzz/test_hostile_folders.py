@@ -169,7 +169,7 @@ def of_another_size(tmp_path, monkeypatch):
             mask.write_bytes(_grey_png(8191, 8192))
         else:
             mask.unlink()
-    monkeypatch.setattr("cv2.imdecode", lambda *_: pytest.fail("was decoded"))
+    monkeypatch.setattr("symolo.dataset.pixels.decode_images", lambda *_: pytest.fail("was decoded"))
     return root
 
 

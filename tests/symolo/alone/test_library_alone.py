@@ -85,7 +85,8 @@ check_new_path(folder / "other", "--out")
 with held(folder), held_or_refused(folder / "new", "here"):
     pass
 replace_folder(folder / "new", folder / "moved")
-print((folder / "moved/journal").read_bytes(), len(symolo.load(sys.argv[1]).rows))
+data = symolo.load(sys.argv[1])
+print((folder / "moved/journal").read_bytes(), len(data.rows), data.runs[0].images[0].pixels().shape)
 """
     ended = child(code, release, tmp_path, hidden=(*NO_POSIX, *NO_ENGINES))
     assert ended.returncode == 0, ended.stderr

@@ -14,6 +14,7 @@ import pytest
 
 from pipeline.cli import main
 from pipeline.run_folder.stored_spec import spec_problem
+from symolo.core.files import image_decoder
 from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
@@ -425,3 +426,51 @@ def test_what_libjpeg_says_of_damaged_pixels_is_not_on_the_terminal(dataset, cop
     output = capfd.readouterr()
     assert f"{RUN}/images/000001.jpg" in output.out
     assert output.err == f"{root}: 1 fault\n"
+
+
+CRASHING = """
+import os, signal
+import cv2, numpy as np
+import symolo.core.files.image_decoder_child as child
+
+def decode(data, flags):
+    if b"this file" in data:
+        os.kill(os.getpid(), signal.{signal})
+    return cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+
+child.serve(decode)
+"""
+"""A decoder that ends at a certain file."""
+
+
+@pytest.fixture
+def ended_by(monkeypatch, dataset, copy_of, sign):
+    """A dataset with fitting lists in which a file ends the decoder by a signal."""
+    root, decoders = copy_of(dataset), []
+    path = root / RUN / "images/000001.jpg"
+    data = path.read_bytes()
+    path.write_bytes(data[:2] + b"\xff\xfe\x00\x0bthis file" + data[2:])  # a comment (ITU-T T.81, B.2.4.5)
+    sign(root)
+
+    def prepare(signal):
+        decoders.append(image_decoder.ImageDecoder(CRASHING.format(signal=signal)))
+        monkeypatch.setattr(image_decoder, "_shared", lambda: decoders[-1])
+        return root
+
+    yield prepare
+    for decoder in decoders:
+        decoder.close()
+
+
+def test_a_file_that_crashes_the_decoder_is_a_fault_and_the_others_are_checked(ended_by, symolo):
+    ended = symolo("verify", ended_by("SIGSEGV"))
+    assert ended.code == 4
+    assert ended.out.splitlines() == [f"{RUN}/images/000001.jpg: cannot be decoded"]
+
+
+def test_where_the_system_ends_the_decoder_nothing_is_called_a_fault(ended_by, symolo):
+    ended = symolo("verify", ended_by("SIGKILL"))
+    assert ended.code == 5
+    assert ended.out == ""
+    assert ended.err.count("\n") == 1
+    assert "there is not enough memory: images are decoded in a child process" in ended.err

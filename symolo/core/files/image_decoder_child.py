@@ -1,0 +1,154 @@
+"""What the child of `image_decoder` does: it reads images from its standard input, decodes them, and answers.
+
+It needs nothing of the project, so it starts in the time that OpenCV takes to load.
+"""
+
+import os
+import signal
+import struct
+import sys
+import time
+from collections.abc import Callable
+from enum import IntEnum
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+READY = b"\x06"
+"""The first byte of the child, once its libraries are loaded."""
+COUNT = struct.Struct("<I")
+"""Number of images in a batch; a request for each follows, and all are read before the first reply."""
+REQUEST = struct.Struct("<iIIQ")
+"""Flags of OpenCV's `imread`, width and height [px] of the header, number of bytes of the file, which follow."""
+REPLY = struct.Struct("<BBBBII")
+"""Outcome, whether the decoder printed anything, index in `DTYPES`, channels (0 where the image has two dimensions),
+width and height [px]; the pixels follow."""
+DTYPES = tuple(map(np.dtype, ("uint8", "uint16", "float32")))
+SECONDS = 30
+"""Of the processor, for one image; the worst that `image_headers` lets pass takes two."""
+BYTES = 1_500_000_000
+"""Memory beyond that of the child before its first image; the worst image that `image_headers` lets pass takes a third
+of it with its file, and the largest panorama nearly all."""
+
+Decode = Callable[[bytes, int], "np.ndarray | None"]
+
+
+class Outcome(IntEnum):
+    """What came of an image."""
+
+    DECODED = 0
+    UNDECODABLE = 1
+    NO_MEMORY = 2
+
+
+def main() -> None:
+    """Decode images with OpenCV until the owner ends or closes the pipe."""
+    import cv2  # noqa: PLC0415 - the owner imports this module too, and does not need it
+
+    cv2.setNumThreads(1)
+    cv2.setLogLevel(0)  # pyright: ignore[reportAttributeAccessIssue]
+
+    def decode(data: bytes, flags: int) -> np.ndarray | None:
+        try:
+            return cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+        except cv2.error as error:
+            if error.code == cv2.Error.StsNoMem:
+                raise MemoryError from error
+            return None
+
+    serve(decode)
+
+
+def serve(decode: Decode, *, seconds: int = SECONDS, memory_bytes: int = BYTES) -> None:
+    """Answer requests until the owner closes the pipe; the system ends this process if an image takes too long.
+
+    Args:
+        decode: Returns an image, or None where it is none.
+        seconds: Time of the processor that an image may take.
+        memory_bytes: Memory that it may take.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the owner decides
+    requests, replies, messages = _streams()
+    _limit_memory(memory_bytes)
+    replies.write(READY)
+    replies.flush()
+    while len(count := requests.read(COUNT.size)) == COUNT.size:
+        batch = [_request(requests) for _ in range(*COUNT.unpack(count))]
+        for flags, size, data in batch:
+            _limit_time(seconds)
+            _answer(replies, messages, lambda data=data, flags=flags: decode(data, flags), size)
+        replies.flush()
+
+
+def _request(requests: BinaryIO) -> tuple[int, tuple[int, int], bytes]:
+    flags, width, height, count = REQUEST.unpack(requests.read(REQUEST.size))
+    return flags, (width, height), requests.read(count)
+
+
+def _answer(
+    replies: BinaryIO, messages: int | None, decode: Callable[[], "np.ndarray | None"], size: tuple[int, int]
+) -> None:
+    outcome, image = Outcome.UNDECODABLE, None
+    try:
+        image = decode()
+    except MemoryError:
+        outcome = Outcome.NO_MEMORY
+    has_message = _has_message(messages)
+    if image is None or image.dtype not in DTYPES or image.shape[1::-1] not in {size, size[::-1]}:
+        replies.write(REPLY.pack(outcome, has_message, 0, 0, 0, 0))
+        return
+    channels = image.shape[2] if image.ndim == 3 else 0
+    form = DTYPES.index(image.dtype), channels, image.shape[1], image.shape[0]
+    replies.write(REPLY.pack(Outcome.DECODED, has_message, *form))
+    replies.write(np.ascontiguousarray(image).data)
+
+
+def _streams() -> tuple[BinaryIO, BinaryIO, int | None]:
+    """Return the pipes to the owner, and one that receives what libraries print, for they use 1 and 2 directly."""
+    requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    messages = None
+    null = os.open(os.devnull, os.O_RDWR)
+    os.dup2(null, 0)
+    if sys.platform == "win32":  # has no pipes that do not wait
+        write = null
+    else:
+        messages, write = os.pipe()
+        os.set_blocking(messages, False)
+        os.set_blocking(write, False)
+    os.dup2(write, 1)
+    os.dup2(write, 2)
+    return requests, replies, messages
+
+
+def _has_message(messages: int | None) -> bool:
+    """Return whether anything was printed since the last call."""
+    try:
+        return messages is not None and len(os.read(messages, 1 << 16)) > 0
+    except BlockingIOError:
+        return False
+
+
+def _limit_time(seconds: int) -> None:
+    """Have the system end this process after so much more time of the processor."""
+    if sys.platform == "win32":
+        return
+    import resource  # noqa: PLC0415 - Windows has none
+
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    ends = int(time.process_time()) + 1 + seconds
+    resource.setrlimit(resource.RLIMIT_CPU, (ends if hard == resource.RLIM_INFINITY else min(ends, hard), hard))
+
+
+def _limit_memory(memory_bytes: int) -> None:
+    """Let the system refuse memory beyond so much more than there is; only Linux says how much there is, and obeys."""
+    if sys.platform != "linux":
+        return
+    import resource  # noqa: PLC0415 - as above
+
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = pages * resource.getpagesize() + memory_bytes
+    if soft == resource.RLIM_INFINITY or most < soft:
+        resource.setrlimit(resource.RLIMIT_AS, (most, hard))
