@@ -21,7 +21,7 @@ from symolo.core.errors import InputError, one_line
 from symolo.core.files.atomic_files import place_of
 from symolo.core.files.file_hashes import holds
 from symolo.core.files.file_locks import LOCK
-from symolo.core.files.plain_files import FileKind, check_tree, read_file
+from symolo.core.files.plain_files import FileKind, check_tree, is_plain_file, read_file
 from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
@@ -225,7 +225,7 @@ def _released(workspace: Workspace, run: str, *, pending: bool) -> StageStatus:
         return StageStatus("release", "gone", "its folder is missing")
     if f"{SIDE}/{SCENE}" not in done.files:
         return StageStatus("release", "of an earlier version", f"{SIDE}/{SCENE} is not among its files")
-    missing = [name for name in done.files if not (workspace.out / run / name).is_file()]
+    missing = [name for name in done.files if not is_plain_file(workspace.out / run / name)]
     if missing:
         return StageStatus("release", f"without {missing[0]}", "some of its files are missing")
     return StageStatus("release", "done", "after its other stages" if pending else "")
@@ -279,7 +279,7 @@ def _holder(place: os.stat_result) -> int:
 
 
 def _release(workspace: Workspace, *, check: bool) -> ReleaseStatus:
-    missing = tuple(name for name in (MANIFEST, TAG_MANIFEST) if not (workspace.out / name).is_file())
+    missing = tuple(name for name in (MANIFEST, TAG_MANIFEST) if not is_plain_file(workspace.out / name))
     if missing or not check:
         return ReleaseStatus(missing)
     return ReleaseStatus(missing, sum(1 for _ in Inventory.of(workspace.out).findings()))

@@ -26,10 +26,11 @@ REPLY = struct.Struct("<BBBBII")
 width and height [px]; the pixels follow."""
 DTYPES = tuple(map(np.dtype, ("uint8", "uint16", "float32")))
 SECONDS = 30
-"""Of the processor, for one image; the worst that `image_headers` lets pass takes two."""
+"""Of the processor, for the images that are sent together, which are one or small; the worst that `image_headers` lets
+pass takes two."""
 BYTES = 1_500_000_000
 """Memory beyond that of the child before its first image; the worst image that `image_headers` lets pass takes a third
-of it with its file, and the largest panorama nearly all."""
+of it, and the largest panorama two thirds."""
 
 Decode = Callable[[bytes, int], "np.ndarray | None"]
 
@@ -61,12 +62,12 @@ def main() -> None:
 
 
 def serve(decode: Decode, *, seconds: int = SECONDS, memory_bytes: int = BYTES) -> None:
-    """Answer requests until the owner closes the pipe; the system ends this process if an image takes too long.
+    """Answer requests until the owner closes the pipe; the system ends this process if images take too long.
 
     Args:
         decode: Returns an image, or None where it is none.
-        seconds: Time of the processor that an image may take.
-        memory_bytes: Memory that it may take.
+        seconds: Time of the processor that the images of a request may take.
+        memory_bytes: Memory that they may take.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the owner decides
     requests, replies, messages = _streams()
@@ -75,9 +76,17 @@ def serve(decode: Decode, *, seconds: int = SECONDS, memory_bytes: int = BYTES) 
     replies.flush()
     while len(count := requests.read(COUNT.size)) == COUNT.size:
         batch = [_request(requests) for _ in range(*COUNT.unpack(count))]
+        _limit_time(seconds)
         for flags, size, data in batch:
-            _limit_time(seconds)
-            _answer(replies, messages, lambda data=data, flags=flags: decode(data, flags), size)
+            outcome, image = _decoded(decode, flags, size, data)
+            has_message = _has_message(messages)
+            if image is None:
+                replies.write(REPLY.pack(outcome, has_message, 0, 0, 0, 0))
+                continue
+            form = DTYPES.index(image.dtype), image.shape[2] if image.ndim == 3 else 0, image.shape[1], image.shape[0]
+            replies.write(REPLY.pack(outcome, has_message, *form))
+            replies.write(image.data)
+            del image  # or the next one would have to share the memory with it
         replies.flush()
 
 
@@ -86,22 +95,14 @@ def _request(requests: BinaryIO) -> tuple[int, tuple[int, int], bytes]:
     return flags, (width, height), requests.read(count)
 
 
-def _answer(
-    replies: BinaryIO, messages: int | None, decode: Callable[[], "np.ndarray | None"], size: tuple[int, int]
-) -> None:
-    outcome, image = Outcome.UNDECODABLE, None
+def _decoded(decode: Decode, flags: int, size: tuple[int, int], data: bytes) -> tuple[Outcome, "np.ndarray | None"]:
     try:
-        image = decode()
+        image = decode(data, flags)
     except MemoryError:
-        outcome = Outcome.NO_MEMORY
-    has_message = _has_message(messages)
+        return Outcome.NO_MEMORY, None
     if image is None or image.dtype not in DTYPES or image.shape[1::-1] not in {size, size[::-1]}:
-        replies.write(REPLY.pack(outcome, has_message, 0, 0, 0, 0))
-        return
-    channels = image.shape[2] if image.ndim == 3 else 0
-    form = DTYPES.index(image.dtype), channels, image.shape[1], image.shape[0]
-    replies.write(REPLY.pack(Outcome.DECODED, has_message, *form))
-    replies.write(np.ascontiguousarray(image).data)
+        return Outcome.UNDECODABLE, None
+    return Outcome.DECODED, np.ascontiguousarray(image)
 
 
 def _streams() -> tuple[BinaryIO, BinaryIO, int | None]:

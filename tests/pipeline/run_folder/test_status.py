@@ -91,6 +91,14 @@ def test_damage_and_failures_are_reported(out, symolo):
     assert "CCW/test_1: simulate failed: touched sill at 0.55 s" in symolo("status", out).out
 
 
+@pytest.mark.parametrize("name", ["CW/test_1/data.csv", "manifest-sha256.txt"])
+def test_a_link_is_no_released_file(out, symolo, tmp_path, name):
+    (out / name).rename(tmp_path / "elsewhere")
+    (out / name).symlink_to(tmp_path / "elsewhere")
+    expected = "release without data.csv" if name.endswith("csv") else "not finished, manifest-sha256.txt missing"
+    assert expected in symolo("status", out).out
+
+
 def test_what_is_no_output_folder_is_refused_in_one_line(out, tmp_path, symolo):
     (tmp_path / "empty").mkdir()
     for arguments in ((tmp_path / "none",), (tmp_path / "empty",), (out, "--set", "seed=1")):
