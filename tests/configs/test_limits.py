@@ -10,6 +10,7 @@ from configs.schema.arena import ArcPiece, ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route
+from sensors.effects.line_adc_saturation import LineAdcSaturation
 from sensors.effects.pose_clock_drift import PoseClockDrift
 from symolo.core.yaml.tree import dotted
 
@@ -93,6 +94,17 @@ def test_an_effect_that_a_bench_measures_but_the_simulation_cannot_is_refused_fo
     early = robot.with_effect(PoseClockDrift(rate=-0.001))
     assert paths(checks.robot_faults(early, in_simulation=True)) == ["robot.effects.pose_clock_drift.rate"]
     assert paths(checks.robot_faults(early, in_simulation=False)) == []
+    checks.check_robot(early, load_section("robot", "nominal").tree)
+
+
+def test_a_fault_of_an_effect_names_the_other_field_if_there_is_one(robot):
+    saturated, early = LineAdcSaturation(low=0.5, high=0.3), PoseClockDrift(rate=-0.001)
+    both = robot.with_effect(saturated).with_effect(early)
+    other = {dotted(fault.path): dotted(fault.against) for fault in checks.robot_faults(both, in_simulation=True)}
+    assert other == {
+        "robot.effects.line_adc_saturation.low": "robot.effects.line_adc_saturation.high",
+        "robot.effects.pose_clock_drift.rate": "",
+    }
 
 
 @pytest.mark.parametrize(
@@ -177,7 +189,7 @@ def test_all_of_an_arena_lies_up_to_the_edge_of_the_floor(turned):
 
 @pytest.mark.parametrize(
     ("start_deg", "end_deg"),
-    [(10, 80), (-80, 80), (80, -80), (100, 170), (-10, 190), (350, 370), (0, 360), (90, 180), (89.5, 90.5)],
+    [(10, 80), (-80, 80), (80, -80), (100, 170), (-10, 190), (350, 370), (0, 360), (90, 180), (89.5, 90.5), (10, 89.2)],
 )
 def test_the_points_that_are_checked_of_an_arc_reach_as_far_as_all_of_it(start_deg, end_deg):
     (piece,) = arena([arc(start_deg, end_deg, radius_m=2.0, center=(1.0, -3.0))]).line.pieces

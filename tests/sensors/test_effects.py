@@ -210,7 +210,10 @@ class TestRangeSensorsInTheSimulation:
         assert view.reflectance == pytest.approx(np.full(3, 0.45))
 
     def test_of_a_wall_and_the_floor_the_view_is_the_mean_over_the_light(self, seen, plane_world):
-        """Material, reflectance (1 of the floor) and normal, (-w, 0, 1 - w), with a share w of light from the wall."""
+        """Material, reflectance (1 of the floor) and normal, (-w, 0, 1 - w), with a share w of light from the wall.
+
+        The axes of the side sensors point 45 degrees to the left and right; their own axes are those of the test above.
+        """
         view = seen(plane_world(wall_x_m=0.6, floor=True), raised_deg=-8.0)
         wall = view.material_share["wood"]
         assert np.all((wall[0] > 0.1) & (wall[0] < 0.9))
@@ -219,6 +222,11 @@ class TestRangeSensorsInTheSimulation:
         lifted = math.atan2(1.0 - wall[0], wall[0])
         assert view.tilt_forward_rad[0] == pytest.approx(lifted - math.radians(8.0), abs=1e-9)
         assert view.incidence_rad[0] == pytest.approx(abs(lifted - math.radians(8.0)), abs=1e-9)
+        aside, raised, floor = np.radians([0.0, 45.0, -45.0]), math.radians(-8.0), 1.0 - wall
+        towards = wall * math.cos(raised) * np.cos(aside) - floor * math.sin(raised)
+        up = wall * math.sin(raised) * np.cos(aside) + floor * math.cos(raised)
+        assert view.tilt_forward_rad == pytest.approx(np.arctan2(up, towards), abs=1e-9)
+        assert view.tilt_sideways_rad == pytest.approx(np.arctan2(wall * np.sin(aside), towards), abs=1e-9)
 
     def test_where_nothing_is_seen_an_effect_of_the_reflectance_has_no_target(self, read):
         reading, status = read(CoverCrosstalk(strength_per_m2=0.1), distance_m=1e9)

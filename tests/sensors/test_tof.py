@@ -165,6 +165,17 @@ def test_rays_are_weighed_by_the_beam_and_the_cosine_of_their_incidence(robot, a
     assert reading_m == pytest.approx(expected_m, rel=2e-3)
 
 
+@pytest.mark.parametrize("exponent", [0.0, 6.0])
+@pytest.mark.parametrize("rays", [1, 90])
+def test_a_wall_met_head_on_reads_its_distance_however_rays_are_weighed(robot, arena_of, plane_world, exponent, rays):
+    """The mean is weighted, so it does not depend on the amount of light, and the device is calibrated with weights."""
+    tof = sensors(
+        robot, arena_of(), RangeSignalWeighting(exponent=exponent), noise_scale=0.0, quantisation_m=0.0, rays=rays
+    )
+    reading_m = tof.sample(wall_ahead(plane_world, robot, 0.6))[FRONT, 0]
+    assert reading_m == pytest.approx(0.6 + 0.00025, abs=1e-9)
+
+
 @pytest.mark.parametrize("yaw_deg", [10, 30, 50])
 def test_a_slanted_wall_reads_its_distance_along_the_axis(robot, arena_of, plane_world, yaw_deg):
     """The cosine of incidence in the weight cancels that in the length of a ray, whatever the beam is."""

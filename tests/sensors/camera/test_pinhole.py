@@ -107,12 +107,13 @@ def test_the_principal_point_is_off_the_middle_by_what_the_camera_says(robot):
     assert (camera.cx_px, camera.cy_px) == pytest.approx((79.5 + 5, 59.5 - 3))
 
 
-def test_points_behind_a_lens_project_as_opencv_does(robot):
-    camera, X_WC = _behind_a_lens(robot), _X_WC(robot, 0.1, 0.2, 0.3)
+@pytest.mark.parametrize("lens", [LENS, (0.2, 0.0, 0.0, 0.0, 0.0)], ids=["barrel", "pincushion"])
+def test_points_behind_a_lens_project_as_opencv_does(robot, lens):
+    camera, X_WC = replace(_behind_a_lens(robot), distortion=lens), _X_WC(robot, 0.1, 0.2, 0.3)
     p_W = np.array([[0.9, 0.4, 0.05], [0.6, 0.5, 0.0], [0.35, 0.35, 0.02]])
     X_CW = np.linalg.inv(X_WC)
     turn, _ = cv2.Rodrigues(X_CW[:3, :3])
-    expected, _ = cv2.projectPoints(p_W, turn, X_CW[:3, 3], matrix_K(camera), np.array(LENS))
+    expected, _ = cv2.projectPoints(p_W, turn, X_CW[:3, 3], matrix_K(camera), np.array(lens))
     assert project(camera, X_WC, p_W)[0] == pytest.approx(expected[:, 0], abs=1e-6)
 
 

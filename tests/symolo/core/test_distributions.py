@@ -137,7 +137,7 @@ def test_whole_numbers_share_the_uniform_numbers_equally_or_are_rounded():
 def test_the_share_within_limits_is_that_of_the_gaussian():
     assert Normal(3.0, 2.0, 1.0, 5.0).share_within() == pytest.approx(0.682689, abs=1e-6)
     assert Normal(3.0, 2.0, low=3.0).share_within() == pytest.approx(0.5, abs=1e-4)
-    assert Normal(3.0, 0.0, 3.0, 3.0).share_within() == 1.0
+    assert Normal(3.0, 0.0, 3.0, 3.0).share_within() == Normal(3.0, 0.0, 2.0, 4.0).share_within() == 1.0
     assert Normal(3.0, 0.0, 3.5, 4.0).share_within() == Normal(3.0, 0.0, 2.0, 2.5).share_within() == 0.0
 
 

@@ -160,6 +160,7 @@ def test_every_state_of_the_controller_is_known_to_the_tables_and_has_a_meaning(
         (table(row(), header=HEADER_LINE.removesuffix(",img")), ":1", "column img is missing"),
         (table(row(), header=HEADER_LINE + ",extra"), ":1", "column extra is not known"),
         (table(row(), header=HEADER_LINE.replace("d_f", "D_F")), ":1", "did you mean d_f"),
+        (table(row(), header=HEADER_LINE.replace("x,y", "y,x")), ":1", "columns in another order"),
         (table(row(), row(t=50)[:-5]), ":3", "18 columns; allowed: 19"),
         (table(row(), row(t=50) + ",1"), ":3", "20 columns; allowed: 19"),
         (table(row(), ""), ":3", "1 columns; allowed: 19"),
@@ -185,6 +186,25 @@ def test_a_foreign_table_is_read_strictly(text, where, what, tmp_path):
         read_rows(path)
     assert f"{path}{where}: " in str(caught.value)
     assert what in str(caught.value)
+
+
+def test_times_in_seconds_are_recognised_by_the_first_ones_that_fall_on_the_same_millisecond(tmp_path):
+    """And only these: where times do not increase, or an image number does not, this is what is reported."""
+    path = tmp_path / "data.csv"
+    times = ("0", "1", "2.2", "2.4", "2.6")
+    path.write_text(table(*(row(t=t, img=0) for t in times), row(t="2.7", img=-1)))
+    with pytest.raises(InputError) as caught:
+        read_rows(path)
+    assert str(caught.value) == (
+        f"{path}:5: column t: 2.4 ms is not a millisecond after 2.2 ms; "
+        "give t in milliseconds; this looks like seconds: multiply it by 1000"
+    )
+    path.write_text(table(row(t=0, img=2), row(t=1, img=1), row(t="1.2", img=0), row(t="1.4", img=0)))
+    with pytest.raises(InputError, match=r":3: column img: 1 does not count up from 2"):
+        read_rows(path)
+    path.write_text(table(row(t="0.2", img=0), row(t="0.1", img=0)))
+    with pytest.raises(InputError, match=r":3: column t: 0 ms is not after 0 ms; repair or remove the row"):
+        read_rows(path)
 
 
 def test_pandas_reads_the_same_numbers_and_keeps_whole_numbers_whole(tmp_path):
