@@ -17,7 +17,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from io import BufferedReader, BufferedWriter
+from io import FileIO
 from pathlib import Path
 from typing import cast
 
@@ -173,15 +173,16 @@ class _Child:
         environment, pipe = {**os.environ, **_SETTINGS}, subprocess.PIPE
         command = [sys.executable, "-I", "-B", "-c", program]
         try:
-            self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, env=environment)
+            # Without buffers, which another thread may have filled or locked when this process is copied by fork.
+            self._process = subprocess.Popen(command, 0, stdin=pipe, stdout=pipe, stderr=pipe, env=environment)
         except OSError as error:  # a reader would take an OSError for one of its file
             raise EnvironmentLacking(_not_started(str(error))) from error
-        self._requests = cast("BufferedWriter", self._process.stdin)
-        self._replies = cast("BufferedReader", self._process.stdout)
+        self._requests = cast("FileIO", self._process.stdin)
+        self._replies = cast("FileIO", self._process.stdout)
         try:
-            with cast("BufferedReader", self._process.stderr) as errors:
+            with cast("FileIO", self._process.stderr) as errors:
                 is_ready = self._replies.read(len(READY)) == READY
-                lines = [] if is_ready else errors.read().decode(errors="replace").strip().splitlines()
+                lines = [] if is_ready else errors.readall().decode(errors="replace").strip().splitlines()
         except BaseException:
             self.end()
             raise
@@ -199,17 +200,17 @@ class _Child:
             BrokenPipeError: The child has ended, or answers what it never would; it must be ended.
             MemoryError: The machine lacks the memory for it.
         """
-        self._requests.write(COUNT.pack(len(images)))
+        parts = [COUNT.pack(len(images))]
         for image in images:
-            self._requests.write(REQUEST.pack(image.flags, *image.size, len(image.data)))
-            self._requests.write(image.data)
-        self._requests.flush()
+            parts += [REQUEST.pack(image.flags, *image.size, len(image.data)), image.data]
+        left = memoryview(b"".join(parts))
+        while left:
+            left = left[self._requests.write(left) :]
         return [self._answer(image.size) for image in images]
 
     def _answer(self, size: tuple[int, int]) -> DecodedImage | Undecodable:
-        header = self._replies.read(REPLY.size)
-        if len(header) < REPLY.size:
-            raise BrokenPipeError
+        header = bytearray(REPLY.size)
+        self._receive(memoryview(header))
         outcome, has_message, dtype, channels, width, height = REPLY.unpack(header)
         if outcome == Outcome.NO_MEMORY:
             if is_memory_limited():
@@ -220,9 +221,16 @@ class _Child:
         if (width, height) not in {size, size[::-1]} or channels not in _CHANNELS or dtype >= len(DTYPES):
             raise BrokenPipeError  # the decoder has been taken over
         pixels = np.empty((height, width, channels) if channels else (height, width), DTYPES[dtype])
-        if self._replies.readinto(pixels.reshape(-1).view(np.uint8).data) < pixels.nbytes:
-            raise BrokenPipeError
+        self._receive(pixels.reshape(-1).view(np.uint8).data)
         return DecodedImage(pixels, bool(has_message))
+
+    def _receive(self, place: memoryview) -> None:
+        """Fill some memory."""
+        while place:
+            count = self._replies.readinto(place)
+            if not count:
+                raise BrokenPipeError
+            place = place[count:]
 
     def reason_of_end(self) -> Exception:
         """Return whose fault it is that the child has ended: that of the image, or that of the machine."""

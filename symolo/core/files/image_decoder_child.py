@@ -69,7 +69,9 @@ def serve(decode: Decode, *, seconds: int = SECONDS, memory_bytes: int = BYTES) 
         seconds: Time of the processor that the images of a request may take.
         memory_bytes: Memory that they may take.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the owner decides
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # sent to all processes of a command, whose owner decides
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     requests, replies, messages = _streams()
     _limit_memory(memory_bytes)
     replies.write(READY)

@@ -124,6 +124,16 @@ def test_a_decoder_that_the_system_kills_is_no_fault_of_the_image(decoder):
     assert outcomes(decoder, b"a") == [1]
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_to_all_processes_of_a_command_is_left_to_the_owner(decoder, number):
+    """Were the child to end, the owner could report the image before it hears of the signal itself."""
+    outcomes(decoder, b"a")
+    child = decoder._child._process
+    child.send_signal(number)
+    assert outcomes(decoder, b"ab") == [2]
+    assert decoder._child._process is child
+
+
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
