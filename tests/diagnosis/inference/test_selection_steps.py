@@ -7,9 +7,21 @@ from typing import Any
 import numpy as np
 import pytest
 
+from diagnosis.inference import selection as module
 from diagnosis.inference.fit import fits
 from diagnosis.inference.refusal import is_negligible, needed, refusal
-from diagnosis.inference.selection import _pruned, _swapped, promising, ranked, replaced, rescued, select, without
+from diagnosis.inference.selection import (
+    _best_pair,
+    _is_better,
+    _pruned,
+    _swapped,
+    promising,
+    ranked,
+    replaced,
+    rescued,
+    select,
+    without,
+)
 
 SD_A = 0.01
 X = np.linspace(-1.0, 1.0, 120)
@@ -137,6 +149,49 @@ def test_an_earlier_effect_gives_way_to_one_that_explains_more(evidence_of, fitt
     assert [e.name for e in swapped.hypothesis.effects] == ["current_sensor_offset", "current_sensor_gain"]
     alone = fitted(evidence, "current_limit")
     assert _swapped(evidence, alone, [effect(name) for name in names]) is alone
+
+
+@pytest.mark.parametrize(
+    ("names", "drop", "is_better"),
+    [
+        (["current_sensor_gain"], 14.9, False),
+        (["current_sensor_gain"], 15.1, True),
+        (["current_sensor_gain", "current_limit"], -0.1, False),
+        (["current_sensor_gain", "current_limit"], 0.1, True),
+        (["current_sensor_gain", "friction_warmup"], -6.1, False),
+        (["current_sensor_gain", "friction_warmup"], -5.9, True),
+    ],
+)
+def test_a_pair_needs_15_more_than_a_single_effect_and_6_for_each_parameter_more_than_another_pair(
+    evidence_of, fitted, names, drop, is_better
+):
+    evidence = evidence_of(X, X)
+    pair = replace(fitted(evidence, "current_sensor_gain", "current_sensor_offset"), cost=100.0)
+    assert _is_better(pair, replace(fitted(evidence, *names), cost=100.0 + drop)) is is_better
+
+
+def test_the_best_pair_stays_what_it_is_and_a_pair_that_is_refused_is_none(evidence_of, fitted, effect):
+    names = ("current_sensor_gain", "current_sensor_offset")
+    effects = [effect(name) for name in names]
+    evidence = evidence_of(X, 1.4 * X + 0.05)
+    best = fitted(evidence, *names)
+    assert _best_pair(evidence, fitted(evidence), best, effects) is best
+    found = _best_pair(evidence, fitted(evidence), fitted(evidence, names[1]), effects)
+    assert {e.name for e in found.hypothesis.effects} == set(names)
+    # Held-out rows without the offset refuse it, however much it explains of the others.
+    n = 30
+    contradicted = evidence_of(
+        np.concatenate([X, X[:n]]), np.concatenate([1.4 * X + 0.05, 1.4 * X[:n] - 0.5]), heldout=n
+    )
+    alone = fitted(contradicted, names[0])
+    assert _best_pair(contradicted, fitted(contradicted), alone, effects) is alone
+
+
+def test_no_pairs_are_tried_beside_three_effects(evidence_of, hypothesis, effect, monkeypatch):
+    three: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3)))
+    monkeypatch.setattr(module, "_grown", lambda *_: (three, []))
+    monkeypatch.setattr(module, "_best_pair", lambda *_: pytest.fail("pairs were tried"))
+    assert select(evidence_of(X, X), hypothesis, [effect("current_sensor_gain")]).fit is three
 
 
 def test_no_fourth_effect_rescues_a_model(evidence_of, effect):
