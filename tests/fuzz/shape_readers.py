@@ -9,7 +9,6 @@ import trimesh
 from configs.arena_import.floor_plan import drawing_from_image
 from configs.arena_import.svg import drawing_from_svg
 from configs.assets.mesh_files import FORMATS, read_mesh
-from configs.assets.quiet import silenced
 from physics.robot.urdf_import import robot_from_urdf
 from physics.robot.urdf_tree import read_urdf
 from symolo.arena.mesh import unpacked
@@ -50,11 +49,10 @@ def drawings() -> list[bytes]:
 
 def drawing_reader(_place: Path) -> Read:
     def read(data: bytes) -> None:
-        with silenced():
-            if b"<svg" in data:
-                drawing = drawing_from_svg(data, "plan.svg", None)
-            else:
-                drawing = drawing_from_image(data, "plan.png", 4.0)
+        if b"<svg" in data:
+            drawing = drawing_from_svg(data, "plan.svg", None)
+        else:
+            drawing = drawing_from_image(data, "plan.png", 4.0)
         drawing.moved_to_middle().arena("mine", 0.15, 0.01)
 
     return read
