@@ -40,7 +40,7 @@ _EXPONENTS: Mapping[str, float] = MappingProxyType(
     }
 )
 """Power of the factor by the unit at the end of a name; the first that fits counts."""
-_LENGTHS = frozenset({"start", "end", "center", "size", "offset", "points"})
+_LENGTHS = frozenset({"start", "end", "center", "size", "offset", "points", "places"})
 """Names of lists of lengths."""
 _DEVICES: tuple[FieldPath, ...] = (
     *(("tof", name) for name in ("min_range_m", "max_range_m", "no_target_m", "quantisation_m")),
@@ -48,9 +48,10 @@ _DEVICES: tuple[FieldPath, ...] = (
     ("power",),
     ("effects",),
     ("effect_ranges",),
-    ("sensors",),
 )
 """Paths of what is not scaled in a robot."""
+_PLACES = frozenset({"x_m", "y_m", "z_m", "places"})
+"""Settings of a sensor of `robot.sensors` that are scaled: where it is. The device itself is bought."""
 
 
 def scaled(kind: str, root: Node, factor: Node | None) -> Node:
@@ -72,6 +73,8 @@ def scaled(kind: str, root: Node, factor: Node | None) -> Node:
 
 def _scaled(node: Node, s: float, path: FieldPath, exponent: float = 0.0) -> Node:
     if any(path[: len(device)] == device for device in _DEVICES):
+        return node
+    if path[:1] == ("sensors",) and len(path) > 2 and path[2] not in _PLACES:
         return node
     if isinstance(node.value, dict):
         keep = node.is_distribution or exponent != 0.0

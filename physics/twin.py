@@ -227,6 +227,13 @@ class ReplayedWorld:
     def cast(self, origins: Array, ends: Array, time_s: float | None = None) -> RayHits:
         return self._rays.cast(origins, ends, self.time_s if time_s is None else time_s)
 
+    def wheel_angles(self) -> tuple[float, float]:
+        """Return the angles of the wheels since the start, right and left [rad]; none is lost."""
+        t_s, speeds = self._run.t_s, self._run.wheel_speed_rad_s[:, self._trial]
+        turned = np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(t_s)[:, None], axis=0)
+        right, left = (np.interp(self.time_s, t_s, np.append(0.0, column)) for column in turned.T)
+        return float(right), float(left)
+
     def encoder_counts(self) -> tuple[int, int]:
         row = int(np.searchsorted(self._run.t_s, self.time_s + 1e-9, side="right")) - 1
         right, left = self._run.counts[row, self._trial].tolist()

@@ -7,5 +7,10 @@ SENSORS = (
     "pose_log",
     "imu",
     "lidar",
+    "vl53l0x",
+    "ultrasonic",
+    "line_array",
+    "wheel_encoder",
+    "bumper",
 )
 """Modules with one sensor each, in the order in which sensors sample if several of them do so at the same instant."""

@@ -68,6 +68,10 @@ class World(Protocol):
         """Cast rays from `origins` to `ends`, (N, 3) each, in W; obstacles are where they are at `time_s`, or now."""
         ...
 
+    def wheel_angles(self) -> tuple[float, float]:
+        """Return the angles [rad] by which the wheels have turned, right and left, as encoders count them."""
+        ...
+
     def encoder_counts(self) -> tuple[int, int]:
         """Return the counts of both encoders, right and left, since the start."""
         ...

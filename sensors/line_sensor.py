@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import cos, sin
+from typing import Protocol
 
 import numpy as np
 
@@ -30,14 +31,77 @@ class LineOptics:
     @classmethod
     def of(cls, config: LineSensor, effects: RobotEffects) -> "LineOptics":
         place_m = through(effects.functions(Slot.LINE_PLACE), channel_weights(config.channels) * config.pitch_m)
+        return cls.at_places(place_m, config.spot_diameter_at_floor_m, config.spot_growth * config.height_m, effects)
+
+    @classmethod
+    def at_places(
+        cls, place_m: Array, at_floor_m: float, growth_m: float, effects: RobotEffects = NO_EFFECTS
+    ) -> "LineOptics":
+        """Return the optics of channels whose spots have a diameter at the floor and grow up to their height."""
         ratio = through(effects.functions(Slot.LINE_HEIGHT), 1.0)
         # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
-        spot_sd_m = 0.25 * (config.spot_diameter_at_floor_m + config.spot_growth * config.height_m * ratio)
-        return cls(place_m, spot_sd_m, ratio**-2.0)
+        return cls(place_m, 0.25 * (at_floor_m + growth_m * ratio), ratio**-2.0)
 
     def light(self, ink: Array, arena: Arena) -> Array:
         """Return the reflectance that is read for shares of the spots on the tape, in any shape."""
         return self.level * (arena.floor_reflectance + ink * (arena.line.reflectance - arena.floor_reflectance))
+
+
+class ChannelErrors(Protocol):
+    """Errors of reflectance sensors, as the configuration of a robot has them."""
+
+    gain_sd: float
+    offset_sd: float
+    noise_sd: float
+    adc_bits: int
+    dropout_probability: float
+
+
+class ReflectanceChannels:
+    """Any number N of reflectance sensors at any places."""
+
+    def __init__(  # noqa: PLR0917 - what the readings depend on
+        self,
+        places_R: Array,
+        optics: LineOptics,
+        errors: ChannelErrors,
+        arena: Arena,
+        rng: np.random.Generator,
+        effects: RobotEffects,
+    ) -> None:
+        """Build the sensors.
+
+        Args:
+            places_R: (N, 2) [m], places ahead of the axle and to the left.
+            optics: Size and light of a spot.
+            errors: Sizes of the errors.
+            arena: The arena in which the robot drives.
+            rng: Random stream of these sensors.
+            effects: Effects on the readings.
+        """
+        count = len(places_R)
+        self._optics, self._errors, self._arena, self._rng, self._effects = optics, errors, arena, rng, effects
+        self._channels_R = np.column_stack([places_R, np.ones(count)])
+        self._gain = 1.0 + errors.gain_sd * rng.standard_normal(count)
+        self._offset = errors.offset_sd * rng.standard_normal(count)
+        self._last = np.ones(count)
+
+    def read(self, world: World) -> Array:
+        """Return the readings (N,) after gain, offset, noise and the ADC."""
+        x, y, yaw = world.pose()
+        c, s = cos(yaw), sin(yaw)
+        points = self._channels_R @ np.array([[c, s], [-s, c], [x, y]])
+        ink = tape_share(self._arena.line, points, self._optics.spot_sd_m)
+        reflectance = self._optics.light(ink, self._arena)
+        noise = self._errors.noise_sd * self._rng.standard_normal(len(points))
+        full_scale = 2**self._errors.adc_bits - 1
+        read = through(self._effects.functions(Slot.LINE_READING), self._gain * reflectance + self._offset)
+        reading = np.minimum(np.maximum(read + noise, 0.0), 1.0)
+        reading = through(self._effects.functions(Slot.LINE_LIMIT), reading)
+        reading = np.rint(reading * full_scale) / full_scale
+        lost = self._rng.random(len(points)) < self._errors.dropout_probability
+        self._last = np.where(lost, self._last, reading)
+        return self._last
 
 
 class LineSensorModel(Sensor):
@@ -56,16 +120,9 @@ class LineSensorModel(Sensor):
         effects: RobotEffects = NO_EFFECTS,
     ) -> None:
         self.sampling = Sampling.from_seconds(config.period_s, config.delay_s, physics_hz)
-        self._config = config
-        self._arena = arena
-        self._rng = rng
-        self._optics = LineOptics.of(config, effects)
-        self._effects = effects
-        y_m = self._optics.place_m
-        self._channels_R = np.stack([np.full_like(y_m, config.x_m), y_m, np.ones_like(y_m)], axis=1)
-        self._gain = 1.0 + config.gain_sd * rng.standard_normal(config.channels)
-        self._offset = config.offset_sd * rng.standard_normal(config.channels)
-        self._last = np.ones(config.channels)
+        optics = LineOptics.of(config, effects)
+        places_R = np.column_stack([np.full_like(optics.place_m, config.x_m), optics.place_m])
+        self._channels = ReflectanceChannels(places_R, optics, config, arena, rng, effects)
 
     @classmethod
     def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "LineSensorModel":
@@ -73,20 +130,7 @@ class LineSensorModel(Sensor):
 
     def sample(self, world: World) -> Array:
         """Return the readings (8,) after gain, offset, noise and the ADC."""
-        x, y, yaw = world.pose()
-        c, s = cos(yaw), sin(yaw)
-        points = self._channels_R @ np.array([[c, s], [-s, c], [x, y]])
-        ink = tape_share(self._arena.line, points, self._optics.spot_sd_m)
-        reflectance = self._optics.light(ink, self._arena)
-        noise = self._config.noise_sd * self._rng.standard_normal(len(points))
-        full_scale = 2**self._config.adc_bits - 1
-        read = through(self._effects.functions(Slot.LINE_READING), self._gain * reflectance + self._offset)
-        reading = np.minimum(np.maximum(read + noise, 0.0), 1.0)
-        reading = through(self._effects.functions(Slot.LINE_LIMIT), reading)
-        reading = np.rint(reading * full_scale) / full_scale
-        lost = self._rng.random(len(points)) < self._config.dropout_probability
-        self._last = np.where(lost, self._last, reading)
-        return self._last
+        return self._channels.read(world)
 
 
 def channel_weights(channels: int) -> Array:

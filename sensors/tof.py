@@ -5,7 +5,7 @@ cosine of incidence (Lambert). A ray that hits nothing has weight 0. If too litt
 Effects may change the weights in the mean, but not the amount of light.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import cos, sin
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
-from configs.schema.robot import RobotConfig, TofMount, TofSensor
+from configs.schema.robot import RangeBeam, RobotConfig, TofMount, TofSensor
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
 from sensors.base import Reading, Sampling, Sensor, World, quantise
@@ -38,62 +38,62 @@ VALID, NO_TARGET, HELD = map(float, TofStatus)
 
 
 @dataclass(frozen=True)
-class _Light:
-    """Light that returns to the three sensors at one moment."""
+class Light:
+    """Light that returns to the N sensors at one moment."""
 
     signal: Array
-    """(3,), light relative to that of a flat wall head-on that fills the cone, at any reflectance and distance."""
+    """(N,), light relative to that of a flat wall head-on that fills the cone, at any reflectance and distance."""
     share: Array
-    """(3, rays), share of each ray in the mean."""
+    """(N, rays), share of each ray in the mean."""
     range_m: Array
-    """(3,), mean over the rays."""
+    """(N,), mean over the rays."""
     surface: NDArray[np.int64]
-    """(3, rays), index of the surface."""
+    """(N, rays), index of the surface."""
     normal: Array
-    """(3, rays, 3), normal of the surface; 0 without a hit."""
+    """(N, rays, 3), normal of the surface; 0 without a hit."""
 
 
-class TofArray(Sensor):
-    """The front, left and right sensors, in this order everywhere."""
+class RangeDevices:
+    """Any number N of sensors of one kind; each reading is a range [m] and a `TofStatus`."""
 
-    name = "tof"
-    Settings = TofSensor
-    series = (RANGES, RANGE_STATUS)
-
-    def __init__(
+    def __init__(  # noqa: PLR0917 - what a sensor is built from, and the places
         self,
-        config: TofSensor,
+        config: RangeBeam,
+        mounts: Sequence[TofMount],
         arena: Arena,
         physics_hz: int,
         rng: np.random.Generator,
         effects: RobotEffects = NO_EFFECTS,
+        roll_rad: float = 0.0,
     ) -> None:
         delay_s = through(effects.functions(Slot.RANGE_DELAY), config.delay_s)
         self._gathering_s = through(effects.functions(Slot.RANGE_GATHERING), 0.0)
         gathering = {round(physics_hz * self._gathering_s * k / GLANCES) for k in range(GLANCES + 1)}
         glances = tuple(sorted(gathering - {0}, reverse=True))
         self.sampling = replace(Sampling.from_seconds(config.period_s, delay_s, physics_hz), glances_before=glances)
-        self._glances: list[tuple[float, _Light]] = []
+        self._glances: list[tuple[float, Light]] = []
         self._wandering = effects.functions(Slot.RANGE_WANDER)
         # A stream of its own, so that the noise is the same with and without a wandering error.
         (self._wander_rng,) = rng.spawn(1)
-        self._wander_m, self._wandered_s = np.zeros(3), -np.inf
+        self._count = len(mounts)
+        self._wander_m, self._wandered_s = np.zeros(self._count), -np.inf
         self._effects = RangeEffects.of(effects)
         self._config = config
         self._rng = rng
         angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))
+        roll = roll + roll_rad
         self._profile = beam_profile(config, angle)
         self._weighting = effects.functions(Slot.RAY_WEIGHT)
         self._head_on = head_on_factor(self._profile, angle, self._weighting)
         self._full_signal = head_on_factor(self._profile, angle) * self._profile.sum()
-        mounts = (config.mounts.front, config.mounts.left, config.mounts.right)
         origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (config.rays, 1)) for m in mounts]
-        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
+        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(self._count))
         directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         # Origins, then directions. Rows that end with 1 are moved and turned with the robot, rows with 0 only turned.
         self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
-        # Axis, left and up of each sensor, (3, 3 sensors, 3).
-        angle, roll = 0.5 * np.pi * np.array([0.0, 1.0, 1.0]), 0.5 * np.pi * np.array([0.0, 0.0, 1.0])
+        # Axis, left and up of each sensor, (3, N, 3).
+        angle = 0.5 * np.pi * np.array([0.0, 1.0, 1.0])
+        roll = 0.5 * np.pi * np.array([0.0, 0.0, 1.0]) + roll_rad
         frames = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         self._frames_R = np.stack(frames, axis=1)
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
@@ -103,17 +103,10 @@ class TofArray(Sensor):
         self._offset_and_sd_m = np.stack([offset_m, sd_m])
         self._reflectance = np.array([arena.floor_reflectance] + [s.reflectance for s in surfaces])
         self._materials = np.array(["floor"] + [box.surface for box in arena.boxes])
-        self._last = [(config.no_target_m, NO_TARGET)] * 3
-
-    @classmethod
-    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "TofArray":
-        return cls(robot.tof, arena, physics_hz, rng, robot.effects)
-
-    def recorded(self, reading: Reading) -> tuple[Reading, ...]:
-        return reading[:, 0], reading[:, 1].astype(np.int64)
+        self._last = [(config.no_target_m, NO_TARGET)] * self._count
 
     def sample(self, world: World) -> Array:
-        """Return range [m] and `TofStatus` of each sensor, (3, 2)."""
+        """Return range [m] and `TofStatus` of each sensor, (N, 2)."""
         config = self._config
         light = self._light(world)
         true_range = self._gathered(world.time_s, light) if self._gathering_s > 0.0 else light.range_m
@@ -125,10 +118,10 @@ class TofArray(Sensor):
             reading, sd = self._effects.seen(reading, sd, self._view(world, true_range, light))
         if self._wandering:
             reading = reading + self._wandered(world.time_s)
-        noise = sd * self._rng.standard_normal(3)
+        noise = sd * self._rng.standard_normal(self._count)
         reading = self._effects.limited(quantise(reading + noise, config.quantisation_m))
-        fresh = [self._judged(*pair) for pair in zip(light.signal.tolist(), reading.tolist(), strict=True)]
-        lost = (self._rng.random(3) < config.dropout_probability).tolist()
+        fresh = self._all_judged(light, true_range, reading)
+        lost = (self._rng.random(self._count) < config.dropout_probability).tolist()
         self._last = [
             (before[0], HELD) if gone else now for now, before, gone in zip(fresh, self._last, lost, strict=True)
         ]
@@ -137,7 +130,7 @@ class TofArray(Sensor):
     def glance(self, world: World) -> None:
         self._glances.append((world.time_s, self._light(world)))
 
-    def _light(self, world: World) -> "_Light":
+    def _light(self, world: World) -> Light:
         """Return the light that returns at this moment."""
         distance, cosine, surface, normal = self._cast(world)
         weight = self._profile * cosine
@@ -147,10 +140,10 @@ class TofArray(Sensor):
             weight = through(self._weighting, weight, distance)
             returned = weight.sum(axis=1)
         share = weight / np.maximum(returned, 1e-12)[:, None]
-        return _Light(signal, share, (share * distance).sum(axis=1) * self._head_on, surface, normal)
+        return Light(signal, share, (share * distance).sum(axis=1) * self._head_on, surface, normal)
 
-    def _gathered(self, time_s: float, light: "_Light") -> Array:
-        """Return the mean range (3,) over the gathering time; moments without returned light do not count."""
+    def _gathered(self, time_s: float, light: Light) -> Array:
+        """Return the mean range (N,) over the gathering time; moments without returned light do not count."""
         begin_s = time_s - self._gathering_s - 1e-9
         self._glances = [glance for glance in self._glances if glance[0] >= begin_s] + [(time_s, light)]
         if len(self._glances) == 1:
@@ -166,11 +159,16 @@ class TofArray(Sensor):
         return (weight * ranges).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-12)
 
     def _wandered(self, time_s: float) -> Array:
-        """Return the slow error (3,) at a time."""
-        deviates = self._wander_rng.standard_normal(3)
+        """Return the slow error (N,) at a time."""
+        deviates = self._wander_rng.standard_normal(self._count)
         self._wander_m = through(self._wandering, self._wander_m, time_s - self._wandered_s, deviates)
         self._wandered_s = time_s
         return self._wander_m
+
+    def _all_judged(self, light: Light, true_m: Array, reading_m: Array) -> list[tuple[float, float]]:
+        """Return range [m] and status of each sensor."""
+        del true_m
+        return [self._judged(*pair) for pair in zip(light.signal.tolist(), reading_m.tolist(), strict=True)]
 
     def _judged(self, signal: float, reading_m: float) -> tuple[float, float]:
         """Return range [m] and status of one sensor, from plain floats; for three sensors numpy is not faster."""
@@ -179,7 +177,7 @@ class TofArray(Sensor):
             return reading_m, VALID
         return config.no_target_m, NO_TARGET
 
-    def _view(self, world: World, distance_m: Array, light: "_Light") -> RangeView:
+    def _view(self, world: World, distance_m: Array, light: Light) -> RangeView:
         """Return the view for the effects; material, reflectance and normal are means over the returned light."""
         share, surface, normal = light.share, light.surface, light.normal
         _, _, yaw = world.pose()
@@ -204,7 +202,7 @@ class TofArray(Sensor):
         )
 
     def _cast(self, world: World) -> tuple[Array, Array, NDArray[np.int64], Array]:
-        """Return slant distance [m], cosine of incidence and surface index, (3, rays) each, and normal, (3, rays, 3).
+        """Return slant distance [m], cosine of incidence and surface index, (N, rays) each, and normal, (N, rays, 3).
 
         A ray without a hit has a normal of 0 and so a cosine and a weight of 0, whatever its surface index.
         """
@@ -215,7 +213,7 @@ class TofArray(Sensor):
         # Rays end a little beyond the largest range that the device reports; a ray without a hit returns no light.
         reach = 1.25 * self._config.max_range_m
         hits = world.cast(origins, origins + reach * directions)
-        shape = (3, self._config.rays)
+        shape = (self._count, self._config.rays)
         cosine = np.abs(np.einsum("ij,ij->i", directions, hits.normal))
         distance_m = hits.fraction * reach
         return (
@@ -224,6 +222,32 @@ class TofArray(Sensor):
             hits.surface.reshape(shape),
             hits.normal.reshape((*shape, 3)),
         )
+
+
+class TofArray(RangeDevices, Sensor):
+    """The front, left and right sensors, in this order everywhere."""
+
+    name = "tof"
+    Settings = TofSensor
+    series = (RANGES, RANGE_STATUS)
+
+    def __init__(
+        self,
+        config: TofSensor,
+        arena: Arena,
+        physics_hz: int,
+        rng: np.random.Generator,
+        effects: RobotEffects = NO_EFFECTS,
+    ) -> None:
+        mounts = (config.mounts.front, config.mounts.left, config.mounts.right)
+        super().__init__(config, mounts, arena, physics_hz, rng, effects)
+
+    @classmethod
+    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "TofArray":
+        return cls(robot.tof, arena, physics_hz, rng, robot.effects)
+
+    def recorded(self, reading: Reading) -> tuple[Reading, ...]:
+        return reading[:, 0], reading[:, 1].astype(np.int64)
 
 
 def ray_pattern(rays: int, field_of_view_rad: float) -> tuple[Array, Array]:
@@ -236,7 +260,7 @@ def ray_pattern(rays: int, field_of_view_rad: float) -> tuple[Array, Array]:
     return 0.5 * field_of_view_rad * np.sqrt(index / rays), golden_angle * index
 
 
-def beam_profile(config: TofSensor, angle: Array) -> Array:
+def beam_profile(config: RangeBeam, angle: Array) -> Array:
     """Return the intensity of the beam along rays at these angles off its axis [rad]."""
     return np.exp(-0.5 * (angle / np.radians(config.beam_sigma_deg)) ** 2)
 

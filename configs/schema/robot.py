@@ -172,11 +172,9 @@ class TofMounts(Section):
     """Mounting of the right sensor, column d_r."""
 
 
-class TofSensor(Section):
-    """VL53L0X: rays over a cone, weighted mean, then error and noise (paper section 5.2, Eq. 23-24)."""
+class RangeBeam(Section):
+    """Beam, limits and errors of a VL53L0X."""
 
-    mounts: TofMounts
-    """Place and direction of each of the three sensors on the robot."""
     rays: int = Field(ge=1, le=1000)
     """Number of rays in the cone."""
     field_of_view_deg: float = Field(gt=0, le=90)
@@ -211,6 +209,13 @@ class TofSensor(Section):
     """Illuminance at the device; used only with the effect `ambient_noise`."""
     dropout_probability: float = Field(ge=0, le=1)
     """Probability that a reading fails, so that the previous one stands."""
+
+
+class TofSensor(RangeBeam):
+    """VL53L0X: rays over a cone, weighted mean, then error and noise (paper section 5.2, Eq. 23-24)."""
+
+    mounts: TofMounts
+    """Place and direction of each of the three sensors on the robot."""
 
 
 class LensDistortion(Section):

@@ -57,6 +57,9 @@ class StillWorld:
         x, y, yaw = self.pose()
         return BodyMotion(pose_X_WR(0.0, 0.0, yaw)[:3, :3], np.array([x, y, 0.0]), np.zeros(3), np.zeros(3))
 
+    def wheel_angles(self) -> tuple[float, float]:
+        return 0.0, 0.0
+
     def encoder_counts(self) -> tuple[int, int]:
         return 0, 0
 

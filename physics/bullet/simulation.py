@@ -254,11 +254,16 @@ class BulletSimulation:
             self._joints = pybullet.getJointStates(self._robot, self._wheels, self._client)
         return self._joints
 
+    def wheel_angles(self) -> tuple[float, float]:
+        """Return the angles [rad] of the wheels since the start, right and left, less what the encoders lost."""
+        right, left = (state[0] for state in self._wheel_states())
+        if self._effects is None:
+            return right, left
+        return right - float(self._effects.lost_rad[0]), left - float(self._effects.lost_rad[1])
+
     def encoder_counts(self) -> tuple[int, int]:
         """Return quadrature counts, right and left, since the start, which lies midway between two edges."""
-        right, left = (state[0] for state in self._wheel_states())
-        if self._effects is not None:
-            right, left = right - float(self._effects.lost_rad[0]), left - float(self._effects.lost_rad[1])
+        right, left = self.wheel_angles()
         return floor(right * self._rad_to_counts + 0.5), floor(left * self._rad_to_counts + 0.5)
 
     def wheel_speeds(self) -> tuple[float, float]:

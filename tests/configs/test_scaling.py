@@ -109,3 +109,19 @@ def test_a_scaled_robot_drives_the_same_lap_in_the_time_of_its_scale(name, scale
     # The line and the walls reach as much further from the origin.
     reach_m = abs(outcome.recording.trajectory.pose[:, :2]).max(axis=0)
     assert reach_m == pytest.approx([scale * 0.87, scale * 1.06], rel=0.1)
+
+
+def test_further_sensors_are_moved_but_are_the_same_devices(tmp_path):
+    sensors = """
+sensors:
+  lidar: {x_m: 0.02, max_range_m: 6, noise_m: 0.004}
+  imu: {z_m: {uniform: [0.04, 0.06]}}
+  line_array: {places: [[0.01, 0.0], [0.0, -0.02]], pitch_m: 0.01}
+"""
+    (tmp_path / "sensing.yaml").write_text(f"extends: nominal\nname: sensing\n{sensors}")
+    (tmp_path / "large.yaml").write_text("extends: sensing.yaml\nname: large\nscale: 2.0\n")
+    scaled = load_section("robot", str(tmp_path / "large.yaml")).tree["sensors"]
+    assert (scaled["lidar"]["x_m"], scaled["lidar"]["max_range_m"], scaled["lidar"]["noise_m"]) == (0.04, 6, 0.004)
+    assert scaled["imu"]["z_m"] == {"uniform": [0.08, 0.12]}
+    assert scaled["line_array"]["places"] == [[0.02, 0.0], [0.0, -0.04]]
+    assert scaled["line_array"]["pitch_m"] == 0.01

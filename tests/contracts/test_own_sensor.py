@@ -23,7 +23,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 
 TOY = '''
-"""A bumper at the robot's front."""
+"""A feeler at the robot's front."""
 
 import math
 
@@ -35,8 +35,8 @@ from sensors.base import Sensor
 from symolo.dataset.tables.column import Column
 
 
-class Bumper(Sensor):
-    """Contact of the bumper at the robot's front: closed where
+class Feeler(Sensor):
+    """Contact of the feeler at the robot's front: closed where
     a wall or an obstacle is within its travel.
 
     It looks along one ray.
@@ -49,7 +49,7 @@ class Bumper(Sensor):
         reach_m: float = Field(default=2.0, gt=0, le=10)
 
     columns = (
-        Column("contact", "-", 0, "1 where the bumper is closed"),
+        Column("contact", "-", 0, "1 where the feeler is closed"),
         Column("clearance", "m", 3, "distance straight ahead, or the reach"),
     )
 
@@ -61,12 +61,12 @@ class Bumper(Sensor):
         clearance_m = hits.fraction[0] * self.settings.reach_m
         return np.array([clearance_m <= self.settings.travel_m, clearance_m])
 '''
-TRAVEL = "robot.sensors.bumper.travel_m"
-MEANING = "Contact of the bumper at the robot's front: closed where a wall or an obstacle is within its travel."
+TRAVEL = "robot.sensors.feeler.travel_m"
+MEANING = "Contact of the feeler at the robot's front: closed where a wall or an obstacle is within its travel."
 
 
 def written(folder: Path, text: str = TOY) -> Path:
-    path = folder / "bumper.py"
+    path = folder / "feeler.py"
     path.write_text(text)
     return path
 
@@ -101,39 +101,39 @@ def drawn(*settings):
 def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
     path = written(tmp_path)
     for _ in range(2):
-        with pytest.raises(InputError, match=r"robot\.sensors\.bumper.* allowed"):
+        with pytest.raises(InputError, match=r"robot\.sensors\.feeler.* allowed"):
             drawn(f"{TRAVEL}=0.02")
         SENSORS.load(path)
-        assert drawn(f"{TRAVEL}=0.02").robot.sensors.get("bumper").travel_m == 0.02
+        assert drawn(f"{TRAVEL}=0.02").robot.sensors.get("feeler").travel_m == 0.02
         SENSORS.unload(path)
 
 
 @pytest.mark.usefixtures("toy")
 def test_it_is_a_key_of_the_schema_with_bounds_and_defaults():
     definitions = scenario_json_schema()["$defs"]
-    settings, _ = definitions["RobotSensors"]["properties"]["bumper"]["anyOf"]
+    settings, _ = definitions["RobotSensors"]["properties"]["feeler"]["anyOf"]
     properties = definitions[settings["$ref"].rsplit("/", 1)[1]]["properties"]
     number, _ = properties["travel_m"]["anyOf"]
     assert number == {"type": "number", "exclusiveMinimum": 0, "maximum": 1}
     assert properties["period_s"]["default"] == 0.05
-    settings = load_scenario("smoke", [f"{TRAVEL}=0.02"]).tree["robot"]["sensors"]["bumper"]
-    defaults = {"kind": "bumper", "x_m": 0.08, "height_m": 0.05, "reach_m": 2.0, "period_s": 0.05, "delay_s": 0.0}
+    settings = load_scenario("smoke", [f"{TRAVEL}=0.02"]).tree["robot"]["sensors"]["feeler"]
+    defaults = {"kind": "feeler", "x_m": 0.08, "height_m": 0.05, "reach_m": 2.0, "period_s": 0.05, "delay_s": 0.0}
     assert settings == {**defaults, "travel_m": 0.02}
     with pytest.raises(InputError, match=r"travel_m: got 3(\.0)?, allowed: number > 0(\.0)? and <= 1"):
         drawn(f"{TRAVEL}=3")
     with pytest.raises(InputError, match="did you mean travel_m"):
-        drawn("robot.sensors.bumper.travl_m=0.02")
-    with pytest.raises(InputError, match="did you mean bumper"):
-        drawn("robot.sensors.bumber.travel_m=0.02")
+        drawn("robot.sensors.feeler.travl_m=0.02")
+    with pytest.raises(InputError, match="did you mean feeler"):
+        drawn("robot.sensors.feelor.travel_m=0.02")
 
 
 @pytest.mark.usefixtures("toy")
 def test_a_robot_has_several_of_a_kind_each_with_a_name_and_a_random_stream_of_its_own():
-    names = {"front": "{kind: bumper, x_m: 0.08}", "rear": "{kind: bumper, x_m: -0.08, period_s: 0.1}"}
+    names = {"front": "{kind: feeler, x_m: 0.08}", "rear": "{kind: feeler, x_m: -0.08, period_s: 0.1}"}
     spec = drawn(*(f"robot.sensors.{name}={value}" for name, value in names.items()))
     assert [(name, settings.kind, settings.x_m) for name, settings in spec.robot.sensors] == [
-        ("front", "bumper", 0.08),
-        ("rear", "bumper", -0.08),
+        ("front", "feeler", 0.08),
+        ("rear", "feeler", -0.08),
     ]
     assert type(spec).model_validate_json(spec.model_dump_json()) == spec
     streams = []
@@ -150,12 +150,12 @@ def test_a_robot_has_several_of_a_kind_each_with_a_name_and_a_random_stream_of_i
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("front={travel_m: 0.01}", r"robot\.sensors\.front(\.kind)?: missing; allowed: .*one of .*bumper"),
-        ("front={kind: bumber}", r"kind: got 'bumber', allowed: .*one of .*bumper.*did you mean bumper"),
-        ("tof={kind: bumper}", r"got 'tof', allowed: names of small letters.*other than board, camera"),
-        ("Front={kind: bumper}", r"got 'Front', allowed: names of small letters"),
-        ("front={kind: bumper, period_s: 0.0333}", r"front\.period_s: got 0\.0333, allowed: a whole number of physics"),
-        ("front={kind: bumper, period_s: {uniform: [0.1, 0.2]}}", r"allowed: a number or \{choice"),
+        ("front={travel_m: 0.01}", r"robot\.sensors\.front(\.kind)?: missing; allowed: .*one of .*feeler"),
+        ("front={kind: feelor}", r"kind: got 'feelor', allowed: .*one of .*feeler.*did you mean feeler"),
+        ("tof={kind: feeler}", r"got 'tof', allowed: names of small letters.*other than board, camera"),
+        ("Front={kind: feeler}", r"got 'Front', allowed: names of small letters"),
+        ("front={kind: feeler, period_s: 0.0333}", r"front\.period_s: got 0\.0333, allowed: a whole number of physics"),
+        ("front={kind: feeler, period_s: {uniform: [0.1, 0.2]}}", r"allowed: a number or \{choice"),
     ],
 )
 def test_a_sensor_that_cannot_be_is_refused_with_its_place(setting, message):
@@ -166,7 +166,7 @@ def test_a_sensor_that_cannot_be_is_refused_with_its_place(setting, message):
 @pytest.mark.usefixtures("toy")
 def test_it_is_an_axis_of_randomisation():
     spec = drawn(f"{TRAVEL}={{uniform: [0.01, 0.03]}}")
-    assert 0.01 <= spec.drawn[TRAVEL] == spec.robot.sensors.get("bumper").travel_m <= 0.03
+    assert 0.01 <= spec.drawn[TRAVEL] == spec.robot.sensors.get("feeler").travel_m <= 0.03
     assert type(spec).model_validate_json(spec.model_dump_json()) == spec
 
 
@@ -175,18 +175,18 @@ def test_a_robot_without_it_has_the_same_specification_and_recording_as_before(t
     assert "sensors" not in json.loads(spec.model_dump_json())["robot"]
     bare, more = (simulate(run).recording for run in (spec, drawn(f"{TRAVEL}=0.02")))
     names = [series.name for series in bare.series]
-    assert [series.name for series in more.series if series.name != "sensor_bumper"] == names
+    assert [series.name for series in more.series if series.name != "sensor_feeler"] == names
     for name in names:
         np.testing.assert_array_equal(more[name].values, bare[name].values)
-    assert more["sensor_bumper"].unit == "-, m"
-    assert toy.name == "bumper"
+    assert more["sensor_feeler"].unit == "-, m"
+    assert toy.name == "feeler"
 
 
 @pytest.mark.usefixtures("toy")
 def test_its_readings_are_the_distances_to_the_walls_of_the_arena():
-    spec = drawn(f"{TRAVEL}=0.02", "robot.sensors.bumper.x_m=0")
+    spec = drawn(f"{TRAVEL}=0.02", "robot.sensors.feeler.x_m=0")
     recording = simulate(spec).recording
-    contact, clearance_m = recording["sensor_bumper"].values.T  # noqa: PD011 - no pandas
+    contact, clearance_m = recording["sensor_feeler"].values.T  # noqa: PD011 - no pandas
     boxes = Arena.from_config(spec.arena).boxes
     expected_m = [min([2.0, *(_distance_m(pose, box) for box in boxes)]) for pose in recording.trajectory.pose]
     np.testing.assert_allclose(clearance_m, expected_m, atol=2e-3)
@@ -206,20 +206,20 @@ def _distance_m(pose, box):
 
 def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
     metadata = json.loads((released / "metadata.json").read_text())
-    assert metadata["sensors"] == {"bumper": {"kind": "bumper", "meaning": MEANING}}
-    assert metadata["columns"]["side/bumper.csv"] == [
+    assert metadata["sensors"] == {"feeler": {"kind": "feeler", "meaning": MEANING}}
+    assert metadata["columns"]["side/feeler.csv"] == [
         {"name": "t", "unit": "ms", "meaning": "", "decimals": 3},
-        {"name": "contact", "unit": "-", "meaning": "1 where the bumper is closed", "decimals": 0},
+        {"name": "contact", "unit": "-", "meaning": "1 where the feeler is closed", "decimals": 0},
         {"name": "clearance", "unit": "m", "meaning": "distance straight ahead, or the reach", "decimals": 3},
     ]
     for run in metadata["runs"]:
-        table = pd.read_csv(released / run["run"] / "side/bumper.csv")
+        table = pd.read_csv(released / run["run"] / "side/feeler.csv")
         assert list(table) == ["t", "contact", "clearance"]
         np.testing.assert_array_equal(table["t"], np.arange(run["rows"]) * 50.0)
         np.testing.assert_array_equal(table["contact"], (table["clearance"] <= run["drawn"][TRAVEL]).astype(int))
         assert 0 < table["clearance"].min() <= table["clearance"].max() <= 2.0
     readme = (released / "README.md").read_text()
-    assert re.search(r"\| bumper\.csv \| Contact of the bumper.*contact \[-\], clearance \[m\]", readme)
+    assert re.search(r"\| feeler\.csv \| Contact of the feeler.*contact \[-\], clearance \[m\]", readme)
 
 
 @pytest.mark.parametrize(
@@ -236,13 +236,13 @@ def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
 def test_verify_finds_it_whole_and_a_damaged_table_at_fault(released, copy_of, sign, symolo, damage, message):
     assert symolo("verify", released).code == 0
     copy = copy_of(released)
-    table = copy / "CW/test_1/side/bumper.csv"
+    table = copy / "CW/test_1/side/feeler.csv"
     table.write_text(damage(table.read_text()))
     assert symolo("verify", copy).code == 4
     sign(copy)  # so that only the content can be at fault
     ended = symolo("verify", copy)
     assert ended.code == 4
-    assert f"CW/test_1/side/bumper.csv: {message}" in ended.out + ended.err
+    assert f"CW/test_1/side/feeler.csv: {message}" in ended.out + ended.err
 
 
 def test_verify_finds_metadata_and_specification_that_disagree(released, copy_of, sign, symolo):
@@ -255,71 +255,71 @@ def test_verify_finds_metadata_and_specification_that_disagree(released, copy_of
     ended = symolo("verify", copy)
     assert ended.code == 4
     assert "CW/test_1/side/spec.json: robot.sensors are not those of metadata.json, none" in ended.out + ended.err
-    metadata["sensors"] = {"bumper": {"kind": "bumper", "meaning": MEANING}}
-    del metadata["columns"]["side/bumper.csv"]
+    metadata["sensors"] = {"feeler": {"kind": "feeler", "meaning": MEANING}}
+    del metadata["columns"]["side/feeler.csv"]
     path.write_text(json.dumps(metadata))
-    with pytest.raises(InputError, match=r"side/bumper\.csv has not the columns of a sensor"):
+    with pytest.raises(InputError, match=r"side/feeler\.csv has not the columns of a sensor"):
         library.load(copy)
 
 
 def test_the_reader_gives_its_table_with_units_where_its_class_is_unknown(released):
-    assert "bumper" not in [sensor.name for sensor in SENSORS.classes()]
+    assert "feeler" not in [sensor.name for sensor in SENSORS.classes()]
     data = library.load(released)
     for run in (data["CW/test_1"], library.load(released / "CW/test_1").runs[0]):
-        assert run.side_names == ("wheels", "tof", "camera", "bumper")
-        table = run.side("bumper")
+        assert run.side_names == ("wheels", "tof", "camera", "feeler")
+        table = run.side("feeler")
         assert table.attrs["units"] == {"t": "ms", "contact": "-", "clearance": "m"}
         assert [str(kind) for kind in table.dtypes] == ["float64", "int64", "float64"]
-        pd.testing.assert_frame_equal(table, pd.read_csv(run.folder / "side/bumper.csv"))
-        sensor = run.sensors["bumper"]
-        assert (sensor.kind, sensor.settings.period_s, sensor.X_RS[0, 3]) == ("bumper", 0.05, 0.08)
+        pd.testing.assert_frame_equal(table, pd.read_csv(run.folder / "side/feeler.csv"))
+        sensor = run.sensors["feeler"]
+        assert (sensor.kind, sensor.settings.period_s, sensor.X_RS[0, 3]) == ("feeler", 0.05, 0.08)
         assert sensor.settings.model_extra["travel_m"] == run.spec.drawn[TRAVEL]
         pd.testing.assert_frame_equal(sensor.samples, table)
         np.testing.assert_array_equal(sensor.values("clearance"), table["clearance"])
         np.testing.assert_array_equal(sensor.delivered(run.t_s), np.arange(len(run)))
-    with pytest.raises(InputError, match="did you mean bumper"):
-        data["CW/test_1"].side("bumber")
+    with pytest.raises(InputError, match="did you mean feeler"):
+        data["CW/test_1"].side("feelor")
 
 
 def test_every_export_of_tables_and_of_ros_holds_it(released, tmp_path, symolo):
     formats = "parquet,huggingface,mcap,ros1"
     assert symolo("export", released, "--format", formats, "--out", tmp_path / "out").code == 0
     run = library.load(released)["CW/test_1"]
-    expected = run.side("bumper")
-    parquet = pd.read_parquet(tmp_path / "out/parquet/bumper.parquet")
+    expected = run.side("feeler")
+    parquet = pd.read_parquet(tmp_path / "out/parquet/feeler.parquet")
     own = parquet[parquet["run"] == run.name].drop(columns="run").reset_index(drop=True)
     pd.testing.assert_frame_equal(own, expected, check_dtype=False)
-    samples = pd.read_parquet(next((tmp_path / "out/huggingface/bumper").iterdir()))
+    samples = pd.read_parquet(next((tmp_path / "out/huggingface/feeler").iterdir()))
     np.testing.assert_array_equal(samples[samples["run"] == run.name]["clearance"], expected["clearance"])
-    assert "- config_name: bumper" in (tmp_path / "out/huggingface/README.md").read_text()
+    assert "- config_name: feeler" in (tmp_path / "out/huggingface/README.md").read_text()
     bag = tmp_path / "out/mcap/CW/test_1.mcap"
     with bag.open("rb") as stream:
-        decoded = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(["/sensors/bumper"])
+        decoded = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(["/sensors/feeler"])
         messages = [message for _schema, _channel, _record, message in decoded]
     np.testing.assert_array_equal([message.data for message in messages], expected[["contact", "clearance"]])
     assert messages[0].layout.dim[0].label == "contact [-], clearance [m]"
-    assert b"/sensors/bumper" in (tmp_path / "out/ros1/CW/test_1.bag").read_bytes()
+    assert b"/sensors/feeler" in (tmp_path / "out/ros1/CW/test_1.bag").read_bytes()
 
 
 def test_the_report_shows_columns_limits_and_a_plot(released, tmp_path, symolo):
     page = tmp_path / "report.html"
     assert symolo("report", released, "--out", page).code == 0
     text = page.read_text()
-    tables = [run.side("bumper") for run in library.load(released)]
+    tables = [run.side("feeler") for run in library.load(released)]
     low, high = (f"{limit(limit(t['clearance']) for t in tables):.3f}" for limit in (min, max))
     cells = f"clearance</td>\\s*<td>m</td>\\s*<td>{low}</td>\\s*<td>{high}</td>\\s*<td>distance straight ahead"
     assert re.search(cells, text)
-    assert 'alt="bumper against time in ' in text
+    assert 'alt="feeler against time in ' in text
 
 
 def test_a_run_is_simulated_again_where_the_file_changed_and_workers_load_the_same_file(toy, tmp_path):
     spec = drawn(f"{TRAVEL}=0.02")
     before = hashes_of_files(spec)
-    assert before.keys() == {"bumper"}
+    assert before.keys() == {"feeler"}
     assert hashes_of_files(drawn()) == {}
     written(tmp_path, TOY + "# changed\n")
     assert hashes_of_files(spec) != before
-    assert environment()["SYMOLO_SENSOR_FILES"] == str(tmp_path / "bumper.py")
+    assert environment()["SYMOLO_SENSOR_FILES"] == str(tmp_path / "feeler.py")
     assert toy in SENSORS.classes()
 
 
@@ -330,7 +330,7 @@ def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tm
     SENSORS.unload(path)
     read = type(spec).model_validate_json(spec.model_dump_json())
     assert read.model_dump_json() == spec.model_dump_json()
-    with pytest.raises(InputError, match=r"robot\.sensors\.bumper: no such kind of sensor.*SYMOLO_SENSOR_FILES"):
+    with pytest.raises(InputError, match=r"robot\.sensors\.feeler: no such kind of sensor.*SYMOLO_SENSOR_FILES"):
         fit_out(read.robot, Arena.from_config(read.arena), 1000, lambda _: np.random.default_rng(0))
 
 
@@ -339,7 +339,7 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
     path = written(tmp_path, re.sub(r"return np.array.*", f"return {result}", TOY))
     SENSORS.load(path)
     try:
-        message = "sensor bumper: the reading: got .*, allowed: a finite number for each column: contact, clearance"
+        message = "sensor feeler: the reading: got .*, allowed: a finite number for each column: contact, clearance"
         with pytest.raises(InputError, match=message):
             simulate(drawn(f"{TRAVEL}=0.02"))
     finally:
@@ -349,15 +349,15 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("class Bumper", "class Tof"), "sensor tof: the name is taken"),
-        (("class Bumper", "class Imu"), "sensor imu: the name is taken"),
-        (("class Bumper", "class Board"), "sensor board: the name is taken by another file"),
-        (("columns = (", "kolumns = ("), "sensor bumper: columns missing.*write, for example"),
-        (('"contact"', '"t"'), "sensor bumper: columns: got 't', allowed: letters"),
-        (('"contact"', '"clearance"'), "sensor bumper: columns: got 'clearance', allowed: .*each name once"),
-        (("def sample", "def sampled"), "sensor bumper: sample missing.*define sample"),
+        (("class Feeler", "class Tof"), "sensor tof: the name is taken"),
+        (("class Feeler", "class Imu"), "sensor imu: the name is taken"),
+        (("class Feeler", "class Board"), "sensor board: the name is taken by another file"),
+        (("columns = (", "kolumns = ("), "sensor feeler: columns missing.*write, for example"),
+        (('"contact"', '"t"'), "sensor feeler: columns: got 't', allowed: letters"),
+        (('"contact"', '"clearance"'), "sensor feeler: columns: got 'clearance', allowed: .*each name once"),
+        (("def sample", "def sampled"), "sensor feeler: sample missing.*define sample"),
         (("(Sensor)", "(object)"), "got 'none', allowed: one class that derives from Sensor"),
-        (("def sample(self", "def sample(self:"), r"bumper\.py:32: sensor file: SyntaxError"),
+        (("def sample(self", "def sample(self:"), r"feeler\.py:32: sensor file: SyntaxError"),
     ],
 )
 def test_a_file_that_is_not_complete_is_refused_with_its_place_and_a_cure(tmp_path, change, message):

@@ -93,7 +93,8 @@ def test_a_higher_sensor_sees_a_softer_edge(robot, arena_of, plane_world):
 def test_a_lost_reading_repeats_the_one_before(robot, arena_of, plane_world):
     model = sensor(robot, arena_of())
     on_the_line = model.sample(plane_world(at=(0.0, 0.0, 0.0)))
-    model._config = model._config.model_copy(update={"dropout_probability": 1.0})
+    channels = model._channels
+    channels._errors = channels._errors.model_copy(update={"dropout_probability": 1.0})
     np.testing.assert_array_equal(model.sample(plane_world(at=(0.0, 0.02, 0.0))), on_the_line)
 
 
