@@ -1,6 +1,11 @@
 """What tests need of the machine, and fixtures that several packages' tests share."""
 
 import os
+
+# There is a process of tests for each core, and threads of a matrix product that wait for each other only get in the
+# way of the others. OpenBLAS reads this when it is loaded, and the processes that tests start inherit it.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import shutil
 import signal
 import subprocess

@@ -310,10 +310,10 @@ def seen_from_body(yaw_rad: Array, change: Array) -> Array:
 
 
 def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:
-    """Return poses (..., n, 3) a delay before the times of their rows, interpolated between rows.
+    """Return poses (..., n, k) a delay before the times of their rows, interpolated between rows.
 
     Args:
-        pose: Poses of all trials.
+        pose: Poses of all trials, or some of their components.
         t_s: (n,), times of the rows.
         trials: Number of rows of each trial; outside a trial its first or last pose is used.
         delay_s: One delay, or (M, 1), or one for each row, (n,) or (M, n).
@@ -334,7 +334,7 @@ def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Arr
         after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
         share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
         shape = np.broadcast_shapes(poses.shape[:-1], after.shape)
-        poses, index = np.broadcast_to(poses, (*shape, 3)), np.broadcast_to(after, shape)[..., None]
+        poses, index = np.broadcast_to(poses, (*shape, poses.shape[-1])), np.broadcast_to(after, shape)[..., None]
         before, later = (np.take_along_axis(poses, place, axis=-2) for place in (index - 1, index))
         parts.append(before + share * (later - before))
     shape = max((part.shape[:-2] for part in parts), key=len)

@@ -93,7 +93,7 @@ class Ranges(ABC):
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
         self._age_s = self._ages_s(measurement, nominal)
-        self._tracked = TrackedAxle(measurement)
+        self._tracked = self._axle_of(measurement, nominal)
         around = self._around(nominal)
         mean, sd = self._expected([nominal])
         incidence_rad = np.broadcast_to(self._sight([nominal]).incidence_rad, mean.shape)[0]
@@ -119,6 +119,11 @@ class Ranges(ABC):
     @abstractmethod
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
         """Return what robots that can be stacked see."""
+
+    def _axle_of(self, measurement: Measurement, nominal: RobotConfig) -> TrackedAxle:
+        """Return the logged poses."""
+        del nominal
+        return TrackedAxle(measurement)
 
     def _ages_s(self, measurement: Measurement, nominal: RobotConfig) -> Array:
         """Return the age of each reading when its row is logged, (n,), without effects."""

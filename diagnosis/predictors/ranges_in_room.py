@@ -10,8 +10,11 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
+from diagnosis.predictors.guided_pose import wheel_steps
 from diagnosis.predictors.ranges import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
 from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
+from diagnosis.predictors.smoothed_pose import NOISE_SHARE
+from diagnosis.predictors.tracked_axle import TrackedAxle
 from physics.robot.model import through
 from physics.robot.stack import stacked, stacked_effects
 from symolo.core.arrays import Array
@@ -30,10 +33,14 @@ class RangesInRoom(Ranges):
         self._noise, self._room, self._range = nominal_case.noise, nominal_case.world, nominal_case.tof
         super().__init__(measurement, nominal)
 
+    def _axle_of(self, measurement: Measurement, nominal: RobotConfig) -> TrackedAxle:
+        return TrackedAxle(measurement, steps=wheel_steps(measurement, nominal))
+
     def _around(self, nominal: RobotConfig) -> Surroundings:
         seen, noise = self._seen([nominal]), self._noise
         self._pose_variance = (seen.by_x**2 + seen.by_y**2) * noise.pose_xy_m**2
         self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
+        self._pose_variance *= NOISE_SHARE**2
         in_reach = seen.distance_m <= self._range.max_range_m - END_M
         clear = in_reach & ~near_corner(self._room, seen, CORNER_M, CORNER_RAD)
         clear &= [getattr(self._range.mount, sensor) is not None for sensor in RANGE_SIDES]

@@ -10,7 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.pose import earlier
+from diagnosis.predictors.rows import bridged
 from symolo.core.arrays import Array
 
 REACH_ROWS = 3.5
@@ -24,18 +26,24 @@ MIN_ROWS = 4
 """Smallest number of rows with a weight for a parabola, as many as there are at the start of a log."""
 
 
-def smoothed_earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:
-    """Return poses (..., n, 3) a delay before the times of their rows, by a parabola through the rows around.
+def smoothed_earlier(
+    pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array, trusted: Mask | None = None
+) -> Array:
+    """Return poses (..., n, k) a delay before the times of their rows, by a parabola through the rows around.
 
     Beside a gap, a parabola through too few rows, or through rows on one side, has more noise than a single row. Such a
     pose is interpolated.
 
     Args:
-        pose: (n, 3), poses of all trials.
+        pose: (n, k), poses of all trials, or some of their components.
         t_s: (n,), times of the rows.
         trials: Number of rows of each trial; a trial with fewer than ROWS is interpolated.
         delay_s: One delay, or (M, 1), or one for each row, (n,) or (M, n).
+        trusted: (n,), rows that count; all by default. Between trusted rows, the others are interpolated.
     """
+    if trusted is not None and not trusted.all():
+        known = np.where(trusted[:, None], pose, np.nan)
+        pose = bridged(known, t_s, trials)
     path = np.array(np.broadcast_to(earlier(pose, t_s, trials, delay_s), (*np.shape(delay_s)[:-1], *pose.shape)))
     delay_s = np.broadcast_to(delay_s, path.shape[:-1])
     begin = 0
@@ -50,6 +58,8 @@ def smoothed_earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: fl
         around = first[..., None] + np.arange(ROWS)
         apart = (times[around] - wanted_s[..., None]) / np.median(np.diff(times))
         weight = np.maximum(1.0 - (apart / REACH_ROWS) ** 2, 0.0) ** 2
+        if trusted is not None:
+            weight *= trusted[part][around]
         is_smoothed = np.count_nonzero(weight, axis=-1) >= MIN_ROWS
         powers = np.stack([np.ones_like(apart), apart, apart**2], axis=-1)
         weighted = weight[..., None] * powers

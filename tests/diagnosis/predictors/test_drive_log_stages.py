@@ -453,15 +453,15 @@ class TestRanges:
         return (2.0 - 1.0 - 0.06 * math.cos(yaw)) / math.cos(yaw)
 
     def test_noise_is_that_of_the_reading_and_of_the_pose(self, robot):
-        """Head-on to a wall, place counts in full and heading not at all."""
+        """Head-on to a wall, place counts in full and heading not at all; smoothed poses have 0.62 of the noise."""
         poses = np.array([[1.4, 0.8, 0.0], [1.0, 0.8, 0.3]])
         front = stages(robot, trial("1", **pose_columns(poses)))["tof"].observed[0]
         by_polynomial = 1e-3 * np.polyval([1.15, 2.51, 4.88, 1.4], 2.0 - 1.46 - 0.18)
-        assert front.sd[0] == pytest.approx(math.hypot(by_polynomial, 0.001), rel=1e-9)
+        assert front.sd[0] == pytest.approx(math.hypot(by_polynomial, 0.62 * 0.001), rel=1e-9)
         h = 1e-5
         by_yaw = (self.head_on_m(0.3 + h) - self.head_on_m(0.3 - h)) / (2 * h)
         by_polynomial = 1e-3 * np.polyval([1.15, 2.51, 4.88, 1.4], self.head_on_m(0.3) - 0.18)
-        variance = by_polynomial**2 + (0.001 / math.cos(0.3)) ** 2 + (0.003 * by_yaw) ** 2
+        variance = by_polynomial**2 + 0.62**2 * ((0.001 / math.cos(0.3)) ** 2 + (0.003 * by_yaw) ** 2)
         assert front.sd[1] == pytest.approx(math.sqrt(variance), rel=1e-6)
 
     def test_rays_near_corners_and_near_the_end_of_the_range_are_left_out(self, robot):
