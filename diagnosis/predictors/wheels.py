@@ -10,6 +10,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
+from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.grid import Grid
@@ -60,13 +61,14 @@ class Wheels:
         numbers = np.concatenate(self._grid.places)
         self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
         speeds = [mean[0] for mean in self._speeds([nominal])]
+        set_speeds = _set_speeds(measurement, nominal)
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
         self.observed: tuple[Observed, ...] = tuple(
-            self._observed(measurement, side, speed, sd or UNSTATED_RAD_S)
-            for side, speed in zip(SIDES, speeds, strict=True)
+            self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S)
+            for side, speed, set_speed in zip(SIDES, speeds, set_speeds, strict=True)
         )
 
-    def _observed(self, measurement: Measurement, side: str, predicted: Array, sd: float) -> Observed:
+    def _observed(self, measurement: Measurement, side: str, predicted: Array, set_speed: Array, sd: float) -> Observed:
         voltage_V = good_values(measurement, f"u_{side}_V")
         angle_rad = 2.0 * pi / self._counts * good_values(measurement, f"enc_{side}_ticks")
         speed = np.full(len(predicted), np.nan)
@@ -76,9 +78,10 @@ class Wheels:
         # A mean speed is computed from two rows, and held out if one of them is.
         holdout[self._first] = split[self._first] | split[self._next]
         usable = np.isfinite(speed) & np.isfinite(voltage_V)
+        trial = trial_of_rows(measurement)
         covariates = (
-            Covariate("omega_rad_s", predicted),
-            Covariate("u_V", voltage_V),
+            Covariate("omega_rad_s", as_commanded(predicted, set_speed, trial)),
+            Covariate("u_V", as_commanded(voltage_V, set_speed, trial)),
             Covariate("wheel_angle_rad", angle_rad, CovariateShape.PERIODIC),
             Covariate("t_s", joined(trial.t_s for trial in measurement.trials)),
             Covariate("session_time_s", session_time_s(measurement)),
@@ -93,7 +96,7 @@ class Wheels:
             sd=np.full(len(speed), sd),
             # Rounded ticks make it negative from row to row, torque disturbances positive over some rows.
             correlation=None,
-            trial=trial_of_rows(measurement),
+            trial=trial,
             t_s=joined(trial.t_s for trial in measurement.trials),
             holdout=holdout,
             usable=usable,
@@ -123,3 +126,10 @@ class Wheels:
                 speed = (angle[..., self._next] - angle[..., self._first]) / self._lasts_s
                 speeds[np.ix_(np.array(group), self._first)] = speed
         return left, right
+
+
+def _set_speeds(measurement: Measurement, nominal: RobotConfig) -> tuple[Array, Array]:
+    """Return the commanded speeds of the left and the right wheel, (n,) each [rad/s]; NaN where not logged."""
+    forward_m_s, turn_rad_s = (good_values(measurement, name) for name in ("v_cmd_m_s", "w_cmd_rad_s"))
+    apart_m_s, radius_m = 0.5 * nominal.drive.track_m * turn_rad_s, 0.5 * nominal.drive.wheel_diameter_m
+    return (forward_m_s - apart_m_s) / radius_m, (forward_m_s + apart_m_s) / radius_m
