@@ -26,6 +26,8 @@ def as_commanded(values: Array, set_speed: Array, trial: NDArray[np.int64]) -> A
         set_speed: Commanded speed, NaN where it was not logged.
         trial: Trial of each row; before its first row, the set speed is 0.
     """
+    if len(values) < MIN_ROWS:
+        return values
     columns = np.stack([*_lagged(set_speed, trial, LAGS), *_lagged(np.sign(set_speed), trial, SIGN_LAGS)], axis=1)
     columns = np.concatenate([columns, np.ones((len(values), 1))], axis=1)
     rows = np.isfinite(values) & np.isfinite(columns).all(axis=1)
