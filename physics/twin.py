@@ -118,7 +118,7 @@ class KinematicTwin:
         """
         driveline, body = self._driveline, self._body
         speeds, turned = np.zeros_like(voltage_V), np.zeros_like(voltage_V)
-        speed = acceleration = np.zeros(voltage_V.shape[1:])
+        speed = acceleration = angle = np.zeros(voltage_V.shape[1:])
         for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
             torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed, supply_V[k])
             friction = driveline.friction_N_m(torque, speed, k * self._step_s)
@@ -127,10 +127,11 @@ class KinematicTwin:
             load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])
             torque[:, 0] += load_right
             torque[:, 1] += load_left
+            torque = driveline.shaft_torque_N_m(torque, angle, self._step_s * speed)
             held = HeldDrive(torque, driveline.damping_N_m_s_rad, friction, self._inertia)
             speeds[k], turned[k] = held.step(speed, self._step_s)
             acceleration = (speeds[k] - speed) / self._step_s
-            speed = speeds[k]
+            speed, angle = speeds[k], angle + turned[k]
         return speeds, turned
 
     def _turned_alone(self, voltage_V: Array) -> tuple[Array, Array]:

@@ -45,6 +45,9 @@ class Slot(TextEnum):
     """current [A] -> current [A]."""
     FRICTION = "friction"
     """friction torque against the motion [N m], `ShaftMotion` -> the same torque."""
+    SHAFT_TORQUE = "shaft torque"
+    """torque on the shaft without friction [N m], angles of the shafts since the start [rad], turns [rad] that begin
+    there -> mean torque over these turns."""
     GEARBOX = "gearbox"
     """`TwoMass`, `Load` of motor side and load side, duration [s] -> `TwoMass`."""
     GEOMETRY = "geometry"

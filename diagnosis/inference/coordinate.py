@@ -34,6 +34,8 @@ class Coordinate:
     """Value of one unit of a linear coordinate; 1 for a logarithmic one."""
     is_angle: bool = False
     """Whether the parameter is a direction or a phase."""
+    is_frequency: bool = False
+    """Whether the parameter is a number of cycles per turn. The cost has a local optimum every few hundredths."""
     is_time: bool = False
     """Whether the parameter is a delay or a lag. Fast logs show much shorter ones than slow logs."""
     tries: tuple[float, ...] = ()
@@ -42,9 +44,17 @@ class Coordinate:
     @classmethod
     def of_parameter(cls, name: str, parameter: Parameter, scale: float = 1.0) -> "Coordinate":
         """Return the coordinate of an effect's parameter, whose start is multiplied by `scale`."""
-        if parameter.is_angle:
+        if parameter.is_angle or parameter.is_frequency:
             return cls(
-                name, parameter.low, parameter.high, None, parameter.start, is_log=False, unit=1.0, is_angle=True
+                name,
+                parameter.low,
+                parameter.high,
+                None,
+                parameter.start,
+                is_log=False,
+                unit=1.0,
+                is_angle=parameter.is_angle,
+                is_frequency=parameter.is_frequency,
             )
         is_ceiling = parameter.null is not None and parameter.null == parameter.high
         if parameter.null is None or is_ceiling or parameter.low > 0.0:

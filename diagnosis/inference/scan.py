@@ -17,6 +17,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.likelihood import sample_costs
+from diagnosis.inference.periodogram import waves
 from diagnosis.inference.projection import orthonormal
 from symolo.core.arrays import Array
 
@@ -50,9 +51,9 @@ class Prospect:
 
 def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[Prospect]:
     """Return the best prospect of each effect, the most promising first."""
-    if not effects:
+    tries = [(effect, numbers) for effect in effects for numbers in _tries(evidence, fit, effect)]
+    if not tries:
         return []
-    tries = [(effect, numbers) for effect in effects for numbers in product(*_tried(evidence, effect))]
     hypotheses = {effect: fit.hypothesis.with_effect(effect) for effect in effects}
     starts = []
     for effect, numbers in tries:
@@ -73,6 +74,21 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
         if effect not in best or prospect.drop > best[effect].drop:
             best[effect] = prospect
     return sorted(best.values(), key=lambda prospect: -prospect.drop)
+
+
+def _tries(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> list[tuple[float, ...]]:
+    """Return the coordinates of an effect at which it is tried."""
+    coordinates = effect.coordinates
+    if not any(coordinate.is_frequency for coordinate in coordinates):
+        return list(product(*_tried(evidence, effect)))
+    tries = []
+    for wave in waves(evidence, fit):
+        x = [
+            wave.cycles_per_turn if c.is_frequency else wave.phase_rad if c.is_angle else wave.amplitude_N_m / c.unit
+            for c in coordinates
+        ]
+        tries.append(tuple(min(max(value, c.low), c.high) for value, c in zip(x, coordinates, strict=True)))
+    return tries
 
 
 def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[Array, Array]:

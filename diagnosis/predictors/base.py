@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
+from diagnosis.predictors.turning_response import TurningResponse
 from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
 
@@ -53,6 +54,8 @@ class Covariate:
     """(n,), signed size of the event since which a time is counted, or of what turns; the effect grows with it."""
     beside: str = ""
     """Name of a covariate that acts together with this one, as the current value does with the previous one."""
+    response: TurningResponse | None = None
+    """Response of the quantity to a torque that depends on this angle; None if this is no angle of a shaft."""
     as_rate: "tuple[str, Array] | None" = None
     """Name of the rate, and the duration [s] (n,) by which this is divided to get it; None if it is no change."""
 

@@ -11,6 +11,7 @@ from diagnosis.measured.nominal import NominalStep
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
+from diagnosis.predictors.turning_response import TurningResponse
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked, stacked_effects
@@ -52,11 +53,15 @@ class MotorStep:
             trial_covariate(measurement),
         )
         everywhere = np.ones(len(voltage_V), dtype=bool)
+        by_current, by_speed = self._responses(measurement, nominal, angle_rad, speed)
         # An irregular gear changes the speed in proportion, but the torque by a fixed amount.
-        speed_covariates = tuple(replace(c, size=speed) if c.name == "angle_rad" else c for c in covariates)
+        of_current, of_speed = (
+            tuple(replace(c, size=size, response=response) if c.name == "angle_rad" else c for c in covariates)
+            for size, response in ((None, by_current), (speed, by_speed))
+        )
         self.observed: tuple[Observed, ...] = (
-            observed_channel(measurement, "current_A", everywhere, covariates),
-            observed_channel(measurement, "omega_rad_s", everywhere, speed_covariates),
+            observed_channel(measurement, "current_A", everywhere, of_current),
+            observed_channel(measurement, "omega_rad_s", everywhere, of_speed),
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
@@ -80,6 +85,32 @@ class MotorStep:
             current[group] = self._grid.of_rows(read_current_A(effects, amperes))
             speed[group] = self._grid.of_rows(read_speed_rad_s(effects, t_s, rad_s))
         return current, speed
+
+    def _responses(
+        self, measurement: Measurement, nominal: RobotConfig, angle_rad: Array, speed_rad_s: Array
+    ) -> tuple[TurningResponse, TurningResponse]:
+        """Return the responses of current and speed to a torque that depends on the angle.
+
+        Args:
+            measurement: The log.
+            nominal: The nominal robot.
+            angle_rad: (n,), angle at the rows.
+            speed_rad_s: (n,), predicted speed, which tells the rows at rest without noise.
+        """
+        motor = RobotModel.from_config(nominal).motors.right
+        trial = trial_of_rows(measurement)
+        turned = np.diff(angle_rad, prepend=0.0)
+        turned[(np.diff(trial, prepend=-1) != 0) | (speed_rad_s == 0.0)] = 0.0
+        slower = 1.0 / motor.damping_N_m_s_rad
+        common = {
+            "angle_rad": angle_rad - 0.5 * turned,
+            "turned_rad": turned,
+            "trial": trial,
+            "time_constant_s": motor.inertia_kg_m2 * slower,
+            "period_s": self._grid.period_s,
+        }
+        of_speed = TurningResponse(scale=-slower, **common)
+        return replace(of_speed, scale=slower * motor.torque_constant_N_m_A / motor.resistance_ohm), of_speed
 
     def _since_step(self) -> tuple[Array, Array]:
         """Return time since the last change of the voltage, and its size, (T, N) each; it is 0 V before time 0."""

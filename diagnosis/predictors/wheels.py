@@ -33,6 +33,7 @@ SLOTS = frozenset(
         Slot.SUPPLY,
         Slot.CURRENT_LIMIT,
         Slot.FRICTION,
+        Slot.SHAFT_TORQUE,
         Slot.GEARBOX,
         Slot.ENCODER,
         Slot.COUNTING,

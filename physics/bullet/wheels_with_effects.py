@@ -55,6 +55,7 @@ class WheelsWithEffects:
         self._voltage_V, self._supply_V = voltage_V, driveline.supply_V(time_s)
         extra = driveline.extra_torque_N_m(voltage_V, speeds_rad_s, self._supply_V)
         torque = driveline.stall_torque_N_m(voltage_V) + extra
+        torque = driveline.shaft_torque_N_m(torque, angles_rad, speeds_rad_s * self._period_s)
         # The solver leaves a tiny speed on a wheel that sticks; its sign must not decide the direction of friction.
         at_rest = np.where(np.abs(speeds_rad_s) < REST_RAD_S, 0.0, speeds_rad_s)
         self._wanted_friction_N_m = driveline.friction_N_m(torque, at_rest, time_s)
@@ -144,7 +145,7 @@ def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float]
 def needs_every_step(model: RobotModel) -> bool:
     """Return whether an effect of this robot acts at every step, beyond numbers that the engine receives once."""
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT)
+    slots += (Slot.FRICTION, Slot.SHAFT_TORQUE, Slot.COMMAND_DELAY, Slot.COUNTING)
     # The gearbox cannot act at all; it is listed so that its play is refused.
-    slots += (Slot.FRICTION, Slot.COMMAND_DELAY, Slot.COUNTING, Slot.ROLLING, Slot.CREEP, Slot.GROUND)
-    slots += (Slot.GEARBOX,)
+    slots += (Slot.ROLLING, Slot.CREEP, Slot.GROUND, Slot.GEARBOX)
     return any(model.functions(slot) for slot in slots)

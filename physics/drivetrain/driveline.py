@@ -41,6 +41,7 @@ class Driveline:
         self._supply = model.functions(Slot.SUPPLY)
         self._limit = model.functions(Slot.CURRENT_LIMIT)
         self._friction = model.functions(Slot.FRICTION)
+        self._shaft_torque = model.functions(Slot.SHAFT_TORQUE)
 
     @classmethod
     def of_robot(cls, model: RobotModel) -> "Driveline":
@@ -68,9 +69,14 @@ class Driveline:
         return bool(self._conduction)
 
     @property
+    def needs_angle(self) -> bool:
+        """Whether the torque depends on the angle of the shaft."""
+        return bool(self._shaft_torque)
+
+    @property
     def is_bare(self) -> bool:
-        """Whether torque and friction are those of the bare motors, at any speed and time."""
-        return not (self.adds_torque or self._friction)
+        """Whether torque and friction are those of the bare motors, at any angle, speed and time."""
+        return not (self.adds_torque or self._friction or self._shaft_torque)
 
     def voltage_V(
         self, held_V: Array, command_V: Array, time_s: float | Array, duration_s: float
@@ -143,6 +149,16 @@ class Driveline:
     def stall_torque_N_m(self, voltage_V: Array) -> Array:
         """Return the torque of the bare windings at rest."""
         return self.torque_constant_N_m_A * voltage_V / self.resistance_ohm
+
+    def shaft_torque_N_m(self, torque_N_m: Array, angle_rad: Array, turned_rad: Array) -> Array:
+        """Return the mean torque on the shafts without friction, over turns that begin at their angles.
+
+        Args:
+            torque_N_m: Torque of the windings.
+            angle_rad: Angles since the start.
+            turned_rad: Turns.
+        """
+        return through(self._shaft_torque, torque_N_m, angle_rad, turned_rad)
 
     def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array) -> Array:
         """Return the dry friction against the motion; at rest the largest torque that it can hold.

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import held_rows
-from physics.drivetrain.shaft import shaft_of
-from physics.drivetrain.two_mass import TwoMass
+from physics.drivetrain.shaft import ShaftState, shaft_of
 from physics.robot.model import RobotModel
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
@@ -190,14 +189,14 @@ def step_responses(
     shaft = shaft_of(model, driveline)
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
     rest = np.zeros((voltage_V.shape[1], 1))
-    state = TwoMass(rest, rest, rest)
+    state = ShaftState.at_rest(rest.shape)
     voltages, supplies, speeds = [], [], []
     for row in held_rows(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin):
         for part in row.parts:
             state = shaft.moved(part, state)
         voltages.append(row.last_V)
         supplies.append(np.broadcast_to(row.supply_V, np.broadcast_shapes(np.shape(row.supply_V), rest.shape)))
-        speeds.append(state.motor_rad_s)
+        speeds.append(state.sides.motor_rad_s)
     voltage, supply, speed = (np.stack(np.broadcast_arrays(*rows)) for rows in (voltages, supplies, speeds))
     voltage, supply = (rows[:, None] if rows.ndim < speed.ndim else rows for rows in (voltage, supply))
     return driveline.current_A(voltage, speed, supply)[..., 0], speed[..., 0]

@@ -34,15 +34,21 @@ class RigidWheels:
         self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
         self._covered_by_duration: dict[float, Array] = {}
 
-    def moved(self, part: HeldPart, speed_rad_s: Array) -> tuple[Array, Array]:
-        """Return speed [rad/s] after a period and the angle [rad] turned in it."""
+    def moved(self, part: HeldPart, speed_rad_s: Array, angle_rad: Array) -> tuple[Array, Array]:
+        """Return speed [rad/s] after a period and the angle [rad] turned in it.
+
+        Args:
+            part: The period.
+            speed_rad_s: Speed before it.
+            angle_rad: Angle before it, since the start; used only by effects that depend on it.
+        """
         driveline = self._driveline
         stall = driveline.stall_torque_N_m(part.voltage_V)
         if driveline.is_bare and self._load_N_m is None:
             covered = self._covered(part.duration_s)
             return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s, covered)
         # The load of a body changes little within a row and needs no finer steps.
-        return self._with_effects(part, stall, speed_rad_s, 0 if driveline.is_bare else MAX_DEPTH)
+        return self._with_effects(part, stall, (speed_rad_s, angle_rad), 0 if driveline.is_bare else MAX_DEPTH)
 
     def _covered(self, duration_s: float | Array) -> Array:
         """Return the covered share of a step, computed once per duration."""
@@ -55,12 +61,20 @@ class RigidWheels:
     def _held(self, torque_N_m: Array, friction_N_m: Array) -> HeldDrive:
         return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
 
-    def _with_effects(self, part: HeldPart, stall: Array, speed_rad_s: Array, depth: int) -> tuple[Array, Array]:
-        # Predict with the loads of the beginning, then repeat the step with the mean of both ends.
-        torque, friction = self._loads(part, stall, speed_rad_s, part.begin_s)
+    def _with_effects(
+        self, part: HeldPart, stall: Array, state: tuple[Array, Array], depth: int
+    ) -> tuple[Array, Array]:
+        """Return the same for a speed and an angle; `stall` is the torque of the bare windings at rest."""
+        # Predict with the loads of the beginning, then repeat the step with the mean of both ends. Torque that depends
+        # on the angle is a mean over the turn: first over that at a constant speed, then over the predicted one.
+        speed_rad_s, angle_rad = state
+        turn = part.duration_s * speed_rad_s if self._driveline.needs_angle else angle_rad
+        torque, friction = self._loads(part, stall, speed_rad_s, part.begin_s, (angle_rad, turn))
         covered = self._covered(part.duration_s)
-        ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, covered)
-        torque_ahead, friction_ahead = self._loads(part, stall, ahead, part.begin_s + part.duration_s)
+        ahead, turn = self._held(torque, friction).step(speed_rad_s, part.duration_s, covered)
+        torque_ahead, friction_ahead = self._loads(
+            part, stall, ahead, part.begin_s + part.duration_s, (angle_rad, turn)
+        )
         both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
         speed, angle = both.step(speed_rad_s, part.duration_s, covered)
         off = np.abs(speed - ahead)
@@ -74,15 +88,19 @@ class RigidWheels:
         duration_s = part.duration_s / PARTS
         for k in range(PARTS):
             quarter = HeldPart(part.voltage_V, part.supply_V, part.begin_s + k * duration_s, duration_s)
-            fine_speed, further = self._with_effects(quarter, stall, fine_speed, depth - 1)
+            at_angle = angle_rad + fine_angle if self._driveline.needs_angle else angle_rad
+            fine_speed, further = self._with_effects(quarter, stall, (fine_speed, at_angle), depth - 1)
             fine_angle = fine_angle + further
         return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
 
-    def _loads(self, part: HeldPart, stall: Array, speed_rad_s: Array, time_s: Array) -> tuple[Array, Array]:
-        """Return torque at rest and dry friction [N m]."""
+    def _loads(
+        self, part: HeldPart, stall: Array, speed_rad_s: Array, time_s: Array, turn: tuple[Array, Array]
+    ) -> tuple[Array, Array]:
+        """Return torque at rest and dry friction [N m]; `turn` is the angle at its beginning, and its size."""
         driveline = self._driveline
         torque = stall
         if driveline.adds_torque:
             torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed_rad_s, part.supply_V)
         torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)
+        torque = driveline.shaft_torque_N_m(torque, *turn)
         return torque, driveline.friction_N_m(torque, speed_rad_s, time_s)

@@ -1,5 +1,6 @@
 """Rotor and gearbox of a motor on a bench, as one mass or as two with play between them."""
 
+from dataclasses import dataclass
 from math import ceil
 from typing import Protocol
 
@@ -18,8 +19,21 @@ MAX_STEP_S, MAX_STEP_SHARE = 5e-3, 0.25
 At 5 ms speeds are within 0.006 rad/s of those at 0.02 ms, for a motor of 60 ms and a gap of 0.05 rad."""
 
 
+@dataclass(frozen=True)
+class ShaftState:
+    sides: TwoMass
+    angle_rad: Array
+    """Angle of the motor side since the start; 0 if no effect depends on it."""
+
+    @classmethod
+    def at_rest(cls, shape: tuple[int, ...]) -> "ShaftState":
+        """Return the state at the start of trials, in mid-gap."""
+        rest = np.zeros(shape)
+        return cls(TwoMass(rest, rest, rest), rest)
+
+
 class Shaft(Protocol):
-    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+    def moved(self, part: HeldPart, state: ShaftState) -> ShaftState:
         """Return the state after a period."""
         ...
 
@@ -32,10 +46,12 @@ def shaft_of(model: RobotModel, driveline: Driveline) -> Shaft:
 class RigidShaft:
     def __init__(self, driveline: Driveline) -> None:
         self._wheels = RigidWheels(driveline)
+        self._needs_angle = driveline.needs_angle
 
-    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
-        speed, _ = self._wheels.moved(part, state.motor_rad_s)
-        return TwoMass(speed, speed, state.slack_rad)
+    def moved(self, part: HeldPart, state: ShaftState) -> ShaftState:
+        speed, turned = self._wheels.moved(part, state.sides.motor_rad_s, state.angle_rad)
+        angle = state.angle_rad + turned if self._needs_angle else state.angle_rad
+        return ShaftState(TwoMass(speed, speed, state.sides.slack_rad), angle)
 
 
 class PlayingShaft:
@@ -53,23 +69,26 @@ class PlayingShaft:
             MAX_STEP_S, MAX_STEP_SHARE * float(np.min(self._inertias[0] / driveline.damping_N_m_s_rad))
         )
 
-    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+    def moved(self, part: HeldPart, state: ShaftState) -> ShaftState:
         substeps = max(1, ceil(float(np.max(part.duration_s)) / self._max_step_s - 1e-9))
         duration_s = part.duration_s / substeps
         for k in range(substeps):
             state = self._step(part, state, part.begin_s + k * duration_s, duration_s)
         return state
 
-    def _step(self, part: HeldPart, state: TwoMass, time_s: Array, duration_s: float | Array) -> TwoMass:
-        driveline, speed = self._driveline, state.motor_rad_s
+    def _step(self, part: HeldPart, state: ShaftState, time_s: Array, duration_s: float | Array) -> ShaftState:
+        driveline, sides = self._driveline, state.sides
+        speed = sides.motor_rad_s
         torque = driveline.stall_torque_N_m(part.voltage_V)
         if driveline.adds_torque:
             torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed, part.supply_V)
+        torque = driveline.shaft_torque_N_m(torque, state.angle_rad, duration_s * speed)
         friction = driveline.friction_N_m(torque, speed, time_s)
         share = self._config.motor_side_friction_fraction
-        load_friction = (1.0 - share) * driveline.friction_N_m(torque, state.load_rad_s, time_s)
+        load_friction = (1.0 - share) * driveline.friction_N_m(torque, sides.load_rad_s, time_s)
         motor_side = Load(torque, self._dampings[0], share * friction, self._inertias[0])
         load_side = Load(np.zeros_like(torque), self._dampings[1], load_friction, self._inertias[1])
         for play in self._play:
-            state = play(state, motor_side, load_side, duration_s)
-        return state
+            sides = play(sides, motor_side, load_side, duration_s)
+        turned = 0.5 * duration_s * (speed + sides.motor_rad_s) if driveline.needs_angle else 0.0
+        return ShaftState(sides, state.angle_rad + turned)

@@ -64,13 +64,14 @@ def counted_turns(
     driveline.inertia_kg_m2 = driveline.inertia_kg_m2 + load.inertia_kg_m2
     wheels = RigidWheels(driveline, load.torque_N_m if load.body is not None else None)
     counting = model.functions(Slot.COUNTING)
-    speed = np.zeros_like(voltage_V[0])
+    speed = angle = np.zeros_like(voltage_V[0])
     rows = []
     for row in held_rows(driveline, voltage_V, row_s, model.input_delay_s, begin_s[:, None]):
         turned = np.zeros(())
         for part in row.parts:
-            speed, further = wheels.moved(part, speed)
+            speed, further = wheels.moved(part, speed, angle)
             turned = turned + further
+            angle = angle + further if driveline.needs_angle else angle
         rows.append(through(counting, turned, row_s))
     return np.stack(np.broadcast_arrays(*rows))
 

@@ -18,6 +18,7 @@ EFFECTS = (
     "friction_warmup",
     "stribeck_friction",
     "quadratic_drag",
+    "torque_ripple",
     "gear_backlash",
     "wheel_radius_scale",
     "wheel_radius_asymmetry",

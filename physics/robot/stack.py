@@ -11,8 +11,10 @@ from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 
 UNPHYSICAL = frozenset({"name", "description"})
-CURVED = frozenset({Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION})
+CURVED = frozenset({Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION, Slot.SHAFT_TORQUE})
 """Slots in which an effect makes torque or friction of a motor other than a straight line of its speed."""
+APART = ({Slot.GEARBOX}, {Slot.CONDUCTION}, {Slot.SHAFT_TORQUE}, CURVED)
+"""Slots of effects that need a computation of their own."""
 
 
 def alike(robots: Sequence[RobotConfig]) -> list[list[int]]:
@@ -21,12 +23,12 @@ def alike(robots: Sequence[RobotConfig]) -> list[list[int]]:
     In a group no robot has an effect that another has with another choice. An effect that only some of them have is
     added to the others with its null value, which changes nothing. Robots with play in the gears stand apart, because
     they need far shorter steps, and so do bare motors, which take one exact step where others take some, and bridges
-    that coast, whose mean currents take far longer to compute.
+    that coast and torques that depend on the angle, which take far longer to compute.
     """
     groups: list[tuple[tuple[bool, ...], dict[type[Effect], tuple[str, ...]], list[int]]] = []
     for index, robot in enumerate(robots):
         choices = {type(effect): tuple(v for _, v in effect if isinstance(v, str)) for effect in robot.effects}
-        steps = tuple(bool(robot.effects.in_slots(slots)) for slots in ({Slot.GEARBOX}, {Slot.CONDUCTION}, CURVED))
+        steps = tuple(bool(robot.effects.in_slots(slots)) for slots in APART)
         for steps_of_group, choices_of_group, group in groups:
             if steps_of_group == steps and all(
                 choices_of_group.get(k, choice) == choice for k, choice in choices.items()

@@ -26,6 +26,7 @@ CANONICAL = {
     "rotor_inertia_scale": "scale",
     "stribeck_friction": "extra_torque_N_m, stribeck_speed_rad_s",
     "quadratic_drag": "coefficient_N_m_s2_rad2",
+    "torque_ripple": "amplitude_N_m, cycles_per_turn, phase_rad",
     "friction_asymmetry": "asymmetry",
     "friction_warmup": "amplitude, time_constant_s",
     "bridge_voltage_drop": "drop_V",

@@ -179,6 +179,30 @@ def test_a_stuck_motor_stays_stuck_below_breakaway(world, respond):
     assert current == pytest.approx(0.99 * Tc / K)
 
 
+@pytest.mark.parametrize("play", [0.0, 1e-9])
+@pytest.mark.parametrize("cycles", [1.0, 4.0, 9.0])
+def test_a_small_ripple_is_an_oscillation_of_the_settled_motor(world, respond, cycles, play):
+    """Of amplitude A / |D + i J n w| about the settled speed w, behind the torque against it by the angle of that."""
+    effects = [("torque_ripple", {"amplitude_N_m": 1e-3, "cycles_per_turn": cycles, "phase_rad": 0.5})]
+    effects += [("gear_backlash", {"gap_rad": play})] if play else []
+    time, _, speed = respond(world(*effects), (0.0, 3.0), rows=600)
+    settled = time > 1.0
+    mean = (K * 3.0 / R - Tc) / DAMPING
+    angle = (np.cumsum(speed) - 0.5 * speed) * 0.005
+    expected = (1e-3 / (DAMPING + 1j * J * cycles * mean) * np.exp(1j * (cycles * angle + 0.5))).real
+    size = np.sqrt(np.mean(expected[settled] ** 2))
+    assert np.sqrt(np.mean((speed - mean + expected)[settled] ** 2)) < 0.1 * size
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_ripple_holds_a_motor_in_one_direction_and_helps_it_in_the_other(world, respond, sign):
+    ripple = ("torque_ripple", {"amplitude_N_m": 0.01, "cycles_per_turn": 5.0, "phase_rad": 0.0})
+    breakaway = R / K * (Tc + sign * 0.01)
+    for share, moves in ((0.98, False), (1.02, True)):
+        _, _, speed = respond(world(ripple), (0.0, sign * share * breakaway), rows=4)
+        assert bool((speed != 0.0).any()) == moves
+
+
 def test_delays_shift_and_lags_round(world, respond):
     time, current, speed = respond(world(("input_delay", {"delay_s": 0.007})), (0.0, 4.0))
     later = np.maximum(time - 0.007, 0.0)

@@ -30,6 +30,9 @@ class Motors:
     diode: Array
     switching: Array
     limit: Array
+    ripple: Array
+    ripple_cycles: Array
+    ripple_phase: Array
     bump: Array
     bump_speed: Array
     bump_width: Array
@@ -66,6 +69,9 @@ class Motors:
             diode=effect("bridge_coast", "diode_V"),
             switching=effect("bridge_coast", "switching_Hz", 1.0),
             limit=effect("current_limit", "limit_A", np.inf),
+            ripple=effect("torque_ripple", "amplitude_N_m"),
+            ripple_cycles=effect("torque_ripple", "cycles_per_turn", 1.0),
+            ripple_phase=effect("torque_ripple", "phase_rad"),
             bump=beyond("brush_film_bump", "torque_N_m"),
             bump_speed=beyond("brush_film_bump", "speed_rad_s"),
             bump_width=beyond("brush_film_bump", "width_rad_s", 1.0),
@@ -100,6 +106,10 @@ class Motors:
     @cached_property
     def _has_drag(self) -> bool:
         return bool(self.drag.any())
+
+    @cached_property
+    def ripples(self) -> bool:
+        return bool(self.ripple.any())
 
     @cached_property
     def _is_unusual(self) -> bool:
@@ -154,9 +164,20 @@ class Motors:
             friction = friction + self.bump * np.exp(-(beside**2))
         return friction
 
-    def surplus_N_m(self, voltage_V: Array, direction: Array, speed_rad_s: Array, session_s: Array) -> Array:
+    def ripple_N_m(self, angle_rad: Array) -> Array | float:
+        """Torque against forward motion at an angle of the wheel."""
+        return self.ripple * np.cos(self.ripple_cycles * angle_rad + self.ripple_phase) if self.ripples else 0.0
+
+    def surplus_N_m(
+        self,
+        voltage_V: Array,
+        direction: Array,
+        speed_rad_s: Array,
+        session_s: Array,
+        ripple_N_m: Array | float = 0.0,
+    ) -> Array:
         """Accelerating torque in the direction of motion; `speed_rad_s` is signed."""
-        drive = self.constant * self.current_A(voltage_V, speed_rad_s)
+        drive = self.constant * self.current_A(voltage_V, speed_rad_s) - ripple_N_m
         resisting = self.viscous * speed_rad_s
         if self._has_drag:
             resisting = resisting + self.drag * speed_rad_s * np.abs(speed_rad_s)

@@ -78,27 +78,41 @@ def _held(state: Array, command: Array, lag_s: Array, after_s: float) -> Array:
 
 def _one_mass(motors: Motors, voltage: Array, lag: Array, begin_s: Array) -> tuple[Array, Array]:
     speed = np.zeros(voltage.shape[:2])
-    state = np.zeros_like(speed)
+    state, angle = np.zeros_like(speed), np.zeros_like(speed)
     speeds, currents = [speed], []
     for k in range(voltage.shape[2]):
         command, time = voltage[..., k], begin_s + k * STEP_S
         first, middle, end = (_held(state, command, lag, share * STEP_S) for share in (0.0, 0.5, 1.0))
-        speed = step(motors, speed, (first, middle, end), time, STEP_S)
+        before, speed = speed, step(motors, speed, (first, middle, end), time, STEP_S, angle)
+        angle = angle + 0.5 * STEP_S * (before + speed)
         state = end
         speeds.append(speed)
         currents.append(motors.current_A(end, speed))
     return np.stack(currents, axis=-1), np.stack(speeds, axis=-1)
 
 
-def step(motors: Motors, speed: Array, voltages: tuple[Array, Array, Array], time: Array, step_s: float) -> Array:
-    """Speed after one step of the midpoint rule; `voltages` are those at its beginning, middle and end."""
+def step(
+    motors: Motors,
+    speed: Array,
+    voltages: tuple[Array, Array, Array],
+    time: Array,
+    step_s: float,
+    angle: Array | float = 0.0,
+) -> Array:
+    """Speed after one step of the midpoint rule; `voltages` are those at its beginning, middle and end.
+
+    A wheel at rest breaks away in the direction of the voltage, or of a ripple that is stronger than its torque.
+    """
     first, middle, end = voltages
     rests = speed == 0.0
-    direction = np.sign(np.where(rests, first, speed))
-    surplus = motors.surplus_N_m(first, direction, speed, time)
+    ripple = motors.ripple_N_m(np.asarray(angle))
+    stall = first * motors.constant / motors.resistance - ripple if motors.ripples else first
+    direction = np.sign(np.where(rests, stall, speed))
+    surplus = motors.surplus_N_m(first, direction, speed, time, ripple)
     held = rests & (surplus <= 0.0)
     half = speed + 0.5 * step_s * direction * surplus / motors.inertia
-    after = speed + step_s * direction * motors.surplus_N_m(middle, direction, half, time) / motors.inertia
+    ripple = motors.ripple_N_m(angle + 0.5 * step_s * speed)
+    after = speed + step_s * direction * motors.surplus_N_m(middle, direction, half, time, ripple) / motors.inertia
     crossed = (direction * after < 0.0) & ~held
     after = np.where(held, 0.0, after)
     if not crossed.any():
@@ -106,8 +120,8 @@ def step(motors: Motors, speed: Array, voltages: tuple[Array, Array, Array], tim
     # It stops where it crosses zero, and goes on the other way if the motor is strong enough for that.
     before_rest = np.where(crossed, speed / np.where(crossed, speed - after, 1.0), 0.0)
     zero = np.zeros_like(speed)
-    pull = np.sign(end)
-    onward = np.maximum(motors.surplus_N_m(end, pull, zero, time), 0.0)
+    pull = np.sign(end * motors.constant / motors.resistance - ripple if motors.ripples else end)
+    onward = np.maximum(motors.surplus_N_m(end, pull, zero, time, ripple), 0.0)
     return np.where(crossed, pull * onward * (1.0 - before_rest) * step_s / motors.inertia, after)
 
 
@@ -117,12 +131,12 @@ def _with_play(
     h = PLAY_STEP_S
     inertia_motor, inertia_load = shares[0] * motors.inertia, (1.0 - shares[0]) * motors.inertia
     motor = np.zeros(voltage.shape[:2])
-    load, angle, side, state = (np.zeros_like(motor) for _ in range(4))
+    load, angle, side, state, turned_motor = (np.zeros_like(motor) for _ in range(5))
     speeds, currents = [motor], []
     for k in range(voltage.shape[2]):
         time = begin_s + k * h
         state = _held(state, voltage[..., k], lag, h)
-        drive = motors.constant * motors.current_A(state, motor)
+        drive = motors.constant * motors.current_A(state, motor) - motors.ripple_N_m(turned_motor)
 
         def pushed(speed: Array, drive: Array, share: float, inertia: Array, time: Array = time) -> Array:
             """Acceleration of one side, or of both, by a torque and its share of the friction."""
@@ -152,6 +166,7 @@ def _with_play(
             onward = shared + (1.0 - part) * h * pushed(shared, drive, 1.0, motors.inertia)
             new_motor, new_load = np.where(meets, onward, new_motor), np.where(meets, onward, new_load)
             side = np.where(meets, outward, side)
+        turned_motor = turned_motor + 0.5 * h * (motor + new_motor)
         motor, load = new_motor, new_load
         speeds.append(motor)
         currents.append(motors.current_A(state, motor))

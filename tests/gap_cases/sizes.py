@@ -102,6 +102,11 @@ STRIBECK = _both(
 )
 COAST = _both(_positive("inductance_H", 2e-5, 1e-3), _positive("diode_V", 0.4, 2.0), _of_all("switching_Hz", 20_000.0))
 """Of the switching frequency and the inductance only the product shows, so that a report assumes the usual one."""
+RIPPLE = _both(
+    _times("amplitude_N_m", "coulomb_friction_N_m", 0.1, 1.0),
+    _positive("cycles_per_turn", 0.7, 30.0),
+    _around("phase_rad"),
+)
 MOTOR: dict[str, Sampler] = {
     "winding_resistance_scale": _factor("scale", 0.07, 0.25),
     "torque_constant_scale": _factor("scale", 0.05, 0.15),
@@ -137,6 +142,7 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "speed_filter_lag": _positive("time_constant_s", 0.002, 0.03),
         "speed_time_offset": _positive("delay_s", 0.001, 0.02),
         "bridge_coast": COAST,
+        "torque_ripple": RIPPLE,
     },
     "tof_bench": {
         "range_offset": _either("offset_m", 0.004, 0.02),

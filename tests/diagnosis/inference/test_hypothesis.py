@@ -75,6 +75,13 @@ def test_a_number_that_no_measurement_shows_is_not_fitted(robot, effect):
     assert fitted.model_dump() == {"inductance_H": 2e-4, "diode_V": 1.1, "switching_Hz": 20_000.0}
 
 
+def test_cycles_per_turn_are_fitted_as_they_are(effect):
+    """A step of a derivative is then the same phase at the end of a log for slow and fast waves."""
+    _, cycles, _ = effect("torque_ripple").coordinates
+    assert [cycles.value(x) for x in (0.5, 30.0)] == [0.5, 30.0]
+    assert cycles.null is None
+
+
 def test_a_phase_is_fitted_as_it_is_and_tried_all_around(effect):
     """In contrast to a time constant, whose logarithm is fitted; 30 degrees off, 87 % of an effect are left."""
     amplitude, phase = effect("wheel_eccentricity").coordinates

@@ -1,0 +1,62 @@
+"""How a quantity follows a small torque that depends on the angle of a shaft, without a simulation."""
+
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from diagnosis.measured.channel import Mask
+from symolo.core.arrays import Array
+
+
+@dataclass(frozen=True)
+class TurningResponse:
+    """First-order response to a torque against the motion, in n rows of one or several trials.
+
+    While the shaft turns, the response of a row is that of the row before times `kept`, plus `scale` (1 - `kept`) times
+    the torque in the row.
+    """
+
+    angle_rad: Array
+    """(n,), angle of the shaft in the middle of each row, since the start of its trial."""
+    turned_rad: Array
+    """(n,), angle by which the shaft turns in each row; 0 at rest."""
+    trial: NDArray[np.int64]
+    """(n,), trial of each row."""
+    scale: float
+    """Change of the quantity by a constant torque of 1 N m."""
+    time_constant_s: float
+    period_s: float
+    """Duration of a row."""
+
+    @property
+    def kept(self) -> float:
+        """Share of a response that is left a row later."""
+        return exp(-self.period_s / self.time_constant_s)
+
+    @property
+    def is_turning(self) -> Mask:
+        return self.turned_rad != 0.0
+
+    def forces(self, weighted: Array) -> Array:
+        """Return the numbers (n,) whose sum of products with any torques is that of `weighted` (n,) with the responses.
+
+        This is the transpose of the response, which runs backwards through each trial.
+        """
+        after = np.zeros_like(weighted)
+        for trial in np.unique(self.trial):
+            rows = self.trial == trial
+            after[rows] = lfilter([1.0], [1.0, -self.kept], weighted[rows][::-1])[::-1]
+        return np.where(self.is_turning, self.scale * (1.0 - self.kept) * after, 0.0)
+
+    def squares(self, cycles_per_turn: Array) -> Array:
+        """Return the squares (F, n) of the settled responses to torques of 1 N m that vary with the angle.
+
+        Args:
+            cycles_per_turn: (F,), cycles of the torque in a turn.
+        """
+        phase = cycles_per_turn[:, None] * np.abs(self.turned_rad)
+        gain = self.scale * (1.0 - self.kept)
+        return np.where(self.is_turning, gain**2 / (1.0 + self.kept**2 - 2.0 * self.kept * np.cos(phase)), 0.0)
