@@ -10,8 +10,9 @@ from typing import TypeVar
 import numpy as np
 
 from diagnosis.importers.base import Importer, is_file
+from diagnosis.importers.held_voltages import with_held
 from diagnosis.importers.trials import KnownNoise, trials_of
-from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, channel_columns
+from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAGES, channel_columns
 from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
@@ -82,6 +83,9 @@ def _read(
     trials = ()
     with faults.noted():
         trials = trials_of(table, channels, holdout, noise, from_rest=kind is CaseKind.MOTOR_STEP)
+    if kind is CaseKind.DRIVE_LOG and trials and is_file(folder / VOLTAGES):
+        with faults.noted():
+            trials = with_held(trials, folder / VOLTAGES)
     if nominal is None or not trials:
         raise together(faults.faults)
     source = MeasurementSource("a measured case", (str(folder / DATA), str(folder / NOMINAL)))

@@ -82,6 +82,15 @@ COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
     }
 )
 
+VOLTAGES = "voltages.csv"
+"""File of a drive with the voltages that change between the rows of data.csv; it may be left out."""
+WHEEL_VOLTAGES = ("u_left_V", "u_right_V")
+VOLTAGE_COLUMNS = (
+    _number("trial"),
+    _time("t_s", 6),
+    *(MeasuredColumn(name, "V", Role.INPUT, _VOLTAGE, 5) for name in WHEEL_VOLTAGES),
+)
+"""Columns of that file: each voltage is held from the time of its row to that of the next one with a value."""
 POSE = ("x_m", "y_m", "theta_rad")
 """Channels of the pose that a camera tracks."""
 _STEPS = ("session_time_s", "t_s")

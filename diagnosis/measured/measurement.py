@@ -9,6 +9,7 @@ from diagnosis.measured.channel import Channel, Label, Mask
 from diagnosis.measured.nominal import Nominal
 from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
+from symolo.core.time_series import TimeSeries
 
 
 class CaseKind(TextEnum):
@@ -61,6 +62,9 @@ class Trial:
     """Whether `t_s` are times."""
     part: str = ""
     """Part of the robot that was measured; empty if it is the same in all trials."""
+    held: tuple[TimeSeries, ...] = ()
+    """Inputs that also change between the rows, by the names of their channels: each value is held from its time to the
+    next, and the channel has the mean from row to row. Empty if they change at rows only, or as far as is known."""
     session: str = ""
     """Session in which the trial was driven: between sessions, markers and clocks are set again. Empty if not known."""
 

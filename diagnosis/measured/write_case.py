@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT
+from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, VOLTAGE_COLUMNS, VOLTAGES, WHEEL_VOLTAGES
 from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NOMINAL, KnownMotor, KnownWheels
@@ -32,6 +32,8 @@ def write_case(measurement: Measurement, folder: Path) -> None:
         raise ValueError(f"{measurement.name}: a case needs nominal parameters and one of the kinds {[*COLUMNS]}")
     make_folder(folder)
     write_file(folder / DATA, csv_of(measurement).encode())
+    if voltages := voltages_of(measurement):
+        write_file(folder / VOLTAGES, voltages.encode())
     nominal = measurement.nominal.model_dump(mode="json")
     write_file(folder / NOMINAL, yaml.safe_dump(nominal, sort_keys=False).encode())
 
@@ -45,6 +47,22 @@ def csv_of(measurement: Measurement) -> str:
         cells = [_cells(column, trial, number, before) for column in columns]
         lines += [",".join(row) for row in zip(*cells, strict=True)]
         before += len(trial.t_s)
+    return "\n".join(lines) + "\n"
+
+
+def voltages_of(measurement: Measurement) -> str:
+    """Return the text of voltages.csv; empty if no voltage changes between the rows."""
+    if not any(trial.held for trial in measurement.trials):
+        return ""
+    lines = [",".join(column.name for column in VOLTAGE_COLUMNS)]
+    decimals = [column.decimals for column in VOLTAGE_COLUMNS]
+    for number, trial in enumerate(measurement.trials, 1):
+        series = {each.name: dict(zip(each.t_s.tolist(), each.values.tolist(), strict=True)) for each in trial.held}
+        for time in sorted({time for values in series.values() for time in values}):
+            volts = [series.get(name, {}).get(time, np.nan) for name in WHEEL_VOLTAGES]
+            name = trial.name if trial.name.isdecimal() else str(number)
+            cells = _texts(np.array([time]), decimals[1]) + _texts(np.array(volts), decimals[2])
+            lines.append(",".join([name, *cells]))
     return "\n".join(lines) + "\n"
 
 

@@ -13,7 +13,7 @@ from configs.schema_faults import all_explained
 from configs.shapes import Shape
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.quantities import NEEDED, our_columns, quantity_names
+from diagnosis.new_case.quantities import COUNTS, NEEDED, our_columns, quantity_names
 from diagnosis.new_case.units import factor_to
 from symolo.core.errors import FaultList, InputError, nearest, together
 from symolo.core.yaml.reader import read_yaml
@@ -34,6 +34,10 @@ class Source(Section):
     """Factor on the values besides the unit; -1 turns the sign."""
     time_offset_s: float = Field(default=0.0, ge=-10, le=10)
     """Time by which the values were measured later than the time of their row."""
+    per_row: bool = False
+    """Whether each value is the number of ticks since the row before; by default counts run on."""
+    wraps_at: float = Field(default=0.0, ge=0, le=1e12)
+    """Number of ticks at which the counter begins again; powers of two are recognised without it."""
 
 
 class LogMapping(Section):
@@ -94,6 +98,9 @@ def check_mapping(mapping: LogMapping, log: LogFile, where: str) -> None:
                 )
             if source.constant is not None:
                 _check_constant(name, source, place, is_number=name in ours)
+            if (source.per_row or source.wraps_at) and name not in COUNTS:
+                what = "per_row and wraps_at are for counts of encoders"
+                raise InputError(what, where=place, allowed=", ".join(COUNTS))
         with faults.noted():
             factor_to(ours[name].unit if name in ours else "", source.unit, place)
     with faults.noted():
@@ -143,6 +150,7 @@ def mapping_text(mapping: LogMapping, log: LogFile, out: Path) -> str:
         f"#   {shlex.join(command)}",
         "# unit: unit in the log, such as mm, deg, ms, rpm, mV. factor: factor besides the unit; -1 turns the sign.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
+        "# per_row: true, if ticks are counted anew in each row. wraps_at: ticks at which a counter begins again.",
         "# A quantity that was constant: {constant: VALUE}, in the unit of data.csv.",
         f"kind: {mapping.kind}",
         "columns:",

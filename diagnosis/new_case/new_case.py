@@ -6,10 +6,10 @@ from pathlib import Path
 
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.case_format import DATA, RANGE_SIDES
+from diagnosis.measured.case_format import DATA, RANGE_SIDES, VOLTAGES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NOMINAL
-from diagnosis.measured.write_case import csv_of
+from diagnosis.measured.write_case import csv_of, voltages_of
 from diagnosis.new_case.estimates import contradictions, pose_by_ticks
 from diagnosis.new_case.known_numbers import KnownNumber, has, missing, numbers_of
 from diagnosis.new_case.log_file import LogFile
@@ -62,6 +62,8 @@ class NewCase:
         text = nominal_text(self.measurement, self.known)
         with new_folder(out) as folder:
             write_file(folder / DATA, csv_of(self.measurement).encode())
+            if voltages := voltages_of(self.measurement):
+                write_file(folder / VOLTAGES, voltages.encode())
             write_file(folder / NOMINAL, text.encode())
             write_file(folder / MAPPING, mapping_text(self.mapping, self.log, out).encode())
             try:

@@ -11,9 +11,10 @@ from diagnosis.measured.case_format import NO_TARGET_FROM_M, RANGES
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.scale import beyond_scale, likely_unit
 from diagnosis.measured.screening import usual
+from diagnosis.new_case.counts import are_per_row
 from diagnosis.new_case.log_file import LogFile
 from diagnosis.new_case.mapping import MAPPING, LogMapping, Source
-from diagnosis.new_case.quantities import DUTY, NEEDED, matched, our_columns
+from diagnosis.new_case.quantities import COUNTS, DUTY, NEEDED, PER_ROW, matched, of_wheels, our_columns, sides_of
 from diagnosis.new_case.units import factor_to, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -48,6 +49,8 @@ def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None =
     Raises:
         InputError: The columns of no kind, or not those of this one, are in the log.
     """
+    if kind in {None, CaseKind.DRIVE_LOG}:
+        _check_wheels(log)
     kind = kind or _kind(log)
     recognised = matched(kind, list(log.columns))
     if not _suffices(kind, recognised):
@@ -71,7 +74,52 @@ def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None =
                 unit, reason = _guessed(name, ours[name].unit, log.numbers(column), log, _step_s(log, sources))
                 warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
         sources[name] = Source(column=column, unit="" if name in ours and unit == ours[name].unit else unit)
+    for name in [name for name in COUNTS if name in sources and _are_per_row(log, name, sources)]:
+        column = sources[name].column
+        sources[name] = sources[name].model_copy(update={"per_row": True})
+        is_named = PER_ROW & set(taken_apart(column).words)
+        reason = "by its name" if is_named else "since it follows the speed itself"
+        warnings.append(f"{column} ({name}): taken for the ticks since the row before, {reason}")
+    if "tof_front_m" in sources and not sides_of(column := sources["tof_front_m"].column) and column != "tof_front_m":
+        warnings.append(f"{column} (tof_front_m): taken for the sensor in front; else rename it in {MAPPING}")
     return Proposal(LogMapping.model_validate({"kind": kind.value, "columns": sources}), tuple(warnings))
+
+
+def _check_wheels(log: LogFile) -> None:
+    """Refuse a log of a robot with more than two driven wheels.
+
+    Raises:
+        InputError: More than two columns are counts of encoders.
+    """
+    wheels = of_wheels(list(log.columns))
+    if len(wheels) > 2:
+        raise InputError(
+            f"counts of {len(wheels)} wheels: {', '.join(wheels)}",
+            where=f"{log.path}: row 1",
+            allowed="one left and one right wheel on a common axle, which is all that the simulator can drive",
+            cure="a robot with three omnidirectional wheels cannot be compared; if two of the wheels are such a pair, "
+            f"or each side has several wheels on one motor, write a {MAPPING} (docs/diagnosis.md) with one column for "
+            "each side, and name it with --mapping",
+        )
+
+
+def _are_per_row(log: LogFile, name: str, sources: Mapping[str, Source]) -> bool:
+    """Return whether a column has the ticks since the row before, by its name or because it follows the speed."""
+    column = sources[name].column
+    if PER_ROW & set(taken_apart(column).words):
+        return True
+    if column == name:
+        return False
+    try:
+        counts = log.numbers(column)
+        if (voltage := sources.get(f"u_{name.split('_')[1]}_V")) is not None and voltage.column:
+            return are_per_row(counts, log.numbers(voltage.column))
+        if {"x_m", "y_m"} <= sources.keys():
+            x, y = (log.numbers(sources[axis].column) for axis in ("x_m", "y_m"))
+            return are_per_row(np.abs(counts), np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])))
+    except InputError:  # wrong cells are reported together, when the rows are read
+        pass
+    return False
 
 
 def _of_duty(log: LogFile, columns: Sequence[str]) -> tuple[float, str]:
@@ -123,12 +171,18 @@ def _suffices(kind: CaseKind, recognised: Mapping[str, str]) -> bool:
 
 
 def _missing(log: LogFile, kind: CaseKind, recognised: Mapping[str, str]) -> InputError:
-    """Return an error that names what is missing of the set of quantities that is nearest to complete."""
-    missing = min((needed - set(recognised) for needed in NEEDED[kind]), key=len)
+    """Return an error that names what is missing of the set of quantities that is nearest to complete.
+
+    A range is named only if it alone is missing, and then beside what else would do.
+    """
+    several = [needed - set(recognised) for needed in NEEDED[kind]]
+    without_range = [missing for missing in several if not missing & RANGES] or several
+    nearest = dict.fromkeys(min(sets, key=len) for sets in (without_range, several))
+    missing = " or ".join(" ".join(sorted(each)) for each in nearest)
     unused = [name for name in log.columns if name not in recognised.values()]
     cure = f"rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping"
     return InputError(
-        f"no column was recognised as {' '.join(sorted(missing))}, which a case of the kind {kind} needs",
+        f"no column was recognised as {missing}, which a case of the kind {kind} needs",
         where=f"{log.path}: row 1",
         cure=f"not recognised: {', '.join(unused) or 'none'}; {cure}",
     )

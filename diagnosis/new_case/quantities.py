@@ -24,7 +24,10 @@ _TIME = _any("t time timestamp stamp clock")
 DUTY = _any("pwm duty")
 """Words for a voltage as a share of the supply's."""
 _VOLTAGE = _any("u voltage volt volts motor mot vm umot") | DUTY
-_COUNTS = _any("enc encoder encoders ticks tick counts count cnt pulses steps")
+_COUNTS = _any("enc encoder encoders ticks tick counts count cnt pulses steps denc dticks dcounts dcount dcnt")
+PER_ROW = _any("delta deltas diff inc increment increments change denc dticks dcounts dcount dcnt")
+"""Words for counts since the row before."""
+COUNTS = ("enc_left_ticks", "enc_right_ticks")
 _RANGE = _any("tof range ranges dist distance d lidar ir sonar ultrasonic")
 _HEADING = _any("theta th heading yaw phi angle orientation rotation psi compass")
 _SPEED = _any("omega w speed velocity vel rotation")
@@ -41,6 +44,8 @@ class Quantity:
     kinds: frozenset[CaseKind]
     unit_suffices: bool = True
     """Whether a unit of the quantity may stand for the last group."""
+    beside: frozenset[str] = frozenset()
+    """Words that may stand beside those of the groups."""
 
     def matches(self, header: HeaderName, unit: str) -> bool:
         """Return whether a name means this quantity, whose unit in data.csv is `unit`."""
@@ -51,7 +56,7 @@ class Quantity:
         *first, last = self.groups
         if not all(words & group for group in first) or not (words & last or (has_unit and self.unit_suffices)):
             return False
-        return not words - frozenset.union(*self.groups) - _FILLERS
+        return not words - frozenset.union(*self.groups, self.beside) - _FILLERS
 
 
 DRIVE, STEP, STEADY, BENCH = CaseKind.DRIVE_LOG, CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY, CaseKind.TOF_BENCH
@@ -64,8 +69,8 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("trial", (_any("trial run experiment"),), frozenset({DRIVE, STEP})),
     Quantity("sweep", (_any("sweep trial run"),), frozenset({STEADY})),
     Quantity("t_s", (_TIME,), _ALL),
-    Quantity("enc_left_ticks", (_LEFT, _COUNTS), _DRIVES),
-    Quantity("enc_right_ticks", (_RIGHT, _COUNTS), _DRIVES),
+    Quantity("enc_left_ticks", (_LEFT, _COUNTS), _DRIVES, beside=PER_ROW),
+    Quantity("enc_right_ticks", (_RIGHT, _COUNTS), _DRIVES, beside=PER_ROW),
     Quantity("u_left_V", (_LEFT, _VOLTAGE), _DRIVES),
     Quantity("u_right_V", (_RIGHT, _VOLTAGE), _DRIVES),
     Quantity("tof_front_m", (_FRONT, _RANGE), _DRIVES),
@@ -120,7 +125,36 @@ def our_columns(kind: CaseKind) -> dict[str, MeasuredColumn]:
 
 def matched(kind: CaseKind, names: Sequence[str]) -> dict[str, str]:
     """Return the columns of a log by the quantity that they seem to hold; each is used at most once."""
-    return {quantity: next(iter(columns)) for quantity, columns in _candidates(kind, names) if columns}
+    columns_of = {quantity: next(iter(columns)) for quantity, columns in _candidates(kind, names) if columns}
+    if kind is CaseKind.DRIVE_LOG and not any(f"tof_{side}_m" in columns_of for side in RANGE_SIDES):
+        ranges = [name for name in names if name not in columns_of.values() and _is_range(taken_apart(name))]
+        if len(ranges) == 1:
+            columns_of |= {"tof_front_m": ranges[0]}
+    return columns_of
+
+
+def sides_of(name: str) -> frozenset[str]:
+    """Return the words of a name that say on which side something is."""
+    return (_LEFT | _RIGHT | _FRONT) & set(taken_apart(name).words)
+
+
+def of_wheels(names: Sequence[str]) -> list[str]:
+    """Return the columns of a log that seem to be counts of encoders, of wheels on any side or with numbers."""
+    return [name for name in names if _is_of_wheel(taken_apart(name))]
+
+
+def _is_range(header: HeaderName) -> bool:
+    """Return whether a name is that of a range sensor without a side."""
+    words = set(header.words)
+    return bool(words & _RANGE) and not words - _RANGE - _FILLERS and header.unit in {"", *units_for("m")}
+
+
+def _is_of_wheel(header: HeaderName) -> bool:
+    words = {word.rstrip("0123456789") or word for word in header.words}
+    numbers = {word for word in words if word.isdecimal()}
+    sides = _LEFT | _RIGHT | _FRONT | _any("back b rear hind third")
+    is_count = bool(words & _COUNTS) or header.unit == "ticks"
+    return is_count and not words - _COUNTS - PER_ROW - sides - numbers - _FILLERS
 
 
 def _candidates(kind: CaseKind, names: Sequence[str]) -> Iterator[tuple[str, list[str]]]:

@@ -7,14 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.case_format import CAMERA_CHANNELS, RANGES, channel_columns
+from diagnosis.measured.case_format import CAMERA_CHANNELS, RANGES, WHEEL_VOLTAGES, channel_columns
 from diagnosis.measured.channel import Channel, Label, Role
+from diagnosis.measured.held import held_means
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.screening import usual
+from diagnosis.new_case.counts import jump, running, unwrapped
 from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.mapping import MAPPING, LogMapping
+from diagnosis.new_case.mapping import MAPPING, LogMapping, Source
 from diagnosis.new_case.proposal import unit_faults
-from diagnosis.new_case.quantities import our_columns
+from diagnosis.new_case.quantities import COUNTS, our_columns
 from diagnosis.new_case.sample_times import are_even, even_times
 from diagnosis.new_case.units import factor_to
 from symolo.core.arrays import Array
@@ -52,6 +54,8 @@ class _Rows:
     """(N,) of each column."""
     words: tuple[str, ...] = ()
     """(N,), materials; empty if there are none."""
+    held: tuple[TimeSeries, ...] = ()
+    """Voltages that change between the rows."""
 
 
 def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
@@ -61,7 +65,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         InputError: A cell is no number, a quantity is in another unit, or the rows cannot be used; all are reported.
     """
     kind, notes = mapping.case_kind, list(log.notes)
-    values = _values(log, mapping)
+    values = _values(log, mapping, notes)
     material = mapping.columns.get("material")
     words: tuple[str, ...] = ()
     if kind is CaseKind.TOF_BENCH:
@@ -89,8 +93,8 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
     return Measurement(name, kind, source, tuple(trials), notes=tuple(notes))
 
 
-def _values(log: LogFile, mapping: LogMapping) -> dict[str, Array]:
-    """Return the numbers of a log in our units by our names, (N,) each."""
+def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Array]:
+    """Return the numbers of a log in our units by our names, (N,) each; `notes` gets what was changed."""
     faults, values, kind = FaultList(), {}, mapping.case_kind
     for name, column in our_columns(kind).items():
         source = mapping.columns.get(name)
@@ -105,7 +109,7 @@ def _values(log: LogFile, mapping: LogMapping) -> dict[str, Array]:
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
-                numbers = factor * log.numbers(source.column)
+                numbers = factor * _counted(log.numbers(source.column), source, name, notes)
             if name == "t_s":
                 _check_times(numbers, log, source.column)
                 if kind in _IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970
@@ -115,6 +119,23 @@ def _values(log: LogFile, mapping: LogMapping) -> dict[str, Array]:
         faults.faults += unit_faults(mapping, values, log)
     faults.check()
     return values
+
+
+def _counted(numbers: Array, source: Source, name: str, notes: list[str]) -> Array:
+    """Return the numbers of a column; those of an encoder as counts that run on."""
+    if name not in COUNTS:
+        return numbers
+    if source.per_row:
+        return running(numbers)
+    counts, wraps_at = unwrapped(numbers, source.wraps_at)
+    if wraps_at:
+        notes.append(f"{source.column} wraps at {wraps_at:.0f} and is continued beyond it")
+    elif far := jump(counts):
+        notes.append(
+            f"CHECK {source.column}: it jumps by {far:.0f} from one row to the next; if its counter begins again "
+            f"there, give wraps_at in {MAPPING}"
+        )
+    return counts
 
 
 def _check_times(t_s: Array, log: LogFile, column: str) -> None:
@@ -266,12 +287,14 @@ def _sampled(part: _Rows, step_s: float, wanted_s: float, first_s: float) -> _Ro
             close = np.abs(since_s[nearest] - t_s) <= max(step_s, 0.5 * wanted_s)
             values[name] = np.where(close, column[nearest], np.nan)
         elif name.endswith("_V") or "_cmd_" in name:
-            values[name] = _held_mean(since_s, column, t_s, wanted_s)
+            values[name] = held_means(since_s, column, t_s, wanted_s)
         else:
             values[name] = _interpolated(t_s, since_s, column)
         if name.endswith("_ticks"):
             values[name] = np.rint(values[name])
-    return _Rows(t_s + first_s, values)
+    voltages = [name for name in WHEEL_VOLTAGES if np.isfinite(part.values.get(name, np.nan)).any()]
+    held = tuple(_changes(name, since_s, part.values[name]) for name in voltages)
+    return _Rows(t_s + first_s, values, held=held)
 
 
 def _nearest(t_s: Array, wanted_s: Array) -> NDArray[np.int64]:
@@ -279,19 +302,12 @@ def _nearest(t_s: Array, wanted_s: Array) -> NDArray[np.int64]:
     return np.where(wanted_s - t_s[after - 1] <= t_s[np.minimum(after, len(t_s) - 1)] - wanted_s, after - 1, after)
 
 
-def _held_mean(t_s: Array, values: Array, wanted_s: Array, step_s: float) -> Array:
-    """Return the mean of a held value from each wanted time to a step later."""
+def _changes(name: str, since_s: Array, values: Array) -> TimeSeries:
+    """Return the times at which a held value changes, with the new values."""
     known = np.isfinite(values)
-    if not known.any():
-        return np.full(len(wanted_s), np.nan)
-    held, begins = values[known], t_s[known]
-    integral = np.concatenate([[0.0], np.cumsum(held[:-1] * np.diff(begins))])
-
-    def until(t: Array) -> Array:
-        last = np.clip(np.searchsorted(begins, t, side="right") - 1, 0, len(begins) - 1)
-        return integral[last] + held[last] * (t - begins[last])
-
-    return (until(wanted_s + step_s) - until(wanted_s)) / step_s
+    times, held = since_s[known], values[known]
+    new = np.diff(held, prepend=np.nan) != 0.0
+    return TimeSeries(name, "V", times[new].copy(), held[new].copy())
 
 
 def _interpolated(wanted_s: Array, t_s: Array, values: Array) -> Array:
@@ -335,4 +351,4 @@ def _trial(name: str, part: _Rows, holdout: NDArray[np.bool_], kind: CaseKind, b
         for column in channel_columns(kind)
     )
     labels = (Label("material", part.words),) if kind is CaseKind.TOF_BENCH else ()
-    return Trial(name, part.t_s, holdout, channels, labels, begins_s)
+    return Trial(name, part.t_s, holdout, channels, labels, begins_s, held=part.held)

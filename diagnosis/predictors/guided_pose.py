@@ -69,17 +69,19 @@ class GuidedPoses:
         return smoothed_earlier(values, self._t_s, self._trials, delay_s, trusted)
 
 
-def wheel_steps(measurement: Measurement, nominal: RobotConfig) -> Array:
+def wheel_steps(measurement: Measurement, nominal: RobotConfig) -> Array | None:
     """Return distance forward [m] and turn [rad] since the row before, (n, 2), by the counts of the nominal robot.
 
-    They are zeros if a count is coarser than the noise of the poses.
+    They are zeros if a count is coarser than the noise of the poses, and None if there are no counts.
     """
     trials = [len(trial.t_s) for trial in measurement.trials]
     counts = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+    if not np.isfinite(counts).all(axis=-1).any():
+        return None
     per_count_m = pi * nominal.drive.wheel_diameter_m / nominal.encoder.counts_per_revolution
     noise = PoseNoise.of(measurement)
     is_coarse = per_count_m > noise.xy_m or per_count_m / nominal.drive.track_m > noise.theta_rad
-    if is_coarse or not np.isfinite(counts).all(axis=-1).any():
+    if is_coarse:
         return np.zeros((len(counts), 2))
     rolled_m = per_count_m * bridged(counts, joined(trial.t_s for trial in measurement.trials), trials)
     right_m, left_m = np.diff(rolled_m, axis=0, prepend=rolled_m[:1]).T

@@ -132,6 +132,27 @@ class Pose:
         from_w = np.repeat(starts, self._trials, axis=0)
         return from_w + seen_from_body(begin[:, 2] - from_w[:, 2], path - begin)
 
+    def travel_m(self, robot: RobotConfig) -> Array:
+        """Return the mean distance (n,) that both wheels have travelled since the row before."""
+        turned = 2.0 * pi / robot.encoder.counts_per_revolution * np.abs(self._counted)
+        return 0.5 * robot.drive.wheel_diameter_m * turned.mean(axis=-1)
+
+    def by_rows(self, of_windows: Array) -> Array:
+        """Return values (m,) of the windows at all rows, (n,), interpolated between the middles of windows."""
+        values = np.zeros(len(self._t_s))
+        middle = 0.5 * (self._first + self._last)
+        for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
+            inside = (self._first >= start) & (self._first < start + rows)
+            if inside.any():
+                number = np.arange(start, start + rows)
+                values[number] = np.interp(number, middle[inside], of_windows[inside])
+        return values
+
+    @property
+    def trials(self) -> tuple[int, ...]:
+        """Number of rows of each trial."""
+        return tuple(self._trials)
+
     def _increments(self, poses: Array) -> Array:
         """Return the changes (..., m, 3) of poses (..., n, 3) over each window, in the frame of its first pose."""
         first, last = poses[..., self._first, :], poses[..., self._last, :]
@@ -276,10 +297,7 @@ class Pose:
 
     def _noise(self, measurement: Measurement, nominal: RobotConfig) -> tuple[tuple[Array, ...], tuple[float, ...]]:
         """Return the standard deviations (m,) of each component and the correlations of successive windows."""
-        noise, radius_m = PoseNoise.of(measurement), 0.5 * nominal.drive.wheel_diameter_m
-        turned = 2.0 * pi / nominal.encoder.counts_per_revolution * np.abs(np.diff(self._ticks, axis=0, prepend=0.0))
-        turned[self._starts] = 0.0
-        travel_m = np.cumsum(radius_m * turned.mean(axis=-1))
+        noise, travel_m = PoseNoise.of(measurement), np.cumsum(self.travel_m(nominal))
         q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
         by_log = self._added_variance(measurement)
         slip_place, slip_heading = 0.5 * q + by_log[0], 2.0 * q / nominal.drive.track_m**2 + by_log[1]

@@ -40,7 +40,8 @@ class RangesInRoom(Ranges):
         seen, noise = self._seen([nominal]), self._noise
         self._pose_variance = (seen.by_x**2 + seen.by_y**2) * noise.pose_xy_m**2
         self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
-        self._pose_variance *= NOISE_SHARE**2
+        if self._tracked.is_guided:
+            self._pose_variance *= NOISE_SHARE**2
         in_reach = seen.distance_m <= self._range.max_range_m - END_M
         clear = in_reach & ~near_corner(self._room, seen, CORNER_M, CORNER_RAD)
         clear &= [getattr(self._range.mount, sensor) is not None for sensor in RANGE_SIDES]

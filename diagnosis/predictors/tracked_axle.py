@@ -41,6 +41,11 @@ class TrackedAxle:
             noise = PoseNoise.of(measurement)
             self._guided = GuidedPoses(self.pose, self.is_logged, self._t_s, self._trials, steps, noise)
 
+    @property
+    def is_guided(self) -> bool:
+        """Whether the poses are smoothed beside the steps of the wheels."""
+        return self._guided is not None
+
     def at(self, robots: Sequence[RobotConfig], age_s: float | Array) -> Array:
         """Return the poses of the axles an age before the times of the rows, (n, 3) or (M, n, 3)."""
         # The logged pose is older than its row by the pose delay.

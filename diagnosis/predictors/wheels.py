@@ -8,6 +8,7 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
+from diagnosis.measured.held import held_means
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.as_commanded import as_commanded
@@ -42,6 +43,10 @@ SLOTS = frozenset(
 """Slots of the effects between the voltages and the counts."""
 UNSTATED_RAD_S = 0.05
 """Noise if it is not stated."""
+PARTS_OF_ROW = (1, 2, 4, 8, 16)
+"""Numbers of parts into which a row may be divided if its voltage changes within it; the last is taken as exact."""
+ERROR_SHARE = 0.1
+"""Error by the division that does not matter, as a share of the noise."""
 
 
 class Wheels:
@@ -55,19 +60,57 @@ class Wheels:
         self._grid = Grid.of(measurement, 1.0 / ROW_S if is_case else None)
         # The motor of a case includes the inertia and friction of the whole robot, that of a robot file does not.
         self._load = NO_LOAD if is_case else WheelLoad.of_body(RobotModel.from_config(nominal))
-        held = [self._grid.held(measurement.trials, f"u_{side}_V") for side in SIDES]
-        self._voltage_V = np.stack([held[1], held[0]], axis=-1)[:-1]
         self._counts = nominal.encoder.counts_per_revolution
         self._first, self._next = rows_after(measurement, 1)
         numbers = np.concatenate(self._grid.places)
         self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
+        self._parts, self._voltage_V = 1, self._voltages_V(measurement, 1)
         speeds = [mean[0] for mean in self._speeds([nominal])]
         set_speeds = _set_speeds(measurement, nominal)
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
+        if any(trial.held for trial in measurement.trials):
+            speeds = self._divided(measurement, nominal, ERROR_SHARE * (sd or UNSTATED_RAD_S))
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S)
             for side, speed, set_speed in zip(SIDES, speeds, set_speeds, strict=True)
         )
+
+    def _divided(self, measurement: Measurement, nominal: RobotConfig, max_rad_s: float) -> list[Array]:
+        """Divide rows into as many parts as the voltages within them need, and return the speeds of the nominal robot.
+
+        A mean voltage is not enough: the speed at the end of a row depends more on its last voltages, and a motor that
+        is stuck, or limited, does not see a mean.
+
+        Args:
+            measurement: The log.
+            nominal: The nominal robot.
+            max_rad_s: Root mean square error of the speeds that does not matter.
+        """
+        by_parts = {}
+        for parts in PARTS_OF_ROW:
+            self._parts, self._voltage_V = parts, self._voltages_V(measurement, parts)
+            by_parts[parts] = np.stack([mean[0] for mean in self._speeds([nominal])])
+        finest = by_parts[PARTS_OF_ROW[-1]]
+        errors = {parts: np.sqrt(np.nanmean((speeds - finest) ** 2)) for parts, speeds in by_parts.items()}
+        enough = next(parts for parts, error in errors.items() if error <= max_rad_s)
+        self._parts, self._voltage_V = enough, self._voltages_V(measurement, enough)
+        return list(by_parts[enough])
+
+    def _voltages_V(self, measurement: Measurement, parts: int) -> Array:
+        """Return the mean voltages of right and left wheel over each part of a row, (T parts, N, 2)."""
+        return np.stack([self._held_V(measurement, f"u_{side}_V", parts) for side in ("right", "left")], axis=-1)
+
+    def _held_V(self, measurement: Measurement, name: str, parts: int) -> Array:
+        rows = np.repeat(self._grid.held(measurement.trials, name)[:-1], parts, axis=0)
+        duration_s = self._grid.period_s / parts
+        begins_s = duration_s * np.arange(len(rows))
+        for k, (trial, place) in enumerate(zip(measurement.trials, self._grid.places, strict=True)):
+            for series in trial.held:
+                if series.name == name:
+                    # Both begin at sample 0. A trial that ends before others has no voltage after its end.
+                    inside = begins_s < self._grid.period_s * (int(place[-1]) + 1)
+                    rows[inside, k] = held_means(series.t_s, series.values, begins_s[inside], duration_s)
+        return rows
 
     def _observed(self, measurement: Measurement, side: str, predicted: Array, set_speed: Array, sd: float) -> Observed:
         voltage_V = good_values(measurement, f"u_{side}_V")
@@ -117,7 +160,9 @@ class Wheels:
         left, right = (np.full((len(robots), rows), np.nan) for _ in SIDES)
         for group in alike(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
-            turned = counted_turns(model, self._voltage_V, self._grid.period_s, self._grid.begins_s, self._load)
+            turned = counted_turns(
+                model, self._voltage_V, self._grid.period_s, self._grid.begins_s, self._load, self._parts
+            )
             # Measured speeds were computed from ticks with the nominal number of ticks per turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)
             turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale

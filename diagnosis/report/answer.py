@@ -44,6 +44,20 @@ def answer(data: ReportData) -> dict[str, object]:
             }
             for engine in data.engines.engines
         }
+    if data.unseen:
+        result["unseen"] = {
+            prediction.file: [
+                {
+                    "effect": left.effect,
+                    "condition": left.condition,
+                    "range": [left.low, left.high],
+                    "furthest": left.furthest,
+                    "share": left.share,
+                }
+                for left in prediction.beyond
+            ]
+            for prediction in data.unseen
+        }
     if data.dataset is not None:
         result["against"] = in_json(data.dataset)
     return result

@@ -14,9 +14,10 @@ from diagnosis.report.plots.gain import gain_plot
 from diagnosis.report.plots.misfit import misfit_plot
 from diagnosis.report.plots.path import path_plot
 from diagnosis.report.plots.unexplained import unexplained_plot
+from diagnosis.report.plots.unseen import unseen_plot
 from diagnosis.report.report_data import ReportData, report_data
 from diagnosis.report.summary import reasoning, summary
-from diagnosis.unseen import csv_text, unseen_runs
+from diagnosis.unseen import csv_text
 
 ANSWER, PAGE, SUMMARY, REASONING = "answer.json", "report.html", "summary.txt", "reasoning.txt"
 PLOTS = "plots"
@@ -37,7 +38,7 @@ def files(
         release: A dataset to compare with the measurement.
         unseen: Inputs of runs without readings, by file name; files with the extended robot's readings are added.
     """
-    data = report_data(diagnosis, pybullet=pybullet, release=release)
+    data = report_data(diagnosis, pybullet=pybullet, release=release, unseen=unseen)
     plots = _plots(data)
     texts = {
         ANSWER: json.dumps(answer(data), indent=2, ensure_ascii=False) + "\n",
@@ -47,8 +48,7 @@ def files(
         SUMMARY: "\n".join(summary(data)) + "\n",
         REASONING: "\n".join(reasoning(data)) + "\n",
     }
-    for name, columns in unseen_runs(diagnosis.measurement, diagnosis.extended, unseen).items():
-        texts[name] = csv_text(columns)
+    texts |= {prediction.file: csv_text(prediction.columns) for prediction in data.unseen}
     return {name: text.encode() for name, text in texts.items() if text} | {
         f"{PLOTS}/{name}.png": png for name, png in plots.items()
     }
@@ -63,6 +63,8 @@ def _plots(data: ReportData) -> dict[str, bytes]:
         plots["path"] = path_plot(data.engines.path)
     if data.dataset is not None:
         plots["against"] = coverage_plot(data.dataset)
+    for prediction in data.unseen:
+        plots[prediction.file.removesuffix(".csv")] = unseen_plot(prediction)
     if diagnosis.unexplained is not None:
         plots["unexplained"] = unexplained_plot(data, diagnosis.unexplained)
     return plots

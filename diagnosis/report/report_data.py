@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from diagnosis.inference.naming.transfer import trial_groups
 from diagnosis.inference.profile import Interval, profiles
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
+from diagnosis.prediction_error import UnseenPrediction, predictions
 from diagnosis.report.row_sentences import row_sentences
 from diagnosis.report.run_ends import run_ends
 from diagnosis.report.session_sentences import session_sentences
@@ -75,15 +77,24 @@ class ReportData:
     """Errors with PyBullet; None if not requested."""
     dataset: DatasetComparison | None = None
     """Comparison with a dataset; None if none was named."""
+    unseen: tuple[UnseenPrediction, ...] = ()
+    """Predictions of the extended robot for unseen runs of the case."""
 
 
-def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measurement | None = None) -> ReportData:
+def report_data(
+    diagnosis: Diagnosis,
+    *,
+    pybullet: bool = False,
+    release: Measurement | None = None,
+    unseen: Mapping[str, Measurement] = MappingProxyType({}),
+) -> ReportData:
     """Return everything that is shown of a diagnosis.
 
     Args:
         diagnosis: The diagnosis of a measurement.
         pybullet: Whether to simulate the robots with PyBullet too, which may take minutes.
         release: A dataset to compare with the measurement.
+        unseen: Inputs of runs without readings, by file name.
 
     Raises:
         InputError: The dataset or the measurement is no drive.
@@ -109,6 +120,7 @@ def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measur
         z=(z[0], z[1], z[2]),
         engines=compare_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
         dataset=None if release is None else compare_with_dataset(diagnosis.measurement, release, diagnosis.nominal),
+        unseen=predictions(diagnosis, unseen),
     )
 
 

@@ -45,6 +45,9 @@ def summary(data: ReportData) -> list[str]:
         lines += ["", first, *(part for text in rest for part in wrap(f"  {text}", WIDTH, subsequent_indent="    "))]
     if data.engines is not None:
         lines += ["", *(part for line in in_lines(data.engines) for part in wrap(line, WIDTH))]
+    for prediction in data.unseen:
+        for left in prediction.beyond:
+            lines += ["", *wrap(f"warning: {prediction.file}: {left.text}. The intervals are wider there.", WIDTH)]
     if diagnosis.candidates.untestable:
         lines += ["", *_entry("not visible here", ", ".join(diagnosis.candidates.untestable))]
     for effect in data.robot.left_out:

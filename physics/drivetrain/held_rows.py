@@ -3,8 +3,8 @@
 A row is divided where a delayed command takes effect, so that results change smoothly with the delay.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,21 @@ class _Durations:
     whole_s: float
     before_s: float | Array
     after_s: float | Array
+
+
+def joined_parts(parts: Iterable[HeldPart]) -> Iterator[HeldPart]:
+    """Yield successive periods, those with equal voltages as one."""
+    whole: HeldPart | None = None
+    for part in parts:
+        if whole is None:
+            whole = part
+        elif np.array_equal(part.voltage_V, whole.voltage_V) and np.array_equal(part.supply_V, whole.supply_V):
+            whole = replace(whole, duration_s=whole.duration_s + part.duration_s)
+        else:
+            yield whole
+            whole = part
+    if whole is not None:
+        yield whole
 
 
 def held_rows(

@@ -10,7 +10,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from physics.drivetrain.driveline import Driveline
-from physics.drivetrain.held_rows import held_rows
+from physics.drivetrain.held_rows import held_rows, joined_parts
 from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, through
@@ -42,17 +42,18 @@ class WheelLoad:
 NO_LOAD = WheelLoad()
 
 
-def counted_turns(
-    model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array, load: WheelLoad = NO_LOAD
+def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
+    model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array, load: WheelLoad = NO_LOAD, parts: int = 1
 ) -> Array:
     """Return the angles [rad] that the encoders count in each row from rest, (T, N, 2) or (T, M, N, 2), right and left.
 
     Args:
         model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.
-        voltage_V: (T, N, 2), right and left, each constant for a row.
+        voltage_V: (T parts, N, 2), right and left, each constant for a part of a row.
         row_s: Duration of a row.
         begin_s: (N,), time of each trial's start since the robot was switched on.
         load: Load of the body, as far as it is not part of the motors' numbers.
+        parts: Number of equal parts of a row.
 
     Raises:
         ValueError: A voltage is not a finite number.
@@ -66,9 +67,10 @@ def counted_turns(
     counting = model.functions(Slot.COUNTING)
     speed = angle = np.zeros_like(voltage_V[0])
     rows = []
-    for row in held_rows(driveline, voltage_V, row_s, model.input_delay_s, begin_s[:, None]):
+    held = held_rows(driveline, voltage_V, row_s / parts, model.input_delay_s, begin_s[:, None])
+    for row in zip(*[held] * parts, strict=True):
         turned = np.zeros(())
-        for part in row.parts:
+        for part in joined_parts(part for held_row in row for part in held_row.parts) if parts > 1 else row[0].parts:
             speed, further = wheels.moved(part, speed, angle)
             turned = turned + further
             angle = angle + further if driveline.needs_angle else angle

@@ -52,7 +52,7 @@ def seen_ranges(
     matters = (np.abs(change) > MATTERS) | (rows & (spread > 0.0))
     ranges: dict[str, SeenRange] = {}
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        for name, values in _conditions(observed):
+        for name, values in conditions(observed):
             inside = values[matters[place] & np.isfinite(values)]
             if not len(inside):
                 continue
@@ -62,7 +62,7 @@ def seen_ranges(
     return tuple(ranges.values())
 
 
-def _conditions(observed: Observed) -> Iterator[tuple[str, Array]]:
+def conditions(observed: Observed) -> Iterator[tuple[str, Array]]:
     for covariate in observed.covariates:
         is_number = covariate.shape is CovariateShape.SMOOTH and covariate.second is None
         if is_number and covariate.as_rate is not None:

@@ -77,6 +77,8 @@ def _order(item):
         (CaseKind.TOF_BENCH, "true distance [mm],tof [mm],target", ("distance_m", "reading_m", "material")),
         (CaseKind.TOF_BENCH, "set distance (mm),sensor (mm),surface", ("distance_m", "reading_m", "material")),
         (CaseKind.DRIVE_LOG, "t,tof_f,tof_l,tof_r", ("t_s", "tof_front_m", "tof_left_m", "tof_right_m")),
+        (CaseKind.DRIVE_LOG, "t,range_mm,x,y,yaw", ("t_s", "tof_front_m", "x_m", "y_m", "theta_rad")),
+        (CaseKind.DRIVE_LOG, "t,dticks_left,delta_enc_r", ("t_s", "enc_left_ticks", "enc_right_ticks")),
     ],
 )
 def test_the_columns_of_other_logs_are_recognised(kind, header, expected):

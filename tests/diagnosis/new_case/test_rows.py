@@ -79,6 +79,65 @@ def test_a_fast_log_is_sampled_twenty_times_a_second(log):
     assert any("sampled again every 0.05 s" in note for note in found.notes)
 
 
+@pytest.mark.parametrize(
+    ("header", "change", "note"),
+    [
+        ("t,dticks_left,dticks_right,uL,uR", lambda counts: np.diff(counts, prepend=0), None),
+        ("t,encL,encR,uL,uR", lambda counts: np.diff(counts, prepend=0), None),
+        ("t,encL,encR,uL,uR", lambda counts: (counts + 60_000) % 65_536, "encL wraps at 65536 and is continued"),
+    ],
+)
+def test_counts_are_those_that_run_on_whatever_was_logged(log, header, change, note):
+    t = 0.01 * np.arange(3000)
+    counts = np.floor(2000 * t + 900 * np.sin(t)).astype(int)
+    volts = np.round(2.0 + 0.9 * np.cos(t), 4)
+    path = log(table(header, np.round(t, 4), change(counts), change(2 * counts), volts, 2 * volts))
+    found = measured(path)
+    grown = found.trials[0]["enc_left_ticks"].values
+    np.testing.assert_array_equal(grown - grown[0], counts[::5] - counts[0])
+    assert note is None or any(note in each for each in found.notes)
+    if note is None:
+        assert any("taken for the ticks since the row before" in text for text in propose(path).warnings)
+
+
+@pytest.mark.parametrize("names", ["enc1,enc2,enc3", "motor1_ticks,motor2_ticks,motor3_ticks", "encL,encR,enc_back"])
+def test_three_wheels_are_refused_with_the_reason(log, names):
+    path = log(f"t,{names},x,y,theta\n0,1,2,3,0,0,0\n0.05,2,3,4,0,0,0\n")
+    with pytest.raises(InputError) as error:
+        propose(path)
+    assert f"counts of 3 wheels: {names.replace(',', ', ')}" in str(error.value)
+    assert "one left and one right wheel on a common axle" in str(error.value)
+
+
+def test_a_single_range_sensor_without_a_side_is_taken_for_the_one_in_front(log):
+    t = 0.05 * np.arange(40)
+    path = log(table("t,range_mm,x,y,theta", t, 900 + 0 * t, 1 + 0 * t, 1 + 0 * t, 0 * t))
+    assert propose(path).mapping.columns["tof_front_m"].column == "range_mm"
+    assert any("range_mm (tof_front_m): taken for the sensor in front" in text for text in propose(path).warnings)
+
+
+def test_what_is_missing_is_named_beside_a_range_that_would_do(log):
+    path = log("t,u_left,u_right,w_left,w_right,x,y,theta\n0,1,2,3,4,0,0,0\n")
+    with pytest.raises(InputError, match=r"recognised as enc_left_ticks enc_right_ticks or tof_front_m, which"):
+        propose(path)
+
+
+def test_voltages_within_a_row_are_kept_where_they_change(log):
+    t = 0.01 * np.arange(400)
+    volts = np.where(np.arange(400) % 5 < 2, 1.0, 6.0)
+    (trial,) = measured(log(drive(np.round(t, 6), volts=volts))).trials
+    left, right = trial.held
+    assert (left.name, right.name) == ("u_left_V", "u_right_V")
+    np.testing.assert_allclose(left.t_s, np.sort(np.append(0.05 * np.arange(80), 0.05 * np.arange(80) + 0.02)))
+    np.testing.assert_array_equal(left.values, np.tile([1.0, 6.0], 80))
+    np.testing.assert_array_equal(right.values, -left.values)
+
+
+def test_of_a_log_with_twenty_rows_a_second_nothing_finer_is_known(log):
+    (trial,) = measured(log(drive(0.05 * np.arange(80)))).trials
+    assert trial.held == ()
+
+
 def test_an_irregular_log_is_sampled_again_and_its_gaps_stay_gaps(log):
     t = np.cumsum(np.tile([0.03, 0.05, 0.08], 60))
     t = t[(t < 3.0) | (t > 4.0)]

@@ -19,7 +19,7 @@ def voltage_of(disturbance):
 
 
 def test_what_follows_from_the_commands_knows_of_no_disturbance():
-    """The voltage falls as the disturbance rises; what the commands say of it does not, within three standard errors."""
+    """The voltage falls as the disturbance rises; its part from the commands does not, within three standard errors."""
     noise = np.random.default_rng(3).normal(0.0, 0.3, ROWS + 9)
     disturbance = np.convolve(noise, np.full(10, 0.3), mode="valid")
     undisturbed, voltage = voltage_of(np.zeros(ROWS)), voltage_of(disturbance)
@@ -32,7 +32,7 @@ def test_what_follows_from_the_commands_knows_of_no_disturbance():
 def test_what_the_commands_determine_is_kept():
     """Without disturbances the voltage is a sum over the last commands, which least squares finds exactly."""
     weights = 0.5 ** np.arange(6)
-    voltage = np.concatenate([np.convolve(SET_SPEED[TRIAL == trial], weights)[: ROWS // 2] for trial in (1, 2)])
+    voltage = np.concatenate([np.convolve(SET_SPEED[trial == TRIAL], weights)[: ROWS // 2] for trial in (1, 2)])
     np.testing.assert_allclose(as_commanded(voltage, SET_SPEED, TRIAL), voltage, rtol=0.0, atol=1e-6)
 
 

@@ -1,6 +1,7 @@
 """Wheels, pose increments and ranges of a drive against closed forms, and which of them an effect shows in."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -151,6 +152,25 @@ class TestWheels:
         left, right = means(wheels, robot)
         np.testing.assert_allclose(right, self.run_up(), rtol=1e-9)
         np.testing.assert_allclose(left, -self.run_up(), rtol=1e-9)
+
+    @pytest.mark.parametrize("begins_s", [0.033, 0.048])
+    def test_a_step_within_a_row_is_seen_where_the_finer_voltages_are_known(self, robot, begins_s):
+        """The mean of the row would act from its beginning on, and is too weak to move the wheel in the second case."""
+        rows = np.append(np.full(self.ROWS - 1, self.U), math.nan)
+        rows[0] *= 1.0 - begins_s / ROW_S
+        turned = {name: np.zeros(self.ROWS) for name in ("enc_left_ticks", "enc_right_ticks")}
+        coarse = trial("1", u_left_V=0.0 * rows, u_right_V=rows, **turned)
+        steps = TimeSeries("u_right_V", "V", np.array([0.0, begins_s]), np.array([0.0, self.U]))
+        still = TimeSeries("u_left_V", "V", np.array([0.0]), np.array([0.0]))
+        fine = replace(coarse, held=(still, steps))
+        expected = self.run_up(late_s=begins_s)[:-1]
+        off = []
+        for log in (coarse, fine):
+            left, right = means(stages(robot, log)["wheels"], robot)
+            assert not left[:-1].any()
+            off.append(float(np.sqrt(np.mean((right[:-1] - expected) ** 2) / 2.0)))
+        assert off[0] > 0.4 * NOMINAL.noise.wheel_speed_rad_s
+        assert off[1] < 0.12 * NOMINAL.noise.wheel_speed_rad_s
 
     def test_inertia_and_delay_act_on_the_run_up(self, wheels, robot):
         _, right = means(wheels, robot, RotorInertiaScale(scale=1.4))
@@ -452,16 +472,21 @@ class TestRanges:
         """From x = 1 m to the wall in front."""
         return (2.0 - 1.0 - 0.06 * math.cos(yaw)) / math.cos(yaw)
 
-    def test_noise_is_that_of_the_reading_and_of_the_pose(self, robot):
-        """Head-on to a wall, place counts in full and heading not at all; smoothed poses have 0.62 of the noise."""
+    @pytest.mark.parametrize(
+        ("counts", "share"),
+        [({}, 1.0), ({"enc_left_ticks": np.zeros(2), "enc_right_ticks": np.zeros(2)}, 0.62)],
+        ids=["without_counts", "beside_counts"],
+    )
+    def test_noise_is_that_of_the_reading_and_of_the_pose(self, robot, counts, share):
+        """Head-on to a wall, place counts in full and heading not at all; poses smoothed beside counts have less."""
         poses = np.array([[1.4, 0.8, 0.0], [1.0, 0.8, 0.3]])
-        front = stages(robot, trial("1", **pose_columns(poses)))["tof"].observed[0]
+        front = stages(robot, trial("1", **counts, **pose_columns(poses)))["tof"].observed[0]
         by_polynomial = 1e-3 * np.polyval([1.15, 2.51, 4.88, 1.4], 2.0 - 1.46 - 0.18)
-        assert front.sd[0] == pytest.approx(math.hypot(by_polynomial, 0.62 * 0.001), rel=1e-9)
+        assert front.sd[0] == pytest.approx(math.hypot(by_polynomial, share * 0.001), rel=1e-9)
         h = 1e-5
         by_yaw = (self.head_on_m(0.3 + h) - self.head_on_m(0.3 - h)) / (2 * h)
         by_polynomial = 1e-3 * np.polyval([1.15, 2.51, 4.88, 1.4], self.head_on_m(0.3) - 0.18)
-        variance = by_polynomial**2 + 0.62**2 * ((0.001 / math.cos(0.3)) ** 2 + (0.003 * by_yaw) ** 2)
+        variance = by_polynomial**2 + share**2 * ((0.001 / math.cos(0.3)) ** 2 + (0.003 * by_yaw) ** 2)
         assert front.sd[1] == pytest.approx(math.sqrt(variance), rel=1e-6)
 
     def test_rays_near_corners_and_near_the_end_of_the_range_are_left_out(self, robot):
