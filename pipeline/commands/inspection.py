@@ -17,7 +17,9 @@ from pipeline.commands.options import (
     Seed,
     Workers,
     checked_input,
+    if_given,
     names,
+    new_file_check,
 )
 from symolo.core.errors import InputError, one_line
 from symolo.core.text_enum import TextEnum
@@ -176,6 +178,15 @@ def compare(
     ] = 50.0,
     *,
     every: Annotated[bool, typer.Option("--all", help="Also list identical files.")] = False,
+    page: Annotated[
+        Path | None,
+        typer.Option(
+            "--page",
+            metavar="FILE",
+            callback=if_given(new_file_check(".html", option="--page")),
+            help="Also write a page with the images that differ beside each other, .html.",
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> int:
     """Compare two datasets, runs or folders of images, file by file.
@@ -185,24 +196,31 @@ def compare(
     --tolerance-db, and 7 if they differ.
 
     Example: symolo compare data data-of-another-machine --tolerance-db 60
+
+    Example: symolo compare before after --page differences.html
     """
     from symolo.compare.conclusion import Conclusion, made_differently
     from symolo.compare.folders import Verdict
     from symolo.compare.folders import compare as results_of
 
-    if as_json:
-        from pipeline.json_results.compare import CompareResult
-
-        compared, differently = list(results_of(a, b, tolerance_db)), list(made_differently(a, b))
-        result = CompareResult.of(str(a), str(b), tolerance_db, compared, differently, every=every)
-        typer.echo(result.to_json())
-        return result.exit_code
     results = []
     for result in results_of(a, b, tolerance_db):
         results.append(result)
-        if every or result.verdict is not Verdict.IDENTICAL:
+        if not as_json and (every or result.verdict is not Verdict.IDENTICAL):
             typer.echo(str(result))
-    for line in made_differently(a, b):
+    differently = list(made_differently(a, b))
+    if page is not None:
+        from symolo.compare.page import Comparison, comparison_page
+        from symolo.core.files.atomic_files import write_file
+
+        write_file(page, comparison_page(Comparison(a, b, tolerance_db, results, differently)))
+    if as_json:
+        from pipeline.json_results.compare import CompareResult
+
+        compared = CompareResult.of(str(a), str(b), tolerance_db, results, differently, every=every)
+        typer.echo(compared.to_json())
+        return compared.exit_code
+    for line in differently:
         typer.echo(line)
     conclusion = Conclusion.of(results)
     typer.echo(conclusion.text)

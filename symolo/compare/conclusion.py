@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from symolo.compare.folders import FileResult, Verdict
 from symolo.compare.likeness import shown_db
+from symolo.core.progress import plural
 from symolo.dataset.bag import read_cpu_classes
 from symolo.dataset.documents.metadata import read_metadata
 
@@ -27,7 +28,7 @@ class Conclusion:
     def of(cls, results: Sequence[FileResult]) -> "Conclusion":
         count = Counter(result.verdict for result in results)
         total, same = len(results), count[Verdict.IDENTICAL]
-        files = "1 file" if total == 1 else f"{total} files"
+        files = plural(total, "file")
         wrong = {verdict: count[verdict] for verdict in (Verdict.DIFFERENT, Verdict.ONLY_A, Verdict.ONLY_B)}
         if any(wrong.values()):
             counts = ", ".join(f"{number} {verdict}" for verdict, number in wrong.items() if number)

@@ -24,7 +24,7 @@ def likeness(a: bytes, b: bytes, name: str) -> Likeness:
     shares = f"{differing} of {differences.shape[0] * differences.shape[1]} pixels differ"
     if not differing:
         return Likeness(level_db(differences, 1.0), "the same pixels in other bytes")
-    if PurePosixPath(name).parent.name in LABELS:
+    if is_of_ids(name):
         return Likeness.none(f"{shares}, which are ids")
     largest = float(np.max(np.abs(differences)))
     row, column = np.unravel_index(np.argmax(np.abs(differences)), differences.shape)[:2]
@@ -40,3 +40,8 @@ def _decoded(data: bytes) -> np.ndarray | None:
 def _form(pixels: np.ndarray) -> str:
     height, width, *channels = pixels.shape
     return f"{width} x {height} px, {channels[0] if channels else 1} channels of {pixels.dtype}"
+
+
+def is_of_ids(name: str) -> bool:
+    """Return whether the pixels of an image are ids of things."""
+    return PurePosixPath(name).parent.name in LABELS

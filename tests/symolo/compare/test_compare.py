@@ -97,7 +97,7 @@ def test_columns_are_told_apart_by_their_largest_difference(pair):
 @pytest.mark.parametrize(
     ("table", "what"),
     [
-        (TABLE.replace("100,2.0,1", "100,2.0,2"), "column state: 1 in A, 2 in B at line 4; 1 rows differ"),
+        (TABLE.replace("100,2.0,1", "100,2.0,2"), "column state: 1 in A, 2 in B at line 4; different in 1 row"),
         (TABLE.replace("4.0", "nan"), "column x: 4 in A, nan in B at line 2"),
         (TABLE.replace("x,", "y,"), "columns t,x,state in A, t,y,state in B"),
         (TABLE + "150,1.0,1\n", "3 rows in A, 4 in B"),

@@ -1,0 +1,96 @@
+"""A page about a comparison: the conclusion, the images that differ beside each other, and the tables as curves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from symolo.compare.conclusion import Conclusion
+from symolo.compare.folders import FileResult, Verdict
+from symolo.compare.images import is_of_ids
+from symolo.compare.likeness import shown_db
+from symolo.compare.pictures import ColumnPair, ImagePair, column_pair, image_pair, is_image, is_table
+from symolo.core.files.plain_files import FileKind, read_file
+from symolo.pages.html import render_page
+
+MAX_IMAGES, MAX_TABLES, MAX_LISTED = 60, 12, 1000
+_TITLES = {
+    Verdict.DIFFERENT: "Different files",
+    Verdict.CLOSE: "Files that are equal within the tolerance",
+    Verdict.ONLY_A: "Files only in A",
+    Verdict.ONLY_B: "Files only in B",
+    Verdict.FOLLOWS: "Lists and descriptions of the other files",
+}
+"""Title of the files of each verdict, in the order of the page."""
+
+
+@dataclass(frozen=True)
+class Pictured:
+    """A file that differs, with what is shown of it."""
+
+    name: str
+    level: str
+    what: str
+    """Largest difference and its place."""
+    images: ImagePair | None = None
+    column: ColumnPair | None = None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Everything that the page shows."""
+
+    a: Path
+    b: Path
+    tolerance_db: float
+    results: Sequence[FileResult]
+    made_differently: Sequence[str]
+
+    @property
+    def unlike(self) -> list[FileResult]:
+        """Files with other bytes in both: what a camera sees before ids, and of each the least alike first."""
+        both = [result for result in self.results if result.verdict in {Verdict.DIFFERENT, Verdict.CLOSE}]
+        return sorted(both, key=lambda result: (is_of_ids(result.name), result.likeness.level_db, result.name))
+
+    def place(self, root: Path, name: str) -> Path:
+        """Return the path of a file; two files were compared if `root` is one."""
+        return root / name if root.is_dir() else root
+
+
+def comparison_page(comparison: Comparison) -> bytes:
+    """Return the page, which needs no file beside itself; the same files give the same bytes."""
+    unlike = comparison.unlike
+    pictured = [_pictured(comparison, result) for result in [one for one in unlike if is_image(one.name)][:MAX_IMAGES]]
+    plotted = [_pictured(comparison, result) for result in [one for one in unlike if is_table(one.name)][:MAX_TABLES]]
+    conclusion = Conclusion.of(comparison.results)
+    listed = {title: _listed(comparison.results, verdict) for verdict, title in _TITLES.items()}
+    page = render_page(
+        "symolo.compare",
+        title=f"{comparison.a.name} and {comparison.b.name}: comparison",
+        comparison=comparison,
+        conclusion=conclusion.text,
+        images=[one for one in pictured if one.images is not None],
+        image_count=sum(is_image(result.name) for result in unlike),
+        tables=[one for one in plotted if one.column is not None],
+        listed={title: rows for title, rows in listed.items() if rows},
+        max_listed=MAX_LISTED,
+    )
+    return page.encode()
+
+
+def _listed(results: Sequence[FileResult], verdict: Verdict) -> list[tuple[str, str, str]]:
+    rows = [result for result in results if result.verdict is verdict]
+    with_level = verdict in {Verdict.DIFFERENT, Verdict.CLOSE}
+    return [
+        (result.name, shown_db(result.likeness.level_db) if with_level else "", result.likeness.what) for result in rows
+    ]
+
+
+def _pictured(comparison: Comparison, result: FileResult) -> Pictured:
+    places = [comparison.place(root, result.name) for root in (comparison.a, comparison.b)]
+    try:
+        one, other = (read_file(place, FileKind.ANY) for place in places)
+    except OSError:  # its text is in the list of the files
+        one = other = b""
+    images = image_pair(one, other, result.name) if is_image(result.name) and one and other else None
+    column = column_pair(one, other, result.name) if is_table(result.name) and one and other else None
+    return Pictured(result.name, shown_db(result.likeness.level_db), result.likeness.what, images, column)

@@ -1,0 +1,35 @@
+"""The small release that is kept of each version: this version verifies it, exports it, reports it and repairs it."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from symolo.core.files.file_hashes import sha256_of
+
+FOLDER = Path(__file__).parent
+KEPT = sorted(path.parent.name for path in FOLDER.glob("*/metadata.json"))
+
+
+@pytest.fixture(params=KEPT)
+def kept(request, tmp_path):
+    return Path(shutil.copytree(FOLDER / request.param, tmp_path / "kept"))
+
+
+def test_it_is_verified_and_exported(kept, tmp_path, symolo):
+    assert (ended := symolo("verify", kept)).code == 0, ended.out
+    for name in ("tum", "coco"):
+        ended = symolo("export", kept, "--format", name, "--out", tmp_path / name)
+        assert (ended.code, any((tmp_path / name).iterdir())) == (0, True), ended.err
+
+
+@pytest.mark.documents
+def test_it_is_reported_and_repaired(kept, tmp_path, symolo):
+    assert symolo("report", kept, "--out", tmp_path / "page.html").code == 0
+    lost = [kept / "CW/test_1/data.csv", kept / "CCW/test_1/images/000002.jpg"]
+    released = [sha256_of(path) for path in lost]
+    for path in lost:
+        path.write_text("lost")
+    assert symolo("verify", kept).code == 4
+    ended = symolo("repair", kept)
+    assert (ended.code, [sha256_of(path) for path in lost]) == (0, released), ended.err
