@@ -39,6 +39,14 @@ def view(
     width_px: Annotated[
         int, typer.Option(min=16, max=4096, metavar="PX", help="Maximum width of the images on the page.")
     ] = 320,
+    follow: Annotated[
+        bool,
+        typer.Option("--follow", help="Show a release while it is made: how far it is, the last image and its place."),
+    ] = False,
+    every_s: Annotated[
+        float,
+        typer.Option("--every-s", min=0.5, max=3600, metavar="S", help="Time between two versions of that page."),
+    ] = 3.0,
 ) -> None:
     """Play runs in a browser: what the camera sees, the map with the robot, and the readings over time.
 
@@ -49,7 +57,15 @@ def view(
     Example: symolo view data --page view.html
 
     Only some runs, with larger images: symolo view data --runs "CW/*" --width-px 640
+
+    In a second terminal, while a release is made: symolo view data --follow
+
+    With --follow, the command writes the page again every few seconds, and the browser loads it again. The command ends
+    when the release is finished.
     """
+    if follow:
+        _follow(folder, page, every_s)
+        return
     from pipeline.run_folder.shown_runs import shown_runs
     from symolo.core.files.atomic_files import write_file
     from symolo.core.progress import plural, report_here
@@ -63,6 +79,20 @@ def view(
     typer.echo(f"{place}: {counts}, {len(made.html) / 1e6:.1f} MB")
     if page is None:
         _open_in_browser(place)
+
+
+def _follow(folder: Path, page: Path | None, every_s: float) -> None:
+    from pipeline.live.follow import follow
+
+    place = page or new_file_check(".html", option="--page")(Path(f"{folder.absolute().name}-live.html"))
+
+    def begun() -> None:
+        typer.echo(f"{place}: the browser loads it again every {every_s:g} s, until the release is finished")
+        if page is None:
+            _open_in_browser(place)
+
+    follow(folder, place, every_s, begun)
+    typer.echo(f"{place}: the release is finished")
 
 
 def _open_in_browser(page: Path) -> None:
