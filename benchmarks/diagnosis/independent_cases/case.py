@@ -1,0 +1,146 @@
+"""One case: settings and effect sizes are drawn until every effect is detectable, then the data."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from . import detectability
+from .detectability import HIGH, LOW, OUTSIDE_LOW
+from .draws import log_uniform
+from .drive_log import DriveSetting
+from .motor_steady import SteadySetting
+from .motor_step import StepSetting
+from .recipes import Recipe, Sized, variant_of
+from .setting import CaseFiles, Setting
+from .shares import deal_categories, deal_names
+from .tof_bench import RangeSetting
+
+KINDS: dict[str, type[Setting]] = {
+    setting.KIND: setting for setting in (SteadySetting, StepSetting, RangeSetting, DriveSetting)
+}
+ATTEMPTS = 60
+NEAR = 12.0  # a name beside which less LR than this remains is a near rival
+
+
+def _grown(sized: Sized, ratios: list[float]) -> Sized:
+    """Return larger sizes for effects whose LR is too small; LR grows about as the square of the size."""
+    larger = []
+    for (recipe, size), ratio in zip(sized, ratios, strict=True):
+        factor = max(1.0, (1.3 * LOW / max(ratio, 1e-3)) ** 0.5)
+        larger.append((recipe, size if recipe.fixed else min(recipe.high, size * factor)))
+    return larger
+
+
+def _size(
+    setting: Setting, recipes: list[Recipe], targets: list[float], category: str
+) -> tuple[Sized, list[float]] | None:
+    """Return the recipes with sizes, and their LR; None where this setting cannot show them."""
+    sized = detectability.solve_sizes(setting, recipes, targets)
+    if sized is None:
+        return None
+    ratios = detectability.ratios_beside(setting, sized)
+    for _ in range(3 if category != "one" else 0):
+        if min(ratios) >= LOW:
+            break
+        larger = _grown(sized, ratios)
+        if larger == sized:
+            break
+        sized = larger
+        ratios = detectability.ratios_beside(setting, sized)
+    if min(ratios) < LOW or not setting.plausible(variant_of(sized)):
+        return None
+    return sized, ratios
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """A setting and the effects that it shows."""
+
+    setting: Setting
+    sized: Sized
+    ratios: list[float]
+    rivals: dict[str, float]  # LR beside every listed name, for an outside effect and one effect on the mean
+
+
+def _draw_once(kind: type[Setting], category: str, names: list[str], rng: np.random.Generator) -> _Drawn | None:
+    """Draw a setting and sizes; return None where the setting cannot show the effects."""
+    setting = kind(rng)
+    if not setting.prepare(names, rng):
+        return None
+    recipes = [setting.recipe(name, rng) for name in names]
+    low = OUTSIDE_LOW * 2 if category == "outside" else LOW
+    targets = [log_uniform(rng, low, HIGH) for _ in names]
+    if not names:
+        return _Drawn(setting, [], [], {})
+    solved = _size(setting, recipes, targets, category)
+    if solved is None:
+        return None
+    sized, ratios = solved
+    rivals = {}
+    if category == "outside" or (category == "one" and names[0] not in setting.IN_NOISE):
+        rivals = detectability.ratios_beside_names(setting, sized, rng)
+    if category == "outside" and min(rivals.values()) < OUTSIDE_LOW:
+        return None
+    return _Drawn(setting, sized, ratios, rivals)
+
+
+def _entries(drawn: _Drawn) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return what truth.json reports about the listed and the outside effects."""
+    effects, outside = [], []
+    for (recipe, size), ratio in zip(drawn.sized, drawn.ratios, strict=True):
+        entry = {"name": recipe.name, "parameters": recipe.parameters(size), "lr": round(ratio, 1)}
+        if recipe.place != "outside":
+            effects.append(entry)
+            continue
+        nearest = min(drawn.rivals, key=lambda name: drawn.rivals[name])
+        entry |= {"description": recipe.description, "channel": recipe.channel, "covariate": recipe.covariate}
+        entry |= {
+            "lr_of_all": round(drawn.rivals["(no name)"], 1),
+            "lr_beside_nearest_name": round(drawn.rivals[nearest], 1),
+            "nearest_name": nearest,
+        }
+        outside.append(entry)
+    return effects, outside
+
+
+def make_case(
+    kind: type[Setting], category: str, names: list[str], rng: np.random.Generator
+) -> tuple[CaseFiles, dict[str, Any]]:
+    """Return the files of one case and its entry of truth.json.
+
+    Raises RuntimeError where no setting of many shows the effects.
+    """
+    attempts = ((attempt, _draw_once(kind, category, names, rng)) for attempt in range(1, ATTEMPTS + 1))
+    attempt, drawn = next((pair for pair in attempts if pair[1] is not None), (ATTEMPTS, None))
+    if drawn is None:
+        raise RuntimeError(f"{kind.KIND}: {names} is not detectable in {ATTEMPTS} settings; use another seed")
+    setting = drawn.setting
+    files = setting.produce(variant_of(drawn.sized), rng)
+    effects, outside = _entries(drawn)
+    near = {name: round(ratio, 1) for name, ratio in drawn.rivals.items() if category == "one" and ratio < NEAR}
+    truth = {
+        "kind": setting.KIND,
+        "category": category,
+        "effects": effects,
+        "outside": outside,
+        "near_rivals": near,
+        "individual": setting.individual,
+        "tolerance_factor": setting.tolerance_factor,
+        "disturbances": asdict(setting.plan),
+        "setting": setting.describe(),
+        "attempts": attempt,
+    }
+    return files, truth
+
+
+def make_cases(kind: str, count: int, seed: int) -> Iterator[tuple[CaseFiles, dict[str, Any]]]:
+    """Yield the files and the truth of `count` cases; the same for the same arguments."""
+    number = sorted(KINDS).index(kind)
+    dealer = np.random.default_rng([seed, number])
+    categories = deal_categories(dealer, count)
+    names = deal_names(dealer, categories, KINDS[kind].PLACE, KINDS[kind].OUTSIDE)
+    for i, category in enumerate(categories):
+        files, truth = make_case(KINDS[kind], category, names[i], np.random.default_rng([seed, number, i]))
+        yield files, {"case": f"{kind}_{i + 1:03d}", "seed": [seed, number, i], **truth}

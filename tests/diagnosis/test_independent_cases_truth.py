@@ -1,0 +1,104 @@
+"""Detectability, rays, noise and grades of the independent cases against closed forms."""
+
+import numpy as np
+import pytest
+
+from benchmarks.diagnosis.independent_cases.case import make_cases
+from benchmarks.diagnosis.independent_cases.detectability import left_over
+from benchmarks.diagnosis.independent_cases.files import write_case, write_truth
+from benchmarks.diagnosis.independent_cases.judge import grade, parameter_hits, wilson
+from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
+from benchmarks.diagnosis.independent_cases.room import cast
+from benchmarks.diagnosis.independent_cases.tof_bench import CHANNEL, RangeSetting
+
+
+def test_a_tolerance_takes_its_share_of_a_likelihood_ratio():
+    difference, column = np.array([3.0, 4.0, 0.0]), np.array([1.0, 2.0, 2.0])
+    expected = 25 - 11.0**2 / (1 + 9)
+    assert left_over(difference, [column]) == pytest.approx(expected)
+    assert left_over(difference, [], [column]) == pytest.approx(25 - 11.0**2 / 9)
+
+
+def exact_bench():
+    setting = RangeSetting(np.random.default_rng(1))
+    assert setting.prepare(["noise_scale", "tilt_asymmetry"], np.random.default_rng(0))
+    setting.polynomial_mm = [2.0, 0.0, 0.0, 0.0]
+    return setting
+
+
+def test_an_effect_is_measured_in_the_noise_that_the_case_has():
+    setting, rows = exact_bench(), (~exact_bench().holdout).sum()
+    shift = Variant((Effect("range_offset", {"offset_m": 0.004}),))
+    plain, shifted = setting.signatures([Variant(), shift], [Effect("noise_scale", {"scale": 3.0})])
+    assert np.sum((shifted - plain) ** 2) == pytest.approx(rows * 0.004**2 / (0.006**2 + 1e-6 / 12))
+
+
+def test_the_ratio_of_a_noise_scale_is_twice_the_divergence():
+    setting, rows = exact_bench(), (~exact_bench().holdout).sum()
+    ratio = (0.006**2 + 1e-6 / 12) / (0.002**2 + 1e-6 / 12)
+    effect = Effect("noise_scale", {"scale": 3.0})
+    assert setting.noise_ratio(effect, []) == pytest.approx(rows * (ratio - 1 - np.log(ratio)))
+
+
+def test_tilts_have_both_signs_where_their_asymmetry_is_to_show():
+    setting = exact_bench()
+    shown = setting.bench.incidence_rad[~setting.holdout]
+    assert shown.min() < 0 < shown.max()
+
+
+def test_readings_have_the_noise_that_the_truth_reports():
+    setting, errors = exact_bench(), []
+    setting.plan.outlier_share, setting.plan.dropout_share, setting.no_target_share = {CHANNEL: 0.0}, 0.0, 0.0
+    for seed in range(20):
+        values, _ = setting.produce(Variant(), np.random.default_rng(seed)).tables["data.csv"][CHANNEL]
+        errors.append(values - setting.predict(Variant()))
+    assert np.std(errors) == pytest.approx(np.sqrt(0.002**2 + 1e-6 / 12), rel=0.05)
+
+
+def test_rays_end_at_the_walls():
+    headings = np.array([0.0, np.pi / 2, np.pi, -np.pi / 4])
+    distance, wall = cast((np.full(4, 0.5), np.full(4, 0.25), headings), (2.0, 1.5))
+    np.testing.assert_allclose(distance, [1.5, 1.25, 0.5, 0.25 * np.sqrt(2)])
+    assert wall.tolist() == [1, 3, 0, 2]
+
+
+def test_the_same_seed_gives_the_same_files(tmp_path):
+    for run in ("first", "second"):
+        for files, truth in make_cases("tof_bench", 3, 7):
+            write_case(tmp_path / run / truth["case"], files)
+            write_truth(tmp_path / run / "truth.json", truth)
+    paths = sorted(path.relative_to(tmp_path / "first") for path in (tmp_path / "first").rglob("*.*"))
+    assert len(paths) == 10
+    for path in paths:
+        assert (tmp_path / "first" / path).read_bytes() == (tmp_path / "second" / path).read_bytes()
+
+
+def test_wilson_interval_of_eight_in_ten():
+    assert wilson(8, 10) == pytest.approx((0.4902, 0.9433), abs=1e-4)
+
+
+def coast(inductance, frequency, std_inductance):
+    return {
+        "name": "bridge_coast",
+        "parameters": {"inductance_H": inductance, "switching_Hz": frequency},
+        "std": {"inductance_H": std_inductance, "switching_Hz": 0.0},
+    }
+
+
+def test_only_the_product_of_inductance_and_frequency_is_judged():
+    assert parameter_hits(coast(0.001, 1000.0, 0), coast(0.002, 500.0, 1e-4)) == (1, 1)
+    assert parameter_hits(coast(0.001, 1000.0, 0), coast(0.002, 1000.0, 1e-4)) == (0, 1)
+    assert parameter_hits(coast(0.001, 1000.0, 0), coast(0.002, 1000.0, 0.0)) == (0, 0)
+
+
+def test_an_effect_is_right_among_three_names_and_wrong_with_another_sensor():
+    effect = {"name": "tof_mount_yaw", "parameters": {"sensor": "left", "angle_rad": 0.1}}
+    truth = {"category": "one", "effects": [effect], "near_rivals": {}}
+
+    def right(**answer):
+        return grade(truth, {"effects": [answer]})[1]
+
+    assert right(name="tof_mount_yaw", parameters={"sensor": "left"})
+    assert right(name="tof_range_offset", ambiguous_with=["tof_mount_yaw[left]"])
+    assert not right(name="tof_range_offset", ambiguous_with=["tof_mount_yaw[right]"])
+    assert not right(name="tof_range_offset", ambiguous_with=["tof_mount_yaw", "turn_slip", "marker_yaw"])
