@@ -89,11 +89,11 @@ class Deserter:
     def __init__(self, pilot):
         self._pilot, self._left = pilot, 4
 
-    def decide(self, seen, turned):
+    def decide(self, seen):
         if not self._left:
             raise RunFailed("the board is gone")
         self._left -= 1
-        return self._pilot.decide(seen, turned)
+        return self._pilot.decide(seen)
 
 
 def test_a_pilot_that_is_gone_ends_the_run_and_what_was_driven_is_kept():

@@ -14,7 +14,7 @@ def unit(tmp_path):
 
 
 def test_an_engine_that_is_not_installed_is_no_bug(unit, monkeypatch):
-    for module in [name for name in sys.modules if name.startswith(("pipeline.stages.simulate", "physics.bullet"))]:
+    for module in [name for name in sys.modules if name.startswith(("pipeline.stages.", "physics.bullet"))]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "pybullet", None)
     failed = do(unit, lambda *_: None)
