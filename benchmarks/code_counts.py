@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from collections.abc import Set as AbstractSet
 from pathlib import Path
 
-PACKAGES = ("symolo", "configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline")
+PACKAGES = ("symolo", "configs", "logs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline")
 WORDS = ("told", "tells", "asked", "anew", "mended", "mends", "so-manieth")
 VARIABLES = ("found", "of", "own", "given", "told", "side", "way", "kept")
 BOUNDS = ("least_", "most_", "min_", "max_")

@@ -39,7 +39,7 @@ from drawn_mutations import Mutation, drawn_mutations, operators_by_name
 
 ROOT = Path(__file__).parents[1]
 EQUIVALENT = Path(__file__).with_name("mutations_equivalent.yaml")
-PACKAGES = ("symolo", "configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline")
+PACKAGES = ("symolo", "configs", "logs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline")
 MOTOR = "tests/physics/test_motor.py"
 ARENAS = "tests/configs/test_arena_generation.py"
 INFERENCE = "tests/diagnosis/inference"

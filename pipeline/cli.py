@@ -27,6 +27,7 @@ from pipeline.commands import (
     validate,
 )
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
+from pipeline.commands.import_logs import import_logs
 from pipeline.commands.model import model
 from pipeline.commands.preview import preview
 from pipeline.commands.rerender import rerender
@@ -62,7 +63,7 @@ INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command ag
 PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
     "Make data": (
         *(stages.plan, preview, stages.release, stages.simulate, stages.render, stages.assemble),
-        *(rerender, model),
+        *(import_logs, rerender, model),
     ),
     "Hardware in the loop": (hil.hil, hil.firmware),
     "Look at data": (showing.view, showing.video, showing.report, showing.contact_sheet),
@@ -77,6 +78,8 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
     "Explain measured data": (explanation.inspect, explanation.diagnose, explanation.identify_camera),
 }
 """Commands by their heading, both in the order of `symolo --help`."""
+NAMES: dict[Callable[..., int | None], str] = {import_logs: "import"}
+"""Commands with another name than their function, which Python reserves."""
 
 
 def command_line() -> typer.Typer:
@@ -94,7 +97,7 @@ def command_line() -> typer.Typer:
     app.callback()(_options)
     for panel, commands in PANELS.items():
         for command in commands:
-            app.command(help=_joined(command), rich_help_panel=panel)(command)
+            app.command(NAMES.get(command), help=_joined(command), rich_help_panel=panel)(command)
     for name, group, panel in (
         ("case", case, "Explain measured data"),
         ("robot", robot, "Make data"),

@@ -25,9 +25,9 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from diagnosis.diagnose import Diagnosis, diagnose  # noqa: E402 - by the path above
-from diagnosis.new_case.log_file import read_log  # noqa: E402
 from diagnosis.new_case.new_case import new_case  # noqa: E402
 from diagnosis.new_case.proposal import propose  # noqa: E402
+from logs.log_file import read_log  # noqa: E402
 
 Array = NDArray[np.float64]
 STEP_S = 2.5e-4

@@ -62,10 +62,11 @@ def room_around(arena: Arena, look: LookConfig, seed: int) -> RoomModel:
 
 
 def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
-    """Return the corners of the rectangle around line and boxes, wherever these move; a square metre without any."""
+    """Return the corners of the rectangle around line and boxes, wherever these move; without any, of the floor."""
     points = [np.concatenate(edges) for edges in arena.line.edges()]
     points += [box.footprint() if box.motion is None else _reach(box, box.motion) for box in arena.boxes]
-    everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
+    half_m = arena.floor_half_extent_m
+    everything = np.concatenate(points) if points else np.array([[-half_m, -half_m], [half_m, half_m]])
     low, high = everything.min(axis=0), everything.max(axis=0)
     return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 

@@ -13,6 +13,7 @@ from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from symolo.core.files.image_headers import MAX_DECODER_BYTES
 from symolo.dataset.annotations import AnnotationName
+from symolo.dataset.documents.origin import Origin
 
 
 class StartPose(Section):
@@ -171,22 +172,20 @@ class Scenario(Section):
     """Look: the name of a shipped one, the path of a YAML file, or its settings here."""
 
 
-class RunSpec(Section):
-    """The specification of one run, `spec.json`, in numbers only; `drawn` lists the drawn ones by field path."""
+class SceneSpec(Section):
+    """The specification of what the images of one run show, in numbers only: `spec.json` of an imported trajectory."""
 
     scenario: Slug
     seed: int
     route: Slug
     run: int = Field(ge=1)
     start: StartPose
-    stop: Stop
-    rates: Rates
     render: Render
     arena: ArenaConfig
     robot: RobotConfig
-    board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
-    controller: ChosenController | None = Field(default_factory=absent, exclude_if=lambda chosen: chosen is None)
     look: LookConfig
+    origin: Origin | None = Field(default_factory=absent, exclude_if=lambda origin: origin is None)
+    """Origin of the trajectory; None if it is simulated from this specification."""
     drawn: dict[str, float | int | str | bool]
     """Drawn values by field path within this specification, for example `look.sun.elevation_deg`; those of a generated
     arena by their path within its recipe, which the specification no longer has."""
@@ -195,3 +194,28 @@ class RunSpec(Section):
     def key(self) -> str:
         """Folder of the run in a dataset, for example `CW/test_1`."""
         return f"{self.route}/test_{self.run}"
+
+    @property
+    def is_imported(self) -> bool:
+        """Whether the trajectory was imported from a log."""
+        return self.origin is not None and self.origin.log is not None
+
+    @property
+    def drawn_as(self) -> tuple[str, int]:
+        """Route and number by which the random streams of the run are keyed: those of the run that was simulated, so
+        that its trajectory with the same look and seed gives the same images under any name.
+        """
+        release = self.origin.release if self.origin else None
+        if release is None:
+            return self.route, self.run
+        route, _, number = release.run.rpartition("/test_")
+        return (route, int(number)) if number.isdigit() else (self.route, self.run)
+
+
+class RunSpec(SceneSpec):
+    """The specification of one simulated run, `spec.json`; `drawn` lists the drawn numbers by field path."""
+
+    stop: Stop
+    rates: Rates
+    board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
+    controller: ChosenController | None = Field(default_factory=absent, exclude_if=lambda chosen: chosen is None)

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.importers.base import is_file
 from diagnosis.importers.trials import trials_of
 from diagnosis.measured.case_format import BLIND, COLUMNS, channel_columns
 from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
+from logs.recognition import is_file
 
 
 def read_blind(folder: Path, kind: CaseKind) -> dict[str, Measurement]:

@@ -9,14 +9,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from diagnosis.importers.base import Importer, is_file
+from diagnosis.importers.base import Importer
 from diagnosis.importers.held_voltages import with_held
 from diagnosis.importers.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAGES, channel_columns
 from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
-from diagnosis.measured.scale import mixed_up_unit
+from logs.recognition import is_file
+from logs.scale import mixed_up_unit
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.table import CsvTable

@@ -12,15 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.importers.base import Importer, first_line
+from diagnosis.importers.base import Importer
 from diagnosis.importers.log_column import LogColumn
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import KnownMotor, NominalMotor, PositiveSpread, Spread
-from diagnosis.measured.scale import Reach
 from diagnosis.usual_tolerances import SHARES
+from logs.recognition import first_line
+from logs.scale import Reach
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import TextFile, read_text

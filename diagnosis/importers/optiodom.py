@@ -13,14 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.importers.base import Importer, is_file, is_folder
+from diagnosis.importers.base import Importer
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.holdout import EVERY
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.scale import Reach
 from diagnosis.usual_tolerances import usual_wheels
+from logs.recognition import is_file, is_folder
+from logs.scale import Reach
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.table import number

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.measured.channel import Mask
-from diagnosis.measured.scale import mixed_up_unit
-from diagnosis.measured.screening import GAP, usual
+from diagnosis.measured.screening import GAP
+from logs.scale import mixed_up_unit
+from logs.times import usual
 from symolo.core.errors import InputError
 from symolo.core.table import CsvTable
 

@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.importers.base import Importer, first_line, is_folder
+from diagnosis.importers.base import Importer
 from diagnosis.importers.log_column import LogColumn
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.scale import Reach
+from logs.recognition import first_line, is_folder
+from logs.scale import Reach
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.table import cells_of, check_header

@@ -19,8 +19,8 @@ from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.holdout import hold_out
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import NOMINAL, NominalLog, read_nominal
-from diagnosis.measured.scale import Reach
 from diagnosis.measured.symolo_columns import COLUMN_OF, LINE_READINGS, RANGE_READINGS, SPEEDS
+from logs.scale import Reach
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.table import CsvTable

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.importers.base import Importer, first_line, only_log
+from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.validation.range_sensor.recordings.scan import COLUMNS, read_scan
+from logs.recognition import first_line, only_log
 from symolo.core.arrays import Array
 from symolo.core.time_series import TimeSeries
 

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.measured.scale import Reach
+from logs.scale import Reach
 from sensors.range_view import RANGE_SENSORS
 from symolo.core.table import WordColumn
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.measured.channel import Role
-from diagnosis.measured.scale import Reach, beyond_scale, likely_unit
+from logs.scale import Reach, beyond_scale, likely_unit
 from symolo.core import table
 from symolo.core.errors import InputError, together
 from symolo.core.files.text_file import LineFault, TextFile, read_text

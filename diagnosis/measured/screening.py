@@ -6,6 +6,7 @@ import numpy as np
 
 from diagnosis.measured.channel import Channel, Mask
 from diagnosis.measured.noise import Noise, noise_of_differences, trimmed_variance
+from logs.times import usual
 from symolo.core.arrays import Array
 
 GAP = 1.5
@@ -27,12 +28,6 @@ class Timing:
     @property
     def rate_hz(self) -> float:
         return 1.0 / self.period_s
-
-
-def usual(steps_s: Array) -> float:
-    """Return the median step."""
-    # Of two steps in the middle the shorter counts, so that a gap is never the usual step.
-    return float(np.sort(steps_s)[(len(steps_s) - 1) // 2])
 
 
 def timing(t_s: Array) -> Timing | None:

@@ -12,10 +12,11 @@ from diagnosis.measured.nominal import NOMINAL
 from diagnosis.measured.write_case import csv_of, voltages_of
 from diagnosis.new_case.estimates import contradictions, pose_by_ticks
 from diagnosis.new_case.known_numbers import KnownNumber, has, missing, numbers_of
-from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.mapping import MAPPING, LogMapping, mapping_text
 from diagnosis.new_case.nominal_text import compared_sides, nominal_text
+from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.rows import measurement_of
+from logs.log_file import LogFile
+from logs.mapping import MAPPING, LogMapping, mapping_text
 from symolo.core.errors import FaultsError, InputError, together
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.new_folder import new_folder
@@ -65,13 +66,17 @@ class NewCase:
             if voltages := voltages_of(self.measurement):
                 write_file(folder / VOLTAGES, voltages.encode())
             write_file(folder / NOMINAL, text.encode())
-            write_file(folder / MAPPING, mapping_text(self.mapping, self.log, out).encode())
+            write_file(folder / MAPPING, self._mapping_text(out).encode())
             try:
                 return read_measurement(folder, IMPORTERS)
             except InputError as error:
                 faults = error.faults if isinstance(error, FaultsError) else (error,)
                 texts = [str(fault).replace(f"{displayed(folder)}/", "").replace(f"{folder}/", "") for fault in faults]
                 raise together([InputError(text, where=f"{self.log.path}: as a case") for text in texts]) from None
+
+    def _mapping_text(self, out: Path) -> str:
+        command = ["symolo", "case", "init", f"{self.log.path}", "--mapping", f"{out / MAPPING}", "--out", f"{out}-2"]
+        return mapping_text(self.mapping, KINDS[CaseKind(self.mapping.kind)], self.log, command)
 
     def compared(self) -> list[str]:
         """Return one sentence for each comparison that the diagnosis can or cannot make."""

@@ -9,11 +9,12 @@ import numpy as np
 
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.screening import noise_of, usual
+from diagnosis.measured.screening import noise_of
 from diagnosis.new_case.estimates import contradictions, motor_of, pose_by_ticks, speed_noise, wheels_of
 from diagnosis.new_case.known_numbers import has
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
+from logs.times import usual
 from symolo.core.errors import InputError
 
 UNKNOWN_MOTOR, UNKNOWN_WHEELS = 0.5, 0.2

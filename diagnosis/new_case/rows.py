@@ -11,14 +11,14 @@ from diagnosis.measured.case_format import CAMERA_CHANNELS, RANGES, WHEEL_VOLTAG
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.held import held_means
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.screening import usual
-from diagnosis.new_case.counts import jump, running, unwrapped
-from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.mapping import MAPPING, LogMapping, Source
-from diagnosis.new_case.proposal import unit_faults
-from diagnosis.new_case.quantities import COUNTS, our_columns
+from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
-from diagnosis.new_case.units import factor_to
+from logs.counted import counted
+from logs.log_file import LogFile
+from logs.mapping import MAPPING, LogMapping
+from logs.proposal import unit_faults
+from logs.times import usual
+from logs.units import factor_to
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.time_series import TimeSeries
@@ -64,7 +64,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
     Raises:
         InputError: A cell is no number, a quantity is in another unit, or the rows cannot be used; all are reported.
     """
-    kind, notes = mapping.case_kind, list(log.notes)
+    kind, notes = CaseKind(mapping.kind), list(log.notes)
     values = _values(log, mapping, notes)
     material = mapping.columns.get("material")
     words: tuple[str, ...] = ()
@@ -95,8 +95,8 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
 
 def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Array]:
     """Return the numbers of a log in our units by our names, (N,) each; `notes` gets what was changed."""
-    faults, values, kind = FaultList(), {}, mapping.case_kind
-    for name, column in our_columns(kind).items():
+    faults, values, kind = FaultList(), {}, CaseKind(mapping.kind)
+    for name, column in KINDS[kind].scales.items():
         source = mapping.columns.get(name)
         if source is None:
             continue
@@ -109,33 +109,16 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
-                numbers = factor * _counted(log.numbers(source.column), source, name, notes)
+                numbers = factor * counted(log.numbers(source.column), source, name, notes)
             if name == "t_s":
                 _check_times(numbers, log, source.column)
                 if kind in _IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970
                     numbers = numbers - numbers[0]
             values[name] = np.round(numbers, DECIMALS)
     if not faults.faults:
-        faults.faults += unit_faults(mapping, values, log)
+        faults.faults += unit_faults(mapping, KINDS[kind], values, log)
     faults.check()
     return values
-
-
-def _counted(numbers: Array, source: Source, name: str, notes: list[str]) -> Array:
-    """Return the numbers of a column; those of an encoder as counts that run on."""
-    if name not in COUNTS:
-        return numbers
-    if source.per_row:
-        return running(numbers)
-    counts, wraps_at = unwrapped(numbers, source.wraps_at)
-    if wraps_at:
-        notes.append(f"{source.column} wraps at {wraps_at:.0f} and is continued beyond it")
-    elif far := jump(counts):
-        notes.append(
-            f"CHECK {source.column}: it jumps by {far:.0f} from one row to the next; if its counter begins again "
-            f"there, give wraps_at in {MAPPING}"
-        )
-    return counts
 
 
 def _check_times(t_s: Array, log: LogFile, column: str) -> None:

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.measured.screening import GAP, usual
+from diagnosis.measured.screening import GAP
+from logs.times import usual
 from symolo.core.arrays import Array
 
 ROWS_AROUND = 9

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.measured.screening import GAP, usual
+from diagnosis.measured.screening import GAP
+from logs.times import usual
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

@@ -1,7 +1,10 @@
 """README.md of a dataset: what a person needs to use it, written from its metadata."""
 
+from collections.abc import Collection
+
 from configs.schema.arena import Obstacle
-from configs.schema.scenario import RunSpec
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import SceneSpec
 from symolo.core.geometry.lens import coefficients
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.documents.camera_model import INTRINSICS
@@ -9,12 +12,14 @@ from symolo.dataset.documents.description import columns_part, frames_part, mark
 from symolo.dataset.documents.metadata import Metadata, side_tables
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.documents.scene_record import SCENE
+from symolo.dataset.layout import DATA
 
 
-def markdown(metadata: Metadata, example: RunSpec) -> bytes:
+def markdown(metadata: Metadata, example: SceneSpec) -> bytes:
     """Return the description of a dataset; dimensions of robot and arena are those of the run `example`."""
     parts = [_head(metadata), _layout(metadata), columns_part(metadata), _side_tables(metadata, example)]
-    parts += [_annotations(metadata), frames_part(metadata), _robot(example), _arena(metadata, example)]
+    parts += [_annotations(metadata), frames_part(metadata), _robot(metadata, example), _arena(metadata, example)]
+    parts += [_origins(metadata)]
     parts += [runs_part(metadata), _warnings(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
@@ -22,23 +27,34 @@ def markdown(metadata: Metadata, example: RunSpec) -> bytes:
 def _head(metadata: Metadata) -> str:
     made = ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))
     about = f"{plain_text(metadata.description)}\n\n" if metadata.description else ""
+    is_imported = any(run.is_imported for run in metadata.runs)
+    kind = "dataset of recorded trajectories" if is_imported else "synthetic dataset"
+    motion = "The motion is that of logs" if is_imported else "The motion is simulated with PyBullet"
+    images = "; the pictures are path-traced with Blender Cycles at its poses"
+    if not any(run.images for run in metadata.runs):
+        images = ", and there are no images"
     return (
         f"# {plain_text(metadata.name)}\n\n{about}"
-        "A synthetic dataset in the layout of SyMoLo (Synthetic Dataset for Mobile Robots Localization Algorithms).\n"
-        "The motion is simulated with PyBullet; the pictures are path-traced with Blender Cycles at its poses.\n\n"
+        f"A {kind} in the layout of SyMoLo (Synthetic Dataset for Mobile Robots Localization Algorithms).\n"
+        f"{motion}{images}.\n\n"
         f"Licence: {plain_text(metadata.licence)}. Seed: {metadata.seed}. Made with: {made}."
     )
 
 
 def _layout(metadata: Metadata) -> str:
     rates = metadata.runs[0].rates
+    rows, images = "one row for each pose", "camera pictures, numbered from 1"
+    if rates:
+        rows = f"one row every {1000 / rates.control_hz:g} ms ({rates.control_hz} Hz)"
+        images = f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz} Hz), numbered from 1"
+    of_images = (
+        f"    <route>/test_<n>/images/000001.jpg     {images}\n"
+        "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
+    )
     return (
         "## Layout\n\n"
-        "    <route>/test_<n>/data.csv              "
-        f"one row every {1000 / rates.control_hz:g} ms ({rates.control_hz} Hz)\n"
-        "    <route>/test_<n>/images/000001.jpg     "
-        f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz} Hz), numbered from 1\n"
-        "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
+        f"    <route>/test_<n>/data.csv              {rows}\n"
+        f"{of_images if any(run.images for run in metadata.runs) else ''}"
         "    <route>/test_<n>/side/                 more than SyMoLo has: see below\n"
         "    metadata.json                          robot, arena, rates, seeds, every value drawn for a setting\n"
         "    bag-info.txt                           size of the data, class of the processors that made them\n"
@@ -47,15 +63,25 @@ def _layout(metadata: Metadata) -> str:
     )
 
 
-def _side_tables(metadata: Metadata, example: RunSpec) -> str:
+def _origins(metadata: Metadata) -> str:
+    rows = [(run.run, run.origin.text) for run in metadata.runs if run.origin]
+    return f"## Origin of the trajectories\n\n{markdown_table(('run', 'origin'), rows)}" if rows else ""
+
+
+def _side_tables(metadata: Metadata, example: SceneSpec) -> str:
     rows = []
-    for table in (*side_tables(RunDocument.model_validate(example)), *metadata.sensor_tables):
+    has_images = any(run.images for run in metadata.runs)
+    document = RunDocument.model_validate(example)
+    for table in (*side_tables(document, has_images=has_images), *metadata.sensor_tables):
         columns = metadata.columns[f"side/{table.file}"]
         rows.append((table.file, table.meaning, ", ".join(f"{c.column.title} [{c.unit}]" for c in columns)))
-    meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
-    rows.append((INTRINSICS, meaning, "JSON"))
-    drawn = "what was drawn for the run's scene beyond its look: furniture piece by piece, phase of the mains, seed"
-    rows.append((SCENE, drawn, "JSON"))
+    if has_images:
+        camera = (
+            "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
+        )
+        rows.append((INTRINSICS, camera, "JSON"))
+        drawn = "what was drawn for the run's scene beyond its look: furniture piece by piece, phase of the mains, seed"
+        rows.append((SCENE, drawn, "JSON"))
     rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
     return f"## side/\n\n{markdown_table(('file', 'meaning', 'columns'), rows)}"
 
@@ -72,11 +98,10 @@ def _annotations(metadata: Metadata) -> str:
     )
 
 
-def _robot(spec: RunSpec) -> str:
+def _robot(metadata: Metadata, spec: SceneSpec) -> str:
     robot = spec.robot
-    chassis, drive, line, camera = robot.chassis, robot.drive, robot.line_sensor, robot.camera
+    chassis, drive, camera = robot.chassis, robot.drive, robot.camera
     camera_z_m = chassis.base_height_m + camera.height_above_base_m
-    mounts = robot.tof.mounts
     axis = f"{camera.pitch_down_deg:g} deg below the horizon, {camera.yaw_left_deg:g} deg to the left"
     axis += f", rolled by {camera.roll_deg:g} deg"
     rows = [
@@ -84,23 +109,34 @@ def _robot(spec: RunSpec) -> str:
         ("track b", f"{drive.track_m:g} m between the wheels' contact points"),
         ("wheel diameter", f"{drive.wheel_diameter_m:g} m"),
         ("encoders", f"{robot.encoder.counts_per_revolution} counts per wheel turn"),
-        ("line sensor", f"x = {line.x_m:g} m, {line.channels} channels, pitch {line.pitch_m:g} m, L0 at the right end"),
-        *(
-            (f"ToF {name}", f"x = {mount.x_m:g}, y = {mount.y_m:g}, z = {mount.z_m:g} m, turned {mount.yaw_deg:g} deg")
-            for name, mount in (("front", mounts.front), ("left", mounts.left), ("right", mounts.right))
-        ),
+        *_sensors(robot, {column.name for column in metadata.columns[DATA]}),
         ("camera", f"x = {camera.x_m:g}, y = {camera.y_m:g}, z = {camera_z_m:g} m"),
         ("camera axis", axis),
         ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
         ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
     ]
+    whose = "Images are rendered with this robot; the log may be of another one. " if spec.is_imported else ""
     return (
-        f"## Robot\n\n{plain_text(robot.name)}: {plain_text(robot.description)}. Positions are in R; values are those"
-        f" of {spec.key} where they are drawn per run.\n\n{markdown_table(('part', 'value'), rows)}"
+        f"## Robot\n\n{whose}{plain_text(robot.name)}: {plain_text(robot.description)}. Positions are in R; values are"
+        f" those of {spec.key} where they are drawn per run.\n\n{markdown_table(('part', 'value'), rows)}"
     )
 
 
-def _arena(metadata: Metadata, spec: RunSpec) -> str:
+def _sensors(robot: RobotConfig, columns: Collection[str]) -> list[tuple[str, str]]:
+    """Return a row for each sensor whose readings are among these columns of data.csv."""
+    line, mounts = robot.line_sensor, robot.tof.mounts
+    row = f"x = {line.x_m:g} m, {line.channels} channels, pitch {line.pitch_m:g} m, L0 at the right end"
+    return [
+        *([("line sensor", row)] if "L0" in columns else []),
+        *(
+            (f"ToF {name}", f"x = {mount.x_m:g}, y = {mount.y_m:g}, z = {mount.z_m:g} m, turned {mount.yaw_deg:g} deg")
+            for name, mount in (("front", mounts.front), ("left", mounts.left), ("right", mounts.right))
+            if f"d_{name[0]}" in columns
+        ),
+    ]
+
+
+def _arena(metadata: Metadata, spec: SceneSpec) -> str:
     arena = spec.arena
     if metadata.scenario.get("arena", {}).get("generate"):
         whose = f"Each run has an arena of its own, in its side/spec.json; this one is of {spec.key}."

@@ -11,7 +11,7 @@ from configs.schema.scenario import RunSpec
 from pipeline.baselines.base import TrainingRun
 from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages, Start
 from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders, tables_of
-from pipeline.run_folder.stored_spec import read_spec
+from pipeline.run_folder.stored_spec import read_simulated_spec
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import Recording
@@ -65,7 +65,7 @@ def open_runs(root: Path) -> tuple[LoggedRun, ...]:
     folders = simulated_folders(root)
     if folders and not (root / METADATA).exists():
         return tuple(
-            LoggedRun.of_recording(run_name(folder), read_spec(folder / SPEC), read_simulated(folder))
+            LoggedRun.of_recording(run_name(folder), read_simulated_spec(folder / SPEC), read_simulated(folder))
             for folder in folders
         )
     return tuple(_released(run) for run in open_release(root, None).runs)
@@ -85,8 +85,9 @@ def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, .
 
 
 def _released(run: Run) -> LoggedRun:
+    spec = read_simulated_spec(run.folder / SIDE / SPEC)
     wheels, tof = (run.side(table.file.partition(".")[0]).to_numpy(float) for table in (WHEELS, TOF))
     recorded = run.images
     rows = np.array([image.row for image in recorded], dtype=np.int64)
     images = RunImages(rows, lambda index: recorded[index].pixels()) if recorded else None
-    return LoggedRun(run.name, read_spec(run.folder / SIDE / SPEC), run.table, wheels, tof, images)
+    return LoggedRun(run.name, spec, run.table, wheels, tof, images)

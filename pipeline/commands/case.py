@@ -80,24 +80,24 @@ def init(
     """
     from diagnosis.measured.measurement import CaseKind
     from diagnosis.new_case.known_numbers import parsed
-    from diagnosis.new_case.log_file import read_log
-    from diagnosis.new_case.mapping import check_mapping, read_mapping
     from diagnosis.new_case.new_case import new_case
     from diagnosis.new_case.proposal import propose
-    from diagnosis.new_case.quantities import NEEDED
+    from diagnosis.new_case.quantities import KINDS
+    from logs.log_file import read_log
+    from logs.mapping import check_mapping, read_mapping
     from symolo.core.files.new_folder import check_new
 
     out = out or Path(log.stem)
     check_new(out)
-    kinds = [str(one) for one in NEEDED]
-    if kind is not None and kind not in kinds:
-        raise InputError("--kind", got=kind, allowed=", ".join(kinds), nearest=nearest(kind, kinds))
+    names = [str(one) for one in KINDS]
+    if kind is not None and kind not in names:
+        raise InputError("--kind", got=kind, allowed=", ".join(names), nearest=nearest(kind, names))
     known = parsed(settings or ())
     table = read_log(log)
     checked = None
     if mapping is not None:
-        checked = read_mapping(mapping)
-        check_mapping(checked, table, str(mapping))
+        checked = read_mapping(mapping, list(KINDS.values()))
+        check_mapping(checked, KINDS[CaseKind(checked.kind)], table, str(mapping))
 
     def case_knowing(known: Mapping[str, float]) -> "tuple[NewCase, tuple[str, ...]]":
         """Return the case and the guesses of its mapping, which depend on the voltage of the supply."""
@@ -137,7 +137,7 @@ def _asked(case: "NewCase") -> dict[str, float]:
 
 def _print(case: "NewCase", out: Path, notes: tuple[str, ...]) -> None:
     from diagnosis.measured.overview import summary_line
-    from diagnosis.new_case.mapping import unused_columns
+    from logs.mapping import unused_columns
 
     typer.echo(summary_line(case.measurement))
     for name, source in case.mapping.columns.items():

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, record_file
 from blender_scenes.annotations.record import FrameRecord
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.run_folder.workspace import StageFolder
@@ -93,7 +93,7 @@ def _ordered(
     return work
 
 
-def check_user_files(spec: RunSpec, folder: Path) -> None:
+def check_user_files(spec: SceneSpec, folder: Path) -> None:
     """Check that the user's own images that a run shows are still in `.stages`.
 
     Raises:

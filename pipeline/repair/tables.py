@@ -9,8 +9,8 @@ from zipfile import BadZipFile
 from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
-from pipeline.stages.assemble import tables
 from pipeline.stages.render import IMAGES
+from pipeline.stages.run_tables import tables
 from pipeline.stages.simulate_runs import read_recording, simulation_key
 from pipeline.work.unit_progress import report_event
 from pipeline.work.units import SimulateUnit

@@ -14,11 +14,12 @@ from configs.loader import load_scenario, load_section
 from configs.overrides import replaced_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import Render, RunSpec
+from configs.schema.scenario import Render, SceneSpec
 from pipeline.assembly.scene_file import scene_file
 from pipeline.executors.base import Executor
+from pipeline.importing.suspicions import check_possible
 from pipeline.planning.plan import BYTES_PER_JOB, image_bytes
-from pipeline.rerendering.unit_checks import check_milliseconds, check_on_the_floor, check_radians
+from pipeline.rerendering.unit_checks import check_on_the_floor
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.stored_runs import read_simulated
 from pipeline.run_folder.stored_spec import read_spec
@@ -91,7 +92,7 @@ class StoredTrajectory:
     rows: Rows
     data: bytes
     """Content of data.csv."""
-    spec: RunSpec | None
+    spec: SceneSpec | None
     """Specification of the run; None for a data.csv from elsewhere."""
     file: Path
     """File from which it was read."""
@@ -230,15 +231,14 @@ def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, t
         if option := request.named_by(replaced_section(text)):
             raise InputError("--set", got=text, cure=f"name it with {option}")
     trajectory = _timed(read_source(source), request.camera_hz)
-    if trajectory.spec is None:
-        check_radians(trajectory.rows, trajectory.at)
     draws = _draws(trajectory, request)
     if trajectory.spec is None or request.arena:
         arena = Arena.from_config(draws[0].appearance.arena)
         for draw in draws:
             check_on_the_floor(trajectory.rows, arena, draw.appearance.look, trajectory.at)
     if trajectory.spec is None:  # places in millimetres are fast, too, but outside the room
-        check_milliseconds(trajectory.rows, trajectory.at)
+        rows = trajectory.rows
+        check_possible(rows.t_ms / 1000, rows.pose, trajectory.at, in_milliseconds=True)
     return trajectory, draws
 
 
@@ -283,7 +283,7 @@ def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:
 def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw, ...]:
     """Draw all looks; arena, robot and image settings are the same in all draws."""
     spec = source.spec
-    route, run = (spec.route, spec.run) if spec else ("foreign", 1)
+    route, run = spec.drawn_as if spec else ("foreign", 1)
     seed = request.seed if request.seed is not None else spec.seed if spec else 1
     arena = _arena(source, request, seed, route, run)
     robot = _robot(spec, request, seed, route, run)
@@ -318,7 +318,7 @@ def _arena(source: StoredTrajectory, request: RerenderRequest, seed: int, route:
     return draw_arena(section, seed, route, run, start=(x_m, y_m, yaw_rad))[0]
 
 
-def _robot(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> RobotConfig:
+def _robot(spec: SceneSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> RobotConfig:
     if spec and not request.robot:
         _refuse_overrides(request, "robot")
         return spec.robot
@@ -334,7 +334,7 @@ def _refuse_overrides(request: RerenderRequest, section: str) -> None:
         )
 
 
-def _render(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> Render:
+def _render(spec: SceneSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> Render:
     stored = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
     settings = [f"render.{name}={str(value).lower()}" for name, value in stored.items()]
     return draw_render(load_scenario(CARRIER, [*settings, *request.overrides_of("render")]), seed, route, run)

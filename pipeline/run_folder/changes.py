@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import SceneSpec
 from pipeline.stages.simulate_runs import simulation_inputs
 from symolo.core.errors import shown
 
@@ -14,7 +14,7 @@ ABOUT = ("drawn", "scenario")
 """Fields on which no image depends: they say where the other values came from."""
 
 
-def changes(made: RunSpec, requested: RunSpec, *, simulation: bool = False) -> list[str]:
+def changes(made: SceneSpec, requested: SceneSpec, *, simulation: bool = False) -> list[str]:
     """Return the changed fields with their values before and now, such as `look.sun.elevation_deg 30.0 -> 60.0`.
 
     Args:

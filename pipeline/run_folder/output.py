@@ -11,6 +11,7 @@ from symolo.dataset.layout import STAGES
 NEW_OR_EMPTY = "name a folder that is new or empty"
 MADE_BY = {
     Kind.DATASET: "release",
+    Kind.IMPORTED: "import",
     Kind.PICTURES: "rerender --look",
     Kind.LOOKS: "rerender --looks",
     Kind.VALIDATION: "validate",

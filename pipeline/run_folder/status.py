@@ -10,9 +10,10 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from blender_scenes.render.frame_files import Ledger
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.changes import changes, first_changes
+from pipeline.run_folder.stored_spec import parse_spec
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
 from pipeline.stages.render import IMAGES, JOB, journal
@@ -25,7 +26,7 @@ from symolo.core.files.plain_files import FileKind, check_tree, is_plain_file, r
 from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
-from symolo.dataset.folder_kind import Kind, kind_of
+from symolo.dataset.folder_kind import DATASETS, kind_of
 from symolo.dataset.layout import ANNOTATIONS, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 from symolo.verification.inventory import Inventory
@@ -115,7 +116,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     """
     if not out.is_dir():
         raise InputError("no such folder", where=str(out), cure="name the folder that --out named")
-    if (kind := kind_of(out)) is not Kind.DATASET:
+    if (kind := kind_of(out)) not in DATASETS:
         what = f"contains the output of a command for {kind}" if kind else "is not an output folder of a release"
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
     check_tree(out, STAGES)
@@ -154,7 +155,9 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     simulate = _simulated(workspace, run, spec, check=check)
     outcome = _outcome(workspace, run)
     stages = [simulate]
-    if outcome is None or not outcome.problems:
+    if outcome is not None and not outcome.images and simulate.stage != "simulate":
+        stages.append(_released(workspace, run, pending=bool(simulate.again), has_images=False))
+    elif outcome is None or not outcome.problems:
         changed = [] if spec is None else image_changes(workspace, run, spec)
         render = _framed(workspace.render(run), "render", outcome, check=check)
         if not render.again and (changed or simulate.again):
@@ -181,6 +184,8 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     if check and not holds(folder.path, done.files):
         return StageStatus("simulate", "damaged", "files of it are damaged or missing")
     current = spec or stored
+    if not isinstance(current, RunSpec) or stored.origin is not None:
+        return StageStatus("trajectory", "taken over" if stored.origin is None else stored.origin.text)
     if done.key == simulation_key(current):
         outcome = _outcome(workspace, run)
         if outcome is not None and outcome.problems:
@@ -216,14 +221,14 @@ def _frames(files: Path) -> int:
     return min(sum(not path.name.startswith(".") for path in folder.iterdir()) for folder in folders)
 
 
-def _released(workspace: Workspace, run: str, *, pending: bool) -> StageStatus:
+def _released(workspace: Workspace, run: str, *, pending: bool, has_images: bool = True) -> StageStatus:
     done = workspace.assemble(run).done()
     there = (workspace.out / run).is_dir()
     if done is None:
         return StageStatus("release", "there, from deleted stages" if there else "not there", "it was not assembled")
     if not there:
         return StageStatus("release", "gone", "its folder is missing")
-    if f"{SIDE}/{SCENE}" not in done.files:
+    if has_images and f"{SIDE}/{SCENE}" not in done.files:
         return StageStatus("release", "of an earlier version", f"{SIDE}/{SCENE} is not among its files")
     missing = [name for name in done.files if not is_plain_file(workspace.out / run / name)]
     if missing:
@@ -331,8 +336,8 @@ def _outcome(workspace: Workspace, run: str) -> RunOutcome | None:
         return None
 
 
-def _read_spec(path: Path) -> RunSpec | None:
+def _read_spec(path: Path) -> SceneSpec | None:
     try:
-        return RunSpec.model_validate_json(read_file(path, FileKind.DOCUMENT))
+        return parse_spec(read_file(path, FileKind.DOCUMENT))
     except (OSError, ValidationError):
         return None

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.run_folder.stored_runs import read_simulated, run_name
-from pipeline.run_folder.stored_spec import read_spec
-from pipeline.stages.assemble import tables
+from pipeline.run_folder.stored_spec import read_simulated_spec
+from pipeline.stages.run_tables import tables
 from pipeline.stages.simulate_runs import read_outcome
 from sensors.fit_out import listed_sensors
 from symolo.core.files.atomic_files import make_folder, write_file
@@ -35,7 +35,7 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
     with scratch_folder() as scratch:
         runs, records, specs = [], [], []
         for folder in folders:
-            spec, recording = read_spec(folder / SPEC), read_simulated(folder)
+            spec, recording = read_simulated_spec(folder / SPEC), read_simulated(folder)
             images = _rendered_images(folder)
             recording = _with_images(recording, images)
             _write_tables(scratch / run_name(folder), tables(spec, recording))

@@ -1,35 +1,30 @@
 """Stage 3: assembles good runs into the released dataset, with description, metadata and checksums."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import SceneSpec
 from pipeline.assembly.description import markdown
-from pipeline.assembly.scene_file import scene_file
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
-from pipeline.stages.render import Rendered, image_seed
-from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
+from pipeline.stages.render import Rendered
+from pipeline.stages.run_tables import stage_has_images, stage_rows, stage_tables
+from pipeline.stages.simulate_runs import read_outcome
 from sensors.fit_out import listed_sensors
-from symolo.arena.geometry import Arena
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known
 from symolo.core.files.plain_files import FileKind, is_plain_file, read_file
 from symolo.core.progress import Report
-from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
-from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
-from symolo.dataset.layout import DATA, DESCRIPTION, DONE, IMAGES, POSITIONS, SIDE, SPEC, STAGES
+from symolo.dataset.layout import DESCRIPTION, DONE, IMAGES, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, tag_manifest
-from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv
-from symolo.dataset.tables.rows import Rows
-from symolo.dataset.tables.sensor_tables import sensor_csv
-from symolo.dataset.tables.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
+from symolo.dataset.tables.rows import HEADER
+from symolo.dataset.tables.sensor_tables import ListedSensor
 
 METADATA_COPY = Path(STAGES) / "assemble" / METADATA
 """Copy of the metadata in the hidden stages; from the metadata, everything else can be made again."""
@@ -42,9 +37,11 @@ CHECKSUMS = (TAG_MANIFEST, MANIFEST)
 def assemble(
     workspace: Workspace,
     tree: dict[str, Any],
-    specs: Sequence[RunSpec],
+    specs: Sequence[SceneSpec],
     failures: Sequence[FailedRun],
     report: Report,
+    *,
+    sensors: Sequence[ListedSensor] | None = None,
 ) -> None:
     """Release every run without a problem, and remove released runs that have one now.
 
@@ -54,42 +51,52 @@ def assemble(
         specs: All runs of the scenario.
         failures: Failures of the stages before.
         report: Progress report.
+        sensors: Sensors of the runs; by default the loaded classes of those of `robot.sensors`.
     """
     failed = {failure.run for failure in failures}
     good = [spec for spec in specs if spec.key not in failed]
     hashes: dict[str, str] = {}
-    records, cpus = [], set()
+    records, cpus, columns = [], set(), HEADER
     with report.stage("assemble", len(good), "runs") as stage:
         _remove_stale_runs(workspace, {spec.key for spec in good})
         for spec in good:
             hashes |= {f"{spec.key}/{name}": digest for name, digest in release_run(workspace, spec).items()}
-            simulated = workspace.simulate(spec.key).path
-            rows = Rows.from_recording(read_recording(simulated))
-            rendered = Rendered.read(workspace.render(spec.key).path)
-            outcome = read_outcome(simulated)
-            warnings = (*outcome.warnings, *rendered.warnings)
-            annotate = workspace.annotate(spec.key) if spec.render.annotations else None
-            image_cpus = processors(workspace.render(spec.key), annotate)
-            if len(image_cpus) > 1:
-                stage.say(f"{spec.key}: {of_several_classes(image_cpus)}")
-            record = RunRecord.of(
-                spec,
-                rows,
-                outcome.lap_time_s,
-                warnings,
-                rendered.device,
-                cpus=image_cpus,
-                board=outcome.board,
-                controller=outcome.controller,
-            )
+            record, run_cpus, columns = _record(workspace, spec)
+            if record.cpu_classes:
+                stage.say(f"{spec.key}: {of_several_classes(record.cpu_classes)}")
             records.append(record)
-            cpus |= {outcome.cpu, *image_cpus}
+            cpus |= run_cpus
             stage.update(spec.key, 1)
     if not good:
         _remove_files(workspace.out, (*SEALS, *CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
-    metadata = describe(tree, specs, records, failures, listed_sensors(specs[0].robot.sensors))
+    sensors = listed_sensors(specs[0].robot.sensors) if sensors is None else sensors
+    metadata = describe(tree, specs, records, failures, sensors, columns_of_data=columns)
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
+
+
+def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str], tuple[str, ...]]:
+    """Return the facts of a run, the classes of the processors that made it, and the columns of its data.csv."""
+    stage = workspace.simulate(spec.key).path
+    rows, outcome = stage_rows(stage), read_outcome(stage)
+    if not rows.image.any():  # of an imported trajectory
+        record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings)
+        return record, {outcome.cpu} - {""}, rows.columns
+    rendered = Rendered.read(workspace.render(spec.key).path)
+    annotate = workspace.annotate(spec.key) if spec.render.annotations else None
+    cpus = processors(workspace.render(spec.key), annotate)
+    warnings = (*outcome.warnings, *rendered.warnings)
+    record = RunRecord.of(
+        spec,
+        rows,
+        outcome.lap_time_s,
+        warnings,
+        rendered.device,
+        cpus=cpus,
+        board=outcome.board,
+        controller=outcome.controller,
+    )
+    return record, {outcome.cpu, *cpus} - {""}, rows.columns
 
 
 def of_several_classes(cpus: Sequence[str]) -> str:
@@ -114,14 +121,16 @@ def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dic
         _write_if_new(out / name, data)
 
 
-def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
+def release_run(workspace: Workspace, spec: SceneSpec) -> dict[str, str]:
     """Put the folder of a run in place unless it is there unchanged, and return the SHA-256 of its files by path.
 
     Raises:
         EnvironmentLacking: Files of the stages, or of the new folder, are not what was written.
     """
-    stages = {"simulate": workspace.simulate(spec.key), "render": workspace.render(spec.key)}
-    if spec.render.annotations:
+    stages = {"simulate": workspace.simulate(spec.key)}
+    if has_images := stage_has_images(spec, stages["simulate"].path):
+        stages["render"] = workspace.render(spec.key)
+    if has_images and spec.render.annotations:
         stages["annotate"] = workspace.annotate(spec.key)
     files = {name: stage.files() for name, stage in stages.items()}
     key = input_key("assemble", stages=files, form=FORM, versions=versions("symolo", "numpy"))
@@ -131,7 +140,7 @@ def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
         return done.files
     _remove_files(workspace.out, CHECKSUMS)
     partial = marker.start()
-    written = _fill(workspace, spec, files["render"], partial)
+    written = _fill(workspace, spec, files.get("render", {}), partial)
     hashes = hashes_of(partial)
     if hashes != written:
         raise EnvironmentLacking(f"{partial} is not on the disk as it was written; run the same command again")
@@ -141,14 +150,16 @@ def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     return hashes
 
 
-def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> dict[str, str]:
-    """Write the files of a run and return their SHA-256 by path."""
+def _fill(workspace: Workspace, spec: SceneSpec, rendered: Mapping[str, str], folder: Path) -> dict[str, str]:
+    """Write the files of a run and return their SHA-256 by path; without images, `rendered` is empty."""
     make_folder(folder / SIDE)
-    make_folder(folder / IMAGES)
     written: dict[str, str] = {}
-    for name, data in tables(spec, read_recording(workspace.simulate(spec.key).path)):
+    for name, data in stage_tables(spec, workspace.simulate(spec.key).path):
         write_file(folder / name, data)
         written[name] = hashlib.sha256(data).hexdigest()
+    if not rendered:
+        return written
+    make_folder(folder / IMAGES)
     written |= copy_images(workspace.render(spec.key).path, rendered, folder)
     if spec.render.annotations:
         written |= copy_released(workspace.annotate(spec.key), folder)
@@ -167,25 +178,6 @@ def copy_images(stage: Path, files: Mapping[str, str], run: Path) -> dict[str, s
     for name, digest in images.items():
         write_file(run / name, read_known(stage / name, digest))
     return images
-
-
-def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
-    """Yield the released files of a run except images and annotations, with their paths in its folder."""
-    rows = Rows.from_recording(recording)
-    yield DATA, rows.to_csv()
-    yield POSITIONS, image_positions(rows)
-    yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
-    yield f"{SIDE}/{TOF.file}", tof_csv(recording)
-    yield from camera_files(spec, rows)
-    yield scene_file(spec.arena, spec.look, image_seed(spec.seed, spec.route, spec.run))
-    if spec.board:
-        yield f"{SIDE}/{BOARD.file}", board_csv(recording)
-    for sensor in listed_sensors(spec.robot.sensors):
-        yield f"{SIDE}/{sensor.table.file}", sensor_csv(sensor.table, recording)
-    arena = Arena.from_config(spec.arena)
-    if (obstacles := obstacle_table(arena)) is not None:
-        yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
-    yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 
 def _remove_stale_runs(workspace: Workspace, good: set[str]) -> None:

@@ -17,7 +17,7 @@ from blender_scenes.render.protocol import Work
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import Render, RunSpec
+from configs.schema.scenario import Render, SceneSpec
 from physics.robot.path import RobotPath
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
@@ -59,8 +59,8 @@ class Appearance:
     """Device on this machine for `render.device`."""
 
     @classmethod
-    def of(cls, spec: RunSpec, device: DeviceKind = "CPU") -> "Appearance":
-        seed = image_seed(spec.seed, spec.route, spec.run)
+    def of(cls, spec: SceneSpec, device: DeviceKind = "CPU") -> "Appearance":
+        seed = image_seed(spec.seed, *spec.drawn_as)
         return cls(spec.arena, spec.robot, spec.look, spec.render, seed, device)
 
     def job(self, arena: Arena, frames: Sequence[FramePose], path: RobotPath) -> RenderJob:

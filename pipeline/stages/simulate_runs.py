@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from pydantic import BaseModel, ConfigDict, Field
 
 from configs.schema.board import Board
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from hil.loop import BoardEvent
 from hil.pilot import PilotFromBoard, build_for, counted, firmware_id_of, pilot_from_board
 from physics.run.pilot import controller_class
@@ -79,7 +79,7 @@ class RunOutcome(BaseModel):
         return (f"the line to the board was disturbed: {', '.join(faults)}", *of_simulation)
 
 
-def simulation_inputs(spec: RunSpec) -> dict:
+def simulation_inputs(spec: SceneSpec) -> dict:
     """Return everything that the trajectory depends on: the run without look, images and camera."""
     inputs = spec.model_dump(mode="json", exclude={"look": True, "render": True, "robot": {"camera"}})
     of_images = ("look.", "render.", "robot.camera.")
@@ -105,7 +105,7 @@ def simulate_runs(
     for spec in specs:
         folder, key = workspace.simulate(spec.key), simulation_key(spec)
         if folder.is_done(key):
-            _refresh_spec(folder, key, spec)
+            refresh_spec(folder, key, spec)
         else:
             units.append(SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder.path, key=key))
     if len(units) < len(specs):
@@ -253,7 +253,7 @@ def _event_lines(events: Sequence[BoardEvent], control_hz: int) -> tuple[str, ..
     return (*lines, *([f"and {left} more"] if left else []))
 
 
-def spec_text(spec: RunSpec) -> bytes:
+def spec_text(spec: SceneSpec) -> bytes:
     return canonical_json(spec.model_dump(mode="json"))
 
 
@@ -266,7 +266,7 @@ def read_recording(path: Path) -> Recording:
     return Recording.load(read_file(path / TRAJECTORY, FileKind.TRAJECTORY))
 
 
-def _refresh_spec(folder: StageFolder, key: str, spec: RunSpec) -> None:
+def refresh_spec(folder: StageFolder, key: str, spec: SceneSpec) -> None:
     """Write the current look into `spec.json`; the trajectory does not depend on it."""
     text = spec_text(spec)
     if read_file(folder.path / SPEC, FileKind.DOCUMENT) != text:

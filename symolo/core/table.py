@@ -5,7 +5,7 @@ Reading never stops at a fault, so that a verification can list all of them; `Cs
 
 import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, nan
 from pathlib import Path
@@ -95,18 +95,26 @@ def check_header(header: Sequence[str], names: Sequence[str], path: Path) -> Non
 
 
 def header_fault(
-    header: Sequence[str], names: Sequence[str], separator: str = ",", *, is_ordered: bool = False
+    header: Sequence[str],
+    names: Sequence[str],
+    separator: str = ",",
+    optional: Collection[str] = (),
+    *,
+    is_ordered: bool = False,
 ) -> LineFault | None:
-    """Return what is wrong with a header that must have exactly these names; `is_ordered` means in this order."""
-    if faults := header_faults(header, names, separator):
+    """Return what is wrong with a header that must have exactly these names, of which some are `optional`.
+
+    `is_ordered` means in this order.
+    """
+    if faults := header_faults(header, names, separator, optional):
         return faults[0]
-    if is_ordered and list(header) != list(names):
+    if is_ordered and list(header) != [name for name in names if name in header]:
         return LineFault(1, f"columns in another order; allowed: {separator.join(names)}", "put them in this order")
     return None
 
 
 def header_faults(
-    header: Sequence[str], names: Sequence[str], separator: str = ",", optional: Sequence[str] = ()
+    header: Sequence[str], names: Sequence[str], separator: str = ",", optional: Collection[str] = ()
 ) -> list[LineFault]:
     """Return everything that is wrong with a header that must have these names, of which some are `optional`."""
     allowed = f"allowed: {separator.join(names)}"

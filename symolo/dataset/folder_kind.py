@@ -21,6 +21,8 @@ class Kind(TextEnum):
     """Kind of an output folder; a command for one kind does not write into a folder of a different kind."""
 
     DATASET = "dataset"
+    IMPORTED = "imported"
+    """Output of `symolo import`: a dataset whose trajectories were imported."""
     PICTURES = "pictures"
     """Output of `symolo rerender --look`."""
     LOOKS = "looks"
@@ -31,6 +33,10 @@ class Kind(TextEnum):
     """Output of `symolo diagnose`: of one case, or a folder for each of several."""
     CAMERA_IDENTIFICATION = "camera_identification"
     """Output of `symolo identify-camera`."""
+
+
+DATASETS = frozenset({Kind.DATASET, Kind.IMPORTED})
+"""Kinds of folders that hold a dataset with checksums."""
 
 
 class Done(BaseModel):
@@ -52,8 +58,10 @@ def kind_of(out: Path) -> Kind | None:
     try:
         return Kind(read_file(out / STAGES / KIND, FileKind.DOCUMENT).decode("ascii").strip())
     except (*NOT_THERE, ValueError):
-        released = (out / MANIFEST).is_file() and read_metadata(out) is not None
-        return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
+        metadata = read_metadata(out) if (out / MANIFEST).is_file() else None
+        if metadata is not None and metadata.runs[0].origin is not None:
+            return Kind.IMPORTED
+        return Kind.DATASET if metadata is not None or (out / STAGES / "simulate").is_dir() else None
 
 
 def check_outside(out: Path, where: str = "") -> None:
@@ -67,7 +75,7 @@ def check_outside(out: Path, where: str = "") -> None:
         InputError: The folder is inside a dataset or a bag.
     """
     for folder in out.resolve().parents:
-        if kind_of(folder) is Kind.DATASET:
+        if kind_of(folder) in DATASETS:
             what = "release"
         elif (folder / DECLARATION).is_file() and (folder / MANIFEST).is_file():
             what = "bag"

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image
@@ -34,6 +35,19 @@ class ExportedFile:
 def copied_file(name: str, source: Path) -> ExportedFile:
     """Return a file of the release under another name."""
     return ExportedFile(name, lambda: read_file(source, FileKind.ANY), exact_bytes=lambda: source.stat().st_size)
+
+
+def check_images(data: Dataset) -> None:
+    """Refuse a run without images, for formats whose entries are images.
+
+    Raises:
+        InputError: A run has no images.
+    """
+    for run in data.runs:
+        if not run.numbers:
+            cure = "render its trajectory with `symolo rerender`" if run.spec.is_imported else ""
+            cure = cure or "choose other runs with --runs"
+            raise InputError(f"run {run.name} has no images", where=str(data.root), cure=cure)
 
 
 def image_bytes(images: Iterable[Image]) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationEntry, KeyPointSighting, pixel_box
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image, Run, how_to_add
 
@@ -25,6 +25,7 @@ _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+    check_images(data)
     for run in data.runs:
         if "instance" not in run.annotation_kinds:
             what = f"run {run.name} has no annotations of the kind `instance`, which give the masks"

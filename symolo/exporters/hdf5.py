@@ -50,8 +50,8 @@ def _tables(h5py: ModuleType, data: Dataset) -> bytes:
 
     def fill(file: Any) -> None:  # noqa: ANN401 - of the library
         for run in data.runs:
-            names = [name for name in run.side_names if name != _CAMERA]
-            tables = {"rows": run.rows} | {name: run.side(name) for name in (*names, _CAMERA)}
+            names = sorted(run.side_names, key=lambda name: name == _CAMERA)
+            tables = {"rows": run.rows} | {name: run.side(name) for name in names}
             for name, table in tables.items():
                 for column in table:
                     dataset = file.create_dataset(

@@ -16,7 +16,6 @@ from symolo.core.batches import batches
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.dataset.tables.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
@@ -65,7 +64,7 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
     }
     columns |= {
         reading.name: column(values if reading.decimals else values.astype(np.int64))
-        for reading, values in zip(COLUMNS, rows.T, strict=True)
+        for reading, values in zip(images[0].run.table.definitions, rows.T, strict=True)
     }
     columns |= {
         "X_WC": (vector(vector(number, 4), 4), [image.X_WC.tolist() for image in images]),
@@ -79,7 +78,7 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
         else:
             files = [_file(image, path) if path else None for image, path in zip(images, paths, strict=True)]
             columns[kind] = image_file(), files
-    units = {column.name: column.unit for column in COLUMNS}
+    units = {column.name: column.unit for column in images[0].run.table.definitions}
     return parquet_bytes(columns, units, rows_per_group=_IMAGES_PER_GROUP)
 
 
@@ -117,8 +116,9 @@ def _card(data: Dataset) -> bytes:
         "|---|---|",
         *(f"| {column} | {unit} |" for column, unit in units.items()),
     ]
-    tables = [line for name in ("rows", *sensors) for line in _config(name)]
-    return hub_card(data, ["configs:", *_config("images", default=True), *tables], text)
+    names = (*(["images"] if data.images else []), "rows", *sensors)
+    configs = [line for name in names for line in _config(name, default=name == names[0])]
+    return hub_card(data, ["configs:", *configs], text)
 
 
 def _config(name: str, *, default: bool = False) -> list[str]:

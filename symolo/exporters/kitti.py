@@ -10,12 +10,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+    check_images(data)
     digits = max(2, len(str(len(data.runs) - 1)))
     names = {f"{number:0{digits}d}": run for number, run in enumerate(data.runs)}
     yield ExportedFile("runs.txt", lambda: "".join(f"{name} {run.name}\n" for name, run in names.items()).encode())

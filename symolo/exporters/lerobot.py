@@ -20,7 +20,9 @@ from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, image_bytes
+from symolo.dataset.tables.rows import LINE, RANGES
+from symolo.dataset.tables.side_tables import WHEELS
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, image_bytes
 from symolo.exporters.features import image_file, parquet_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
@@ -30,10 +32,10 @@ from symolo.reader.run import Run
 _VERSION = "v3.0"
 _FRONT, _STATE, _ACTION, _POSE = "observation.images.front", "observation.state", "action", "pose"
 """Names of features; the pose is not an observation, since policies must not see the true pose."""
-_STATE_NAMES = ("speed_right", "speed_left", "d_f", "d_l", "d_r", *(f"L{i}" for i in range(8)))
-_ACTION_NAMES = ("speed_right", "speed_left")
-_POSE_NAMES = ("x", "y", "theta")
-_VECTORS = {_STATE: _STATE_NAMES, _ACTION: _ACTION_NAMES, _POSE: _POSE_NAMES}
+_WHEEL_NAMES = ("speed_right", "speed_left")
+_READINGS = (*RANGES.columns, *LINE.columns)
+_BODY_SPEEDS = ("v", "w")
+"""Columns of data.csv in the state of a run whose wheels were not logged."""
 _COUNTS = ("frame_index", "episode_index", "index", "task_index")
 _FRONT_MATTER = (
     "task_categories:",
@@ -47,6 +49,8 @@ _FRONT_MATTER = (
 """Lines by which the Hugging Face Hub recognises a dataset of LeRobot."""
 _FILES_PER_CHUNK = 1000
 _FRAMES_PER_GROUP = 100
+_ROUNDED_S = 0.6e-3
+"""Largest distance of an image from its period: times are rounded to milliseconds."""
 _STATS_BYTES = 10_000
 """Approximate size of the statistics of an episode."""
 _DATA_FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -64,23 +68,33 @@ class _Episode:
         return len(self.run.numbers)
 
     @cached_property
+    def vectors(self) -> dict[str, tuple[str, ...]]:
+        """Components of state, action and pose by the name of the feature; without wheels there is no action."""
+        columns = self.run.table.columns
+        has_wheels = WHEELS.name in self.run.side_names
+        speeds = _WHEEL_NAMES if has_wheels else tuple(name for name in _BODY_SPEEDS if name in columns)
+        state = (*speeds, *(column.name for column in _READINGS if column.name in columns))
+        action = {_ACTION: _WHEEL_NAMES} if has_wheels else {}
+        return {**({_STATE: state} if state else {}), **action, _POSE: ("x", "y", "theta")}
+
+    @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
         """All features except the images, (frames,) or (frames, components)."""
-        at = [image.row for image in self.run.images]
-        drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[at]
-        table = self.run.table
-        speed_rad_s = wheels[["speed_r", "speed_l"]].to_numpy()
-        v_m_s, w_rad_s = (wheels[f"command_{one}"].to_numpy() for one in "vw")
-        turn_m_s = 0.5 * drive.track_m * w_rad_s
-        commanded_m_s = np.column_stack((v_m_s + turn_m_s, v_m_s - turn_m_s))  # right and left wheel
+        rows = self.run.rows.iloc[[image.row for image in self.run.images]].reset_index(drop=True)
+        vectors = {}
+        if _ACTION in self.vectors:
+            drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[[i.row for i in self.run.images]]
+            rows[[*_WHEEL_NAMES]] = wheels[["speed_r", "speed_l"]].to_numpy()
+            v_m_s, w_rad_s = (wheels[f"command_{one}"].to_numpy() for one in "vw")
+            turn_m_s = 0.5 * drive.track_m * w_rad_s
+            commanded_m_s = np.column_stack((v_m_s + turn_m_s, v_m_s - turn_m_s))  # right and left wheel
+            vectors[_ACTION] = (commanded_m_s / (0.5 * drive.wheel_diameter_m)).astype(np.float32)
+        named = {name: list(self.vectors[name]) for name in (_STATE, _POSE) if name in self.vectors}
+        vectors |= {name: rows[names].to_numpy(np.float32) for name, names in named.items()}
         stamps_s = np.array([image.t_s for image in self.run.images])
+        vectors = {name: vectors[name] for name in self.vectors}
+        vectors["timestamp"] = (stamps_s - stamps_s[0]).astype(np.float32)
         count = np.arange(len(self))
-        vectors = {
-            _STATE: np.column_stack((speed_rad_s, table.tof_m[at], table.line[at])).astype(np.float32),
-            _ACTION: (commanded_m_s / (0.5 * drive.wheel_diameter_m)).astype(np.float32),
-            _POSE: table.pose[at].astype(np.float32),
-            "timestamp": (stamps_s - stamps_s[0]).astype(np.float32),
-        }
         counts = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
         return vectors | {name: one.astype(np.int64) for name, one in zip(_COUNTS, counts, strict=True)}
 
@@ -120,12 +134,10 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
 
 
 def _plan(data: Dataset, max_bytes: int) -> _Plan:
-    first = data.runs[0].spec
+    check_images(data)
+    first_hz = image_hz(data.runs[0])
     for run in data.runs:
-        if not run.numbers:
-            what, cure = f"run {run.name} has no images", "choose other runs with --runs"
-            raise InputError(what, where=str(data.root), cure=cure)
-        if run.spec.rates.camera_hz != first.rates.camera_hz:
+        if image_hz(run) != first_hz:
             what, cure = "has a different camera rate than the first run", "export them separately with --runs"
             raise InputError(what, where=str(run.folder), cure=cure)
     names = tuple(dict.fromkeys(_task(run) for run in data.runs))
@@ -138,7 +150,27 @@ def _plan(data: Dataset, max_bytes: int) -> _Plan:
     return _Plan(data, names, tuple(files), max_bytes)
 
 
+def image_hz(run: Run) -> int:
+    """Return the rate of a run's images, for a format whose frames must be evenly spaced.
+
+    Raises:
+        InputError: They are not, as those of an imported trajectory with rows at any times, or the rate is no integer.
+    """
+    if run.spec.rates:
+        return run.spec.rates.camera_hz
+    t_s = np.array([image.t_s for image in run.images])
+    hz = max(1, round((len(t_s) - 1) / (t_s[-1] - t_s[0]))) if len(t_s) > 1 else 1
+    late_s = np.abs(t_s - t_s[0] - np.arange(len(t_s)) / hz)
+    if late_s.max() > _ROUNDED_S:
+        what = f"run {run.name}: images are not at {hz} Hz, but up to {late_s.max():.3g} s off"
+        raise InputError(what, where=str(run.folder), cure="import the log with --row-hz, and render it again")
+    return hz
+
+
 def _task(run: Run) -> str:
+    log = run.spec.origin.log if run.spec.origin else None
+    if log:
+        return f"Drive along the path of {log.file}"
     return f"Follow the line and the walls and pass the obstacles, route {run.spec.route}"
 
 
@@ -154,7 +186,7 @@ def _info(plan: _Plan) -> dict[str, Any]:
     features: dict[str, Any] = {_FRONT: {"dtype": "image", "shape": size, "names": ["height", "width", "channels"]}}
     features |= {
         name: {"dtype": "float32", "shape": [len(components)], "names": list(components)}
-        for name, components in _VECTORS.items()
+        for name, components in episodes[0].vectors.items()
     }
     scalar = {"shape": [1], "names": None}
     features |= {"timestamp": {"dtype": "float32", **scalar}} | {name: {"dtype": "int64", **scalar} for name in _COUNTS}
@@ -167,7 +199,7 @@ def _info(plan: _Plan) -> dict[str, Any]:
         "chunks_size": _FILES_PER_CHUNK,
         "data_files_size_in_mb": max(1, plan.max_bytes // 1_000_000),
         "video_files_size_in_mb": 200,
-        "fps": first.spec.rates.camera_hz,
+        "fps": image_hz(first),
         "splits": {"train": f"0:{len(episodes)}"},
         "data_path": f"data/{_DATA_FILE}",
         "video_path": None,
@@ -227,8 +259,8 @@ def _frames(episodes: Sequence[_Episode]) -> bytes:
     number = value("float32")
     for name in episodes[0].numbers:
         stacked = np.concatenate([one.numbers[name] for one in episodes])
-        if name in _VECTORS:
-            columns[name] = vector(number, len(_VECTORS[name])), list(stacked)
+        if name in (vectors := episodes[0].vectors):
+            columns[name] = vector(number, len(vectors[name])), list(stacked)
         else:
             columns[name] = value(str(stacked.dtype)), stacked.tolist()
     return parquet_bytes(columns, {}, rows_per_group=_FRAMES_PER_GROUP)

@@ -29,7 +29,9 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
             raise InputError(what, where=str(run.folder), cure=cure)
     readers: dict[str, Callable[[Run], pd.DataFrame]] = {"rows": lambda run: run.rows}
     readers |= {name: lambda run, name=name: run.side(name) for name in names if name != _CAMERA}
-    for name, read in (readers | {"images": _images}).items():
+    if data.images:
+        readers["images"] = _images
+    for name, read in readers.items():
         yield ExportedFile(f"{name}.parquet", lambda read=read: stacked_bytes(data, read))
     for image in data.images:
         yield copied_file(_file_name(image), image.path)

@@ -2,18 +2,22 @@
 
 import json
 
-from symolo.dataset.tables.rows import COLUMNS
+import numpy as np
+
 from symolo.reader.run import Image
 
 
 def record_of(image: Image) -> bytes:
     """Return JSON in one line with run, pose X_WC, K and D, and the row of data.csv at which the image was taken.
 
-    The row has the names and units of the file; numbers of columns without decimals are integers.
+    The row has the names and units of the file; numbers of columns without decimals are integers, and what was not
+    measured is null.
     """
-    camera, values = image.run.camera, image.run.table.at(image.row).tolist()
+    camera, table = image.run.camera, image.run.table
+    values = [None if np.isnan(value) else value for value in table.at(image.row).tolist()]
     content: dict[str, object] = {
-        column.name: value if column.decimals else int(value) for column, value in zip(COLUMNS, values, strict=True)
+        column.name: value if column.decimals or value is None else int(value)
+        for column, value in zip(table.definitions, values, strict=True)
     }
     content |= {"run": image.run.name, "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
     return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()

@@ -14,7 +14,6 @@ from symolo.core.files.file_hashes import sha256_of
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.poses import rotations_about_z
 from symolo.dataset.manifest import MANIFEST
-from symolo.dataset.tables.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.rrd_file import Arrays, Chunk, Component, rrd
 from symolo.reader.dataset import Dataset
@@ -109,14 +108,14 @@ def _camera(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
 
 
 def _plots(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
-    """Yield the readings of data.csv; ranges have gaps if no target was seen."""
-    table, no_target_m = run.table.table(), run.spec.robot.tof.no_target_m
-    for column, values in zip(COLUMNS, table.T, strict=True):
+    """Yield the readings of data.csv; there are gaps where nothing was measured or no target was seen."""
+    for column, values in zip(run.table.definitions, run.table.table().T, strict=True):
         if column.name in {"t", "x", "y", "theta", "img"}:
             continue
-        seen = np.ones(len(values), np.bool_)
+        seen = ~np.isnan(values)
         if column.name in _RANGES:
-            seen = values != round(no_target_m, column.decimals)  # as data.csv holds it
+            no_target_m = run.spec.robot.tof.no_target_m
+            seen &= values != round(no_target_m, column.decimals)  # as data.csv holds it
         scalars = Component("scalars", "Scalar", maker.some(values, seen))
         yield Chunk(_plot(column.name), "Scalars", (scalars,), run.t_s)
 

@@ -16,7 +16,7 @@ import pandas as pd
 from symolo.core.arrays import Array
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.poses import mounted, quaternions
-from symolo.dataset.codes import TofStatus
+from symolo.dataset.tables.side_tables import WHEELS as WHEEL_COLUMNS
 from symolo.dataset.tables.side_tables import SideTable
 from symolo.exporters.base import image_bytes
 from symolo.reader.run import Image, Run
@@ -29,6 +29,7 @@ START_NS = 1_000_000_000
 MAP, ODOM, BASE, CAMERA, OPTICAL = "map", "odom", "base_link", "camera_link", "camera_optical_frame"
 LINE_SENSOR = "line_sensor"
 WHEELS = ("wheel_right", "wheel_left")
+WHEEL_TABLE = WHEEL_COLUMNS.name
 TOF = {"front": "f", "left": "l", "right": "r"}
 """Names of the ToF sensors, and the last letters of their columns."""
 _INFRARED = 1
@@ -143,16 +144,19 @@ def messages(run: Run, ros: Vocabulary) -> Iterator[tuple[Topic, int, Any]]:
 
 
 def _static(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    robot, camera = log.run.spec.robot, log.run.camera
-    X_RC, X_CB = np.array(camera.X_RC), np.array(camera.X_CB)
-    poses = [(BASE, CAMERA, X_RC @ X_CB), (CAMERA, OPTICAL, np.linalg.inv(X_CB))]
-    for name in TOF:
+    robot, poses = log.run.spec.robot, []
+    if log.run.numbers:
+        camera = log.run.camera
+        X_RC, X_CB = np.array(camera.X_RC), np.array(camera.X_CB)
+        poses += [(BASE, CAMERA, X_RC @ X_CB), (CAMERA, OPTICAL, np.linalg.inv(X_CB))]
+    for name in _ranges_of(log.run):
         mount = getattr(robot.tof.mounts, name)
         place_m, directions_deg = (mount.x_m, mount.y_m, mount.z_m), [mount.yaw_deg, mount.pitch_up_deg]
         poses.append((BASE, _tof_frame(name), mounted(place_m, *np.radians(directions_deg))))
-    X_RL = np.eye(4)
-    X_RL[:3, 3] = robot.line_sensor.x_m, 0.0, robot.line_sensor.height_m
-    poses.append((BASE, LINE_SENSOR, X_RL))
+    if "L0" in log.run.table.columns:
+        X_RL = np.eye(4)
+        X_RL[:3, 3] = robot.line_sensor.x_m, 0.0, robot.line_sensor.height_m
+        poses.append((BASE, LINE_SENSOR, X_RL))
     yield START_NS, ros("tf2_msgs/TFMessage", [ros.fixed(*one) for one in poses])
 
 
@@ -161,8 +165,15 @@ def _tof_frame(name: str) -> str:
 
 
 def _moving(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    """Yield the moving transforms: `map` to `odom` corrects the odometry, so `map` to `base_link` is true (REP 105)."""
+    """Yield the moving transforms: `map` to `odom` corrects the odometry, so `map` to `base_link` is true (REP 105).
+
+    Without wheels, there is no odometry, and `map` to `base_link` is the only transform.
+    """
+    has_odometry = WHEEL_TABLE in log.run.side_names
     for number, at_ns, (true_pose,) in log.rows(log.run.table.pose):
+        if not has_odometry:
+            yield at_ns, ros("tf2_msgs/TFMessage", [ros.on_floor(at_ns, MAP, BASE, true_pose, number)])
+            continue
         odometry = log.odometry[number]
         poses = ((MAP, ODOM, _odometry_frame(true_pose, odometry)), (ODOM, BASE, odometry))
         transforms = [ros.on_floor(at_ns, frame, child, pose, number) for frame, child, pose in poses]
@@ -190,7 +201,9 @@ def _odometry(ros: Vocabulary, header: object, pose: Planar, twist: tuple[float,
 
 
 def _truth(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    for number, at_ns, (pose, twist) in log.rows(log.run.table.pose, log.run.table.twist):
+    # ROS has no other way to say that a speed is not known.
+    twists = np.nan_to_num(log.run.table.twist)
+    for number, at_ns, (pose, twist) in log.rows(log.run.table.pose, twists):
         yield at_ns, _odometry(ros, ros.header(at_ns, MAP, number), pose, twist)
 
 
@@ -233,8 +246,8 @@ def _ranges(name: str) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
     def readings(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
         tof = log.run.spec.robot.tof
         limits = np.radians(tof.field_of_view_deg), tof.min_range_m, tof.max_range_m
-        status = log.run.side("tof")[f"status_{TOF[name]}"].to_numpy()
-        range_m = np.where(status == TofStatus.NO_TARGET, np.inf, log.run.table.tof_m[:, [*TOF].index(name)])
+        column = [*TOF].index(name)
+        range_m = np.where(log.run.no_target[:, column], np.inf, log.run.table.tof_m[:, column])
         variance = [0.0] if ros.version > 1 else []  # 0: unknown
         for number, at_ns, (value,) in log.rows(range_m):
             header = ros.header(at_ns, _tof_frame(name), number)
@@ -286,22 +299,38 @@ def _states(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
         yield at_ns, ros("std_msgs/Int32", int(state))
 
 
-TOPICS = (
+POSES = (
     Topic("/tf_static", "tf2_msgs/msg/TFMessage", _static, latched=True),
     Topic("/tf", "tf2_msgs/msg/TFMessage", _moving),
     Topic("/ground_truth/odom", "nav_msgs/msg/Odometry", _truth),
+)
+DRIVE = (
     Topic("/odom", "nav_msgs/msg/Odometry", _wheel_odometry),
     Topic("/joint_states", "sensor_msgs/msg/JointState", _joints),
     Topic("/cmd_vel", "geometry_msgs/msg/TwistStamped", _commands),
-    *(Topic(f"/tof/{name}", "sensor_msgs/msg/Range", _ranges(name)) for name in TOF),
-    Topic("/line_sensor", "std_msgs/msg/Float64MultiArray", _line),
-    Topic("/state", "std_msgs/msg/Int32", _states),
+)
+LINE = Topic("/line_sensor", "std_msgs/msg/Float64MultiArray", _line)
+STATE = Topic("/state", "std_msgs/msg/Int32", _states)
+CAMERAS = (
     Topic("/camera/camera_info", "sensor_msgs/msg/CameraInfo", _camera_info),
     Topic("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage", _images),
 )
 
 
 def topics(run: Run) -> tuple[Topic, ...]:
-    """Return the topics of a run: those of every run, and `/sensors/<name>` for each sensor of `robot.sensors`."""
-    sensors = (Topic(f"/sensors/{t.name}", "std_msgs/msg/Float64MultiArray", _sensor(t)) for t in run.sensor_tables)
-    return (*TOPICS, *sensors)
+    """Return the topics of what a run has, and `/sensors/<name>` for each sensor of `robot.sensors`."""
+    columns = run.table.columns
+    return (
+        *POSES,
+        *(DRIVE if WHEEL_TABLE in run.side_names else ()),
+        *(Topic(f"/tof/{name}", "sensor_msgs/msg/Range", _ranges(name)) for name in _ranges_of(run)),
+        *((LINE,) if "L0" in columns else ()),
+        *((STATE,) if run.table.has_state else ()),
+        *(CAMERAS if run.numbers else ()),
+        *(Topic(f"/sensors/{t.name}", "std_msgs/msg/Float64MultiArray", _sensor(t)) for t in run.sensor_tables),
+    )
+
+
+def _ranges_of(run: Run) -> list[str]:
+    """Return the names of the range sensors that measured something."""
+    return [name for name, letter in TOF.items() if f"d_{letter}" in run.table.columns]

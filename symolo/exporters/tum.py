@@ -11,6 +11,7 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import pose_X_WR, quaternions
 from symolo.dataset.tables.rows import csv_bytes
+from symolo.dataset.tables.side_tables import WHEELS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -22,7 +23,9 @@ _ODOMETRY = ["odometry_x", "odometry_y", "odometry_theta"]
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs:
-        for name, poses in (("robot", _robot), ("camera", _camera), ("odometry", _odometry)):
+        known = [("robot", _robot), *([("camera", _camera)] if run.numbers else [])]
+        known += [("odometry", _odometry)] if WHEELS.name in run.side_names else []
+        for name, poses in known:
             yield ExportedFile(f"{run.name}/{name}.txt", lambda run=run, poses=poses: _text(*poses(run)))
 
 

@@ -8,7 +8,7 @@ of a shard only after writing it, and the shards of `symolo pack` need our tar f
 from collections.abc import Iterator
 
 from symolo.core.files.tar_files import Member, shards, tar_bytes, tar_chunks
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image
@@ -16,6 +16,7 @@ from symolo.reader.run import Image
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     """Yield the shards, with samples sorted by name; only a shard with a single sample may be larger than the limit."""
+    check_images(data)
     samples = (_sample(image) for image in sorted(data.images, key=_key))
     for number, members in enumerate(shards(samples, settings.shard_bytes)):
         yield ExportedFile(

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from symolo.dataset.codes import State
-from symolo.dataset.tables.rows import Ints
+from symolo.dataset.tables.rows import NO_STATE, Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
 Dash = Literal["-"] | tuple[float, tuple[float, ...]]
@@ -39,12 +39,13 @@ STATE_STYLES: Mapping[int, StateStyle] = {
     State.AVOID_RIGHT.value: StateStyle("avoid by the right", VERMILION, _DASHED),
     State.LOST_LEFT_WALL.value: StateStyle("lost, left wall", GREY, _MIXED),
     State.LOST_RIGHT_WALL.value: StateStyle("lost, right wall", GREY, _DOTTED),
+    NO_STATE: StateStyle("path", BLUE, "-"),
 }
 
 
 def named(state: int) -> str:
     """Return the name for a legend, such as `5 avoid by the left`."""
-    return f"{state} {STATE_STYLES[state].name}"
+    return STATE_STYLES[state].name if state == NO_STATE else f"{state} {STATE_STYLES[state].name}"
 
 
 @dataclass(frozen=True)

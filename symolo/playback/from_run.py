@@ -11,6 +11,7 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.layout import SIDE, SPEC
+from symolo.dataset.tables.column import Series
 from symolo.dataset.tables.rows import COLUMNS, HEADER, LINE, RANGES
 from symolo.dataset.tables.side_tables import SideTable
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
@@ -83,17 +84,28 @@ def _beams(spec: RunDocument | None, ranges_m: Array) -> tuple[Beam, ...]:
     return tuple(
         Beam(column.name, place.x_m, place.y_m, float(np.radians(place.yaw_deg)), range_m)
         for column, place, range_m in zip(RANGES.columns, places, ranges_m.T, strict=True)
+        if np.isfinite(range_m).any()
     )
 
 
 def _data_plots(run: Run, ranges_m: Array) -> Iterator[CurvePlot | StripePlot]:
-    """Yield the plots of data.csv: speeds, ranges, line sensor."""
-    rows, t_s = run.table, run.t_s
+    """Yield the plots of the columns of data.csv: speeds or else coordinates, ranges, line sensor."""
+    rows, t_s, names = run.table, run.t_s, set(run.table.columns)
     units = {column.name: column.unit for column in COLUMNS}
-    yield curve_plot("forward speed v", units["v"], t_s, ["v"], rows.twist[:, :1])
-    yield curve_plot("yaw rate w", units["w"], t_s, ["w"], rows.twist[:, 1:])
-    yield replace(curve_plot("range", RANGES.unit, t_s, _RANGE_NAMES, ranges_m), from_zero=True)
-    yield StripePlot("line sensor", "", t_s, tuple(column.name for column in LINE.columns), rows.line)
+    if not names & {"v", "w"}:  # of an imported trajectory, the coordinates are what there is to see
+        yield curve_plot("position", units["x"], t_s, ["x", "y"], rows.pose[:, :2])
+        yield curve_plot("heading", units["theta"], t_s, ["theta"], rows.pose[:, 2:])
+    for i, (name, title) in enumerate((("v", "forward speed v"), ("w", "yaw rate w"))):
+        if name in names:
+            yield curve_plot(title, units[name], t_s, [name], rows.twist[:, i : i + 1])
+    if names & set(_names(RANGES)):
+        yield replace(curve_plot("range", RANGES.unit, t_s, _RANGE_NAMES, ranges_m), from_zero=True)
+    if names & set(_names(LINE)):
+        yield StripePlot("line sensor", "", t_s, _names(LINE), rows.line)
+
+
+def _names(series: Series) -> tuple[str, ...]:
+    return tuple(column.name for column in series.columns)
 
 
 def _sensor_plots(run: Run) -> Iterator[CurvePlot | StripePlot]:
@@ -140,7 +152,9 @@ def _scans(run: Run) -> Iterator[Scan]:
 
 
 def _levels(values: Array) -> Array:
-    """Return values from 0 for the smallest to 1 for the largest."""
+    """Return values from 0 for the smallest to 1 for the largest; NaN where nothing was measured."""
+    if not np.isfinite(values).any():
+        return values
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     return (values - low) / (high - low) if high > low else np.full_like(values, 0.5)
 

@@ -16,14 +16,15 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS, RECORD_KINDS, AnnotationDocument, annotation_file
+from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, read_camera_document
 from symolo.dataset.documents.metadata import side_tables
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.layout import ANNOTATIONS, DATA, IMAGES, LOOK, SIDE, SPEC, frame_name
 from symolo.dataset.pixels import decoded
-from symolo.dataset.tables.rows import Rows, read_rows
+from symolo.dataset.tables.rows import RANGES, Rows, read_rows
 from symolo.dataset.tables.side_reading import first_fault, read_side
-from symolo.dataset.tables.side_tables import CAMERA, SideTable
+from symolo.dataset.tables.side_tables import CAMERA, TOF, SideTable
 from symolo.reader.sensor import RunSensor
 from symolo.reader.tables import frame, rows_frame
 
@@ -209,7 +210,7 @@ class Run:
     @property
     def _side_tables(self) -> tuple[SideTable, ...]:
         if not self.is_rerendered:
-            return (*side_tables(self.spec), *self.sensor_tables)
+            return (*side_tables(self.spec, has_images=bool(self.numbers)), *self.sensor_tables)
         return (CAMERA,)
 
     def side(self, name: str) -> pd.DataFrame:
@@ -241,6 +242,18 @@ class Run:
                 raise InputError(f"robot.sensors has no {table.name}, which metadata.json describes", where=where)
             sensors[table.name] = RunSensor(table.name, sections[table.name], table, self._side(table))
         return sensors
+
+    @cached_property
+    def no_target(self) -> NDArray[np.bool_]:
+        """(N, 3), whether the front, left and right range sensor saw no target, by side/tof.csv if there is one.
+
+        Raises:
+            InputError: A file is missing or damaged.
+        """
+        if TOF.name in self.side_names:
+            return self._side(TOF)[:, 1:] == TofStatus.NO_TARGET
+        decimals = next(column.decimals for column in RANGES.columns)
+        return self.table.tof_m == round(self.spec.robot.tof.no_target_m, decimals)
 
     @cached_property
     def numbers(self) -> tuple[int, ...]:

@@ -2,23 +2,24 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import pandas as pd
 
 from symolo.core.arrays import Array
 from symolo.dataset.tables.column import Column
-from symolo.dataset.tables.rows import COLUMNS, Rows
+from symolo.dataset.tables.rows import Rows
 
 UNITS = "units"
 """Key of a table's `attrs` that holds the unit of each column."""
 
 
 def frame(columns: Sequence[Column], numbers: Array) -> pd.DataFrame:
-    """A table of numbers (N, columns); what has no digits after the point is an integer.
+    """A table of numbers (N, columns); what has no digits after the point and no empty cell is an integer.
 
     `attrs["units"]` is the unit of each column: m, rad, ms...; "-" for what has none.
     """
     made = {
-        column.name: values.copy() if column.decimals else values.round().astype("int64")
+        column.name: values.copy() if column.decimals or np.isnan(values).any() else values.round().astype("int64")
         for column, values in zip(columns, numbers.T, strict=True)
     }
     table = pd.DataFrame(made)
@@ -28,4 +29,4 @@ def frame(columns: Sequence[Column], numbers: Array) -> pd.DataFrame:
 
 def rows_frame(rows: Rows) -> pd.DataFrame:
     """The columns of data.csv."""
-    return frame(COLUMNS, rows.table())
+    return frame(rows.definitions, rows.table())

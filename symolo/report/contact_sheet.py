@@ -50,7 +50,7 @@ def _cells(run: Run, rows: Sequence[int], width_px: int) -> list[Cell]:
         return [
             Cell(
                 np.ascontiguousarray(image.pixels()[..., ::-1]),
-                (f"{run.name} {image.number} s{table.state[image.row]}",),
+                (_label(run, str(image.number), image.row),),
             )
             for image in images
         ]
@@ -58,7 +58,12 @@ def _cells(run: Run, rows: Sequence[int], width_px: int) -> list[Cell]:
     return [
         Cell(
             np.ascontiguousarray(floor.frame(at).pixels[..., ::-1]),
-            (f"{run.name} {run.t_s[at]:.1f} s s{table.state[at]}",),
+            (_label(run, f"{run.t_s[at]:.1f} s", at),),
         )
         for at in rows
     ]
+
+
+def _label(run: Run, moment: str, at: int) -> str:
+    """Return the text of a cell: run, moment, and the state if it is known."""
+    return f"{run.name} {moment} s{run.table.state[at]}" if run.table.has_state else f"{run.name} {moment}"

@@ -53,6 +53,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         driven=seconds(sum(record.duration_s for record in records)),
         distance_m=sum(record.distance_m for record in records),
         contents=_contents(facts),
+        origins=[(record.run, record.origin.text) for record in records if record.origin],
         columns=[(column.name, column.unit, column.meaning) for column in metadata.columns.get("data.csv", [])],
         mapped_runs=sum(run.path is not None for run in facts.runs),
         sensors=[_sensor(facts, number) for number in range(len(metadata.sensors))],
@@ -99,12 +100,13 @@ def _contents(facts: ReleaseFacts) -> list[tuple[str, str]]:
     listed = ", ".join(names) if len(names) <= _MAX_RUN_NAMES else f"{names[0]} to {names[-1]}"
     duration_s, distance_m = sum(record.duration_s for record in records), sum(record.distance_m for record in records)
     rows, images = sum(record.rows for record in records), sum(record.images for record in records)
+    image_rate = [f"{first.rates.camera_hz} per second"] if first.rates else []
     return [
         *([("Licence", facts.metadata.licence)] if facts.is_released else []),
         ("Runs", f"{len(records)}: {listed}"),
         ("Driving", f"{seconds(duration_s)}, {distance_m:.2f} m"),
-        ("Rows", f"{grouped(rows)}, {first.rates.control_hz} per second"),
-        ("Images", f"{grouped(images)}, {first.rates.camera_hz} per second, {', '.join(sizes)}"),
+        ("Rows", ", ".join([grouped(rows), *([f"{first.rates.control_hz} per second"] if first.rates else [])])),
+        ("Images", ", ".join([grouped(images), *image_rate, *(sizes if images else [])])),
         ("Annotations", ", ".join(first.annotations) or "none"),
         *([("Size", size)] if facts.is_released else []),
     ]

@@ -2,7 +2,7 @@
 
 import codecs
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +13,13 @@ from symolo.core.arrays import Array
 from symolo.core.files.image_headers import image_size
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
-from symolo.dataset.documents.metadata import RunRecord
+from symolo.dataset.documents.metadata import METADATA, RatesRecord, RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, frame_name
 from symolo.dataset.pixels import MAX_PIXELS, decoded_contents
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
-from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
+from symolo.dataset.tables.rows import HEADER, MAY_BE_EMPTY, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions, sample_times_ms
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.dataset.tables.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
@@ -39,7 +39,11 @@ _JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
 
 
 def check_run(
-    root: Path, record: RunRecord, check_spec: SpecCheck, sensor_tables: Sequence[SideTable] = ()
+    root: Path,
+    record: RunRecord,
+    check_spec: SpecCheck,
+    sensor_tables: Sequence[SideTable] = (),
+    columns: Sequence[str] = HEADER,
 ) -> Iterator[Finding]:
     """Yield every fault of a run's folder.
 
@@ -48,25 +52,30 @@ def check_run(
         record: The run as metadata.json describes it.
         check_spec: Checks more of spec.json than the fields that a reader needs.
         sensor_tables: Tables of the sensors of `robot.sensors`, as metadata.json describes them.
+        columns: Columns of data.csv of an imported trajectory, as metadata.json describes them; a simulation has all.
     """
     run = root / record.run
     if not run.is_dir():
         yield Finding(record.run, "the folder is missing")
         return
     data = f"{record.run}/data.csv"
-    table, faults = _table(run / "data.csv", HEADER)
+    columns, may_be_empty = (columns, MAY_BE_EMPTY) if record.is_imported else (HEADER, ())
+    table, faults = _table(run / "data.csv", columns, may_be_empty=may_be_empty)
     yield from _limited(data, faults)
     if len(table) == 0:
         return
-    rows = Rows.from_table(table)
+    rows = Rows.from_table(table, columns)
     yield from _limited(data, [str(fault) for fault in semantic_faults(rows)])
     yield from _rows_checks(data, rows, record)
     yield from _images(run / "images", f"{record.run}/images", rows, record)
-    yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
+    if record.images:
+        yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
     content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json", check_spec)
     yield from faults
     yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
     yield from _sensors(run / "side", f"{record.run}/side", rows, record, spec, sensor_tables)
+    if spec is not None and spec.origin != record.origin:
+        yield Finding(f"{record.run}/side/spec.json", "origin is not that of metadata.json")
     if spec is not None and set(spec.robot.sensors) != {table.name for table in sensor_tables}:
         names = ", ".join(table.name for table in sensor_tables) or "none"
         yield Finding(f"{record.run}/side/spec.json", f"robot.sensors are not those of metadata.json, {names}")
@@ -79,7 +88,21 @@ def check_run(
 def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     if len(rows.t_ms) != record.rows:
         yield Finding(name, f"{len(rows.t_ms)} rows, metadata.json says {record.rows}")
-    row_hz, camera_hz = record.rates.control_hz, record.rates.camera_hz
+    if record.rates:
+        yield from _rates(name, rows, record.rates)
+    start = np.array([record.start.x_m, record.start.y_m])
+    if np.linalg.norm(rows.pose[0, :2] - start) > START_TOLERANCE_M:
+        x, y = rows.pose[0, :2]
+        yield Finding(name, f"line 2: columns x, y: ({x:g}, {y:g}) m is not the start in metadata.json")
+    yield from _values(name, rows)
+    if not record.is_imported:  # a measurement may jump, and its sensors may be of any kind
+        yield from _ranges(name, rows, record)
+        yield from _motion(name, rows)
+
+
+def _rates(name: str, rows: Rows, rates: RatesRecord) -> Iterator[Finding]:
+    """Check that rows and images are at their rates."""
+    row_hz, camera_hz = rates.control_hz, rates.camera_hz
     ticks = np.arange(len(rows.t_ms))
     expected_ms = np.rint(ticks * 1000 / row_hz)
     yield from _limited(name, _at(rows.t_ms != expected_ms, rows.t_ms, "column t", f"ms does not keep {row_hz} Hz"))
@@ -87,20 +110,21 @@ def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     expected_image = np.where(ticks % per_image == 0, 1 + ticks // per_image, 0)
     wrong = rows.image != expected_image
     yield from _limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz} Hz"))
-    start = np.array([record.start.x_m, record.start.y_m])
-    if np.linalg.norm(rows.pose[0, :2] - start) > START_TOLERANCE_M:
-        x, y = rows.pose[0, :2]
-        yield Finding(name, f"line 2: columns x, y: ({x:g}, {y:g}) m is not the start in metadata.json")
-    yield from _ranges(name, rows, record)
-    yield from _motion(name, rows)
 
 
 def _ranges(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     low, high, none = record.tof_min_range_m, record.tof_max_range_m, record.tof_no_target_m
+    if low is None or high is None or none is None:
+        yield Finding(METADATA, f"{record.run}: the limits of the range sensors are missing")
+        return
     outside = ((rows.tof_m < low) | (rows.tof_m > high)) & (rows.tof_m != none)
     for i, column in enumerate(("d_f", "d_l", "d_r")):
         what = f"m is outside {low:g}..{high:g} and not the no-target value {none:g}"
         yield from _limited(name, _at(outside[:, i], rows.tof_m[:, i], f"column {column}", what))
+
+
+def _values(name: str, rows: Rows) -> Iterator[Finding]:
+    """Check reflectances, headings and speeds."""
     for i in range(8):
         channel = rows.line[:, i]
         yield from _limited(name, _at((channel < 0) | (channel > 1), channel, f"column L{i}", "is outside 0..1"))
@@ -204,15 +228,17 @@ def _specification(path: Path, name: str, check_spec: SpecCheck) -> tuple[object
 
 
 def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
-    by_row = (WHEELS, TOF, BOARD) if record.board else (WHEELS, TOF)
-    for table, times in (*((table, rows.t_ms) for table in by_row), (CAMERA, rows.t_ms[rows.image > 0])):
+    by_row = () if record.is_imported else (WHEELS, TOF, BOARD) if record.board else (WHEELS, TOF)
+    camera = [(CAMERA, rows.t_ms[rows.image > 0])] if record.images else []
+    for table, times in (*((table, rows.t_ms) for table in by_row), *camera):
         numbers, faults = _table(folder / table.file, table.header)
         yield from _limited(f"{name}/{table.file}", faults)
         if len(numbers) and not np.array_equal(numbers[:, table.header.index("t")], times):
             yield Finding(f"{name}/{table.file}", "column t is not that of data.csv")
-    yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
     yield from _scene(folder / SCENE, f"{name}/{SCENE}")
-    if spec is not None:
+    if record.images:
+        yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
+    if record.images and spec is not None:
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
 
 
@@ -222,9 +248,9 @@ def _sensors(  # noqa: PLR0917 - everything that a run's tables depend on
     """Check the tables of the sensors of `robot.sensors`."""
     for table in tables:
         file = f"{name}/{table.file}"
-        numbers, faults = _table(folder / table.file, table.header)
+        numbers, faults = _table(folder / table.file, table.header, may_be_empty=table.empty_names)
         yield from _limited(file, faults or [*fractions(table, numbers)])
-        if not faults and spec is not None and table.name in spec.robot.sensors:
+        if not faults and spec is not None and record.rates is not None and table.name in spec.robot.sensors:
             period_s = spec.robot.sensors[table.name].period_s
             expected = sample_times_ms(period_s, record.rates.physics_hz, float(rows.t_ms[-1]))
             if not np.array_equal(numbers[:, 0], expected):
@@ -299,16 +325,18 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
     if not np.array_equal(numbers[:, 0], rows.t_ms):
         yield Finding(file, "column t is not that of data.csv")
         return
-    for obstacle, wrong in off_the_path(arena, numbers, rows, record.rates.control_hz):
+    for obstacle, wrong in off_the_path(arena, numbers, rows, record.rates.control_hz if record.rates else None):
         yield from _limited(file, [f"line {i + 2}: {obstacle} is not where its path in spec.json leads" for i in wrong])
 
 
-def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Array, list[str]]:
+def _table(
+    path: Path, header: Sequence[str], separator: str = ",", may_be_empty: Collection[str] = ()
+) -> tuple[Array, list[str]]:
     try:
         data = read_file(path, FileKind.TABLE)
     except OSError as error:
         return np.empty((0, len(header))), [f"cannot be read: {error.strerror}"]
-    table, faults = parse_table(data, header, separator)
+    table, faults = parse_table(data, header, separator, may_be_empty)
     texts = [str(fault) for fault in faults]
     if not data.endswith(b"\n"):
         texts.append("does not end with a line end: the file is cut off")

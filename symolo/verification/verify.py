@@ -86,7 +86,7 @@ def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
                 continue
             try:
                 check_folders(root, record.run)
-                yield from check_run(root, record, check_spec, metadata.sensor_tables)
+                yield from check_run(root, record, check_spec, metadata.sensor_tables, metadata.data_columns)
             except OSError as error:  # such as of a sector that the disk has lost; its file is named above
                 where = Path(str(error.filename)) if error.filename else root / record.run
                 name = where.relative_to(root).as_posix() if where.is_relative_to(root) else record.run

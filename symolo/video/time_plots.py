@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from symolo.core.arrays import Array
+from symolo.dataset.tables.rows import NO_STATE
 from symolo.pages.plotting import BLUE
 from symolo.pages.states import STATE_STYLES, named, stretches
 from symolo.playback.playback import CurvePlot, Playback, StripePlot
@@ -89,7 +90,8 @@ class StateBand:
         self._still = Canvas.blank(width_px, height_px)
         self._top = 1.4 * text_px
         self._span_s = (float(playback.t_s[0]), float(playback.t_s[-1]))
-        self._label_end = self._still.text("state", 0, text_px, text_px, _FAINT) + text_px
+        label = "state" if np.any(playback.state != NO_STATE) else "path"
+        self._label_end = self._still.text(label, 0, text_px, text_px, _FAINT) + text_px
         for part in stretches(playback.state):
             left, right = self._x(playback.t_s[part.first]), self._x(playback.t_s[min(part.end, len(playback.t_s) - 1)])
             corners = np.array([[left, self._top], [right, self._top], [right, height_px], [left, height_px]])
@@ -99,7 +101,8 @@ class StateBand:
         """Paint the band with the state and the mark of a row."""
         canvas.pixels[:] = self._still.pixels
         state = int(self._run.state[row])
-        canvas.text(named(state), self._label_end, self._text_px, self._text_px, _dark(STATE_STYLES[state].colour))
+        if state != NO_STATE:
+            canvas.text(named(state), self._label_end, self._text_px, self._text_px, _dark(STATE_STYLES[state].colour))
         x = self._x(self._run.t_s[row])
         for colour, width in (((255, 255, 255), 0.4), (rgb(BLUE), 0.15)):
             points = np.array([[x, self._top], [x, canvas.pixels.shape[0]]])

@@ -11,7 +11,7 @@ from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 from symolo.core.progress import Report
 from symolo.pages.html import page_data, render_page
-from symolo.pages.states import STATE_STYLES, Dash
+from symolo.pages.states import STATE_STYLES, Dash, named
 from symolo.pages.thumbnails import thumbnail
 from symolo.playback.from_run import playback_of
 from symolo.playback.playback import CameraTrack, Curve, CurvePlot, Playback, Scan, StripePlot
@@ -78,7 +78,7 @@ def view_page(data: Dataset, limits: ViewLimits, report: Report) -> ViewPage:
 
 
 def _states() -> dict[str, dict[str, str]]:
-    return {str(state): {"name": style.name, "colour": style.colour} for state, style in STATE_STYLES.items()}
+    return {str(state): {"name": named(state), "colour": style.colour} for state, style in STATE_STYLES.items()}
 
 
 def _run(playback: Playback, max_images: int, max_width_px: int) -> dict[str, Any]:

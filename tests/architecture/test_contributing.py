@@ -16,7 +16,7 @@ from configs.effects.registry import EFFECTS
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text()
-PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
+PACKAGES = ("configs", "logs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
 BESIDE = ("benchmarks", "docs", "tests")
 BLOCK = re.compile(r"^```(\w+)\n# (\S+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 NEW_FILES = {name: text for kind, name, text in BLOCK.findall(PAGE) if kind == "python"}

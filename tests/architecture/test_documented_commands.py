@@ -49,6 +49,11 @@ SCAN = "x,y,lidar\n" + "".join(
     for _ in range(3)
 )
 """Something round in front of a board, three readings at each point."""
+MOCAP = "time_ms,pos_x,pos_y,heading [deg]\n" + "".join(
+    f"{50 * i},{0.5 * math.cos(0.01 * i):.6f},{0.5 * math.sin(0.01 * i):.6f},{90 + math.degrees(0.01 * i):.5f}\n"
+    for i in range(100)
+)
+"""A robot on a circle, as a camera above it sees it."""
 STATIC_RECORD = "Fs,50.00\nLogging time,20\nd\n" + "100.0\n101.0\n99.0\n103.0\n" * 250
 RELEASES = ("data", "symolo-dataset", "my_release", "A", "B")
 """Releases that pages use without making them; a tutorial makes its own."""
@@ -130,6 +135,7 @@ def desk(tmp_path, release, monkeypatch):
     for name, text in (("tof_vl53l0x_scan", SCAN), ("tof_vl53l0x_static", STATIC_RECORD)):
         (tmp_path / "measured" / name).mkdir()
         (tmp_path / "measured" / name / "recording.csv").write_text(text)
+    (tmp_path / "mocap.csv").write_text(MOCAP)
     (tmp_path / "elsewhere").mkdir()
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
     about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("symolo", "pipeline", "diagnosis", "blender_scenes")
+PACKAGES = ("symolo", "logs", "pipeline", "diagnosis", "blender_scenes")
 """Those that read datasets."""
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 THE_WAY = "symolo/core/files/plain_files.py"

@@ -186,9 +186,10 @@ def test_the_room_keeps_its_distance_from_the_arena(arena, scene):
         assert np.min(sign * (walls[:, axis] - bound[axis])) >= 1.3
 
 
-def test_an_empty_arena_has_bounds_too(arena):
-    empty = replace(arena, line=replace(arena.line, pieces=()), boxes=())
-    assert arena_bounds(empty) == ((-0.5, -0.5), (0.5, 0.5))
+def test_an_empty_arena_is_as_large_as_its_floor(arena):
+    """So that the room of an imported trajectory, whose arena is unknown, holds the whole path."""
+    empty = replace(arena, floor_half_extent_m=3.0, line=replace(arena.line, pieces=()), boxes=())
+    assert arena_bounds(empty) == ((-3.0, -3.0), (3.0, 3.0))
 
 
 def test_crossing_tapes_lie_one_above_the_other(arena):

@@ -11,7 +11,7 @@ import yaml
 
 TESTS = Path(__file__).parents[1]
 FOLDER = TESTS / "gap_cases"
-OURS = {"configs", "physics", "sensors", "diagnosis", "blender_scenes", "pipeline"}
+OURS = {"configs", "logs", "physics", "sensors", "diagnosis", "blender_scenes", "pipeline"}
 
 R, K, B, Tc, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = B + K**2 / R

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.importers.base import Importer, first_line
+from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from logs.recognition import first_line
 from symolo.core.arrays import Array
 from symolo.core.time_series import TimeSeries
-from symolo.dataset.tables.rows import COLUMNS, HEADER, Ints, Rows, read_rows
+from symolo.dataset.layout import DATA
+from symolo.dataset.tables.rows import COLUMNS, HEADER, REQUIRED, Ints, Rows, read_rows
 
 RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}
 MIN_COUNT = 3
@@ -22,7 +24,7 @@ MIN_GAP_M = 0.05
 
 
 def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...]:
-    """Return the columns of data.csv as channels.
+    """Return the columns of data.csv as channels; what was not measured is none.
 
     Args:
         rows: Rows of data.csv.
@@ -38,17 +40,23 @@ def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...
     ranges = [
         Channel.logged(series(name, "m", rows.tof_m[:, i]), Role.READING, no_target=no_target[:, i], stale=stale[:, i])
         for name, i in RANGES.items()
+        if ("d_f", "d_l", "d_r")[i] in rows.columns
     ]
     others = [
-        ("x_m", "m", rows.pose[:, 0], Role.READING),
-        ("y_m", "m", rows.pose[:, 1], Role.READING),
-        ("theta_rad", "rad", np.unwrap(rows.pose[:, 2]), Role.READING),
-        ("v_m_s", units["v"], rows.twist[:, 0], Role.READING),
-        ("w_rad_s", units["w"], rows.twist[:, 1], Role.READING),
-        ("state", "", rows.state, Role.INPUT),
-        *((f"line_{i}", "", rows.line[:, i], Role.READING) for i in range(8)),
+        ("x_m", "x", rows.pose[:, 0], Role.READING),
+        ("y_m", "y", rows.pose[:, 1], Role.READING),
+        ("theta_rad", "theta", np.unwrap(rows.pose[:, 2]), Role.READING),
+        ("v_m_s", "v", rows.twist[:, 0], Role.READING),
+        ("w_rad_s", "w", rows.twist[:, 1], Role.READING),
+        ("state", "state", rows.state, Role.INPUT),
+        *((f"line_{i}", f"L{i}", rows.line[:, i], Role.READING) for i in range(8)),
     ]
-    return (*ranges, *(Channel.logged(series(name, unit, values), role) for name, unit, values, role in others))
+    measured = [
+        Channel.logged(series(name, units[column].replace("-", ""), values), role)
+        for name, column, values, role in others
+        if column in rows.columns
+    ]
+    return (*ranges, *measured)
 
 
 def trial_of(name: str, rows: Rows, channels: Sequence[Channel]) -> Trial:
@@ -57,7 +65,9 @@ def trial_of(name: str, rows: Rows, channels: Sequence[Channel]) -> Trial:
 
 def no_target_code_m(tof_m: Array) -> float | None:
     """Return the largest of all ranges if it is frequent, large, and no other range is close to it."""
-    largest = float(tof_m.max())
+    if not np.isfinite(tof_m).any():
+        return None
+    largest = float(np.nanmax(tof_m))
     others = tof_m[tof_m < largest]
     is_detached = not len(others) or largest - others.max() >= MIN_GAP_M
     is_code = is_detached and largest >= MIN_CODE_M and np.count_nonzero(tof_m == largest) >= MIN_COUNT
@@ -78,8 +88,9 @@ def _read(path: Path) -> Measurement:
     )
 
 
-IMPORTER = Importer(
-    "data-csv",
-    lambda path: first_line(path).split(",")[: len(HEADER)] == list(HEADER),
-    _read,
-)
+def _recognises(path: Path) -> bool:
+    names = first_line(path).split(",")
+    return names[: len(HEADER)] == list(HEADER) or (path.name == DATA and {*REQUIRED} <= {*names} <= {*HEADER})
+
+
+IMPORTER = Importer("data-csv", _recognises, _read)

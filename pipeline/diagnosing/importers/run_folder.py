@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.importers.base import Importer, is_file
+from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from logs.drive import DRIVE_TABLE
+from logs.recognition import is_file
 from pipeline.diagnosing.importers.data_csv import row_channels, trial_of
 from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders, tables_of
 from pipeline.run_folder.stored_spec import read_spec
@@ -18,9 +20,9 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
 from symolo.dataset.codes import TofStatus
-from symolo.dataset.documents.metadata import METADATA
+from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import DATA, SIDE
-from symolo.dataset.tables.rows import Rows, read_rows
+from symolo.dataset.tables.rows import RANGES, Rows, read_rows
 from symolo.dataset.tables.side_reading import read_side
 from symolo.dataset.tables.side_tables import TOF, WHEELS
 
@@ -56,7 +58,18 @@ class _DatasetRun:
     @property
     def files(self) -> tuple[str, ...]:
         names = (TRAJECTORY,) if self.simulated else (DATA, f"{SIDE}/{WHEELS.file}", f"{SIDE}/{TOF.file}")
+        if self.is_imported:
+            names = (DATA,)
         return tuple(str(self.folder / name) for name in names)
+
+    @property
+    def is_imported(self) -> bool:
+        """Whether the trajectory was imported from a log, so that it has only the tables that were measured."""
+        return (
+            not self.simulated
+            and is_file(self.folder / SIDE / SPEC)
+            and read_spec(self.folder / SIDE / SPEC).is_imported
+        )
 
     def tables(self) -> tuple[Rows, Array, Array]:
         """Return data.csv, side/wheels.csv and side/tof.csv.
@@ -94,6 +107,8 @@ def _runs(path: Path) -> Iterator[_DatasetRun]:
         for folder in sorted(path.glob(f"*/*/{SIDE}")):
             if is_file(folder.parent / DATA):
                 yield _DatasetRun(folder.parent, simulated=False)
+    elif is_file(path / DATA) and is_file(path / SIDE / SPEC):
+        yield _DatasetRun(path, simulated=False)
     elif is_file(path / TRAJECTORY):
         yield _DatasetRun(path, simulated=True)
     else:
@@ -132,14 +147,15 @@ def _read(path: Path) -> Measurement:
         trials.append(replace(trial, holdout=holdout))
     files = tuple(file for run in runs for file in run.files)
     share = f"every {HELD_OUT_EACH}th run" if several else f"the last {1.0 / HELD_OUT_EACH:.0%} of each run"
-    notes = (_NOTE, f"{share} is held out")
+    notes = (*(() if runs[0].is_imported else (_NOTE,)), f"{share} is held out")
     name = path.absolute().parent.name if path.name == DATA else path.absolute().name
-    return Measurement(
-        name, CaseKind.DRIVE_LOG, MeasurementSource("a dataset of symolo", files), tuple(trials), notes=notes
-    )
+    source = MeasurementSource("logs that symolo imported" if runs[0].is_imported else "a dataset of symolo", files)
+    return Measurement(name, CaseKind.DRIVE_LOG, source, tuple(trials), notes=notes)
 
 
 def _trial(run: _DatasetRun) -> Trial:
+    if run.is_imported:
+        return _imported_trial(run)
     rows, wheels, tof = run.tables()
     t_s = 1e-3 * rows.t_ms
     drive = [
@@ -152,6 +168,22 @@ def _trial(run: _DatasetRun) -> Trial:
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
     return trial_of(run_name(run.folder), rows, (*drive, *seen))
+
+
+def _imported_trial(run: _DatasetRun) -> Trial:
+    """Return what a log measured: columns of data.csv, and of side/drive.csv if there is one."""
+    rows, spec = read_rows(run.folder / DATA), read_spec(run.folder / SIDE / SPEC)
+    release = read_metadata(run.folder.absolute().parents[1])
+    tables = release.sensor_tables if release else ()
+    drive = []
+    for table in (table for table in tables if table.name == DRIVE_TABLE):
+        numbers = read_side(run.folder / SIDE / table.file, table, rows)
+        for column, values in zip(table.columns[1:], numbers.T[1:], strict=True):
+            role = Role.READING if column.name.endswith("_ticks") else Role.INPUT
+            series = TimeSeries(column.name, column.unit, 1e-3 * rows.t_ms, values.copy())
+            drive.append(Channel.logged(series, role))
+    no_target = rows.tof_m == round(spec.robot.tof.no_target_m, RANGES.columns[0].decimals)
+    return trial_of(run_name(run.folder), rows, (*drive, *row_channels(rows, no_target, np.zeros_like(no_target))))
 
 
 IMPORTER = Importer("run", _recognises, _read)

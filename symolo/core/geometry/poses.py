@@ -53,6 +53,17 @@ def rotations_about_z(yaw_rad: Array) -> Array:
     return rotations
 
 
+def rotations(quaternions: Array) -> Array:
+    """Return the rotation matrices (N, 3, 3) of quaternions (N, 4), x, y, z, w, of any length but 0."""
+    x, y, z, w = (quaternions / np.linalg.norm(quaternions, axis=1)[:, None]).T
+    rows = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+    )
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
 def quaternions(rotations: Array) -> Array:
     """Return the unit quaternions (N, 4), x, y, z, w with w >= 0, of rotation matrices (N, 3, 3).
 

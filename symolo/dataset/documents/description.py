@@ -16,12 +16,18 @@ def columns_part(metadata: Metadata) -> str:
     rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
     # Sorted, because metadata.json keeps no order, and the same file must give the same text.
     states = [(str(number), meaning) for number, meaning in sorted(metadata.states.items())]
+    parts = ["## data.csv", markdown_table(("column", "unit", "meaning"), rows)]
     tof = metadata.runs[0]
-    return (
-        f"## data.csv\n\n{markdown_table(('column', 'unit', 'meaning'), rows)}\n\n"
-        f"Ranges are valid from {tof.tof_min_range_m:g} to {tof.tof_max_range_m:g} m; where the sensor saw no target,"
-        f" the value is {tof.tof_no_target_m:g} m.\n\n{markdown_table(('state', 'meaning'), states)}"
-    )
+    if tof.tof_min_range_m is not None:
+        parts.append(
+            f"Ranges are valid from {tof.tof_min_range_m:g} to {tof.tof_max_range_m:g} m; where the sensor saw no"
+            f" target, the value is {tof.tof_no_target_m:g} m."
+        )
+    if any(run.is_imported for run in metadata.runs):
+        parts.append("A cell is empty where nothing was measured.")
+    if states:
+        parts.append(markdown_table(("state", "meaning"), states))
+    return "\n\n".join(parts)
 
 
 def frames_part(metadata: Metadata) -> str:

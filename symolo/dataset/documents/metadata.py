@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from symolo.arena.geometry import Arena
 from symolo.core.files.file_hashes import canonical_json
@@ -17,10 +18,12 @@ from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import BoardKind, FramingName, State
-from symolo.dataset.documents.run_document import RunDocument
+from symolo.dataset.documents.origin import Origin
+from symolo.dataset.documents.run_document import RunDocument, TofSection
+from symolo.dataset.layout import DATA
 from symolo.dataset.tables.column import Column, single
 from symolo.dataset.tables.obstacles import obstacle_table
-from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows
+from symolo.dataset.tables.rows import COLUMNS, HEADER, RANGES, Rows
 from symolo.dataset.tables.sensor_tables import MAX_COLUMNS, SENSOR_NAME, TAKEN_NAMES, TIME, ListedSensor
 from symolo.dataset.tables.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
 
@@ -110,7 +113,8 @@ class RunRecord(Record):
     """Folder of the run, for example `CW/test_1`."""
     seed: int
     start: StartRecord
-    rates: RatesRecord
+    rates: RatesRecord | None = Field(default=None, exclude_if=lambda rates: rates is None)
+    """Rates of the simulation; None if the trajectory was imported from a log, whose rows may come at any time."""
     image_width_px: int
     image_height_px: int
     render_device: str = "CPU"
@@ -123,10 +127,12 @@ class RunRecord(Record):
     distance_m: float
     lap_time_s: float | None
     state_order: list[int]
-    """States in the order in which they occurred."""
-    tof_min_range_m: float
-    tof_max_range_m: float
-    tof_no_target_m: float
+    """States in the order in which they occurred; empty if they are not known."""
+    tof_min_range_m: float | None = Field(default=None, exclude_if=lambda range_m: range_m is None)
+    tof_max_range_m: float | None = Field(default=None, exclude_if=lambda range_m: range_m is None)
+    """Limits of the range sensors; None if no range was measured."""
+    tof_no_target_m: float | None = Field(default=None, exclude_if=lambda range_m: range_m is None)
+    """Range in data.csv where a sensor saw no target."""
     warnings: list[str] = Field(default_factory=list)
     """Warnings for users of the images, for example that many are black or overexposed."""
     drawn: dict[str, float | int | str | bool]
@@ -136,6 +142,19 @@ class RunRecord(Record):
     """Record of the controller board; None if the built-in controller drove."""
     controller: ControllerRecord | None = Field(default=None, exclude_if=lambda controller: controller is None)
     """Record of the user's controller; None if the built-in one or a board drove."""
+    origin: Origin | None = Field(default=None, exclude_if=lambda origin: origin is None)
+    """Origin of the trajectory; None if the run was simulated for this dataset."""
+
+    @model_validator(mode="after")
+    def _simulations_have_rates(self) -> "RunRecord":
+        if self.rates is None and not self.is_imported:
+            raise PydanticCustomError("missing", "rates: missing, and the trajectory was not imported")
+        return self
+
+    @property
+    def is_imported(self) -> bool:
+        """Whether the trajectory was imported from a log."""
+        return self.origin is not None and self.origin.log is not None
 
     @classmethod
     def of(
@@ -165,13 +184,11 @@ class RunRecord(Record):
         spec = RunDocument.model_validate(specification)
         changes = np.flatnonzero(np.diff(rows.state)) + 1
         steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
-        # Limits may be drawn; data.csv has them with the digits of its columns, and `verify` compares these.
-        range_decimals = COLUMNS[HEADER.index("d_f")].decimals
         return cls(
             run=spec.key,
             seed=spec.seed,
             start=StartRecord.model_validate(spec.start),
-            rates=RatesRecord.model_validate(spec.rates),
+            rates=RatesRecord.model_validate(spec.rates) if spec.rates else None,
             image_width_px=spec.render.width_px,
             image_height_px=spec.render.height_px,
             render_device=render_device,
@@ -181,16 +198,24 @@ class RunRecord(Record):
             duration_s=float(rows.t_ms[-1]) / 1000,
             distance_m=round(float(steps.sum()), 4),
             lap_time_s=lap_time_s,
-            state_order=[int(rows.state[i]) for i in (0, *changes)],
-            tof_min_range_m=round(spec.robot.tof.min_range_m, range_decimals),
-            tof_max_range_m=round(spec.robot.tof.max_range_m, range_decimals),
-            tof_no_target_m=round(spec.robot.tof.no_target_m, range_decimals),
+            state_order=[int(rows.state[i]) for i in (0, *changes)] if rows.has_state else [],
             warnings=list(warnings),
             drawn=dict(spec.drawn),
             annotations=spec.render.annotations,
             board=board,
             controller=controller,
+            origin=spec.origin,
+            **_range_limits(spec.robot.tof, rows),
         )
+
+
+def _range_limits(tof: TofSection, rows: Rows) -> dict[str, float]:
+    """Return the limits of the range sensors with the digits of data.csv; nothing if no range was measured."""
+    columns = [column for column in rows.definitions if column in RANGES.columns]
+    if not columns:
+        return {}
+    names = ("min_range_m", "max_range_m", "no_target_m")
+    return {f"tof_{name}": round(getattr(tof, name), columns[0].decimals) for name in names}
 
 
 class FailedRun(Record):
@@ -272,6 +297,12 @@ class Metadata(Record):
         return self
 
     @property
+    def data_columns(self) -> tuple[str, ...]:
+        """Columns of data.csv in their order; all of them if the file does not list them."""
+        named = {column.name for column in self.columns.get(DATA, ())}
+        return tuple(name for name in HEADER if name in named) or HEADER
+
+    @property
     def sensor_tables(self) -> tuple[SideTable, ...]:
         """Tables of the sensors of `robot.sensors`."""
         return tuple(
@@ -280,6 +311,7 @@ class Metadata(Record):
                 sensor.meaning,
                 tuple(column.column for column in self.columns[f"side/{name}.csv"]),
                 "samples",
+                may_be_empty=any(run.is_imported for run in self.runs),
             )
             for name, sensor in self.sensors.items()
         )
@@ -292,15 +324,25 @@ class Metadata(Record):
         return canonical_json(self.model_dump(mode="json"))
 
 
-def side_tables(spec: RunDocument) -> tuple[SideTable, ...]:
-    """Return the tables that every run of the scenario has; all runs have the same moving obstacles."""
+def side_tables(spec: RunDocument, *, has_images: bool = True) -> tuple[SideTable, ...]:
+    """Return the tables of a run of the scenario beside those of its sensors.
+
+    All runs have the same moving obstacles. Of a trajectory that was imported, nobody knows voltages, statuses and the
+    like, and without images it has no camera.
+    """
     obstacles = obstacle_table(Arena.from_config(spec.arena))
-    return (WHEELS, TOF, CAMERA, *([BOARD] if spec.board else []), *([obstacles] if obstacles else []))
+    drive = () if spec.is_imported else (WHEELS, TOF)
+    camera = (CAMERA,) if has_images or not spec.is_imported else ()
+    return (*drive, *camera, *([BOARD] if spec.board else []), *([obstacles] if obstacles else []))
 
 
-def made_with() -> dict[str, str]:
+def made_with(*, simulated: bool = True, rendered: bool = True) -> dict[str, str]:
+    """Return the versions of the programs that make a dataset whose runs are simulated, rendered, or both."""
     packages = versions("symolo", "pybullet", "bpy", "numpy", "scipy", "opencv-python-headless")
-    return {"python": platform.python_version(), **packages}
+    unused = {*(() if simulated else ("pybullet", "scipy")), *(() if rendered else ("bpy", "opencv-python-headless"))}
+    return {"python": platform.python_version()} | {
+        name: version for name, version in packages.items() if name not in unused
+    }
 
 
 def describe(
@@ -309,6 +351,8 @@ def describe(
     runs: Sequence[RunRecord],
     failed: Sequence[FailedRun],
     sensors: Sequence[ListedSensor] = (),
+    *,
+    columns_of_data: Sequence[str] = HEADER,
 ) -> Metadata:
     """Return the metadata of a dataset.
 
@@ -318,10 +362,13 @@ def describe(
         runs: The released runs.
         failed: The runs that are not released.
         sensors: Sensors of `robot.sensors`.
+        columns_of_data: Columns of data.csv, which are the same in all runs.
     """
     first = RunDocument.model_validate(specifications[0])
-    columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
-    for table in side_tables(first):
+    columns = {
+        DATA: [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS if c.name in columns_of_data]
+    }
+    for table in side_tables(first, has_images=any(run.images for run in runs)):
         columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
     for sensor in sensors:
         columns[f"side/{sensor.table.file}"] = [ColumnRecord.of(column) for column in sensor.table.columns]
@@ -330,9 +377,11 @@ def describe(
         description=str(tree.get("description", "")),
         licence=str(tree.get("licence", "CC-BY-4.0")),
         seed=first.seed,
-        made_with=made_with(),
+        made_with=made_with(
+            simulated=not all(run.is_imported for run in runs), rendered=any(run.images for run in runs)
+        ),
         frames=FRAMES,
-        states=STATES,
+        states=STATES if "state" in columns_of_data else {},
         columns=columns,
         sensors={one.table.name: SensorRecord(kind=one.kind, meaning=one.table.meaning) for one in sensors},
         scenario=tree,

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from symolo.arena.mesh import unpacked
 from symolo.dataset.annotations import AnnotationName
+from symolo.dataset.documents.origin import Origin
 
 Point2 = tuple[float, float]
 Positive = Annotated[float, Field(gt=0)]
@@ -240,11 +241,19 @@ class RunDocument(ImagingDocument):
     route: str
     run: int
     start: StartSection
-    rates: RatesSection
+    rates: RatesSection | None = None
+    """Rates of the simulation; None if the trajectory was imported."""
     arena: ArenaSection
     board: BoardSection | None = None
     drawn: dict[str, float | int | str | bool]
     """Every value that was drawn for the run, by its field path in this document."""
+    origin: Origin | None = None
+    """Origin of the trajectory; None if it was simulated for this dataset."""
+
+    @property
+    def is_imported(self) -> bool:
+        """Whether the trajectory was imported from a log."""
+        return self.origin is not None and self.origin.log is not None
 
     @property
     def key(self) -> str:

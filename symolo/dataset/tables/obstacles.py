@@ -1,6 +1,6 @@
 """Poses of the moving obstacles of a run: the series of the recording, and side/obstacles.csv."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -35,14 +35,30 @@ def obstacle_table(arena: Arena) -> SideTable | None:
 
 
 def obstacles_csv(table: SideTable, arena: Arena, recording: Recording) -> bytes:
+    """Return the table of a simulation."""
     poses = [recording[SERIES.format(name=box.name)].values.astype(np.float64) for box in arena.moving]
+    return _csv(table, np.rint(recording.trajectory.t_s * 1000), poses)
+
+
+def obstacles_csv_at(table: SideTable, arena: Arena, rows: Rows, row_hz: int | None) -> bytes:
+    """Return the table for the rows of a data.csv; rates as for `row_times_s`."""
+    t_s = row_times_s(rows, row_hz)
+    return _csv(table, rows.t_ms.astype(np.float64), [box.poses_at(t_s) for box in arena.moving])
+
+
+def _csv(table: SideTable, t_ms: Array, poses: Sequence[Array]) -> bytes:
     rounded = [np.column_stack((pose[:, :2], heading(pose[:, 2], 6))) for pose in poses]
-    return table.to_csv(np.column_stack((np.rint(recording.trajectory.t_s * 1000), *rounded)))
+    return table.to_csv(np.column_stack((t_ms, *rounded)))
 
 
-def off_the_path(arena: Arena, table: Array, rows: Rows, row_hz: int) -> Iterator[tuple[str, list[int]]]:
+def row_times_s(rows: Rows, row_hz: int | None) -> Array:
+    """Return the times of rows (N,) [s]: the exact periods of a simulation, or without a rate the times of data.csv."""
+    return np.arange(len(rows.t_ms)) / row_hz if row_hz else rows.t_ms / 1000
+
+
+def off_the_path(arena: Arena, table: Array, rows: Rows, row_hz: int | None) -> Iterator[tuple[str, list[int]]]:
     """Yield the name of each obstacle whose poses in the table differ from its path, and the rows that differ."""
-    t_s = np.arange(len(rows.t_ms)) / row_hz
+    t_s = row_times_s(rows, row_hz)
     for number, box in enumerate(arena.moving):
         pose = table[:, 1 + 3 * number : 4 + 3 * number]
         difference = pose - box.poses_at(t_s)

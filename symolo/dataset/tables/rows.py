@@ -1,7 +1,7 @@
-"""data.csv: one row per control period, in the columns of the paper's Table 5."""
+"""data.csv: a row per control period, in the columns of the paper's Table 5 or in those that were measured."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -51,11 +51,20 @@ COLUMNS = (
     Column("img", "-", 0, "number of the image taken at this row, 0 for none"),
 )
 HEADER = tuple(column.name for column in COLUMNS)
+REQUIRED = ("t", "x", "y", "theta")
+"""Columns that every data.csv has; the others may be absent from a trajectory that was imported."""
+MAY_BE_EMPTY = frozenset(HEADER) - {*REQUIRED, *WHOLE}
+"""Columns of readings. A cell of a trajectory that was imported is empty where nothing was measured."""
+NO_STATE = -1
+"""State of the rows of a data.csv without the column `state`."""
 
 
 @dataclass(frozen=True)
 class Rows:
-    """The content of one data.csv, rounded to the digits of the file, so that images made from both are the same."""
+    """The content of one data.csv, rounded to the digits of the file, so that images made from both are the same.
+
+    Readings that were not measured are NaN, in whole columns or in single rows.
+    """
 
     t_ms: Ints
     """(N,), [ms], strictly increasing."""
@@ -71,6 +80,9 @@ class Rows:
     """(N, 8), reflectance."""
     image: Ints
     """(N,), image number, 0 for none."""
+    columns: tuple[str, ...] = HEADER
+    """Columns of the file, in the order of HEADER. In a column that is not among them, readings are NaN, states are
+    NO_STATE, and images are 0."""
 
     def __post_init__(self) -> None:
         for array in (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image):
@@ -84,36 +96,58 @@ class Rows:
         sensors = [recording[name].values for name in (RANGES.name, LINE.name, "image")]
         columns = (np.rint(trajectory.t_s * 1000), pose, trajectory.state, trajectory.twist, *sensors)
         table = np.column_stack(columns).astype(np.float64)
-        for i, column in enumerate(COLUMNS):
-            table[:, i] = [round(value, column.decimals) + 0.0 for value in table[:, i].tolist()]
-        return cls.from_table(table)
+        return cls.from_table(rounded(table, COLUMNS))
 
     @classmethod
-    def from_table(cls, table: Array) -> "Rows":
-        """Return the rows with the columns of data.csv, (N, 19)."""
+    def from_table(cls, table: Array, columns: Sequence[str] = HEADER) -> "Rows":
+        """Return the rows with these columns of data.csv, (N, columns), in the order of HEADER."""
+        whole = np.full((len(table), len(HEADER)), np.nan)
+        whole[:, HEADER.index("state")], whole[:, HEADER.index("img")] = NO_STATE, 0
+        whole[:, [HEADER.index(name) for name in columns]] = table
         return cls(
-            t_ms=np.rint(table[:, 0]).astype(np.int64),
-            pose=table[:, 1:4].copy(),
-            state=table[:, 4].astype(np.int64),
-            twist=table[:, 5:7].copy(),
-            tof_m=table[:, 7:10].copy(),
-            line=table[:, 10:18].copy(),
-            image=table[:, 18].astype(np.int64),
+            t_ms=np.rint(whole[:, 0]).astype(np.int64),
+            pose=whole[:, 1:4].copy(),
+            state=whole[:, 4].astype(np.int64),
+            twist=whole[:, 5:7].copy(),
+            tof_m=whole[:, 7:10].copy(),
+            line=whole[:, 10:18].copy(),
+            image=whole[:, 18].astype(np.int64),
+            columns=tuple(columns),
         )
 
+    @property
+    def definitions(self) -> tuple[Column, ...]:
+        """Definitions of `columns`."""
+        return tuple(COLUMNS[HEADER.index(name)] for name in self.columns)
+
+    @property
+    def has_state(self) -> bool:
+        """Whether the states of the controller are known."""
+        return "state" in self.columns
+
     def table(self) -> Array:
-        """Return the columns of data.csv, (N, 19)."""
-        columns = (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image)
-        return np.column_stack([column.astype(np.float64) for column in columns])
+        """Return the columns of data.csv, (N, columns)."""
+        series = (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image)
+        whole = np.column_stack([one.astype(np.float64) for one in series])
+        return whole if self.columns == HEADER else whole[:, [HEADER.index(name) for name in self.columns]]
 
     def at(self, row: int) -> Array:
-        """Return one row of `table`, (19,)."""
+        """Return one row of `table`, (columns,)."""
         one = (self.pose, self.twist, self.tof_m, self.line)
         pose, twist, tof_m, line = (series[row] for series in one)
-        return np.array([self.t_ms[row], *pose, self.state[row], *twist, *tof_m, *line, self.image[row]], np.float64)
+        whole = np.array([self.t_ms[row], *pose, self.state[row], *twist, *tof_m, *line, self.image[row]], np.float64)
+        return whole if self.columns == HEADER else whole[[HEADER.index(name) for name in self.columns]]
 
     def to_csv(self) -> bytes:
-        return csv_bytes(HEADER, [column.decimals for column in COLUMNS], self.table())
+        return csv_bytes(self.columns, [column.decimals for column in self.definitions], self.table())
+
+
+def rounded(table: Array, columns: Sequence[Column]) -> Array:
+    """Return numbers (N, columns) with the digits of their columns and without negative zeros."""
+    values = [
+        [round(value, column.decimals) + 0.0 for value in table[:, i].tolist()] for i, column in enumerate(columns)
+    ]
+    return np.array(values, np.float64).reshape(len(columns), len(table)).T
 
 
 def wrapped(yaw_rad: Array) -> Array:
@@ -129,10 +163,16 @@ def heading(yaw_rad: Array, decimals: int) -> Array:
 
 
 def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, separator: str = ",") -> bytes:
-    """Return a table as text with fixed decimals and without negative zeros; the same numbers give the same bytes."""
+    """Return a table as text with fixed decimals and without negative zeros; the same numbers give the same bytes.
+
+    Cells of NaN are empty.
+    """
     lines = [separator.join(header)]
     lines += [
-        separator.join(f"{round(value, digits) + 0.0:.{digits}f}" for value, digits in zip(row, decimals, strict=True))
+        separator.join(
+            f"{round(value, digits) + 0.0:.{digits}f}" if value == value else ""  # noqa: PLR0124 - NaN is not
+            for value, digits in zip(row, decimals, strict=True)
+        )
         for row in table.tolist()
     ]
     return ("\n".join(lines) + "\n").encode()
@@ -162,13 +202,26 @@ def read_rows(path: Path) -> Rows:
         data = read_file(path, FileKind.TABLE)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
-    table, faults = parse_table(data, HEADER)
-    faults = faults or [fault for fault in semantic_faults(Rows.from_table(table)) if fault.kind in ("time", "image")]
+    table, columns, faults = parse_rows(data)
+    faults = faults or _faults_of_order(Rows.from_table(table, columns))
     if faults:
         fault = _in_seconds(table[:, 0]) if faults[0].kind == "time" else None
         fault = fault or faults[0]
         raise InputError(fault.what, where=f"{path}:{fault.line}", cure=fault.cure)
-    return Rows.from_table(table)
+    return Rows.from_table(table, columns)
+
+
+def _faults_of_order(rows: Rows) -> list[Fault]:
+    return [fault for fault in semantic_faults(rows) if fault.kind in ("time", "image")]
+
+
+def parse_rows(data: bytes) -> tuple[Array, tuple[str, ...], list[Fault]]:
+    """Return the numbers (N, columns) of a data.csv, the names of its columns, and every fault of its format.
+
+    It has the columns of REQUIRED and any of the others, in the order of HEADER.
+    """
+    optional = [name for name in HEADER if name not in REQUIRED]
+    return _parsed(data, HEADER, ",", optional, MAY_BE_EMPTY)
 
 
 def _in_seconds(t_ms: Array) -> Fault | None:
@@ -180,18 +233,44 @@ def _in_seconds(t_ms: Array) -> Fault | None:
     return Fault(row + 2, what, "give t in milliseconds; this looks like seconds: multiply it by 1000", "time")
 
 
-def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tuple[Array, list[Fault]]:
-    """Return the numbers (N, columns) of a table with exactly this header, and every fault of its format."""
+def parse_table(
+    data: bytes, header: Sequence[str], separator: str = ",", may_be_empty: Collection[str] = ()
+) -> tuple[Array, list[Fault]]:
+    """Return the numbers (N, columns) of a table with exactly this header, and every fault of its format.
+
+    Empty cells of the columns that `may_be_empty` read as NaN.
+    """
+    table, _, faults = _parsed(data, header, separator, may_be_empty=may_be_empty)
+    return table, faults
+
+
+def _parsed(
+    data: bytes,
+    names: Sequence[str],
+    separator: str,
+    optional: Collection[str] = (),
+    may_be_empty: Collection[str] = (),
+) -> tuple[Array, tuple[str, ...], list[Fault]]:
+    """Return numbers, columns and faults of a table with these columns in this order, of which some are `optional`."""
+
+    def broken(faults: Sequence[LineFault]) -> tuple[Array, tuple[str, ...], list[Fault]]:
+        listed = [Fault(max(fault.line, 1), fault.message, fault.cure) for fault in faults]
+        return np.empty((0, len(names))), tuple(names), listed
+
     text = decode_text(data, Path())
     if isinstance(text, LineFault):
-        return _empty(header), [Fault(max(text.line, 1), text.message, text.cure)]
-    if fault := header_fault(text.lines[0].split(separator), header, separator, is_ordered=True):
-        return _empty(header), [Fault(1, fault.message, fault.cure)]
-    columns = [NumberColumn(name, is_whole=name in WHOLE, low=-_LARGEST, high=_LARGEST) for name in header]
+        return broken([text])
+    header = text.lines[0].split(separator)
+    if fault := header_fault(header, names, separator, optional, is_ordered=True):
+        return broken([fault])
+    columns = [
+        NumberColumn(name, may_be_empty=name in may_be_empty, is_whole=name in WHOLE, low=-_LARGEST, high=_LARGEST)
+        for name in header
+    ]
     table = table_of(text, columns, range(len(header)), first=1, separator=separator)
     if table.faults:
-        return _empty(header), [Fault(max(fault.line, 1), fault.message, fault.cure) for fault in table.faults]
-    return np.column_stack([table.numbers[name] for name in header]), []
+        return broken(table.faults)
+    return np.column_stack([table.numbers[name] for name in header]), tuple(header), []
 
 
 def semantic_faults(rows: Rows) -> list[Fault]:
@@ -202,7 +281,7 @@ def semantic_faults(rows: Rows) -> list[Fault]:
     ]
     faults += [
         Fault(int(i) + 2, f"column state: {rows.state[i]} is none of {', '.join(map(str, STATES))}", kind="state")
-        for i in np.flatnonzero(~np.isin(rows.state, STATES))
+        for i in np.flatnonzero(rows.has_state & ~np.isin(rows.state, STATES))
     ]
     at = np.flatnonzero(rows.image)
     numbers = rows.image[at]
@@ -212,7 +291,3 @@ def semantic_faults(rows: Rows) -> list[Fault]:
         for i in np.flatnonzero(numbers <= previous)
     ]
     return sorted(faults, key=lambda fault: fault.line)
-
-
-def _empty(header: Sequence[str]) -> Array:
-    return np.empty((0, len(header)))

@@ -32,6 +32,8 @@ TAKEN_NAMES = frozenset(
 """Names that are not allowed for sensors: those of files in `side/` and of the sensors that every robot has."""
 SENSOR_NAME = r"^[a-z][a-z0-9_]{0,62}$"
 """Pattern of the name of a sensor, which is also the name of its file."""
+LOGGED = "logged"
+"""Kind of the sensors of an imported run: a table of what a log has beside the poses."""
 MAX_COLUMNS = 10_000
 """Largest number of columns of one kind."""
 
@@ -44,9 +46,9 @@ class ListedSensor:
     table: SideTable
 
 
-def sensor_table(name: str, meaning: str, columns: Sequence[Column]) -> SideTable:
+def sensor_table(name: str, meaning: str, columns: Sequence[Column], *, may_be_empty: bool = False) -> SideTable:
     """Return the table of a sensor with these columns after the time, one row for each sample."""
-    return SideTable(f"{name}.csv", meaning, (TIME, *columns), "samples")
+    return SideTable(f"{name}.csv", meaning, (TIME, *columns), "samples", may_be_empty)
 
 
 def sensor_csv(table: SideTable, recording: Recording) -> bytes:
@@ -65,5 +67,5 @@ def fractions(table: SideTable, numbers: Array) -> Iterator[str]:
     """Yield a text for each number (rows, columns) that is not whole in a column of whole numbers."""
     for i, column in enumerate(table.cells):
         if column.decimals == 0:
-            for row in np.flatnonzero(numbers[:, i] % 1):
+            for row in np.flatnonzero(np.nan_to_num(numbers[:, i]) % 1):
                 yield f"line {row + 2}: column {column.name}: {numbers[row, i]:g} is not a whole number"

@@ -44,7 +44,7 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
         data = read_file(path, FileKind.TABLE)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
-    numbers, faults = parse_table(data, table.header)
+    numbers, faults = parse_table(data, table.header, may_be_empty=table.empty_names)
     if faults:
         raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
     if table.rows_of == "samples":

@@ -23,6 +23,13 @@ class SideTable:
     meaning: str
     columns: tuple[Column, ...]
     rows_of: RowsOf = "data"
+    may_be_empty: bool = False
+    """Whether cells are empty where nothing was measured, except those of the time."""
+
+    @property
+    def empty_names(self) -> tuple[str, ...]:
+        """Columns whose cells may be empty."""
+        return self.header[1:] if self.may_be_empty else ()
 
     @property
     def name(self) -> str:

@@ -12,6 +12,7 @@ from matplotlib.ticker import MultipleLocator
 
 from symolo.arena.geometry import Box
 from symolo.core.arrays import Array
+from symolo.dataset.tables.rows import NO_STATE
 from symolo.pages.plotting import BLACK, GREY, svg
 from symolo.pages.states import STATE_STYLES, named, stretches
 from symolo.report.statistics.maps import RouteMap
@@ -136,7 +137,7 @@ def _path(axes: Axes, path: RunPath, *, numbered: bool) -> None:
         style, rows = STATE_STYLES[part.state], slice(part.first, part.end + 1)
         axes.plot(pose[rows, 0], pose[rows, 1], color=style.colour, linestyle=style.dash, linewidth=1.4, zorder=4)
         x, y = pose[(part.first + part.end - 1) // 2, :2].tolist()
-        if numbered and np.hypot(x - pose[0, 0], y - pose[0, 1]) > _MARKED_M:
+        if numbered and part.state != NO_STATE and np.hypot(x - pose[0, 0], y - pose[0, 1]) > _MARKED_M:
             ring = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": style.colour, "linewidth": 0.9}
             axes.text(x, y, str(part.state), fontsize=6.5, ha="center", va="center", zorder=6, bbox=ring)
     x, y, theta = pose[0].tolist()
@@ -155,7 +156,8 @@ def _legend(one: RouteMap) -> list[Line2D | Patch]:
         style = STATE_STYLES[state]
         handles.append(Line2D([], [], color=style.colour, linestyle=style.dash, label=named(state)))
     handles.append(Line2D([], [], color=BLACK, marker="o", linestyle="none", label="start, and where it faces"))
-    handles.append(Patch(facecolor=_TAPE, label="line"))
+    if one.arena.line.pieces:
+        handles.append(Patch(facecolor=_TAPE, label="line"))
     kinds = {box.kind for box in one.arena.boxes}
     if "wall" in kinds:
         handles.append(Patch(facecolor=_WALL, edgecolor=BLACK, label="wall"))

@@ -1,5 +1,7 @@
 """Plot of one run against time: states, speeds, ranges, line sensor, distance from the line."""
 
+from collections.abc import Callable
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -7,13 +9,15 @@ from matplotlib.ticker import FuncFormatter
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.rows import RANGES, Rows
 from symolo.pages.plotting import BLACK, BLUE, GREY, PALE, VERMILION, svg
 from symolo.pages.states import STATE_STYLES, Stretch, named, stretches
 from symolo.reader.run import Run
 from symolo.report.statistics.off_line import ahead_of, off_line_m
 from symolo.report.statistics.run_facts import RunFacts, fresh
 
+Panel = Callable[[Axes], None]
+"""Draws into a panel of the plot."""
 _WIDTH_IN = 7.0
 _CHANNELS = 8
 _RANGES = (("front", BLACK, "-"), ("left", BLUE, (0, (4.0, 1.5))), ("right", VERMILION, (0, (1.0, 1.0))))
@@ -28,19 +32,13 @@ def run_plot(run: Run, facts: RunFacts) -> bytes:
     run = fresh(run)
     rows = run.table
     parts = stretches(rows.state)
-    states_height = 0.32 * len({part.state for part in parts}) + 0.25
-    heights = (states_height, 1.0, 1.0, 1.5, 1.1, 1.5)
-    figure = Figure(figsize=(_WIDTH_IN, sum(heights) + 1.1), layout="constrained")
-    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     t_s = rows.t_ms / 1000
-    _states(panels[0], t_s, parts)
-    for axes, values, label in ((panels[1], rows.twist[:, 0], "v [m/s]"), (panels[2], rows.twist[:, 1], "w [rad/s]")):
-        axes.axhline(0.0, color=GREY, linewidth=0.6)
-        axes.plot(t_s, values, color=BLACK, linewidth=0.9)
-        axes.set_ylabel(label)
-    _ranges(panels[3], t_s, rows, facts)
-    _line(panels[4], t_s, rows.line)
-    _off_line(panels[5], rows, facts.arena, run.spec.robot.line_sensor.x_m)
+    drawn = _panels(run, facts, t_s, parts)
+    heights = [height for height, _ in drawn]
+    figure = Figure(figsize=(_WIDTH_IN, sum(heights) + 1.1), layout="constrained")
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0]
+    for axes, (_, draw) in zip(panels, drawn, strict=True):
+        draw(axes)
     for axes in panels:
         for part in parts[1:]:
             axes.axvline(t_s[part.first], color=GREY, linewidth=0.5, linestyle=(0, (1.0, 2.0)), zorder=0)
@@ -48,6 +46,36 @@ def run_plot(run: Run, facts: RunFacts) -> bytes:
     panels[-1].set_xlabel("time since the start of the run [s]")
     figure.align_ylabels(panels.tolist())
     return svg(figure)
+
+
+def _panels(run: Run, facts: RunFacts, t_s: Array, parts: tuple[Stretch, ...]) -> list[tuple[float, Panel]]:
+    """Return the height [in] and the drawing of each panel for which the run has data."""
+    rows = run.table
+    columns = set(rows.columns)
+    panels: list[tuple[float, Panel]] = []
+    if rows.has_state:
+        height = 0.32 * len({part.state for part in parts}) + 0.25
+        panels.append((height, lambda axes: _states(axes, t_s, parts)))
+    speeds = (("v", rows.twist[:, 0], "v [m/s]"), ("w", rows.twist[:, 1], "w [rad/s]"))
+    measured = [(values, label) for name, values, label in speeds if name in columns]
+    if not measured:  # of an imported trajectory, the coordinates are what there is to see
+        measured = list(zip(rows.pose.T, ("x [m]", "y [m]", "theta [rad]"), strict=True))
+    panels += [
+        (1.0, lambda axes, values=values, label=label: _curve(axes, t_s, values, label)) for values, label in measured
+    ]
+    if columns & {column.name for column in RANGES.columns}:
+        panels.append((1.5, lambda axes: _ranges(axes, t_s, rows, facts)))
+    if "L0" in columns:
+        panels.append((1.1, lambda axes: _line(axes, t_s, rows.line)))
+    if facts.arena.line.pieces or not run.spec.is_imported:
+        panels.append((1.5, lambda axes: _off_line(axes, rows, facts.arena, run.spec.robot.line_sensor.x_m)))
+    return panels
+
+
+def _curve(axes: Axes, t_s: Array, values: Array, label: str) -> None:
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    axes.plot(t_s, values, color=BLACK, linewidth=0.9)
+    axes.set_ylabel(label)
 
 
 def _states(axes: Axes, t_s: Array, parts: tuple[Stretch, ...]) -> None:
@@ -67,9 +95,10 @@ def _ranges(axes: Axes, t_s: Array, rows: Rows, facts: RunFacts) -> None:
     for (name, colour, dash), values in zip(_RANGES, rows.tof_m.T, strict=True):
         seen = np.where(values == no_target_m, np.nan, values)
         axes.plot(t_s, seen, color=colour, linestyle=dash, linewidth=1.1, label=name)
-    hits_m = rows.tof_m[rows.tof_m != no_target_m]
-    farthest = float(hits_m.max()) if hits_m.size else facts.record.tof_max_range_m
-    axes.set_ylim(0.0, 1.05 * min(facts.record.tof_max_range_m, farthest))
+    hits_m = rows.tof_m[(rows.tof_m != no_target_m) & np.isfinite(rows.tof_m)]
+    longest_m = facts.record.tof_max_range_m or 1.0
+    farthest_m = float(hits_m.max()) if hits_m.size else longest_m
+    axes.set_ylim(0.0, 1.05 * min(longest_m, farthest_m))
     if not hits_m.size:
         axes.text(0.5, 0.5, "no sensor saw a target", transform=axes.transAxes, ha="center", va="center")
     axes.set_ylabel("range [m]")

@@ -75,8 +75,10 @@ def run_facts(run: Run, record: RunRecord, *, with_path: bool) -> RunFacts:
 
 
 def _limits(sensor: RunSensor) -> Array:
+    """Return the smallest and the largest value of each column, (2, columns); NaN where nothing was measured."""
     values = [sensor.values(column.name) for column in sensor.side_table.columns[1:]]
-    return np.array([[one.min() for one in values], [one.max() for one in values]])
+    known = [one[np.isfinite(one)] for one in values]
+    return np.array([[limit(one) if one.size else np.nan for one in known] for limit in (np.min, np.max)])
 
 
 def fresh(run: Run) -> Run:

@@ -14,7 +14,7 @@ class Colours {
   /** Black lines have the colour of the text, which is light on a dark page. */
   named(colour) { return colour === "#000000" ? this.ink() : colour; }
   of(state) { return this.named((this.states[state] || { colour: "#777777" }).colour); }
-  nameOf(state) { return `${state} ${(this.states[state] || { name: "" }).name}`; }
+  nameOf(state) { return (this.states[state] || { name: String(state) }).name; }
 }
 
 class Player {
@@ -55,7 +55,8 @@ class Player {
     document.body.classList.toggle("blind", this.cameras.length === 0);
     this.parts.plots.replaceChildren();
     const seek = (time) => this.seek(time);
-    const plots = [{ kind: "band", title: "state" }, ...this.run.plots];
+    const isStateless = this.run.state.every((state) => state < 0);
+    const plots = [...(isStateless ? [] : [{ kind: "band", title: "state" }]), ...this.run.plots];
     this.plots = plots.map((plot) => new TimePlot(this.parts.plots, plot, this.run, this.colours, seek));
     this.map.show(this.run);
     this.resize();

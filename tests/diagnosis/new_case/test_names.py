@@ -3,8 +3,8 @@
 import pytest
 
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.new_case.quantities import QUANTITIES, matched, our_columns
-from diagnosis.new_case.units import HeaderName, factor_to, taken_apart
+from diagnosis.new_case.quantities import KINDS
+from logs.units import HeaderName, factor_to, taken_apart
 from symolo.core.errors import InputError
 
 
@@ -62,11 +62,11 @@ DRIVES = (
 def test_the_columns_of_a_drive_are_recognised(header):
     names = header.split(",")
     expected = ("t_s", "u_left_V", "u_right_V", "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad")
-    assert matched(CaseKind.DRIVE_LOG, names) == dict(sorted(zip(expected, names, strict=True), key=_order))
+    assert KINDS[CaseKind.DRIVE_LOG].matched(names) == dict(sorted(zip(expected, names, strict=True), key=_order))
 
 
 def _order(item):
-    return [quantity.name for quantity in QUANTITIES].index(item[0])
+    return KINDS[CaseKind.DRIVE_LOG].names.index(item[0])
 
 
 @pytest.mark.parametrize(
@@ -82,17 +82,17 @@ def _order(item):
     ],
 )
 def test_the_columns_of_other_logs_are_recognised(kind, header, expected):
-    assert set(matched(kind, header.split(","))) == set(expected)
+    assert set(KINDS[kind].matched(header.split(","))) == set(expected)
 
 
 def test_words_that_are_not_known_are_no_quantity():
     header = ["gyro_z", "battery_V", "state", "line_3", "motor_temperature", "foo_mm", "error_theta", "x_target"]
-    assert matched(CaseKind.DRIVE_LOG, header) == {}
+    assert KINDS[CaseKind.DRIVE_LOG].matched(header) == {}
 
 
-@pytest.mark.parametrize("kind", [kind for kind in CaseKind if kind in QUANTITIES[2].kinds])
+@pytest.mark.parametrize("kind", KINDS)
 def test_our_own_names_are_recognised(kind):
-    names = [name for name in our_columns(kind) if name not in {"row", "session_time_s"}]
-    found = matched(kind, names)
+    names = [name for name in KINDS[kind].scales if name not in {"row", "session_time_s"}]
+    found = KINDS[kind].matched(names)
     assert {quantity: column for quantity, column in found.items() if quantity != column} == {}
     assert set(found) == set(names)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.new_case.log_file import read_log
-from diagnosis.new_case.mapping import LogMapping, check_mapping, mapping_text, read_mapping
+from diagnosis.new_case.new_case import new_case
 from diagnosis.new_case.proposal import propose
+from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.rows import measurement_of
+from logs.log_file import read_log
+from logs.mapping import LogMapping, check_mapping, read_mapping
 from symolo.core.errors import InputError
 
 DRIVE = "t,encL,encR,uL,uR,x,y,theta"
@@ -367,7 +369,7 @@ def test_a_quantity_without_a_column_is_named_beside_the_columns_that_are_not_re
     with pytest.raises(InputError) as raised:
         propose(columns, kind)
     assert re.search(
-        r"no column was recognised as theta_rad, which a case of the kind drive_log needs; not recognised: spin, foo; "
+        r"no column was recognised as theta_rad, which a log of the kind drive_log needs; not recognised: spin, foo; "
         r"rename them, or write a mapping.yaml",
         str(raised.value),
     )
@@ -380,19 +382,24 @@ def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
         "  theta_rad: {column: theta, unit: mm}\n  t_s: {}\n"
     )
     with pytest.raises(InputError) as raised:
-        check_mapping(read_mapping(path), log(drive(0.05 * np.arange(10))), str(path))
+        check_mapping(
+            read_mapping(path, list(KINDS.values())),
+            KINDS[CaseKind.DRIVE_LOG],
+            log(drive(0.05 * np.arange(10))),
+            str(path),
+        )
     text = str(raised.value)
     for pattern in (
-        r"columns.x_n: no column of data.csv.*did you mean x_m",
+        r"columns.x_n: no quantity.*did you mean x_m",
         r"columns.y_m: the log has no such column: got 'why'",
         r"columns.theta_rad: unit: got 'mm', allowed: rad, degrees",
         r"columns.t_s: give either a column or a constant",
-        r"too few columns for a case of the kind drive_log",
+        r"too few columns for a log of the kind drive_log",
     ):
         assert re.search(pattern, text), text
     path.write_text("kind: drive\ncolumns: {t_s: {colum: t}}\n")
     with pytest.raises(InputError, match=r"2 faults:[\s\S]*mapping.yaml:2: columns.t_s.colum: unknown key"):
-        read_mapping(path)
+        read_mapping(path, list(KINDS.values()))
 
 
 @pytest.mark.parametrize(
@@ -401,8 +408,8 @@ def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
         ("x_m", {"constant": "wood"}, r"columns.x_m: the constant is no number: got 'wood', allowed: a number"),
         ("t_s", {"constant": 3.5}, r"columns.t_s: the time cannot be constant; name the column of the times"),
         ("x_m", {"constant": 3.5, "unit": "mm"}, r"columns.x_m: a constant takes no unit, factor or time_offset_s"),
-        ("split", {"column": "x"}, r"columns.split: no column of data.csv that a mapping can give"),
-        ("row", {"column": "x"}, r"columns.row: no column of data.csv that a mapping can give"),
+        ("split", {"column": "x"}, r"columns.split: no quantity that a mapping can give"),
+        ("row", {"column": "x"}, r"columns.row: no quantity that a mapping can give"),
     ],
 )
 def test_a_source_that_cannot_be_used_is_refused(name, source, message, log):
@@ -416,7 +423,7 @@ def test_a_source_that_cannot_be_used_is_refused(name, source, message, log):
     }
     mapping = LogMapping.model_validate({"kind": "drive_log" if name != "row" else "tof_bench", "columns": columns})
     with pytest.raises(InputError, match=message):
-        check_mapping(mapping, log(drive(0.05 * np.arange(10))), "mapping.yaml")
+        check_mapping(mapping, KINDS[CaseKind(mapping.kind)], log(drive(0.05 * np.arange(10))), "mapping.yaml")
 
 
 @pytest.mark.parametrize(
@@ -432,9 +439,9 @@ def test_a_mapping_reads_back_as_it_was_written(name, log, tmp_path):
     mapping = LogMapping.model_validate({"kind": "tof_bench", "columns": columns})
     readings = log(table(f"{name},tof", [1, 2], [3, 4]))
     path = tmp_path / "mapping.yaml"
-    path.write_text(mapping_text(mapping, readings, tmp_path / "my case"))
-    assert read_mapping(path) == mapping
-    check_mapping(read_mapping(path), readings, str(path))
+    path.write_text(new_case(readings, mapping, "m")._mapping_text(tmp_path / "my case"))
+    assert read_mapping(path, list(KINDS.values())) == mapping
+    check_mapping(read_mapping(path, list(KINDS.values())), KINDS[CaseKind.TOF_BENCH], readings, str(path))
     command = re.search(r"^#   (symolo case init .*)$", path.read_text(), re.MULTILINE)
     case = tmp_path / "my case"
     options = ["--mapping", str(case / "mapping.yaml"), "--out", f"{case}-2"]

@@ -157,7 +157,8 @@ def test_every_state_of_the_controller_is_known_to_the_tables_and_has_a_meaning(
     [
         ("", ":1", "is empty"),
         (table(), ":1", "no rows"),
-        (table(row(), header=HEADER_LINE.removesuffix(",img")), ":1", "column img is missing"),
+        (table("0,1,2", header="t,x,y"), ":1", "column theta is missing"),
+        (table("0,1,2,3", header="x,t,y,theta"), ":1", "columns in another order"),
         (table(row(), header=HEADER_LINE + ",extra"), ":1", "column extra is not known"),
         (table(row(), header=HEADER_LINE.replace("d_f", "D_F")), ":1", "did you mean d_f"),
         (table(row(), header=HEADER_LINE.replace("x,y", "y,x")), ":1", "columns in another order"),
@@ -165,7 +166,8 @@ def test_every_state_of_the_controller_is_known_to_the_tables_and_has_a_meaning(
         (table(row(), row(t=50) + ",1"), ":3", "20 columns; allowed: 19"),
         (table(row(), ""), ":3", "1 columns; allowed: 19"),
         (table(row(), row(t=50, L4="NaN")), ":3", "column L4: got 'NaN'"),
-        (table(row(), row(t=50, L4="")), ":3", "column L4: got ''"),
+        (table(row(), row(t=50, y="")), ":3", "column y: got ''"),
+        (table(row(), row(t=50, img="")), ":3", "column img: got ''"),
         (table(row(), row(t=50, x="1_000")), ":3", "column x: got '1_000'"),
         (table(row(), row(t=50, y="1e999")), ":3", "column y: got '1e999'"),
         (table(row(), row(t=50, y="\u0663")), ":3", "column y"),
@@ -205,6 +207,25 @@ def test_times_in_seconds_are_recognised_by_the_first_ones_that_fall_on_the_same
     path.write_text(table(row(t="0.2", img=0), row(t="0.1", img=0)))
     with pytest.raises(InputError, match=r":3: column t: 0 ms is not after 0 ms; repair or remove the row"):
         read_rows(path)
+
+
+def test_time_and_pose_are_enough_and_what_was_not_measured_is_not_invented(tmp_path):
+    path = tmp_path / "data.csv"
+    text = table(
+        "0,1.500000,0.500000,0.250000,,2", "50,1.600000,0.500000,0.250000,0.4000,3", header="t,x,y,theta,d_l,img"
+    )
+    path.write_text(text)
+    rows = read_rows(path)
+    assert rows.columns == ("t", "x", "y", "theta", "d_l", "img")
+    np.testing.assert_array_equal(rows.pose, [[1.5, 0.5, 0.25], [1.6, 0.5, 0.25]])
+    np.testing.assert_array_equal(rows.tof_m, [[np.nan] * 3, [np.nan, 0.4, np.nan]])
+    assert np.isnan(rows.twist).all()
+    assert np.isnan(rows.line).all()
+    assert (rows.has_state, rows.state.tolist(), rows.image.tolist()) == (False, [-1, -1], [2, 3])
+    assert semantic_faults(rows) == []
+    assert rows.to_csv().decode() == text
+    np.testing.assert_array_equal(rows.at(1), [50, 1.6, 0.5, 0.25, 0.4, 3])
+    assert [column.name for column in rows.definitions] == list(rows.columns)
 
 
 def test_pandas_reads_the_same_numbers_and_keeps_whole_numbers_whole(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symolo.dataset.tables.rows import STATES
+from symolo.dataset.tables.rows import NO_STATE, STATES
 from symolo.pages.states import STATE_STYLES, stretches
 
 # Okabe and Ito, Color Universal Design (2008), without the yellow that a white page swallows; and a grey.
@@ -21,7 +21,7 @@ def test_stretches_join_up_and_each_row_is_of_its_state(states):
 
 
 def test_every_state_has_a_safe_colour_and_a_mark_unlike_all_others():
-    assert set(STATE_STYLES) == set(STATES)
+    assert set(STATE_STYLES) == {*STATES, NO_STATE}
     assert {mark.colour for mark in STATE_STYLES.values()} <= SAFE
     for one, other in combinations(STATE_STYLES.values(), 2):
         assert (one.colour, one.dash) != (other.colour, other.dash)

@@ -33,7 +33,8 @@ def test_a_released_description_fits_its_schema(validator, metadata):
         (lambda told: told.update(runs=[]), ["runs"]),
         (lambda told: told.update(colour="red"), []),
         (lambda told: told["states"].update(first="line following"), ["states"]),
-        (lambda told: told["runs"][0]["rates"].update(camera_hz=0), ["runs", 0, "rates", "camera_hz"]),
+        (lambda told: told["runs"][0]["start"].update(x_m="here"), ["runs", 0, "start", "x_m"]),
+        (lambda told: told["runs"][0]["rates"].update(camera_hz=0), ["runs", 0, "rates"]),
     ],
 )
 def test_what_is_no_such_description_is_found_in_its_place(validator, metadata, change, place):

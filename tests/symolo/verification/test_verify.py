@@ -208,7 +208,11 @@ CONTENT = {
     "metadata missing": (remove("metadata.json"), "metadata.json", "cannot be read"),
     "metadata is no JSON": (cut("metadata.json", 50), "metadata.json", "Invalid JSON"),
     "metadata with another field": (metadata(lambda m: m.update(extra=1)), "metadata.json", "extra"),
-    "metadata without a rate": (metadata(lambda m: m["runs"][0].pop("rates")), "metadata.json", "runs.0.rates"),
+    "metadata without a rate": (
+        metadata(lambda m: m["runs"][0].pop("rates")),
+        "metadata.json",
+        "runs.0: rates: missing",
+    ),
     "metadata of more rows": (metadata(lambda m: m["runs"][0].update(rows=22)), CSV, "21 rows, metadata.json says 22"),
     "metadata leads outside": (metadata(lambda m: m["runs"][0].update(run="../x")), "metadata.json", "leads out of"),
     "run folder added": (lambda root: (root / "CW/test_2").mkdir(), "CW/test_2", "is not named in metadata.json"),

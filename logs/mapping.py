@@ -1,35 +1,35 @@
-"""The mapping file of a log: which of its columns, in which unit, is which quantity of a case."""
+"""The mapping file of a log: which of its columns, in which unit, is which quantity."""
 
 import json
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, ValidationError
 
 from configs.schema.base import Section
 from configs.schema_faults import all_explained
 from configs.shapes import Shape
-from diagnosis.measured.measurement import CaseKind
-from diagnosis.new_case.log_file import LogFile
-from diagnosis.new_case.quantities import COUNTS, NEEDED, our_columns, quantity_names
-from diagnosis.new_case.units import factor_to
-from symolo.core.errors import FaultList, InputError, nearest, together
+from logs.drive import COUNTED
+from logs.log_file import LogFile
+from logs.quantity import LogKind
+from logs.units import factor_to
+from symolo.core.errors import FaultList, InputError, nearest
 from symolo.core.yaml.reader import read_yaml
 
 MAPPING = "mapping.yaml"
 
 
 class Source(Section):
-    """Where the values of one column of data.csv come from: from a column of the log, or a constant."""
+    """Where the values of one quantity come from: from a column of the log, or a constant."""
 
     column: str = ""
     """Name of the column in the log, as its header has it; empty for a constant."""
     constant: float | str | None = None
-    """Value of every row, in the unit of the case."""
+    """Value of every row, in our unit."""
     unit: str = ""
-    """Unit in the log; empty for the unit of the case."""
+    """Unit in the log; empty for our unit."""
     factor: float = Field(default=1.0, ge=-1e12, le=1e12)
     """Factor on the values besides the unit; -1 turns the sign."""
     time_offset_s: float = Field(default=0.0, ge=-10, le=10)
@@ -39,52 +39,65 @@ class Source(Section):
     wraps_at: float = Field(default=0.0, ge=0, le=1e12)
     """Number of ticks at which the counter begins again; powers of two are recognised without it."""
 
+    @property
+    def text(self) -> str:
+        """Source in a few words, such as `x_mm, in mm`."""
+        factor = f", times {self.factor:g}" if self.factor != 1.0 else ""
+        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}"
+
 
 class LogMapping(Section):
-    kind: Literal["motor_steady", "motor_step", "tof_bench", "drive_log"]
+    kind: str
+    """Kind of the log, such as `drive_log` or `trajectory`."""
     columns: Annotated[dict[str, Source], Field(min_length=1)]
-    """Source of each column of data.csv; columns that are not listed were not logged."""
-
-    @property
-    def case_kind(self) -> CaseKind:
-        return CaseKind(self.kind)
+    """Source of each quantity by its name; quantities that are not listed were not logged."""
 
 
-def read_mapping(path: Path) -> LogMapping:
-    """Return the content of a mapping file.
+def read_mapping(path: Path, kinds: Sequence[LogKind]) -> LogMapping:
+    """Return the content of a mapping file for a log of one of these kinds.
 
     Raises:
         InputError: The file is not strict YAML or breaks the format; the message names every fault.
     """
-    root = read_yaml(path).root
+    root, names, faults = read_yaml(path).root, [kind.name for kind in kinds], FaultList()
+    mapping = None
     try:
-        return LogMapping.model_validate(root.plain())
+        mapping = LogMapping.model_validate(root.plain())
     except ValidationError as error:
-        raise together(all_explained(error, root, Shape.of(LogMapping))) from None
+        faults.faults += all_explained(error, root, Shape.of(LogMapping))
+    node = root.child("kind")
+    if node is not None and isinstance(node.value, str) and node.value not in names:
+        hint = nearest(node.value, names)
+        faults.faults.append(
+            InputError("kind", where=node.where, got=node.value, allowed=", ".join(names), nearest=hint)
+        )
+    faults.check()
+    assert mapping is not None  # noqa: S101 - without a fault it was read
+    return mapping
 
 
-def check_mapping(mapping: LogMapping, log: LogFile, where: str) -> None:
+def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) -> None:
     """Refuse a mapping that does not fit the log.
 
     Args:
         mapping: The mapping.
+        kind: Its kind.
         log: The log.
         where: Place of the mapping for messages.
 
     Raises:
         InputError: A column does not exist, a unit does not fit, or too few quantities are mapped; all are reported.
     """
-    faults, kind = FaultList(), mapping.case_kind
-    known, ours = quantity_names(kind), our_columns(kind)
+    faults = FaultList()
     for name, source in mapping.columns.items():
         place = f"{where}: columns.{name}"
         with faults.noted():
-            if name not in known:
+            if name not in kind.names:
                 raise InputError(
-                    "no column of data.csv that a mapping can give",
+                    "no quantity that a mapping can give",
                     where=place,
-                    allowed=", ".join(known),
-                    nearest=nearest(name, known),
+                    allowed=", ".join(kind.names),
+                    nearest=nearest(name, kind.names),
                 )
             if bool(source.column) == (source.constant is not None):
                 raise InputError("give either a column or a constant", where=place)
@@ -97,12 +110,12 @@ def check_mapping(mapping: LogMapping, log: LogFile, where: str) -> None:
                     nearest=nearest(source.column, log.columns),
                 )
             if source.constant is not None:
-                _check_constant(name, source, place, is_number=name in ours)
-            if (source.per_row or source.wraps_at) and name not in COUNTS:
+                _check_constant(name, source, place, is_number=name in kind.scales)
+            if (source.per_row or source.wraps_at) and name not in COUNTED:
                 what = "per_row and wraps_at are for counts of encoders"
-                raise InputError(what, where=place, allowed=", ".join(COUNTS))
+                raise InputError(what, where=place, allowed=", ".join(COUNTED))
         with faults.noted():
-            factor_to(ours[name].unit if name in ours else "", source.unit, place)
+            factor_to(kind.unit_of(name), source.unit, place)
     with faults.noted():
         _check_needed(kind, mapping.columns, where)
     faults.check()
@@ -115,22 +128,21 @@ def _check_constant(name: str, source: Source, where: str, *, is_number: bool) -
         raise InputError("the constant is no number", where=where, got=source.constant, allowed="a number, unquoted")
     if source != Source(constant=source.constant):
         what = "a constant takes no unit, factor or time_offset_s"
-        raise InputError(what, where=where, cure="write it in the unit of data.csv")
+        raise InputError(what, where=where, cure="write it in our unit")
 
 
-def _check_needed(kind: CaseKind, names: Mapping[str, object], where: str) -> None:
-    """Refuse too few quantities for a diagnosis of a kind of case.
+def _check_needed(kind: LogKind, names: Mapping[str, object], where: str) -> None:
+    """Refuse too few quantities for a kind of log.
 
     Raises:
         InputError: None of the sets of quantities that the kind needs is complete.
     """
-    if not any(needed <= set(names) for needed in NEEDED[kind]):
-        sets = [" ".join(sorted(needed)) for needed in NEEDED[kind]]
+    if not kind.suffices(names):
         raise InputError(
-            f"too few columns for a case of the kind {kind}",
+            f"too few columns for a log of the kind {kind.name}",
             where=where,
             got=sorted(names),
-            allowed="; or ".join(sets),
+            allowed="; or ".join(" ".join(sorted(needed)) for needed in kind.needed),
             cure=f"name the column of each in {MAPPING}",
         )
 
@@ -141,17 +153,16 @@ def unused_columns(mapping: LogMapping, log: LogFile) -> list[str]:
     return [name for name in log.columns if name not in used]
 
 
-def mapping_text(mapping: LogMapping, log: LogFile, out: Path) -> str:
-    """Return the text of a mapping file for the folder `out`, with comments that say how to change it."""
-    command = ["symolo", "case", "init", f"{log.path}", "--mapping", f"{out / MAPPING}", "--out", f"{out}-2"]
+def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequence[str]) -> str:
+    """Return the text of a mapping file, with comments that say how to change it and which command reads it."""
     unused = unused_columns(mapping, log)
     lines = [
-        f"# Which column of {log.path.name} is which column of data.csv. To change it, edit a line and run",
+        f"# Which column of {log.path.name} is which quantity. To change it, edit a line and run",
         f"#   {shlex.join(command)}",
         "# unit: unit in the log, such as mm, deg, ms, rpm, mV. factor: factor besides the unit; -1 turns the sign.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
         "# per_row: true, if ticks are counted anew in each row. wraps_at: ticks at which a counter begins again.",
-        "# A quantity that was constant: {constant: VALUE}, in the unit of data.csv.",
+        "# A quantity that was constant: {constant: VALUE}, in the unit of its name.",
         f"kind: {mapping.kind}",
         "columns:",
     ]
@@ -160,7 +171,7 @@ def mapping_text(mapping: LogMapping, log: LogFile, out: Path) -> str:
         fields = source.model_dump(exclude_defaults=True)
         texts = [f"{key}: {json.dumps(value, ensure_ascii=False)}" for key, value in fields.items()]
         lines.append(f"  {name}: {{{', '.join(texts)}}}")
-    absent = [name for name in quantity_names(mapping.case_kind) if name not in mapping.columns]
+    absent = [name for name in kind.names if name not in mapping.columns]
     lines += [f"# not used: {', '.join(unused)}"] if unused else []
     lines += [f"# not logged: {', '.join(absent)}"] if absent else []
     return "\n".join(lines) + "\n"

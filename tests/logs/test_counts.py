@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.new_case.counts import are_per_row, jump, running, unwrapped
+from logs.counts import are_per_row, jump, running, unwrapped
 
 T = 0.01 * np.arange(1500)
 SPEED = 900.0 * np.sin(0.9 * T) + 400.0

@@ -1,0 +1,220 @@
+"""Proposal of a mapping for a log: columns from the names, units from the names or from the values."""
+
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+
+from logs.counts import are_per_row
+from logs.drive import COUNTED, PER_ROW
+from logs.log_file import LogFile
+from logs.mapping import MAPPING, LogMapping, Source
+from logs.quantity import DUTY, LogKind
+from logs.scale import beyond_scale, likely_unit
+from logs.times import usual
+from logs.units import factor_to, taken_apart
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+
+NO_TARGET_FROM = 8.19e3
+"""Smallest of the codes of range sensors for "no target", which are 8190 and 8191 mm."""
+FASTEST_TURN_RAD_S = 12.0
+"""Speed at which no small robot turns for long; a heading that changes faster is in degrees."""
+LARGEST_ROOM_M = 20.0
+FULL_DUTIES = (1.0, 100.0, 255.0, 1023.0, 4095.0)
+"""Values of a full duty cycle in logs: share, per cent, 8, 10 and 12 bit."""
+USUAL_SUPPLY_V = 7.4
+SMALLEST_MM = 600.0
+"""Extent from which a length that is no metre is in millimetres rather than in centimetres."""
+DEFAULT_STEP_S = 0.05
+
+
+@dataclass(frozen=True)
+class Proposal:
+    mapping: LogMapping
+    warnings: tuple[str, ...]
+    """Guesses that the user has to check, in one sentence each."""
+
+
+def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_open: Collection[str] = ()) -> Proposal:
+    """Return a mapping for a log of a kind.
+
+    Args:
+        log: The log.
+        kind: Kind of the log.
+        supply_V: Voltage of a duty cycle of 1, if it is known.
+        left_open: Quantities whose unit the caller guesses if no name states it.
+
+    Raises:
+        InputError: The log lacks columns of this kind.
+    """
+    recognised = kind.matched(list(log.columns))
+    if not kind.suffices(recognised):
+        raise missing(log, kind, recognised)
+    sources: dict[str, Source] = {}
+    warnings = []
+    for name, column in recognised.items():
+        unit, ours = taken_apart(column).unit if column != name else "", kind.unit_of(name)
+        if DUTY & set(taken_apart(column).words) and not unit:
+            factor, reason = _of_duty(
+                log, [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
+            )
+            sources[name] = Source(column=column, factor=factor * (supply_V or USUAL_SUPPLY_V))
+            cure = "which is not known: give it with --set supply_voltage_V=NUMBER"
+            supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, {cure}"
+            warnings.append(f"{column} ({name}): {reason}, times {supply}")
+            continue
+        if ours and not unit and column != name and name not in left_open:
+            with suppress(InputError):  # wrong cells are reported together, when the rows are read
+                unit, reason = _guessed(kind, name, log.numbers(column), log, _step_s(log, sources))
+                warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
+        sources[name] = Source(column=column, unit="" if unit == ours else unit)
+    for name in [name for name in COUNTED if name in sources and _are_per_row(log, name, sources)]:
+        column = sources[name].column
+        sources[name] = sources[name].model_copy(update={"per_row": True})
+        is_named = PER_ROW & set(taken_apart(column).words)
+        reason = "by its name" if is_named else "since it follows the speed itself"
+        warnings.append(f"{column} ({name}): taken for the ticks since the row before, {reason}")
+    return Proposal(LogMapping.model_validate({"kind": kind.name, "columns": sources}), tuple(warnings))
+
+
+def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> InputError:
+    """Return an error that names what is missing of the set of quantities that is nearest to complete.
+
+    A range is named only if it alone is missing, and then beside what else would do.
+    """
+    several = [needed - set(recognised) for needed in kind.needed]
+    without_range = [lacking for lacking in several if not lacking & kind.ranges] or several
+    nearest = dict.fromkeys(min(sets, key=len) for sets in (without_range, several))
+    names = " or ".join(" ".join(sorted(each)) for each in nearest)
+    unused = [name for name in log.columns if name not in recognised.values()]
+    cure = f"rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping"
+    return InputError(
+        f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
+        where=f"{log.path}: row 1",
+        cure=f"not recognised: {', '.join(unused) or 'none'}; {cure}",
+    )
+
+
+def time_step_s(log: LogFile, column: str) -> float:
+    """Return the usual time [s] between two rows, by a column whose unit may be a guess."""
+    unit = taken_apart(column).unit or _guessed_time(log.numbers(column), log)[0]
+    return factor_to("s", unit, column) * _step(log.numbers(column))
+
+
+def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array], log: LogFile) -> Sequence[InputError]:
+    """Return an error for each quantity that no robot can have in the unit that the mapping states."""
+    faults = []
+    for name, scale in kind.scales.items():
+        typical = beyond_scale(values[name], scale.reach) if name in values else None
+        if typical is None:
+            continue
+        source = mapping.columns[name]
+        factor = likely_unit(typical, scale.reach, scale.unit) or "check its unit"
+        faults.append(
+            InputError(
+                f"column {source.column or source.constant}: as {source.unit or scale.unit} it gives {name} around "
+                f"{typical:.4g} {scale.unit}",
+                where=str(log.path),
+                allowed=scale.reach.words(scale.unit),
+                cure=f"{factor}; correct its unit in {MAPPING} and give that with --mapping",
+            )
+        )
+    return faults
+
+
+def _are_per_row(log: LogFile, name: str, sources: Mapping[str, Source]) -> bool:
+    """Return whether a column has the ticks since the row before, by its name or because it follows the speed."""
+    column = sources[name].column
+    if PER_ROW & set(taken_apart(column).words):
+        return True
+    if column == name:
+        return False
+    try:
+        counts = log.numbers(column)
+        if (voltage := sources.get(f"u_{name.split('_')[1]}_V")) is not None and voltage.column:
+            return are_per_row(counts, log.numbers(voltage.column))
+        if {"x_m", "y_m"} <= sources.keys():
+            x, y = (log.numbers(sources[axis].column) for axis in ("x_m", "y_m"))
+            return are_per_row(np.abs(counts), np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])))
+    except InputError:  # wrong cells are reported together, when the rows are read
+        pass
+    return False
+
+
+def _of_duty(log: LogFile, columns: Sequence[str]) -> tuple[float, str]:
+    """Return the share of the supply for a value of 1, and the reason, by the largest value of all such columns."""
+    largest = 0.0
+    for column in columns:
+        with suppress(InputError):
+            largest = max(largest, float(np.nanmax(np.abs(log.numbers(column)), initial=0.0)))
+    full = next((full for full in FULL_DUTIES if largest <= full), largest)
+    return 1.0 / full, f"taken for a duty cycle of which {full:g} is full, since the values are up to {largest:.4g}"
+
+
+def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
+    """Return the usual time between two rows, by the column of times if there is one."""
+    if "t_s" not in sources:
+        return DEFAULT_STEP_S
+    times = sources["t_s"]
+    return factor_to("s", times.unit, "t_s") * _step(log.numbers(times.column))
+
+
+def _step(times: Array) -> float:
+    steps = np.diff(times[np.isfinite(times)])
+    steps = steps[steps > 0.0]
+    return usual(steps) if len(steps) else 0.0
+
+
+def _guessed(kind: LogKind, name: str, values: Array, log: LogFile, step_s: float) -> tuple[str, str]:
+    """Return the unit in which the values seem to be, and a sentence that says why; no sentence if it is certain."""
+    known, ours = values[np.isfinite(values)], kind.unit_of(name)
+    if not len(known):
+        return "", ""
+    largest = float(np.abs(known).max())
+    if ours == "s":
+        return _guessed_time(known, log)
+    if name in kind.ranges:
+        below = known[known < NO_TARGET_FROM - 1.0]
+        largest = float(below.max()) if len(below) else largest
+    if ours == "m":
+        return _guessed_length(known, largest, is_range=name in kind.ranges)
+    if ours == "rad":
+        return _guessed_angle(known, step_s)
+    if ours in {"V", "A"} and largest > 60.0:
+        return f"m{ours}", f"taken for m{ours}, since the values are up to {largest:.4g}; a duty cycle needs a factor"
+    if ours == "rad/s":
+        unit = "rpm" if largest > 60.0 else ""
+        return unit, f"taken for {unit or ours}, since the values are up to {largest:.4g}"
+    return "", ""
+
+
+def _guessed_length(known: Array, largest: float, *, is_range: bool) -> tuple[str, str]:
+    """Return the unit of places in a room or of ranges; range sensors of small robots report millimetres."""
+    extent = largest if is_range else float(np.ptp(known))
+    if max(extent, largest) <= LARGEST_ROOM_M:
+        return "", f"taken for metres, since the values are up to {largest:.3g}"
+    unit, other = ("mm", "cm") if is_range or extent >= SMALLEST_MM else ("cm", "mm")
+    reason = f"taken for {unit}, since the values are up to {largest:.4g}"
+    return unit, f"{reason}; if they are {other}, correct it in {MAPPING}"
+
+
+def _guessed_time(known: Array, log: LogFile) -> tuple[str, str]:
+    step = _step(known)
+    is_whole = bool(np.all(known == np.rint(known)))
+    if not is_whole or (step < 100.0 and log.rows < 100):
+        return "", ""
+    unit = "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
+    return unit, f"taken for {unit}, since rows are {step:.6g} apart"
+
+
+def _guessed_angle(known: Array, step_s: float) -> tuple[str, str]:
+    turned = np.abs(np.diff(known))
+    largest = float(np.abs(known).max())
+    wraps = turned[turned > np.pi]
+    is_wrapped_rad = len(wraps) > 0 and float(np.median(np.abs(wraps - 2.0 * np.pi))) < 1.0
+    is_fast = len(turned) > 0 and float(np.quantile(turned, 0.9)) > FASTEST_TURN_RAD_S * max(step_s, 1e-3)
+    if not is_wrapped_rad and largest > 2.0 * np.pi + 0.5 and (is_fast or bool(np.any(turned > 300.0))):
+        return "degrees", f"taken for degrees, since the values are up to {largest:.4g}"
+    return "", f"taken for radians, since the values are up to {largest:.3g}"

@@ -1,0 +1,116 @@
+"""Quantities of logs, and the words by which the columns of logs name them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from logs.scale import Reach
+from logs.units import HeaderName, taken_apart, units_for
+
+
+def words(text: str) -> frozenset[str]:
+    """Return a group of words, of which the name of a column has one."""
+    return frozenset(text.split())
+
+
+FILLERS = words(
+    "wheel wheels sensor log logged raw meas measured robot mocap opti optitrack vicon camera cam tracker true world "
+    "pose pos position mean value motor mot total abs vl53l0x vl53"
+)
+"""Words that say nothing about which quantity it is."""
+LEFT, RIGHT = words("left l lhs links"), words("right r rhs rechts")
+FRONT = words("front f fwd forward centre center middle")
+SIDES = LEFT | RIGHT | FRONT
+TIME = words("t time timestamp stamp clock")
+DUTY = words("pwm duty")
+"""Words for a voltage as a share of the supply's."""
+RANGE = words("tof range ranges dist distance d lidar ir sonar ultrasonic")
+HEADING = words("theta th heading yaw phi angle orientation rotation psi compass")
+SPEED = words("omega w speed velocity vel rotation")
+SET = words("cmd command commanded set setpoint target ref reference desired")
+LINEAR = words("v speed velocity linear lin")
+TURNING = words("w omega yaw turn angular ang")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    name: str
+    """Our name of the quantity, with its unit."""
+    groups: tuple[frozenset[str], ...]
+    """Groups of words, of each of which the name has one."""
+    unit_suffices: bool = True
+    """Whether a unit of the quantity may stand for the last group."""
+    beside: frozenset[str] = frozenset()
+    """Words that may stand beside those of the groups."""
+
+    def matches(self, header: HeaderName, unit: str, fillers: frozenset[str]) -> bool:
+        """Return whether a name means this quantity, which we measure in `unit`; it may have `fillers`."""
+        names = set(header.words)
+        has_unit = header.unit in units_for(unit) if header.unit else False
+        if header.unit and not has_unit:
+            return False
+        *first, last = self.groups
+        if not all(names & group for group in first) or not (names & last or (has_unit and self.unit_suffices)):
+            return False
+        return not names - frozenset.union(*self.groups, self.beside) - fillers
+
+
+class Scale(Protocol):
+    """Unit and possible values of a quantity."""
+
+    @property
+    def unit(self) -> str: ...
+    @property
+    def reach(self) -> Reach: ...
+
+
+@dataclass(frozen=True)
+class LogKind:
+    """The quantities that a log of one kind may hold."""
+
+    name: str
+    quantities: tuple[Quantity, ...]
+    """Quantities in the order in which they are looked for; one may occur again with other words."""
+    scales: Mapping[str, Scale]
+    """Unit and possible values of each quantity that is a number, by its name."""
+    needed: tuple[frozenset[str], ...]
+    """Sets of quantities, one of which must be complete."""
+    ranges: frozenset[str] = frozenset()
+    """Readings of range sensors, which small robots log in millimetres."""
+    fillers: frozenset[str] = FILLERS
+    """Words that say nothing about which quantity it is."""
+    lone_range: str = ""
+    """Reading that a single range sensor without a side has, if there is one of this kind."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(quantity.name for quantity in self.quantities))
+
+    def suffices(self, names: Mapping[str, object]) -> bool:
+        """Return whether one of the sets of needed quantities is complete."""
+        return any(needed <= set(names) for needed in self.needed)
+
+    def unit_of(self, name: str) -> str:
+        """Return the unit of a quantity; empty if it has none or is a word."""
+        return self.scales[name].unit if name in self.scales else ""
+
+    def matched(self, columns: Sequence[str]) -> dict[str, str]:
+        """Return the columns of a log by the quantity that they seem to hold; each is used at most once."""
+        result = {name: name for name in self.names if name in columns}
+        for quantity in self.quantities:
+            if quantity.name in result:
+                continue
+            unit, used = self.unit_of(quantity.name), set(result.values())
+            for column in columns:
+                if column not in used and quantity.matches(taken_apart(column), unit, self.fillers):
+                    result[quantity.name] = column
+                    break
+        if self.lone_range and not self.ranges & result.keys():
+            ranges = [name for name in columns if name not in result.values() and self._is_range(taken_apart(name))]
+            result |= {self.lone_range: ranges[0]} if len(ranges) == 1 else {}
+        return {name: result[name] for name in self.names if name in result}
+
+    def _is_range(self, header: HeaderName) -> bool:
+        """Return whether a name is that of a range sensor without a side."""
+        names = set(header.words)
+        return bool(names & RANGE) and not names - RANGE - self.fillers and header.unit in {"", *units_for("m")}

@@ -1,0 +1,41 @@
+"""What files look like, for those who recognise their kind; nothing here raises an error."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from symolo.core.files.plain_files import open_named_file
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is such a file; false, without a PermissionError, in a folder without permission."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether there is such a folder; false, without a PermissionError, in a folder without permission."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
+def only_log(path: Path, is_log: Callable[[Path], bool]) -> Path | None:
+    """Return the file itself, or the only log in a folder; None if there is none or more than one."""
+    if not is_folder(path):
+        return path if is_log(path) else None
+    logs = [file for file in path.glob("*.csv") if is_log(file)]
+    return logs[0] if len(logs) == 1 else None
+
+
+def first_line(path: Path) -> str:
+    """Return the first line of a file without spaces; empty for a folder and for a file that cannot be read."""
+    if not is_file(path):  # opening a pipe or a device could wait forever
+        return ""
+    try:
+        with open_named_file(path) as file:
+            return "".join(file.readline(4096).decode("utf-8-sig", errors="replace").split())
+    except (OSError, ValueError):
+        return ""

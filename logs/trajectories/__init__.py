@@ -1,0 +1,14 @@
+"""Readers of the trajectories in logs: one file for each kind of log."""
+
+from logs.trajectories import euroc, kitti, motive, symolo_csv, table, tum
+from logs.trajectories.base import TrajectoryReader
+
+READERS: tuple[TrajectoryReader, ...] = (
+    symolo_csv.READER,
+    tum.READER,
+    kitti.READER,
+    euroc.READER,
+    motive.READER,
+    table.READER,
+)
+"""Readers in the order in which they are tried; a table of any kind comes last."""

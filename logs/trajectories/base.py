@@ -1,0 +1,86 @@
+"""A trajectory that a log holds, and the interface of what reads it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from logs.axis import Axis
+from symolo.core.arrays import Array
+
+
+@dataclass(frozen=True)
+class ReadSettings:
+    """What a user says about logs beside their names."""
+
+    mapping: Path | None = None
+    """Mapping file of a table; by default columns and units are recognised."""
+    up: Axis | None = None
+    """Axis of the log's world frame that points up; by default recognised from the poses."""
+    forward: Axis | None = None
+    """Axis of the tracked body along which the robot drives; by default recognised from the path."""
+    heading_from_path: bool = False
+    """Whether the direction of the path is the heading, for a log without headings."""
+    pose_hz: float | None = None
+    """Rate of the poses of a file without times."""
+    topics: tuple[str, ...] = ()
+    """Topics of a bag, or frames such as `map:base_link`, that give the pose; by default the best there are."""
+
+
+@dataclass(frozen=True)
+class LoggedTable:
+    """Measurements of a log that have no columns in data.csv, at the times of the poses."""
+
+    name: str
+    meaning: str
+    columns: Mapping[str, tuple[str, Array]]
+    """Unit and values (N,) by column; NaN where nothing was measured."""
+
+
+@dataclass(frozen=True)
+class LoggedTrajectory:
+    """A trajectory in our units and axes, W with z up and R with x forward."""
+
+    t_s: Array
+    """(N,), increasing, in the clock of the log."""
+    pose: Array
+    """(N, 3), x [m], y [m], yaw [rad, wrapped or not] of the robot in W."""
+    quantities: Mapping[str, str]
+    """Source of each quantity, such as a column with its unit."""
+    readings: Mapping[str, Array] = field(default_factory=dict)
+    """(N,) by column of data.csv; NaN where nothing was measured, and infinity where a range sensor saw no target."""
+    tables: tuple[LoggedTable, ...] = ()
+    changes: tuple[str, ...] = ()
+    """What was changed beside units, in one sentence each, such as a tilt that was left out."""
+    guesses: tuple[str, ...] = ()
+    """Guesses that the user has to check, in one sentence each."""
+    warnings: tuple[str, ...] = ()
+    """What is suspicious about it, in one sentence each."""
+    name: str = ""
+    """Name within a log of several trajectories, such as a topic."""
+
+    def __post_init__(self) -> None:
+        for array in (self.t_s, self.pose, *self.readings.values()):
+            array.flags.writeable = False
+
+
+@dataclass(frozen=True)
+class TrajectoryReader:
+    """Reads the trajectories in one kind of file or folder."""
+
+    name: str
+    """Value of `--format`."""
+    what: str
+    """Description in a few words."""
+    recognises: Callable[[Path], bool]
+    """Function that returns whether a file or folder has this form, from names and first bytes; it never raises."""
+    read: Callable[[Path, ReadSettings], Sequence[LoggedTrajectory]]
+    """Function that reads the trajectories strictly, or raises InputError with file, row and column."""
+
+
+def axis_vector(axis: Axis) -> Array:
+    """Return the unit vector (3,) of an axis."""
+    vector = np.zeros(3)
+    vector[axis.number] = axis.sign
+    return vector

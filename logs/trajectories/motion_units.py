@@ -1,0 +1,78 @@
+"""Units of times, places and headings without a unit in their names, from the motion that they would give.
+
+A column alone says little: 50 may be seconds or milliseconds. Together, the units must give a motion that a small robot
+can make, and headings must follow the path.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import product
+
+import numpy as np
+
+from logs.scale import OTHER_UNITS
+from logs.times import usual
+from logs.trajectories.path_direction import MAX_UNJUDGED_CHORDS, angle_to_path, chords
+from symolo.core.arrays import Array
+
+USUAL_M_S = 0.3
+"""Speed of a small robot; of several units that are possible, that with the speed nearest to it is taken."""
+SLOWEST_M_S, FASTEST_M_S = 0.005, 5.0
+SHORTEST_STEP_S, LONGEST_STEP_S = 2e-4, 5.0
+"""Steps between the rows of a log."""
+WIDEST_M = 100.0
+_MIN_MARGIN_RAD = math.radians(5.0)
+"""Smallest difference by which headings must follow the path better in one unit than in the other."""
+
+
+def per_unit(ours: str) -> Mapping[str, float]:
+    """Return how many of each unit make one of ours; an empty name is ours."""
+    return {"": 1.0, **dict(OTHER_UNITS[ours])}
+
+
+def time_and_length(t: Array, place: Array, time_units: Sequence[str], length_units: Sequence[str]) -> tuple[str, str]:
+    """Return the units of times (N,) and places (N, 2) that give the most usual speed; empty names are s and m.
+
+    Args:
+        t: Times, increasing.
+        place: Places.
+        time_units: Possible units of the times; the first is taken if none gives a possible motion.
+        length_units: Possible units of the places.
+    """
+    per_s, per_m = per_unit("s"), per_unit("m")
+    steps, ways = np.diff(t), np.hypot(*np.diff(place, axis=0).T)
+    moves = (ways > 0.0) & (steps > 0.0)
+    speed = float(np.median(ways[moves] / steps[moves])) if moves.any() else 0.0
+    step = usual(steps[steps > 0.0]) if np.any(steps > 0.0) else 0.0
+    extent = float(np.ptp(place, axis=0).max())
+
+    def cost(units: tuple[str, str]) -> tuple[bool, bool, bool, float, int]:
+        time, length = units
+        step_s, speed_m_s, extent_m = step / per_s[time], speed * per_s[time] / per_m[length], extent / per_m[length]
+        is_possible = SLOWEST_M_S <= speed_m_s <= FASTEST_M_S or speed == 0.0
+        away = abs(math.log(speed_m_s / USUAL_M_S)) if speed_m_s > 0.0 else 0.0
+        plain = time_units.index(time) + length_units.index(length)
+        # Metres at a possible speed need no other unit, however far that speed is from the usual one.
+        return (
+            not SHORTEST_STEP_S <= step_s <= LONGEST_STEP_S,
+            not is_possible,
+            extent_m > WIDEST_M,
+            0.0 if is_possible and length == "" else away,
+            plain,
+        )
+
+    return min(product(time_units, length_units), key=cost)
+
+
+def heading_unit(place_m: Array, heading: Array) -> str:
+    """Return `degrees` or an empty name for radians, whichever follows the path of places (N, 2) [m] better.
+
+    Without a path that tells, headings beyond one turn that jump by less than a turn are taken for degrees.
+    """
+    ends = chords(place_m)
+    if len(ends) > MAX_UNJUDGED_CHORDS:
+        as_radians, as_degrees = (angle_to_path(place_m[ends], yaw[ends]) for yaw in (heading, np.radians(heading)))
+        if abs(as_radians - as_degrees) > _MIN_MARGIN_RAD:
+            return "degrees" if as_degrees < as_radians else ""
+    largest, jump = float(np.abs(heading).max()), float(np.abs(np.diff(heading)).max(initial=0.0))
+    return "degrees" if largest > 2.0 * math.pi + 0.5 and (jump > 300.0 or largest > 30.0) else ""

@@ -1,0 +1,224 @@
+"""Tables with any column names and units: their mapping, by a file or from names and values."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from logs.counted import counted
+from logs.drive import DRIVE_TABLE
+from logs.log_file import LogFile, read_log
+from logs.mapping import LogMapping, Source, check_mapping, read_mapping, unused_columns
+from logs.proposal import Proposal, missing, propose_as, unit_faults
+from logs.recognition import first_line, is_file
+from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
+from logs.trajectories.motion_units import heading_unit, per_unit, time_and_length
+from logs.trajectories.path_direction import headings_along
+from logs.trajectories.planar import on_floor
+from logs.trajectories.quantities import DRIVE_QUANTITIES, QUATERNION, READING_OF, TRAJECTORY
+from logs.units import factor_to, taken_apart
+from symolo.core.arrays import Array
+from symolo.core.errors import FaultList, InputError
+from symolo.core.geometry.poses import rotations
+
+PATH_LENGTH_M = 0.05
+"""Distance over which the direction of a path is its heading."""
+_MOTION = ("t_s", "x_m", "y_m", "z_m", "theta_rad")
+LOG_TABLE = "log"
+"""Name of the table with the columns that are no quantity of a trajectory."""
+_ENDINGS = (".csv", ".txt", ".tsv", ".log")
+
+
+def propose_trajectory(log: LogFile) -> Proposal:
+    """Return a mapping of a table to a trajectory; units that no name states are those of a possible motion.
+
+    Raises:
+        InputError: Times or places are not among the columns.
+    """
+    proposal = propose_as(log, TRAJECTORY, left_open=_MOTION)
+    sources = dict(proposal.mapping.columns)
+    stated = {name: bool(taken_apart(source.column).unit) for name, source in sources.items()}
+    own = {name: source.column == name for name, source in sources.items()}
+    warnings = [*proposal.warnings]
+    with suppress(InputError):  # wrong cells are reported together, when the rows are read
+        warnings += _guess_motion(log, sources, {name: stated[name] or own[name] for name in sources})
+    mapping = LogMapping.model_validate({"kind": TRAJECTORY.name, "columns": sources})
+    return Proposal(mapping, tuple(warnings))
+
+
+def _guess_motion(log: LogFile, sources: dict[str, Source], known: Mapping[str, bool]) -> list[str]:
+    """Give times, places and headings the units of a possible motion; return a sentence for each guess."""
+    t, x, y = (log.numbers(sources[name].column) for name in ("t_s", "x_m", "y_m"))
+    good = np.isfinite(t) & np.isfinite(x) & np.isfinite(y)
+    t, place = t[good], np.column_stack((x, y))[good]
+    if len(t) < 2:
+        return []
+    length_known = known["x_m"] or known["y_m"]
+    times = [sources["t_s"].unit] if known["t_s"] else list(per_unit("s"))
+    lengths = [sources["x_m"].unit or sources["y_m"].unit] if length_known else list(per_unit("m"))
+    time, length = time_and_length(t, place, times, lengths)
+    lines = []
+    if not known["t_s"]:
+        sources["t_s"] = sources["t_s"].model_copy(update={"unit": time})
+        lines.append(f"{sources['t_s'].column} (t_s): the name has no unit; taken for {time or 's'}")
+    if not length_known:
+        for name in ("x_m", "y_m", *(["z_m"] if "z_m" in sources else [])):
+            sources[name] = sources[name].model_copy(update={"unit": length})
+        speed = _usual_speed(t / per_unit("s")[time], place / per_unit("m")[length])
+        names = ", ".join(sources[name].column for name in ("x_m", "y_m"))
+        lines.append(f"{names} (x_m, y_m): the names have no unit; taken for {length or 'm'}, which gives {speed}")
+    if "theta_rad" in sources and not known["theta_rad"]:
+        heading = log.numbers(sources["theta_rad"].column)[good]
+        if np.isfinite(heading).all():
+            unit = heading_unit(place / per_unit("m")[length], heading)
+            sources["theta_rad"] = sources["theta_rad"].model_copy(update={"unit": unit})
+            column = sources["theta_rad"].column
+            lines.append(f"{column} (theta_rad): the name has no unit; taken for {unit or 'rad'}")
+    return lines
+
+
+def _usual_speed(t_s: Array, place_m: Array) -> str:
+    ways, steps = np.hypot(*np.diff(place_m, axis=0).T), np.diff(t_s)
+    moves = (ways > 0.0) & (steps > 0.0)
+    return f"{np.median(ways[moves] / steps[moves]):.3g} m/s" if moves.any() else "no motion"
+
+
+@dataclass(frozen=True)
+class _MappedTable:
+    log: LogFile
+    mapping: LogMapping
+    guesses: tuple[str, ...]
+
+    @classmethod
+    def of(cls, path: Path, settings: ReadSettings) -> "_MappedTable":
+        log = read_log(path)
+        if settings.mapping is None:
+            proposal = propose_trajectory(log)
+            return cls(log, proposal.mapping, proposal.warnings)
+        mapping = read_mapping(settings.mapping, [TRAJECTORY])
+        check_mapping(mapping, TRAJECTORY, log, str(settings.mapping))
+        return cls(log, mapping, ())
+
+    def values(self, notes: list[str]) -> dict[str, Array]:
+        """Return the numbers of each quantity in our unit, (N,); `notes` gets what was changed.
+
+        Raises:
+            InputError: A cell is no number, or a quantity is out of reach; all are reported.
+        """
+        faults, values = FaultList(), {}
+        for name, source in self.mapping.columns.items():
+            with faults.noted():
+                if source.constant is not None:
+                    values[name] = np.full(self.log.rows, float(source.constant))
+                else:
+                    factor = source.factor * factor_to(TRAJECTORY.unit_of(name), source.unit, f"columns.{name}")
+                    values[name] = factor * counted(self.log.numbers(source.column), source, name, notes)
+        if not faults.faults:
+            faults.faults += unit_faults(self.mapping, TRAJECTORY, values, self.log)
+        faults.check()
+        return values
+
+
+def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
+    table = _MappedTable.of(path, settings)
+    notes = list(table.log.notes)
+    values = table.values(notes)
+    rows, changes = _usable_rows(values, table)
+    values = {name: column[rows] for name, column in values.items()}
+    pose, quantities, lost, warnings, guesses = _poses(values, table, settings)
+    others = (*_drive(values), *_others(table, rows))
+    return [
+        LoggedTrajectory(
+            values["t_s"],
+            pose,
+            {name: source.text for name, source in table.mapping.columns.items()} | quantities,
+            {READING_OF[name]: column for name, column in values.items() if name in READING_OF},
+            others,
+            (*notes, *changes, *lost),
+            (*table.guesses, *guesses),
+            warnings,
+        )
+    ]
+
+
+def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.ndarray, list[str]]:
+    """Return the rows with a time and a pose, and what was left out.
+
+    Raises:
+        InputError: The time goes back, or no row is left.
+    """
+    needed = [name for name in ("t_s", "x_m", "y_m", "z_m", "theta_rad", *QUATERNION) if name in values]
+    complete = np.isfinite([values[name] for name in needed]).all(axis=0)
+    rows = np.flatnonzero(complete)
+    if not len(rows):
+        raise InputError("no row has a time and a pose", where=str(table.log.path))
+    changes = []
+    if len(rows) < len(complete):
+        changes.append(f"{len(complete) - len(rows)} rows without a time or a pose are left out")
+    steps = np.diff(values["t_s"][rows])
+    back = np.flatnonzero(steps < 0.0)
+    if len(back):
+        row = int(rows[int(back[0]) + 1])
+        where, cure = f"{table.log.path}: row {row + 2}", "sort the rows by time, or import each part as its own log"
+        raise InputError(f"the time goes back by {-steps[back[0]]:.4g} s", where=where, cure=cure)
+    repeated = np.concatenate(([False], steps == 0.0))
+    if repeated.any():
+        changes.append(f"{np.count_nonzero(repeated)} rows repeat the time of the row above and are left out")
+    return rows[~repeated], changes
+
+
+def _poses(
+    values: Mapping[str, Array], table: _MappedTable, settings: ReadSettings
+) -> tuple[Array, dict[str, str], tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    """Return poses (N, 3), sources of quantities, what is left out, warnings and guesses.
+
+    Raises:
+        InputError: There are no headings.
+    """
+    place = np.column_stack((values["x_m"], values["y_m"]))
+    where = str(table.log.path)
+    if settings.heading_from_path:
+        yaw_rad = headings_along(place, PATH_LENGTH_M)
+        if yaw_rad is None:
+            raise InputError(f"the path is shorter than {PATH_LENGTH_M} m, so that it has no direction", where=where)
+        text = "headings are the direction of the path, because none were measured"
+        return np.column_stack((place, yaw_rad)), {"theta_rad": "direction of the path"}, (text,), (), ()
+    if "theta_rad" in values:
+        return np.column_stack((place, values["theta_rad"])), {}, (), (), ()
+    if all(name in values for name in QUATERNION):
+        p_OB = np.column_stack((place, values.get("z_m", np.zeros(len(place)))))
+        R_OB = rotations(np.column_stack([values[name] for name in QUATERNION]))
+        floor = on_floor(p_OB, R_OB, where, up=settings.up, forward=settings.forward)
+        return floor.pose, floor.quantities, floor.changes, floor.warnings, floor.guesses
+    error = missing(table.log, TRAJECTORY, {name: "" for name in values if name != "theta_rad"} | {"z_m": ""})
+    cure = "name the column of the heading in a mapping file, or take the direction of the path: --heading-from-path"
+    raise InputError("no column was recognised as the heading", where=where, cure=cure) from error
+
+
+def _drive(values: Mapping[str, Array]) -> tuple[LoggedTable, ...]:
+    """Return what was logged of the drive as one table, in our units."""
+    columns = {name: (TRAJECTORY.unit_of(name), values[name]) for name in DRIVE_QUANTITIES if name in values}
+    return (
+        (LoggedTable(DRIVE_TABLE, "commands, voltages and encoder counts of the wheels", columns),) if columns else ()
+    )
+
+
+def _others(table: _MappedTable, rows: np.ndarray) -> tuple[LoggedTable, ...]:
+    """Return the columns of numbers that are no quantity of a trajectory, as one table."""
+    columns: dict[str, tuple[str, Array]] = {}
+    for name in unused_columns(table.mapping, table.log):
+        with suppress(InputError):  # words
+            values = table.log.numbers(name)[rows]
+            if np.isfinite(values).any():
+                columns[name] = taken_apart(name).unit or "-", values
+    meaning = f"columns of {table.log.path.name} that are no quantity of a trajectory, in its own units"
+    return (LoggedTable(LOG_TABLE, meaning, columns),) if columns else ()
+
+
+def _recognises(path: Path) -> bool:
+    return is_file(path) and path.suffix.lower() in _ENDINGS and any(mark in first_line(path) for mark in ",;\t")
+
+
+READER = TrajectoryReader("table", "a table with a header line, whatever its columns are called", _recognises, _read)

@@ -1,0 +1,215 @@
+"""The command `symolo import`: logs of other programs as a dataset."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from logs.axis import Axis
+from pipeline.commands.options import (
+    DryRun,
+    Out,
+    checked_input,
+    checked_inputs,
+    if_given,
+    names,
+)
+from symolo.core.errors import InputError
+
+if TYPE_CHECKING:
+    from logs.trajectories.base import ReadSettings
+    from pipeline.importing.imported_runs import ImportedDataset
+
+
+Logs = Annotated[
+    list[Path],
+    typer.Argument(metavar="LOG...", callback=checked_inputs, help="Logs: each is one run, or several."),
+]
+LogFormat = Annotated[
+    str | None,
+    typer.Option(
+        "--format",
+        metavar="NAME",
+        help="Form of the logs: symolo, tum, kitti, euroc, motive or table; by default recognised from each.",
+    ),
+]
+Mapping = Annotated[
+    Path | None,
+    typer.Option(
+        "--map",
+        metavar="FILE",
+        callback=if_given(checked_input),
+        help="Mapping file of a table: which column, in which unit, is which quantity. By default it is proposed from "
+        "the names and the values of the columns.",
+    ),
+]
+Yes = Annotated[bool, typer.Option("--yes", help="Accept the guesses that the command prints, without a question.")]
+Up = Annotated[
+    Axis | None,
+    typer.Option(help="Axis of the log's world frame that points up; by default recognised from the poses."),
+]
+Forward = Annotated[
+    Axis | None,
+    typer.Option(help="Axis of the tracked body along which the robot drives; by default recognised from the path."),
+]
+HeadingFromPath = Annotated[
+    bool,
+    typer.Option("--heading-from-path", help="Take the direction of the path for the heading, if none was measured."),
+]
+PoseHz = Annotated[
+    float | None,
+    typer.Option(min=0.01, max=100_000, metavar="HZ", help="Rate of the poses of a file without times, as of KITTI."),
+]
+RowHz = Annotated[
+    float | None,
+    typer.Option(
+        min=0.01, max=1000, metavar="HZ", help="Sample the trajectory again at this rate; by default its times stay."
+    ),
+]
+Topics = Annotated[
+    str | None,
+    typer.Option(
+        "--topic", metavar="NAME,...", help="Bodies or topics that give the poses; by default all, or the best of them."
+    ),
+]
+
+
+def import_logs(
+    logs: Logs,
+    *,
+    out: Out,
+    form: LogFormat = None,
+    mapping: Mapping = None,
+    yes: Yes = False,
+    arena: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Shipped arena, or a YAML file, in which the robot drove; by default an empty floor that fits the "
+            "paths, or that of SyMoLo for a data.csv.",
+        ),
+    ] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Shipped robot, or a YAML file, whose camera would take images; by default nominal."
+        ),
+    ] = None,
+    up: Up = None,
+    forward: Forward = None,
+    heading_from_path: HeadingFromPath = False,
+    pose_hz: PoseHz = None,
+    row_hz: RowHz = None,
+    topic: Topics = None,
+    route: Annotated[str, typer.Option(metavar="NAME", help="Name of the route, and of the folder of the runs.")] = (
+        "imported"
+    ),
+    name: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Name of the dataset; by default that of the first log.")
+    ] = None,
+    licence: Annotated[
+        str, typer.Option(metavar="SPDX", help="Licence of the logs, such as CC-BY-4.0.")
+    ] = "NOASSERTION",
+    dry_run: DryRun = False,
+) -> None:
+    """Import logs of other programs as a dataset: tables with any columns, TUM, KITTI, EuRoC, Motive.
+
+    Times and poses are enough. What a log also holds, such as speeds and ranges, gets its column in data.csv; other
+    columns of numbers get a table of their own. What nobody measured is absent, and nothing is invented.
+
+    Of a table, the command recognises columns and units from names such as `time_ms`, `x [mm]` or `heading_deg`, and
+    units that no name states from the motion that they would give. It prints what it guessed and asks; --yes accepts
+    it, and --map gives a file that says it.
+
+    `verify`, `report`, `export` and `diagnose` take the dataset, and `rerender` renders images for it.
+
+    Example: symolo import run.csv --out measured
+
+    Example: symolo import groundtruth.txt --out measured, and then symolo rerender measured --looks classroom,lab
+    """
+    from pipeline.importing.imported_runs import ImportRequest, imported_dataset
+    from pipeline.importing.write import check_place, write_dataset
+    from symolo.core.progress import report_here
+
+    settings = read_settings(mapping, up, forward, pose_hz, topic, heading_from_path=heading_from_path)
+    request = ImportRequest(
+        tuple(logs), form, settings, row_hz, arena, robot, checked_name("--route", route), name, licence
+    )
+    if name is not None:
+        checked_name("--name", name)
+    dataset = imported_dataset(request)
+    check_place(dataset, out)
+    describe_logs(dataset, yes=yes or dry_run)
+    if dry_run:
+        return
+    write_dataset(dataset, out, report_here())
+    rows = sum(len(run.rows.t_ms) for run in dataset.runs)
+    from symolo.core.progress import plural
+
+    typer.echo(f"{out}: {plural(len(dataset.runs), 'run')}, {plural(rows, 'row')}")
+    typer.echo(f"\nsymolo rerender {out} --looks classroom,lab --camera-hz 5 --out {out}-images")
+
+
+def read_settings(
+    mapping: Path | None,
+    up: Axis | None,
+    forward: Axis | None,
+    pose_hz: float | None,
+    topic: str | None,
+    *,
+    heading_from_path: bool,
+) -> "ReadSettings":
+    """Return the options of a command that say how to read logs."""
+    from logs.trajectories.base import ReadSettings
+
+    topics = names(topic, "--topic") if topic is not None else ()
+    return ReadSettings(mapping, up, forward, heading_from_path, pose_hz, topics)
+
+
+def checked_name(option: str, name: str) -> str:
+    """Return the name of a folder or dataset.
+
+    Raises:
+        InputError: It has other characters than letters, digits, `-` and `_`.
+    """
+    import re
+
+    from symolo.dataset.layout import NAME_PATTERN
+
+    if not re.match(NAME_PATTERN, name):
+        allowed = "letters, digits, '_' and '-', at most 64, beginning with a letter or digit"
+        raise InputError(option, got=name, allowed=allowed)
+    return name
+
+
+def describe_logs(dataset: "ImportedDataset", *, yes: bool) -> None:
+    """Print how each log is read, and let the user confirm what was guessed.
+
+    Raises:
+        InputError: Something was guessed, and nobody confirms it.
+    """
+    from symolo.core.progress import plural
+
+    guessed = False
+    for log, run in zip(dataset.logs, dataset.runs, strict=True):
+        seconds = run.rows.t_ms[-1] / 1000
+        typer.echo(f"{log.title}: {log.origin.format}, {plural(len(run.rows.t_ms), 'pose')}, {seconds:.1f} s")
+        for quantity, source in log.origin.quantities.items():
+            typer.echo(f"  {quantity:12}from {source}")
+        for change in (run.spec.origin and run.spec.origin.log and run.spec.origin.log.changes) or ():
+            typer.echo(f"  note: {change}")
+        for guess in log.trajectory.guesses:
+            typer.echo(f"  GUESS {guess}")
+        for warning in run.outcome.suspicions:
+            typer.echo(f"  WARNING {warning}")
+        guessed |= bool(log.trajectory.guesses)
+    if not guessed or yes:
+        return
+    if sys.stdin.isatty() and sys.stdout.isatty():
+        if typer.confirm("Is that right?"):
+            return
+        cure = "write a mapping file, and give it with --map (docs/import.md)"
+        raise InputError("nothing was written", cure=cure)
+    cure = "repeat the command with --yes if they are right, or give a file that says it with --map (docs/import.md)"
+    raise InputError("some columns or units are guesses, see above", cure=cure)

@@ -1,0 +1,160 @@
+"""What is suspicious about a trajectory from elsewhere, with the unit that is suspected."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from logs.times import usual
+from logs.trajectories.path_direction import (
+    EXPLAINED_RAD,
+    MAX_UNJUDGED_CHORDS,
+    UNEXPLAINED_RAD,
+    angle_to_path,
+    chords,
+)
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+
+Where = Callable[[int], str]
+"""Returns the place of a row for messages, such as `data.csv:7`."""
+
+MAX_POSSIBLE_M_S = 10.0
+"""Largest speed that a small robot can have; most drive at 0.1 to 1 m/s, which seconds turn into 100 or more."""
+MAX_USUAL_M_S = 3.0
+"""Largest speed that a small robot usually has."""
+MAX_USUAL_RAD_S = 15.0
+"""Largest rate of turn that a small robot usually has."""
+MAX_PATH_WIDTH_M = 100.0
+"""Width of a path from which on a robot that is too fast has places in millimetres, rather than times in seconds."""
+MIN_PATH_M = 0.01
+"""Length of the path up to which the robot stands still."""
+MAX_GAP_STEPS = 20.0
+"""Steps of time above this multiple of the usual step are gaps."""
+SAME_STEPS = 0.5
+"""Share of steps in which nothing moves from which on poses are repeated: they come less often than rows."""
+
+
+def check_possible(t_s: Array, pose: Array, at: Where, *, in_milliseconds: bool) -> None:
+    """Refuse a motion that no small robot makes, because its units are wrong.
+
+    Args:
+        t_s: (N,), times.
+        pose: (N, 3), x [m], y [m], yaw [rad], not wrapped.
+        at: Place of a row for messages.
+        in_milliseconds: Whether the log states its times in milliseconds, as a data.csv does.
+
+    Raises:
+        InputError: The robot is too fast, or the headings are in degrees; the suspected unit is named.
+    """
+    _check_headings(pose, at)
+    ways = np.hypot(*np.diff(pose[:, :2], axis=0).T)
+    moves = np.flatnonzero(ways > 0.0)
+    # The median counts, so that a jump is no reason.
+    if len(moves) and (speed := float(np.median(ways[moves] / np.diff(t_s)[moves]))) > MAX_POSSIBLE_M_S:
+        column = "t"
+        cure = "are the times in a larger unit, or the places in a smaller one? name their units in a mapping file"
+        if in_milliseconds:
+            cure = "give t in milliseconds; this looks like seconds: multiply it by 1000"
+            if float(np.ptp(pose[:, :2], axis=0).max()) > MAX_PATH_WIDTH_M:
+                column, cure = "x", "give x and y in metres; this looks like millimetres: divide them by 1000"
+        raise InputError(
+            f"column {column}: the robot moves at {speed:.3g} m/s, more than {MAX_POSSIBLE_M_S:g} m/s",
+            where=at(int(moves[0])),
+            cure=cure,
+        )
+
+
+def _check_headings(pose: Array, at: Where) -> None:
+    """Refuse headings beyond a full turn that follow the path as degrees and do not follow it as radians.
+
+    The robot rolls along its heading, forwards or backwards. A heading by another convention follows the path in
+    neither unit. A heading that counts full turns, and so exceeds one turn, follows it in radians.
+    """
+    yaw = pose[:, 2]
+    beyond = np.flatnonzero(np.abs(yaw) > 2 * math.pi)
+    ends = chords(pose[:, :2]) if len(beyond) else np.zeros(0, dtype=np.int64)
+    if len(ends) <= MAX_UNJUDGED_CHORDS:
+        return
+    off_rad = angle_to_path(pose[ends, :2], yaw[ends])
+    if off_rad > UNEXPLAINED_RAD and angle_to_path(pose[ends, :2], np.radians(yaw[ends])) < EXPLAINED_RAD:
+        raise InputError(
+            "column theta: agrees with the path of x and y only if it is in degrees",
+            where=at(int(beyond[0])),
+            got=round(float(yaw[beyond[0]]), 6),
+            cure="give theta in radians",
+        )
+
+
+def trajectory_warnings(t_s: Array, pose: Array) -> tuple[str, ...]:
+    """Return what is suspicious about a trajectory from elsewhere; nothing for most.
+
+    Args:
+        t_s: (N,), times.
+        pose: (N, 3), x [m], y [m], yaw [rad].
+    """
+    return (*_standing(pose), *_speed(t_s, pose), *_turning(t_s, pose), *_spacing(t_s, pose), *_headings(pose))
+
+
+def _standing(pose: Array) -> Iterator[str]:
+    if float(np.hypot(*np.diff(pose[:, :2], axis=0).T).sum()) < MIN_PATH_M:
+        yield "the robot moves less than 1 cm: are x and y in a smaller unit than was taken, or did it stand still?"
+
+
+def _speed(t_s: Array, pose: Array) -> Iterator[str]:
+    speed = _usual_rate(np.hypot(*np.diff(pose[:, :2], axis=0).T), t_s)
+    if speed > MAX_USUAL_M_S:
+        yield (
+            f"the robot usually moves at {speed:.3g} m/s, which is fast for a small robot: are the times in a larger"
+            " unit than was taken, or the places in a smaller one?"
+        )
+
+
+def _turning(t_s: Array, pose: Array) -> Iterator[str]:
+    rate = _usual_rate(np.abs(np.angle(np.exp(1j * np.diff(pose[:, 2])))), t_s)
+    if rate > MAX_USUAL_RAD_S:
+        yield (
+            f"the robot usually turns at {rate:.3g} rad/s, which is fast for a small robot: are the headings in"
+            " degrees, or the times in a larger unit than was taken?"
+        )
+
+
+def _usual_rate(changes: Array, t_s: Array) -> float:
+    """Return the median of changes (N - 1,) per second over those steps in which something changes."""
+    moves = changes > 0.0
+    return float(np.median(changes[moves] / np.diff(t_s)[moves])) if moves.any() else 0.0
+
+
+def _spacing(t_s: Array, pose: Array) -> Iterator[str]:
+    steps = np.diff(t_s)
+    step = usual(steps)
+    gaps = np.flatnonzero(steps > MAX_GAP_STEPS * step)
+    if len(gaps):
+        longest = int(gaps[np.argmax(steps[gaps])])
+        yield (
+            f"rows are usually {step:.4g} s apart, but {len(gaps)} times more than {MAX_GAP_STEPS:g} times as far;"
+            f" the longest gap is {steps[longest]:.4g} s, from t = {t_s[longest] - t_s[0]:.3f} s on"
+        )
+    moved = np.any(np.diff(pose, axis=0) != 0.0, axis=1)
+    inside = moved[np.argmax(moved) : len(moved) - np.argmax(moved[::-1])] if moved.any() else moved
+    if len(inside) and np.mean(~inside) > SAME_STEPS:
+        share = f"{np.mean(~inside):.0%} of the rows between the first and the last motion"
+        yield f"{share} repeat the pose above: poses come less often than rows"
+
+
+def _headings(pose: Array) -> Iterator[str]:
+    ends = chords(pose[:, :2])
+    if len(ends) <= MAX_UNJUDGED_CHORDS:
+        return
+    place, yaw = pose[ends, :2], pose[ends, 2]
+    off_rad = angle_to_path(place, yaw)
+    if off_rad < UNEXPLAINED_RAD:
+        return
+    for name, other in (("in degrees", np.radians(yaw)), ("counted clockwise", -yaw)):
+        if angle_to_path(place, other) < EXPLAINED_RAD:
+            yield f"the headings do not follow the path; they would if they were {name}"
+            return
+    yield (
+        f"the headings do not follow the path: the median angle between them is {math.degrees(off_rad):.0f} degrees; a"
+        " robot with two wheels drives along its heading"
+    )
