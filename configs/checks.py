@@ -1,9 +1,12 @@
 """Checks over several fields: impossible geometry, and settings that contradict each other."""
 
+import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
+
+from pydantic import ValidationError
 
 from configs.faults import ConfigFault
 from configs.motion_checks import motion_faults
@@ -11,14 +14,16 @@ from configs.robot_sensors import SensorSettings
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.base import Section
 from configs.schema.look import LookConfig
-from configs.schema.robot import RobotConfig
-from configs.schema.scenario import Rates, Route, Scenario
+from configs.schema.robot import Camera, RobotConfig
+from configs.schema.scenario import Rates, Render, Route, Scenario
 from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.distributions import Choice
 from symolo.core.errors import InputError
 from symolo.core.geometry.lens import lens_problem
 from symolo.core.yaml.tree import FieldPath, Node, dotted
+from symolo.dataset.documents.camera_specification import KIND as CAMERA
+from symolo.dataset.documents.camera_specification import further_cameras, specification_of
 
 LINTEL_M = 0.1
 """Smallest height of wall between a window and the ceiling; a window that is too high is made lower."""
@@ -80,6 +85,7 @@ def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[Con
     yield from _arena_faults(scenario.arena)
     yield from robot_faults(scenario.robot, in_simulation=True)
     yield from _lens_faults(scenario)
+    yield from _camera_faults(scenario)
     yield from _look_faults(scenario.look)
     yield from _period_faults(scenario.rates, scenario.robot)
     if scenario.board is not None and scenario.controller is not None:
@@ -99,11 +105,13 @@ def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[ConfigFault]:
 
 
 def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
+    # Images are rendered after the simulation, between its steps too.
+    sampled = [(name, s) for name, s in robot.sensors if isinstance(s, SensorSettings) and s.kind != CAMERA]
     sensors: dict[FieldPath, Any] = {
         ("tof",): robot.tof,
         ("line_sensor",): robot.line_sensor,
         ("encoder",): robot.encoder,
-        **{("sensors", name): sensor for name, sensor in robot.sensors if isinstance(sensor, SensorSettings)},
+        **{("sensors", name): sensor for name, sensor in sampled},
     }
     for place, sensor in sensors.items():
         for field, value_s, min_steps in (("period_s", sensor.period_s, 1), ("delay_s", sensor.delay_s, 0)):
@@ -244,10 +252,26 @@ def _below(place: FieldPath, faults: Iterable[ConfigFault]) -> Iterator[ConfigFa
 
 def _lens_faults(scenario: Scenario) -> Iterator[ConfigFault]:
     camera, render = scenario.robot.camera, scenario.render
+    if camera.fisheye is not None:
+        cure = "describe it as a further camera, for example robot.sensors.rear: {kind: camera, fisheye: {}}"
+        yield ConfigFault(("robot", "camera", "fisheye"), "the camera of data.csv has no fisheye lens", cure=cure)
     if problem := lens_problem(camera, render.width_px, render.height_px):
         got = ", ".join(f"{name} {value:g}" for name, value in camera.distortion if value)
         cure = "take smaller coefficients, a longer focal_length_mm or a smaller sensor_width_mm"
         yield ConfigFault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
+
+
+def _camera_faults(scenario: Scenario) -> Iterator[ConfigFault]:
+    """Yield what is wrong with a further camera where it takes the place of that of data.csv."""
+    content = scenario.model_dump(mode="json")
+    for name in further_cameras(content):
+        specification = specification_of(content, name)
+        try:
+            Camera.model_validate_json(json.dumps(specification["robot"]["camera"]))
+            Render.model_validate_json(json.dumps(specification["render"]))
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            yield ConfigFault(("robot", "sensors", name), first["msg"])
 
 
 def _range_faults(robot: RobotConfig) -> Iterator[ConfigFault]:

@@ -85,8 +85,13 @@ Members = tuple[tuple[str, SensorSettings | UnloadedSettings], ...]
 
 def sensors_section() -> type[Section]:
     """Return the schema of `robot.sensors`, with the kinds that there are now."""
+    return _section(_kinds())
+
+
+def _kinds() -> tuple[tuple[str, str, type[SensorSettings]], ...]:
+    """Return name, name of the class and settings of each kind of sensor."""
     # Sensors are in a package above this one, so they are imported by name when they are first needed.
-    return _section(importlib.import_module("sensors.registry").settings_by_kind())
+    return importlib.import_module("sensors.registry").settings_by_kind()
 
 
 @cache
@@ -102,14 +107,15 @@ def _section(kinds: tuple[tuple[str, str, type[SensorSettings]], ...]) -> type[S
     of_any_kind = Union[tuple(models.values())]  # noqa: UP007 - the kinds are known only now
     if len(models) > 1:
         of_any_kind = Annotated[of_any_kind, Field(discriminator="kind")]
+    by_name = {kind: model for kind, model in models.items() if kind not in TAKEN_NAMES}
     annotations: dict[str, Any] = {"__pydantic_extra__": dict[str, of_any_kind | None]}
     content: dict[str, Any] = {
-        "__annotations__": annotations | {kind: model | None for kind, model in models.items()},
+        "__annotations__": annotations | {kind: model | None for kind, model in by_name.items()},
         "__doc__": "Sensors by name. If the name is one of the kinds below, it is a sensor of this kind; otherwise"
         " `kind` names the kind, as in `rear: {kind: imu}`. `null` removes a sensor of the robot that it extends.",
         "__module__": __name__,
         "model_config": ConfigDict(extra="allow", title="RobotSensors"),
-        **{kind: Field(default_factory=absent) for kind in models},
+        **{kind: Field(default_factory=absent) for kind in by_name},
     }
     return type("SensorsByName", (Section,), content)
 
@@ -173,10 +179,11 @@ def _members(value: object, *, known_only: bool) -> Iterator[tuple[str, SensorSe
                 allowed = f"names of small letters, digits and '_' that begin with a letter, other than {taken}"
                 raise disagreement(str(name), str(name), allowed)
         if not known_only:
+            known = {kind for kind, _, _ in _kinds()}
             unloaded = {
                 name: settings
                 for name, settings in value.items()
-                if isinstance(settings, dict) and settings.get("kind", name) not in section.model_fields
+                if isinstance(settings, dict) and settings.get("kind", name) not in known
             }
             yield from ((name, UnloadedSettings.model_validate(settings)) for name, settings in unloaded.items())
             value = {name: settings for name, settings in value.items() if name not in unloaded}

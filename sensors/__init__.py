@@ -12,5 +12,6 @@ SENSORS = (
     "line_array",
     "wheel_encoder",
     "bumper",
+    "further_camera",
 )
 """Modules with one sensor each, in the order in which sensors sample if several of them do so at the same instant."""

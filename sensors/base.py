@@ -116,6 +116,8 @@ class Sensor(ABC):
     """Columns of a dataset that hold a reading; for a sensor whose columns depend on its settings, see `columns_of`."""
     series: ClassVar[tuple[Series, ...]] = ()
     """Series of a recording that hold the delivered readings of a sensor that every robot has."""
+    is_rendered: ClassVar[bool] = False
+    """Whether its samples are images, which are rendered after the simulation."""
     sampling: Sampling
 
     def __init_subclass__(cls, **kwargs: object) -> None:

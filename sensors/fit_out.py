@@ -38,7 +38,7 @@ def listed_sensors(sensors: RobotSensors) -> tuple[ListedSensor, ...]:
 
 
 def _listed(sensors: RobotSensors) -> Iterator[tuple[str, type[Sensor], SensorSettings]]:
-    """Yield name, class and settings of each sensor of `robot.sensors`."""
+    """Yield name, class and settings of each sensor of `robot.sensors` except the cameras."""
     known = {kind.name: kind for kind in SENSORS.classes() if kind.is_listed()}
     for name, settings in sensors:
         kind = known.get(settings.kind or name)
@@ -46,4 +46,5 @@ def _listed(sensors: RobotSensors) -> Iterator[tuple[str, type[Sensor], SensorSe
             got, cure = settings.kind or name, f"name its file in the environment variable {SENSORS.variable}"
             hint = nearest(got, [*known])
             raise InputError(f"robot.sensors.{name}: no such kind of sensor", got=got, nearest=hint, cure=cure)
-        yield name, kind, settings
+        if not kind.is_rendered:
+            yield name, kind, settings

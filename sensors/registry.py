@@ -25,6 +25,8 @@ def _check(sensor: type[Sensor], where: str) -> None:
         raise InputError(f"{what}: sample missing", where=where, cure=cure)
     if not issubclass(sensor.Settings, SensorSettings):
         return  # every robot has it; its columns are in data.csv and in tables that are written one by one
+    if sensor.is_rendered:
+        return
     if not re.fullmatch(SENSOR_NAME, sensor.name) or sensor.name in TAKEN_NAMES:
         allowed = f"a name other than {', '.join(sorted(TAKEN_NAMES))}"
         raise InputError(f"{what}: the name is taken by another file of side/", where=where, allowed=allowed)

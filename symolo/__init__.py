@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from symolo.core.errors import EnvironmentLacking, InputError
     from symolo.reader.dataset import Dataset, load
-    from symolo.reader.run import Image, Run
+    from symolo.reader.run import Run
+    from symolo.reader.run_folder import Image
     from symolo.reader.torch_frames import Frame, torch_dataset
 
 __all__ = ["Dataset", "EnvironmentLacking", "Frame", "Image", "InputError", "Run", "load", "torch_dataset"]
@@ -19,7 +20,7 @@ _MODULES = {
     "InputError": "symolo.core.errors",
     "Dataset": "symolo.reader.dataset",
     "load": "symolo.reader.dataset",
-    "Image": "symolo.reader.run",
+    "Image": "symolo.reader.run_folder",
     "Run": "symolo.reader.run",
     "Frame": "symolo.reader.torch_frames",
     "torch_dataset": "symolo.reader.torch_frames",

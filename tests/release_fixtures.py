@@ -133,9 +133,8 @@ def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
         ledger.add(FrameFile(number, name, digest, len(data), 0.0, cpu=cpu))
 
 
-@pytest.fixture
-def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Units of work are done one by one in this process, the images by `paint`, which a test may replace."""
+def _in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """Have units of work done one by one in this process, the images by `paint`, which a test may replace."""
     chosen = SimpleNamespace(paint=_paint)
 
     def run_units(units: Sequence[AnyUnit], workers: int, on_event: Callable, **_options: object) -> list[UnitFailure]:
@@ -148,8 +147,21 @@ def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
                 on_event(unit, do(unit, lambda *_, **__: None))
         return []
 
-    monkeypatch.setattr("pipeline.executors.local.run_units", run_units)
+    patch.setattr("pipeline.executors.local.run_units", run_units)
     return chosen
+
+
+@pytest.fixture
+def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """Units of work are done one by one in this process, the images by `paint`, which a test may replace."""
+    return _in_this_process(monkeypatch)
+
+
+@pytest.fixture(scope="module")
+def hands_of_module() -> Iterator[SimpleNamespace]:
+    """As `hands`, for fixtures of a module, and for all of its tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        yield _in_this_process(patch)
 
 
 @pytest.fixture(scope="session")

@@ -101,7 +101,10 @@ def _window(seen: VisibleScene, solid: Solid) -> tuple[slice, slice]:
     """Return rows and columns outside of which the box cannot be; all if a part of it is behind the camera."""
     pixels, depth = _corners(seen, solid)
     height, width = seen.instance.shape
-    if np.any(depth <= 0) or seen.job.camera.distortion != NO_DISTORTION:  # a distorted edge reaches beyond its ends
+    camera = seen.job.camera
+    if camera.fisheye is not None:
+        return slice(height), slice(width)
+    if np.any(depth <= 0) or camera.distortion != NO_DISTORTION:  # a distorted edge reaches beyond its ends
         return (slice(0), slice(0)) if np.all(depth <= 0) else (slice(height), slice(width))
     low = np.clip(np.floor(pixels.min(axis=0)), 0, (width, height)).astype(int)
     high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, (width, height)).astype(int)

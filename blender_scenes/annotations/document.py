@@ -7,13 +7,13 @@ from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.annotations.record import FrameRecord, ObjectRecord
 from symolo.dataset.annotations import (
     CATEGORIES,
-    ENCODINGS,
     FORMAT,
     AnnotationDocument,
     AnnotationEntry,
     CategoryEntry,
     ImageEntry,
     InstanceEntry,
+    encodings,
 )
 from symolo.dataset.layout import frame_name
 
@@ -35,7 +35,7 @@ def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) ->
     return AnnotationDocument(
         format=FORMAT,
         kinds=job.kinds,
-        encodings={kind: ENCODINGS[kind] for kind in job.kinds},
+        encodings=encodings(job.kinds, job.camera),
         camera=job.camera,
         categories=tuple(CategoryEntry(i, name) for i, name in enumerate(CATEGORIES)),
         instances=tuple(

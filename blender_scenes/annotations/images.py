@@ -48,7 +48,10 @@ def free_floor(seen: VisibleScene) -> PngImage:
 
 
 def depth(seen: VisibleScene) -> PngImage:
-    """Return the depth (H, W) along the optical axis in units of 0.1 mm; 0 where there is no surface within 6.5 m."""
+    """Return the depth (H, W) along the optical axis in units of 0.1 mm; 0 where there is no surface within 6.5 m.
+
+    For a fisheye lens it is the distance from the lens.
+    """
     within = seen.depth_m <= DEPTH_RANGE_M
     return np.where(within, np.rint(seen.depth_m / DEPTH_UNIT_M), 0).astype(np.uint16)
 

@@ -21,7 +21,7 @@ def triangles(mesh: Mesh) -> Array:
 def hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
     """Return (N,) whether one of the triangles (T, 3, 3) is between the camera and each of the points (N, 3), all in C.
 
-    The points are in front of the camera. The ray test is that of Moeller and Trumbore (Fast, minimum storage
+    The ray test is that of Moeller and Trumbore (Fast, minimum storage
     ray/triangle intersection, 1997), for both sides of a triangle.
     """
     if not len(points):
@@ -32,7 +32,12 @@ def hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
 
 
 def _reached(points: Array, screens: Array) -> Array:
-    """Return the triangles that reach into the pyramid around all points; no other triangle can hide a point."""
+    """Return the triangles that reach into the pyramid around all points; no other triangle can hide a point.
+
+    If a point is beside the camera or behind it, as with a fisheye lens, there is no such pyramid.
+    """
+    if np.any(points[:, 2] <= 0):
+        return screens
     slopes = points[:, :2] / points[:, 2:]
     along, depth = screens[..., :2], screens[..., 2:]
     beside = np.all(along < slopes.min(axis=0) * depth, axis=1) | np.all(along > slopes.max(axis=0) * depth, axis=1)

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import AnnotationJob
-from sensors.camera.lens_warp import pinhole_image, sources
+from sensors.camera.lens_warp import directions_in, is_rendered_directly, pinhole_image, sources
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
-from symolo.core.geometry.lens import NO_DISTORTION
 from symolo.core.geometry.pinhole import Intrinsics
 
 _STEEPEST = 1e-3
@@ -31,9 +30,12 @@ class Passes:
 
     def through_lens(self, camera: Intrinsics) -> "Passes":
         """Return the passes of the image behind a lens: each pixel takes the nearest pixel of the pinhole image."""
-        if camera.distortion == NO_DISTORTION:
+        if is_rendered_directly(camera):
             return self
-        u, v = np.moveaxis(np.rint(sources(camera)).astype(int), -1, 0)
+        at, pinhole = sources(camera), pinhole_image(camera).camera
+        # Beyond the field of view of a fisheye lens, the first pixel stands for darkness: it is in a corner.
+        u, v = np.moveaxis(np.rint(np.nan_to_num(at)).astype(int), -1, 0)
+        u, v = np.clip(u, 0, pinhole.width_px - 1), np.clip(v, 0, pinhole.height_px - 1)
         return Passes(self.mesh[v, u], self.point_W[v, u], self.normal_W[v, u])
 
     @classmethod
@@ -75,18 +77,23 @@ class VisibleScene:
 
     @cached_property
     def rays_W(self) -> Array:
-        """(H, W, 3), rays in W through the pixels' middles; their length along the optical axis is 1."""
-        return centre_rays_C(self.job.camera) @ self.X_WC[:3, :3].T
+        """(H, W, 3), rays in W through the pixels' middles; their length along the optical axis is 1.
+
+        For a fisheye lens their length is 1, and NaN beyond its field of view.
+        """
+        return directions_in(self.job.camera) @ self.X_WC[:3, :3].T
 
     @cached_property
     def depth_m(self) -> Array:
-        """(H, W), depth along the optical axis, 0 where there is no surface.
+        """(H, W), depth along the optical axis, or distance from a fisheye lens; 0 where there is no surface.
 
         It is the depth where the ray through the exact middle of the pixel meets the plane of the surface: a thousandth
         of a pixel matters where a ray meets the floor at a few degrees.
         """
         to_point = self.passes.point_W - self.X_WC[:3, 3]
         direct = to_point @ self.X_WC[:3, 2]
+        if self.job.camera.fisheye is not None:
+            direct = np.linalg.norm(to_point, axis=-1)
         facing = np.einsum("hwk,hwk->hw", self.passes.normal_W, self.rays_W)
         height = np.einsum("hwk,hwk->hw", self.passes.normal_W, to_point)
         steep = np.abs(facing) < _STEEPEST
@@ -97,14 +104,3 @@ class VisibleScene:
     def point_W(self) -> Array:
         """(H, W, 3), points of the surfaces in W in the pixels' middles; the camera's place where there is none."""
         return self.X_WC[:3, 3] + self.rays_W * self.depth_m[..., None]
-
-
-def centre_rays_C(camera: Intrinsics) -> Array:
-    """Return the rays (H, W, 3) through the pixels' middles in C; z is 1."""
-    pinhole = pinhole_image(camera).camera
-    if camera.distortion == NO_DISTORTION:
-        at = np.stack(np.meshgrid(np.arange(camera.width_px), np.arange(camera.height_px)), axis=-1)
-    else:
-        at = sources(camera).astype(np.float64)
-    slopes = (at - (pinhole.cx_px, pinhole.cy_px)) / (pinhole.fx_px, pinhole.fy_px)
-    return np.concatenate([slopes, np.ones((*slopes.shape[:2], 1))], axis=-1)

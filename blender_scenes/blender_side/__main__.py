@@ -15,6 +15,7 @@ from blender_scenes.render.frame_files import FrameFile, put_in_place
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.protocol import FrameBegun, FrameDone, Ready, RenderRequest
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
+from sensors.camera.lens_warp import field_of_view
 from sensors.camera.response import develop, encode_jpeg, median_luminance
 from symolo.core.child_process import SCRATCH, Failed, Finished, Owner
 from symolo.core.errors import EnvironmentLacking
@@ -59,12 +60,12 @@ def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     build.build(job.scene, job.camera, Path(request.user_files) if request.user_files else None)
     engine.configure(job, request.threads, scratch)
     metered = median_luminance(engine.metered_light(job))
-    tracer = engine.FrameTracer(job, request.threads, scratch)
+    tracer, field = engine.FrameTracer(job, request.threads, scratch), field_of_view(job.camera)
     owner.send(Ready(seconds=time.perf_counter() - begin))
     for number in request.numbers:
         begin = time.perf_counter()
         owner.send(FrameBegun(number=number))
-        pixels = develop(tracer.light(views[number]), job.response, metered, number)
+        pixels = develop(tracer.light(views[number]), job.response, metered, number, field)
         data = encode_jpeg(pixels, job.response.jpeg_quality)
         path = Path(request.folder) / frame_name(number)
         sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)

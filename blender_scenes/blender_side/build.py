@@ -11,6 +11,7 @@ from blender_scenes.blender_side.shaders import ShaderGraph, material
 from blender_scenes.blender_side.user_images import UserImages
 from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky, Sun
 from sensors.camera.lens_warp import pinhole_image
+from symolo.core.geometry.fisheye import Fisheye
 from symolo.core.geometry.pinhole import Intrinsics
 
 ROBOT = "R"
@@ -140,11 +141,32 @@ def _shipped(panorama: str) -> bpy.types.Image:
 
 def _camera(camera: Intrinsics) -> None:
     data = bpy.data.cameras.new(CAMERA)
-    data.sensor_fit, data.sensor_width = "HORIZONTAL", 36.0
     pinhole = pinhole_image(camera).camera
+    data.clip_start, data.clip_end = 0.001, 1000.0
+    bpy.context.scene.camera = _place(CAMERA, data)
+    if pinhole.fisheye is not None:
+        _fisheye(data, pinhole, pinhole.fisheye)
+        return
+    data.sensor_fit, data.sensor_width = "HORIZONTAL", 36.0
     data.lens = 36.0 * pinhole.fx_px / pinhole.width_px
     # Both are in widths of the image; Blender shifts the frame over the view, so the axis moves the other way.
     data.shift_x = (0.5 * (pinhole.width_px - 1) - pinhole.cx_px) / pinhole.width_px
     data.shift_y = (pinhole.cy_px - 0.5 * (pinhole.height_px - 1)) / pinhole.width_px
-    data.clip_start, data.clip_end = 0.001, 1000.0
-    bpy.context.scene.camera = _place(CAMERA, data)
+
+
+def _fisheye(data: bpy.types.Camera, camera: Intrinsics, lens: Fisheye) -> None:
+    """Set an equidistant lens with its axis in the middle of the image.
+
+    Cycles' polynomial lens takes the angle as -(k0 + k1 r + ...) of the distance r from the axis, in the unit of the
+    sensor's width and height (kernel/camera/projection.h). Here the unit is the pixel. Its equidistant lens would
+    stretch the image to its own proportions.
+    """
+    data.type, data.panorama_type = "PANO", "FISHEYE_LENS_POLYNOMIAL"
+    # Blender's sensor is 1 to 100 mm long; the longer side of the image is 50 mm.
+    per_px = 50.0 / max(camera.width_px, camera.height_px)
+    data.sensor_fit = "HORIZONTAL"
+    data.sensor_width, data.sensor_height = per_px * camera.width_px, per_px * camera.height_px
+    data.fisheye_fov = 2.0 * lens.half_field_rad
+    data.fisheye_polynomial_k0 = data.fisheye_polynomial_k2 = data.fisheye_polynomial_k3 = 0.0
+    data.fisheye_polynomial_k4 = 0.0
+    data.fisheye_polynomial_k1 = -1.0 / (per_px * camera.fx_px)

@@ -11,7 +11,7 @@ from blender_scenes.blender_side.placing import open_shutter, place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import TracingSettings
-from sensors.camera.lens_warp import pinhole_image, through_lens
+from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.rolling_shutter import lateness
 from sensors.camera.shutter import window
@@ -121,13 +121,14 @@ class FrameTracer:
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
-    """Return the light of small images of a few of the job's views."""
+    """Return the light of small images of a few of the job's views, within the field of view."""
     small = metering_camera(pinhole_image(job.camera).camera)
-    size = small.width_px, small.height_px
+    size, field = (small.width_px, small.height_px), field_of_view(small)
     lights = []
     for view in metered_views(job.frames):
         seed = _noise_seed(job.sampling.seed, "metering", view.number)
-        lights.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
+        light = _light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False)
+        lights.append(light if field is None else light[field])
     return np.concatenate(lights)
 
 

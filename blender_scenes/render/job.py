@@ -15,13 +15,13 @@ from blender_scenes.scene.run_scene import arena_bounds, describe
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from physics.robot.path import RobotPath
 from sensors.camera.colour import RGB
 from sensors.camera.response import CameraResponse
 from sensors.camera.shutter import Window, exposed, moment, window
 from sensors.camera.views import INSTANT, FrameView
 from symolo.arena.geometry import Arena
 from symolo.core.geometry.pinhole import Intrinsics, Shutter, intrinsics, pose_X_RC
+from symolo.core.geometry.robot_path import RobotPath
 from symolo.dataset.layout import frame_name
 
 
@@ -64,8 +64,20 @@ def build_job(  # noqa: PLR0917 - a run's images depend on all of these
     seed: int,
     path: RobotPath | None = None,
     device: DeviceKind = "CPU",
+    noise_seed: int | None = None,
 ) -> RenderJob:
     """Return the rendering of a run; the same arguments give the same job.
+
+    Args:
+        arena: Arena.
+        robot: Robot, whose camera it is.
+        look: Look.
+        render: Size and quality of the images.
+        frames: Poses of the robot.
+        seed: Seed of the scene.
+        path: Path of the robot, for exposures that take time.
+        device: Device that renders.
+        noise_seed: Seed of path tracing and camera noise; by default that of the scene.
 
     Raises:
         ValueError: An exposure takes time and there is no path of the robot, or no camera has such a lens.
@@ -77,6 +89,7 @@ def build_job(  # noqa: PLR0917 - a run's images depend on all of these
     mains = on_the_floor([panel for panel in scene.panels if panel.on_mains], middle)
     camera = intrinsics(robot.camera, render.width_px, render.height_px)
     shutter = Shutter(look.camera.exposure_time_s, robot.camera.read_out_s)
+    noise_seed = seed if noise_seed is None else noise_seed
     times = np.array([frame.t_s for frame in frames])
     gains = frame_gains(look.lamps.flicker, times, shutter.exposure_s, mains, light, seed)
     return RenderJob(
@@ -84,8 +97,8 @@ def build_job(  # noqa: PLR0917 - a run's images depend on all of these
         scene=scene,
         camera=camera,
         frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
-        sampling=tracing_settings(render, seed, device),
-        response=CameraResponse.from_look(look.camera, light, seed, render.jpeg_quality),
+        sampling=tracing_settings(render, noise_seed, device),
+        response=CameraResponse.from_look(look.camera, light, noise_seed, render.jpeg_quality),
         shutter=shutter,
     )
 

@@ -233,6 +233,21 @@ class LensDistortion(Section):
     """Radial coefficient of the sixth power of the radius."""
 
 
+class FisheyeLens(Section):
+    """Fisheye lens in OpenCV's model; equidistant with all coefficients at 0."""
+
+    field_of_view_deg: float = Field(default=185.0, ge=10, le=300)
+    """Angle that the width of the image spans. The image is dark beyond it."""
+    k1: float = Field(default=0.0, ge=-1, le=1)
+    """Coefficient of the square of the angle in rad."""
+    k2: float = Field(default=0.0, ge=-1, le=1)
+    """Coefficient of its fourth power."""
+    k3: float = Field(default=0.0, ge=-1, le=1)
+    """Coefficient of its sixth power."""
+    k4: float = Field(default=0.0, ge=-1, le=1)
+    """Coefficient of its eighth power."""
+
+
 class Camera(Section):
     """Camera that looks forward and down; heights are measured from the base plate (paper section 8.1)."""
 
@@ -240,9 +255,9 @@ class Camera(Section):
     """Place of the lens ahead of the axle [m]."""
     y_m: float = Field(ge=-0.5, le=0.5)
     """Place of the lens to the left of the robot's middle [m]."""
-    height_above_base_m: float = Field(ge=0, le=1)
-    """Height of the lens above the base plate's top [m]."""
-    pitch_down_deg: float = Field(ge=-10, le=90)
+    height_above_base_m: float = Field(ge=-0.5, le=2)
+    """Height of the lens above the base plate's top [m]; below 0 it is below."""
+    pitch_down_deg: float = Field(ge=-90, le=90)
     """Angle of the optical axis below the horizon: 90 degrees minus the paper's 60 degrees from straight down."""
     yaw_left_deg: float = Field(default=0.0, ge=-180, le=180)
     """Angle of the optical axis to the left of straight ahead."""
@@ -258,6 +273,8 @@ class Camera(Section):
     principal_point_down_mm: float = Field(default=0.0, ge=-10, le=10)
     """Offset of the optical axis from the middle of the sensor, downwards in the image."""
     distortion: LensDistortion = LensDistortion()
+    fisheye: FisheyeLens | None = Field(default_factory=absent, exclude_if=lambda lens: lens is None)
+    """Fisheye lens of a further camera; the camera of data.csv has none."""
     read_out_s: float = Field(default=0.0, ge=0, le=0.1)
     """Rolling shutter: delay of the exposure of the image's bottom after its top; 0 is a global shutter."""
     sees_robot: bool = Field(default=False, exclude_if=lambda sees: not sees)

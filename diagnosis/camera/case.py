@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from configs.schema.look import LookConfig
 from configs.schema.robot import Camera, RobotConfig
 from diagnosis.measured.channel import Mask
-from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
+from symolo.core.geometry.robot_path import RobotPath
 
 Ints = NDArray[np.int64]
 ImagePixels = NDArray[np.uint8]

@@ -1,6 +1,6 @@
 """Make every image of README.md and docs, except those of docs/reference, from a small release that it makes itself.
 
-python docs/images/make.py WORKSPACE [--only strip run annotations arenas preview baselines diagnosis reliability]
+python docs/images/make.py WORKSPACE [--only NAME ...]
 
 WORKSPACE is a folder for datasets and other files that are not kept; a second run continues from what is there.
 The same code on the same class of processor writes the same images.
@@ -56,6 +56,15 @@ extends: nominal
 name: nominal_looking_ahead
 camera: {pitch_down_deg: 14}  # sees more of the room than the shipped robot does
 """
+WATCHING_ROBOT = """\
+extends: nominal
+name: watching_robot
+sensors:
+  left: {kind: camera, x_m: 0.06, y_m: 0.03, z_m: 0.12, pitch_up_deg: -25, width_px: 320, height_px: 240}
+  right: {kind: camera, x_m: 0.06, y_m: -0.03, z_m: 0.12, pitch_up_deg: -25, width_px: 320, height_px: 240}
+  rear: {kind: camera, x_m: -0.08, z_m: 0.1, yaw_deg: 180, period_s: 0.5, width_px: 320, height_px: 320, fisheye: {}}
+"""
+"""As in docs/sensors.md."""
 LOOKS = {"classroom": 24, "lab": 3, "atelier": 31, "garage": 43, "night": 14, "extreme": 62}
 """The looks of the strip, each with the number of the image of the run whose place it shows."""
 ANNOTATED_IMAGE = 25
@@ -146,12 +155,34 @@ def _draw_arena(axes: Axes, arena: Arena) -> None:
         axes.fill(*box.footprint().T, facecolor=colour, edgecolor="black", linewidth=0.4)
 
 
+def _depth(image: symolo.Image) -> np.ndarray:
+    """Return the depth of an image in colours, bright for near and black for no surface."""
+    depth_m = image.annotation("depth").astype(float) / 10_000
+    shades = (255 * (1 - np.clip(depth_m / 2.0, 0, 1))).astype(np.uint8)
+    return np.where((depth_m > 0)[..., None], cv2.applyColorMap(shades, cv2.COLORMAP_VIRIDIS)[..., ::-1], 0)
+
+
+def cameras(workspace: Path) -> None:
+    """Write images of a stereo pair and of a fisheye lens at the rear above their depths."""
+    robot = workspace / "watching_robot.yaml"
+    robot.write_text(WATCHING_ROBOT)
+    settings = (f"robot={robot}", "render.annotations=[depth]", "look=classroom", "stop.time_limit_s=0.1")
+    settings += ("routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]",)
+    _command("release", "smoke", "--out", workspace / "cameras", *(f"--set={setting}" for setting in settings))
+    images = [camera.image(1) for camera in symolo.load(workspace / "cameras")["CW/test_1"].cameras.values()]
+    images = [images[0], images[2], images[1]]  # left, right, rear
+    sizes = [(400, 300), (400, 300), (300, 300)]
+    rows = [
+        [cv2.resize(tile, size, interpolation=cv2.INTER_AREA) for tile, size in zip(tiles, sizes, strict=True)]
+        for tiles in ([image.pixels() for image in images], [_depth(image).astype(np.uint8) for image in images])
+    ]
+    _save_jpeg("cameras.jpg", np.vstack([np.hstack(row) for row in rows])[..., ::-1])
+
+
 def annotations(workspace: Path) -> None:
     """Write one image beside its depth, semantic mask, normals and optical flow."""
     image = _run(workspace).image(ANNOTATED_IMAGE)
-    depth_m = image.annotation("depth").astype(float) / 10_000
-    shades = (255 * (1 - np.clip(depth_m / 2.0, 0, 1))).astype(np.uint8)
-    depth = np.where((depth_m > 0)[..., None], cv2.applyColorMap(shades, cv2.COLORMAP_VIRIDIS)[..., ::-1], 0)
+    depth = _depth(image)
     classes = image.annotation("semantic")
     palette = np.array([[130, 180, 235], [200, 200, 190], [20, 20, 20], [200, 120, 60], [150, 90, 170], [110, 130, 110],
                         [90, 90, 90]], dtype=np.uint8)  # fmt: skip
@@ -342,6 +373,7 @@ IMAGES: dict[str, Callable[[Path], None]] = {
     "strip": strip,
     "run": animation,
     "annotations": annotations,
+    "cameras": cameras,
     "arenas": arenas,
     "controllers": controllers,
     "robots": robots,

@@ -5,6 +5,7 @@ from collections.abc import Collection
 from configs.schema.arena import Obstacle
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import SceneSpec
+from pipeline.stages.cameras import cameras_of
 from symolo.core.geometry.lens import coefficients
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.documents.camera_model import INTRINSICS
@@ -18,8 +19,8 @@ from symolo.dataset.layout import DATA
 def markdown(metadata: Metadata, example: SceneSpec) -> bytes:
     """Return the description of a dataset; dimensions of robot and arena are those of the run `example`."""
     parts = [_head(metadata), _layout(metadata), columns_part(metadata), _side_tables(metadata, example)]
-    parts += [_annotations(metadata), frames_part(metadata), _robot(metadata, example), _arena(metadata, example)]
-    parts += [_origins(metadata)]
+    parts += [_annotations(metadata), frames_part(metadata), _robot(metadata, example), _further_cameras(example)]
+    parts += [_arena(metadata, example), _origins(metadata)]
     parts += [runs_part(metadata), _warnings(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
@@ -51,11 +52,13 @@ def _layout(metadata: Metadata) -> str:
         f"    <route>/test_<n>/images/000001.jpg     {images}\n"
         "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
     )
+    cameras = "    <route>/test_<n>/cameras/<name>/       the same of each further camera: images, poses, side/\n"
     return (
         "## Layout\n\n"
         f"    <route>/test_<n>/data.csv              {rows}\n"
         f"{of_images if any(run.images for run in metadata.runs) else ''}"
         "    <route>/test_<n>/side/                 more than SyMoLo has: see below\n"
+        f"{cameras if metadata.runs[0].cameras else ''}"
         "    metadata.json                          robot, arena, rates, seeds, every value drawn for a setting\n"
         "    bag-info.txt                           size of the data, class of the processors that made them\n"
         "    manifest-sha256.txt                    checksums\n"
@@ -134,6 +137,30 @@ def _sensors(robot: RobotConfig, columns: Collection[str]) -> list[tuple[str, st
             if f"d_{name[0]}" in columns
         ),
     ]
+
+
+def _further_cameras(spec: SceneSpec) -> str:
+    """Return the table of the further cameras; empty if there are none."""
+    rows = []
+    for camera in cameras_of(spec)[1:]:
+        config, render = camera.spec.robot.camera, camera.spec.render
+        z_m = spec.robot.chassis.base_height_m + config.height_above_base_m
+        axis = f"{config.yaw_left_deg:g} deg to the left, {config.pitch_down_deg:g} deg down"
+        axis += f", rolled by {config.roll_deg:g} deg"
+        rows.append(
+            (
+                camera.name,
+                "fisheye" if config.fisheye else "pinhole",
+                f"x = {config.x_m:g}, y = {config.y_m:g}, z = {z_m:.6g} m",
+                axis,
+                f"{render.width_px} x {render.height_px} px",
+                f"{1000 * camera.period_s:g} ms",
+            )
+        )
+    if not rows:
+        return ""
+    table = markdown_table(("camera", "lens", "place in R", "axis", "size", "period"), rows)
+    return f"## Further cameras\n\nValues are those of {spec.key} where they are drawn per run.\n\n{table}"
 
 
 def _arena(metadata: Metadata, spec: SceneSpec) -> str:

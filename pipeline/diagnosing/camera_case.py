@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.camera.case import HELD_OUT_EACH, CameraCase, CameraFrame, ImagePixels, PoseErrors
-from physics.robot.path import RobotPath
 from pipeline.rerendering.rerender import StoredTrajectory, read_source
 from pipeline.run_folder.stored_runs import run_name
 from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.geometry.robot_path import RobotPath
 from symolo.dataset.layout import DATA, frame_name
 from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import Rows

@@ -1,13 +1,13 @@
 """The result of `symolo plan --json`."""
 
 from pipeline.json_results.base import JsonPart, JsonResult
-from pipeline.planning.plan import COPIES, ScenarioPlan
+from pipeline.planning.plan import COPIES, PlannedRun, ScenarioPlan
 from pipeline.planning.price import Price
 
 
 class PlannedRunPart(JsonPart):
     run: str
-    """Name of the run, such as CW/test_1."""
+    """Name of the run, such as CW/test_1; of a further camera with the name of the camera, such as CW/test_1 rear."""
     duration_s: float
     """Simulated time, estimated for a lap."""
     rows: int
@@ -26,6 +26,21 @@ class PlannedRunPart(JsonPart):
     """Estimated disk space, stages included."""
     render_core_s: float
     """Estimated time of one core to render it, annotations included."""
+
+    @classmethod
+    def of(cls, run: PlannedRun) -> "PlannedRunPart":
+        return cls(
+            run=run.run,
+            duration_s=run.duration_s,
+            rows=run.rows,
+            images=run.images,
+            width_px=run.width_px,
+            height_px=run.height_px,
+            quality=run.quality,
+            annotated=run.annotated,
+            bytes=run.bytes_needed,
+            render_core_s=round(run.render_core_s, 3),
+        )
 
 
 class PricePart(JsonPart):
@@ -55,9 +70,11 @@ class PlanResult(JsonResult):
     cores: int
     """Number of cores of this machine, which the times are for."""
     images: int
-    """Number of images of all runs."""
+    """Number of images of all runs and cameras."""
     runs: list[PlannedRunPart]
     """All runs; empty with --images, which plans no runs."""
+    cameras: list[PlannedRunPart] = []
+    """Images of the further cameras of the runs, without rows."""
     bytes: int
     """Disk space, stages included; estimated, or measured with --images."""
     time_s: float
@@ -67,24 +84,15 @@ class PlanResult(JsonResult):
 
     @classmethod
     def of(cls, scenario: str, plan: ScenarioPlan) -> "PlanResult":
-        runs = [
-            PlannedRunPart(
-                run=run.run,
-                duration_s=run.duration_s,
-                rows=run.rows,
-                images=run.images,
-                width_px=run.width_px,
-                height_px=run.height_px,
-                quality=run.quality,
-                annotated=run.annotated,
-                bytes=run.bytes_needed,
-                render_core_s=round(run.render_core_s, 3),
-            )
-            for run in plan.runs
-        ]
         time_s = round(plan.simulation_s + plan.render_s, 3)
         return cls(
-            scenario=scenario, cores=plan.cores, images=plan.images, runs=runs, bytes=plan.bytes_needed, time_s=time_s
+            scenario=scenario,
+            cores=plan.cores,
+            images=plan.images,
+            runs=[PlannedRunPart.of(run) for run in plan.runs],
+            cameras=[PlannedRunPart.of(camera) for camera in plan.cameras],
+            bytes=plan.bytes_needed,
+            time_s=time_s,
         )
 
     @classmethod

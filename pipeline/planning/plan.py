@@ -1,10 +1,11 @@
 """Estimates of what a scenario makes, its size and its time, with the assumptions behind them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from configs.schema.scenario import RunSpec
+from pipeline.stages.cameras import RunCamera, cameras_of
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import seconds
@@ -70,20 +71,29 @@ def image_bytes(images: int, pixels: int, *, annotated: bool) -> int:
 @dataclass(frozen=True)
 class ScenarioPlan:
     runs: tuple[PlannedRun, ...]
+    """The runs with the images of the camera of data.csv."""
+    cameras: tuple[PlannedRun, ...]
+    """The images of the further cameras, without rows."""
     cores: int
 
     @classmethod
     def of(cls, specs: Sequence[RunSpec], cores: int) -> "ScenarioPlan":
-        return cls(tuple(_planned(spec) for spec in specs), cores)
+        planned = [(camera.name, _planned(spec, camera)) for spec in specs for camera in cameras_of(spec)]
+        runs = tuple(run for name, run in planned if not name)
+        return cls(runs, tuple(replace(run, rows=0) for name, run in planned if name), cores)
+
+    @property
+    def _all(self) -> tuple[PlannedRun, ...]:
+        return (*self.runs, *self.cameras)
 
     @property
     def images(self) -> int:
-        return sum(run.images for run in self.runs)
+        return sum(run.images for run in self._all)
 
     @property
     def bytes_needed(self) -> int:
         """Disk space [byte] with some reserve."""
-        return sum(run.bytes_needed for run in self.runs)
+        return sum(run.bytes_needed for run in self._all)
 
     @property
     def simulation_s(self) -> float:
@@ -91,16 +101,16 @@ class ScenarioPlan:
 
     @property
     def render_s(self) -> float:
-        return sum(run.render_core_s for run in self.runs) / self.cores
+        return sum(run.render_core_s for run in self._all) / self.cores
 
     def text(self) -> str:
         """Return the plan as text: a line for each run, then sums and assumptions."""
         # Several qualities where the scenario draws them at random; a dict keeps their order.
-        qualities = dict.fromkeys(f"{run.quality}, {_samples(run.sampling)}" for run in self.runs)
+        qualities = dict.fromkeys(f"{run.quality}, {_samples(run.sampling)}" for run in self._all)
         lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
         lines += [
             f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  {run.width_px} x {run.height_px}"
-            for run in self.runs
+            for run in self._all
         ]
         lines += [
             "",
@@ -121,12 +131,12 @@ class ScenarioPlan:
     def _tracing(self) -> str:
         """Return the assumptions about rays and denoiser."""
         costs = []
-        if any(run.sampling.hybrid for run in self.runs):
+        if any(run.sampling.hybrid for run in self._all):
             costs.append(
                 f"{HYBRID_FRAME_S:g} s and {1e6 * HYBRID_PIXEL_S:g} us per pixel for an image from hybrid rendering, "
             )
-        if any(not run.sampling.hybrid for run in self.runs):
-            denoised = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
+        if any(not run.sampling.hybrid for run in self._all):
+            denoised = [run.sampling for run in self._all if run.sampling.denoise and not run.sampling.hybrid]
             times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted({DENOISE_S[each.prefilter] for each in denoised})]
             denoising = f"{' or '.join(times_us)} us per pixel to denoise, and " if times_us else "and "
             costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us per pixel and sample, {denoising}")
@@ -134,9 +144,9 @@ class ScenarioPlan:
 
     def _further(self) -> str:
         """Return the assumptions about lenses and annotations, if there are any."""
-        widest = max(run.margin for run in self.runs)
+        widest = max(run.margin for run in self._all)
         lens = f"; {widest:.2f} times as many traced pixels, for the margin that the lens needs" if widest > 1 else ""
-        if not any(run.annotated for run in self.runs):
+        if not any(run.annotated for run in self._all):
             return lens
         times = f"{1e6 * ANNOTATION_PIXEL_S:g} us per pixel and {RENDER_FRAME_S:g} s per image on one core"
         return f"{lens}; all annotations {times}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes per pixel"
@@ -158,18 +168,18 @@ def _samples(sampled: TracingSettings) -> str:
     return f"{sampled.samples} samples per pixel"
 
 
-def _planned(spec: RunSpec) -> PlannedRun:
+def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
+    render, config = camera.spec.render, camera.spec.robot.camera
     duration_s = min(LAP_S, spec.stop.time_limit_s) if spec.stop.lap else spec.stop.time_limit_s
-    images = int(duration_s * spec.rates.camera_hz) + 1
-    render = spec.render
+    images = int(duration_s / (camera.period_s or 1 / spec.rates.camera_hz) + 1e-9) + 1
     pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
-    pinhole = pinhole_image(intrinsics(spec.robot.camera, render.width_px, render.height_px)).camera
+    pinhole = pinhole_image(intrinsics(config, render.width_px, render.height_px)).camera
     traced = pinhole.width_px * pinhole.height_px
     sampled = tracing_settings(render, spec.seed)
     image_s = (HYBRID_FRAME_S if sampled.hybrid else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
-        run=spec.key,
+        run=f"{spec.key} {camera.name}".rstrip(),
         duration_s=duration_s,
         lap=spec.stop.lap,
         rows=int(duration_s * spec.rates.control_hz) + 1,

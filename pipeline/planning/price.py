@@ -16,6 +16,7 @@ from pipeline.executors.local import Local
 from pipeline.executors.part import BLOCK_FRAMES
 from pipeline.planning.plan import BYTES_PER_ROW, ScenarioPlan
 from pipeline.run_folder.workspace import StageFolder, Workspace
+from pipeline.stages.cameras import without_further_cameras
 from pipeline.stages.render import journal
 from pipeline.stages.simulate_runs import simulate_runs
 from pipeline.work.batch import Batch
@@ -25,6 +26,7 @@ from symolo.core.files.disk_space import check_scratch
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report, plural, seconds
 from symolo.dataset.annotations import AnnotationName
+from symolo.dataset.documents.camera_specification import KIND as CAMERA
 from symolo.dataset.documents.metadata import FailedRun
 
 RUNS, IMAGES = 3, 4
@@ -141,7 +143,8 @@ def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Pr
     short = ["stop.lap=false", f"stop.time_limit_s={(IMAGES - 0.5) / hz}", f"render.annotations=[{kinds}]"]
     loaded = load_scenario(scenario, [*overrides, *short])
     routes = loaded.routes
-    specs = tuple(draw_run(loaded, routes[i % len(routes)].name, 1 + i // len(routes)) for i in range(RUNS))
+    drawn = (draw_run(loaded, routes[i % len(routes)].name, 1 + i // len(routes)) for i in range(RUNS))
+    specs = tuple(map(without_further_cameras, drawn))
     check_scratch(ScenarioPlan.of(specs, 1).bytes_needed, "lower render.width_px and render.height_px")
     device = device_for(specs[0].render.device)
     with scratch_folder() as scratch:
@@ -149,7 +152,9 @@ def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Pr
         batch = Batch(loaded, specs, Workspace(scratch), OneCore(1), device)
         price = _timed(batch, drive_s, report)
     render = specs[0].render
-    return price, f"{render.width_px} x {render.height_px} px, quality {render.quality}"
+    further = CAMERA in draw_run(loaded, routes[0].name, 1).robot.sensors.kinds
+    alone = " of the camera of data.csv, without the further cameras" if further else ""
+    return price, f"{render.width_px} x {render.height_px} px, quality {render.quality}{alone}"
 
 
 def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:

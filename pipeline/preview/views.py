@@ -14,11 +14,11 @@ from configs.overrides import replaced_section
 from configs.references import locate
 from configs.schema.look import LookConfig
 from configs.schema.scenario import RunSpec
-from physics.robot.path import RobotPath
 from pipeline.preview.path import PreviewPath
 from pipeline.stages.render import Appearance
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
+from symolo.core.geometry.robot_path import RobotPath
 from symolo.core.random_streams import stream
 
 _DRAFT = ("render.quality=draft", "render.method=full")

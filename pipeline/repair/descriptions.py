@@ -94,8 +94,9 @@ def _noted(state: RepairState, metadata: Metadata) -> set[str]:
     for record in metadata.runs:
         try:
             cpus.add(read_outcome(state.workspace.simulate(record.run).path).cpu)
-            annotate = state.workspace.annotate(record.run) if record.annotations else None
-            cpus |= {*processors(state.workspace.render(record.run), annotate)}
+            annotated = {"": bool(record.annotations)}
+            annotated |= {name: bool(camera.annotations) for name, camera in record.cameras.items()}
+            cpus |= {*processors(state.workspace, record.run, annotated)}
         except (OSError, ValueError, KeyError):
             return set()
     return cpus

@@ -10,7 +10,7 @@ from pipeline.stages.simulate_runs import SPEC
 from symolo.core.files.atomic_files import make_folder, remove_folder, write_file
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.metadata import METADATA
-from symolo.dataset.layout import ANNOTATIONS, SIDE
+from symolo.dataset.layout import ANNOTATIONS, SIDE, camera_and_file
 
 
 def put_back(state: RepairState, aside: Path) -> set[str]:
@@ -61,8 +61,9 @@ def _copy_in_stages(state: RepairState, name: str) -> Path | None:
     if len(parts) <= RUN_PARTS:
         return None
     run, inner = "/".join(parts[:RUN_PARTS]), parts[RUN_PARTS]
-    if inner.startswith(f"{IMAGES}/"):
-        return state.workspace.render(run).path / inner
-    if inner.startswith(f"{ANNOTATIONS}/"):
-        return state.workspace.annotate(run).path / inner
+    camera, file = camera_and_file(inner)
+    if file.startswith(f"{IMAGES}/"):
+        return state.workspace.render(run, camera).path / file
+    if file.startswith(f"{ANNOTATIONS}/"):
+        return state.workspace.annotate(run, camera).path / file
     return state.workspace.simulate(run).path / SPEC if inner == f"{SIDE}/{SPEC}" else None

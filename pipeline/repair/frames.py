@@ -11,8 +11,9 @@ from blender_scenes.annotations.record import FrameRecord
 from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
-from pipeline.run_folder.workspace import StageFolder
+from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
+from pipeline.stages.cameras import RunCamera, cameras_of
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
@@ -47,12 +48,13 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
     work = []
     for run, spec in specs.items():
         wanted = state.runs().get(run, set())
-        images, annotations = (_names_in(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
-        if images or annotations:
-            try:
-                work += _ordered(state, spec, tools, images, annotations)
-            except InputError as error:
-                state.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
+        try:
+            for camera in cameras_of(spec):
+                images, annotations = (_names_in(wanted, camera.inner(folder)) for folder in (IMAGES, ANNOTATIONS))
+                if images or annotations:
+                    work += _ordered(state, camera, tools, images, annotations)
+        except InputError as error:
+            state.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
     render_tasks([each.task for each in work], tools.workers, tools.report)
     for each in work:
         for file in sorted(each.wanted):
@@ -72,24 +74,25 @@ def _names_in(files: Iterable[str], folder: str) -> frozenset[str]:
 
 
 def _ordered(
-    state: RepairState, spec: RunSpec, tools: RepairTools, images: frozenset[str], annotations: frozenset[str]
+    state: RepairState, camera: RunCamera, tools: RepairTools, images: frozenset[str], annotations: frozenset[str]
 ) -> list[_Work]:
-    run = spec.key
+    spec, run = camera.spec, camera.spec.key
     if state.read(f"{run}/{DATA}") is None:
         raise InputError("it needs the poses in data.csv, which is not restored")
     user_files = state.workspace.user_files
     if images:
         check_user_files(spec, user_files)
     rows = read_rows(state.out / run / DATA)
-    appearance = Appearance.of(spec, tools.devices.get(run, "CPU"))
-    order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), user_files)
+    device, scratch = tools.devices.get(run, "CPU"), Workspace(tools.scratch)
+    order = RenderTask.of_camera(camera, rows, scratch.render(run, camera.name), user_files, device)
     write_job(order)
-    work = [_Work(run, IMAGES, only_frames(order.task, images), images)] if images else []
+    work = [_Work(run, camera.inner(IMAGES), only_frames(order.task, images), images)] if images else []
     if annotations:
-        order = AnnotationTask.of(order.task, appearance, StageFolder(tools.scratch / "annotate" / run))
+        appearance = Appearance.of(spec, device, camera.name)
+        order = AnnotationTask.of(order.task, appearance, scratch.annotate(run, camera.name))
         write_job(order)
         task = order.task if DOCUMENT in annotations else only_frames(order.task, annotations)
-        work.append(_Work(run, ANNOTATIONS, task, annotations))
+        work.append(_Work(run, camera.inner(ANNOTATIONS), task, annotations))
     return work
 
 

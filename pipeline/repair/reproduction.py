@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from blender_scenes.render.devices import DeviceKind
 from pipeline.repair.descriptions import machine_differences
 from pipeline.repair.frames import check_user_files, only_frames, render_tasks, write_job
 from pipeline.repair.repair_state import recorded_device
 from pipeline.run_folder.stored_spec import read_spec
-from pipeline.run_folder.workspace import StageFolder, Workspace
-from pipeline.stages.render import Appearance, FrameTask, RenderTask
+from pipeline.run_folder.workspace import Workspace
+from pipeline.stages.cameras import cameras_of
+from pipeline.stages.render import FrameTask, RenderTask
 from symolo.compare.images import likeness
 from symolo.compare.likeness import shown_db
 from symolo.core.errors import InputError, one_line
@@ -20,7 +20,7 @@ from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.dataset.bag import read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata, RunRecord, made_with
-from symolo.dataset.layout import DATA, IMAGES, SIDE, SPEC, STAGES, frame_name
+from symolo.dataset.layout import DATA, IMAGES, SIDE, SPEC, STAGES, camera_folder, frame_name
 from symolo.dataset.tables.rows import read_rows
 
 
@@ -74,48 +74,71 @@ def reproduce(root: Path, count: int, seed: int, workers: int, report: Report) -
     images: list[ReproducedImage] = []
     tasks: list[FrameTask] = []
     with scratch_folder() as scratch:
-        for record, numbers in chosen:
-            device = recorded_device(record.render_device)
+        for drawn in chosen:
             try:
-                tasks.append(_prepared(root, record.run, numbers, device, scratch))
+                tasks.append(_prepared(root, drawn, scratch))
             except InputError as error:
                 problem = f"cannot be rendered again: {error}"
-                images += [ReproducedImage(_name(record.run, n), problem, is_missing=True) for n in numbers]
+                names = [_name(drawn.record.run, drawn.camera, number) for number in drawn.numbers]
+                images += [ReproducedImage(name, problem, is_missing=True) for name in names]
         render_tasks(tasks, workers, report)
         for task in tasks:
             images += [_compared(root, task, frame.number) for frame in task.frames]
     return Reproduction(tuple(sorted(images, key=lambda image: image.file)), difference)
 
 
-def drawn_images(metadata: Metadata, count: int, seed: int) -> list[tuple[RunRecord, tuple[int, ...]]]:
-    """Return the runs with the numbers of their images that were drawn, each image of the dataset as likely."""
-    every = [(record, number) for record in metadata.runs for number in range(1, record.images + 1)]
-    places = stream(seed, "verify", "reproduce").permutation(len(every))[:count]
-    picked: dict[str, list[int]] = {}
-    for place in sorted(places.tolist()):
-        record, number = every[place]
-        picked.setdefault(record.run, []).append(number)
-    return [(record, tuple(picked[record.run])) for record in metadata.runs if record.run in picked]
+@dataclass(frozen=True)
+class DrawnImages:
+    """Images of a camera of a run that were drawn."""
+
+    record: RunRecord
+    camera: str
+    """Name of a further camera; empty for that of data.csv."""
+    numbers: tuple[int, ...]
+
+    @property
+    def device(self) -> str:
+        """Device that rendered them, as metadata.json names it."""
+        return self.record.cameras[self.camera].render_device if self.camera else self.record.render_device
 
 
-def _difference(root: Path, metadata: Metadata, chosen: Sequence[tuple[RunRecord, tuple[int, ...]]]) -> str:
+def drawn_images(metadata: Metadata, count: int, seed: int) -> list[DrawnImages]:
+    """Return images that were drawn, each image of the dataset as likely."""
+    cameras = [(record, camera) for record in metadata.runs for camera in ("", *record.cameras)]
+    every = [
+        (place, number)
+        for place, (record, camera) in enumerate(cameras)
+        for number in range(1, (record.cameras[camera].images if camera else record.images) + 1)
+    ]
+    picked: dict[int, list[int]] = {}
+    for chosen in sorted(stream(seed, "verify", "reproduce").permutation(len(every))[:count].tolist()):
+        place, number = every[chosen]
+        picked.setdefault(place, []).append(number)
+    return [DrawnImages(*cameras[place], tuple(numbers)) for place, numbers in picked.items()]
+
+
+def _difference(root: Path, metadata: Metadata, chosen: Sequence[DrawnImages]) -> str:
     texts = [machine_differences(metadata.made_with, read_cpu_classes(root), made_with())]
-    if cards := sorted({record.render_device for record, _ in chosen} - {"CPU"}):
+    if cards := sorted({drawn.device for drawn in chosen} - {"CPU"}):
         texts.append(f"it was rendered on {' and '.join(cards)}, which does not promise equal bytes")
     return "; ".join(filter(None, texts))
 
 
-def _prepared(root: Path, run: str, numbers: Sequence[int], device: DeviceKind, scratch: Path) -> FrameTask:
+def _prepared(root: Path, drawn: DrawnImages, scratch: Path) -> FrameTask:
+    run = drawn.record.run
     spec, user_files = read_spec(root / run / SIDE / SPEC), Workspace(root.absolute()).user_files
     check_user_files(spec, user_files)
-    rows = read_rows(root / run / DATA)
-    order = RenderTask.of(run, Appearance.of(spec, device), rows, StageFolder(scratch / run), user_files)
+    camera = next((one for one in cameras_of(spec) if one.name == drawn.camera), None)
+    if camera is None:
+        raise InputError(f"its specification has no camera {drawn.camera}")
+    rows, folder = read_rows(root / run / DATA), Workspace(scratch).render(run, drawn.camera)
+    order = RenderTask.of_camera(camera, rows, folder, user_files, recorded_device(drawn.device))
     write_job(order)
-    return only_frames(order.task, [frame_name(number) for number in numbers])
+    return only_frames(order.task, [frame_name(number) for number in drawn.numbers])
 
 
 def _compared(root: Path, task: FrameTask, number: int) -> ReproducedImage:
-    file = _name(task.run, number)
+    file = _name(task.run, task.camera, number)
     try:
         again = read_file(task.files / frame_name(number), FileKind.IMAGE)
     except FileNotFoundError:
@@ -128,5 +151,6 @@ def _compared(root: Path, task: FrameTask, number: int) -> ReproducedImage:
     return ReproducedImage(file, f"differs when it is rendered again ({level}): {difference.what}")
 
 
-def _name(run: str, number: int) -> str:
-    return f"{run}/{IMAGES}/{frame_name(number)}"
+def _name(run: str, camera: str, number: int) -> str:
+    folder = f"{run}/{camera_folder(camera)}" if camera else run
+    return f"{folder}/{IMAGES}/{frame_name(number)}"

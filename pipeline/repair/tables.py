@@ -15,7 +15,7 @@ from pipeline.stages.simulate_runs import read_recording, simulation_key
 from pipeline.work.unit_progress import report_event
 from pipeline.work.units import SimulateUnit
 from symolo.core.time_series import Recording
-from symolo.dataset.layout import ANNOTATIONS
+from symolo.dataset.layout import ANNOTATIONS, camera_and_file
 
 BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
 
@@ -39,7 +39,7 @@ def make_tables(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairT
 
 def _damaged_tables(state: RepairState, run: str) -> set[str]:
     """Return the damaged files of the run that follow from its trajectory."""
-    return {inner for inner in state.runs().get(run, set()) if not inner.startswith(BY_FRAME)}
+    return {inner for inner in state.runs().get(run, set()) if not camera_and_file(inner)[1].startswith(BY_FRAME)}
 
 
 def _put(state: RepairState, spec: RunSpec, recording: Recording, how: str, excuse: str) -> None:

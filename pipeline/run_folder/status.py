@@ -16,6 +16,7 @@ from pipeline.run_folder.changes import changes, first_changes
 from pipeline.run_folder.stored_spec import parse_spec
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
+from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import IMAGES, JOB, journal
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
 from symolo.core.errors import InputError, one_line
@@ -27,7 +28,7 @@ from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.folder_kind import DATASETS, kind_of
-from symolo.dataset.layout import ANNOTATIONS, SIDE, STAGES
+from symolo.dataset.layout import ANNOTATIONS, CAMERAS, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 from symolo.verification.inventory import Inventory
 
@@ -159,14 +160,33 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
         stages.append(_released(workspace, run, pending=bool(simulate.again), has_images=False))
     elif outcome is None or not outcome.problems:
         changed = [] if spec is None else image_changes(workspace, run, spec)
-        render = _framed(workspace.render(run), "render", outcome, check=check)
-        if not render.again and (changed or simulate.again):
-            render = StageStatus("render", render.text, first_changes(changed) if changed else "after the simulation")
-        stages.append(render)
-        if workspace.annotate(run).path.exists() or (spec is not None and spec.render.annotations):
-            stages.append(_framed(workspace.annotate(run), "annotate", outcome, check=check))
+        for camera, images, annotated in _cameras(workspace, run, spec, outcome):
+            render = _framed(workspace.render(run, camera), f"render {camera}".rstrip(), images, check=check)
+            if not render.again and (changed or simulate.again):
+                why = first_changes(changed) if changed else "after the simulation"
+                render = StageStatus(render.stage, render.text, why)
+            stages.append(render)
+            if annotated or workspace.annotate(run, camera).path.exists():
+                stage = f"annotate {camera}".rstrip()
+                stages.append(_framed(workspace.annotate(run, camera), stage, images, check=check))
         stages.append(_released(workspace, run, pending=any(stage.again for stage in stages)))
     return RunStatus(run, tuple(stages))
+
+
+def _cameras(
+    workspace: Workspace, run: str, spec: RunSpec | None, outcome: RunOutcome | None
+) -> Iterator[tuple[str, str, bool]]:
+    """Yield name, number of images and whether they are annotated of each camera of a run, as far as it is known."""
+    known = spec or _read_spec(workspace.simulate(run).path / SPEC)
+    if known is None:
+        yield "", str(outcome.images) if outcome else "?", False
+        return
+    for camera in cameras_of(known):
+        images = "?" if outcome is None else str(outcome.images)
+        if outcome is not None and camera.name and isinstance(known, RunSpec):
+            duration_s = (outcome.rows - 1) / known.rates.control_hz
+            images = str(int(duration_s / camera.period_s + 1e-9) + 1)
+        yield camera.name, images, bool(spec is not None and camera.spec.render.annotations)
 
 
 def image_changes(workspace: Workspace, run: str, spec: RunSpec) -> list[str]:
@@ -199,9 +219,8 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     )
 
 
-def _framed(folder: StageFolder, stage: str, outcome: RunOutcome | None, *, check: bool) -> StageStatus:
-    total = str(outcome.images) if outcome else "?"
-    files = folder.path / (IMAGES if stage == "render" else "annotations")
+def _framed(folder: StageFolder, stage: str, total: str, *, check: bool) -> StageStatus:
+    files = folder.path / (IMAGES if stage.startswith("render") else ANNOTATIONS)
     done = folder.done()
     if done is not None:
         if check and not holds(folder.path, done.files):
@@ -311,9 +330,11 @@ def _mixed(workspace: Workspace, runs: Sequence[str]) -> dict[str, str]:
 
 def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
     """Yield the journals of the images and annotations of a run, with the name of their folder."""
-    for folder, name in ((workspace.render(run), IMAGES), (workspace.annotate(run), ANNOTATIONS)):
-        if (folder.path / JOB).is_file():
-            yield name, journal(folder, name)
+    further = workspace.out / STAGES / CAMERAS
+    for camera in ("", *(sorted(path.name for path in further.iterdir()) if further.is_dir() else ())):
+        for folder, name in ((workspace.render(run, camera), IMAGES), (workspace.annotate(run, camera), ANNOTATIONS)):
+            if (folder.path / JOB).is_file():
+                yield name, journal(folder, name)
 
 
 def _disk(workspace: Workspace) -> dict[str, int]:

@@ -24,7 +24,7 @@ from symolo.core.files.file_locks import held, lock_or_refuse, opened_lock
 from symolo.core.files.plain_files import FileKind, check_tree, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.dataset.folder_kind import KIND, Done, Kind
-from symolo.dataset.layout import DONE, STAGES
+from symolo.dataset.layout import DONE, STAGES, camera_folder
 
 FAILED = "failed.json"
 
@@ -122,11 +122,15 @@ class Workspace:
     def simulate(self, run_key: str) -> StageFolder:
         return StageFolder(self.out / STAGES / "simulate" / run_key)
 
-    def render(self, run_key: str) -> StageFolder:
-        return StageFolder(self.out / STAGES / "render" / run_key)
+    def render(self, run_key: str, camera: str = "") -> StageFolder:
+        return StageFolder(self._of_camera(camera) / "render" / run_key)
 
-    def annotate(self, run_key: str) -> StageFolder:
-        return StageFolder(self.out / STAGES / "annotate" / run_key)
+    def annotate(self, run_key: str, camera: str = "") -> StageFolder:
+        return StageFolder(self._of_camera(camera) / "annotate" / run_key)
+
+    def _of_camera(self, camera: str) -> Path:
+        """Return the folder of the stages of a further camera, or of the camera of data.csv."""
+        return self.out / STAGES / camera_folder(camera) if camera else self.out / STAGES
 
     def assemble(self, run_key: str) -> StageFolder:
         return StageFolder(self.out / STAGES / "assemble" / run_key)

@@ -7,7 +7,7 @@ from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
 from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import RenderJob
-from pipeline.run_folder.workspace import StageFolder, mark_done
+from pipeline.run_folder.workspace import StageFolder, Workspace, mark_done
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, Rendered, journal
 from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
@@ -28,7 +28,7 @@ class AnnotationTask(FrameTask):
         arena = Arena.from_config(appearance.arena)
         rendered = RenderJob.from_json(read_file(images.folder.path / JOB, FileKind.JOB).decode())
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
-        return cls.order(images.run, folder, job, images.frames)
+        return cls.order(images.run, folder, job, images.frames, camera=images.camera)
 
     def names(self) -> list[str]:
         job = self._job()
@@ -49,7 +49,7 @@ class AnnotationTask(FrameTask):
 
 
 def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
-    """Copy the released annotations of a run into its folder, and return their SHA-256 by path.
+    """Copy the released annotations of a run or a camera into its folder, and return their SHA-256 by path.
 
     The records are part of the document.
     """
@@ -63,9 +63,17 @@ def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
     return copied
 
 
-def processors(render: StageFolder, annotate: StageFolder | None) -> tuple[str, ...]:
-    """Return the classes of the processors that made the images and annotations of a run, sorted."""
-    classes = {*Rendered.read(render.path).cpus}
-    if annotate is not None:
-        classes |= {*journal(annotate, ANNOTATIONS).processors()}
+def processors(workspace: Workspace, run: str, annotated: Mapping[str, bool]) -> tuple[str, ...]:
+    """Return the classes of the processors that made the images and annotations of a run, sorted.
+
+    Args:
+        workspace: Output folder.
+        run: Name of the run.
+        annotated: Whether there are annotations, by the name of the camera; that of data.csv has an empty name.
+    """
+    classes: set[str] = set()
+    for camera, has_annotations in annotated.items():
+        classes |= {*Rendered.read(workspace.render(run, camera).path).cpus}
+        if has_annotations:
+            classes |= {*journal(workspace.annotate(run, camera), ANNOTATIONS).processors()}
     return tuple(sorted(classes))

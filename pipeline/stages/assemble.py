@@ -1,7 +1,7 @@
 """Stage 3: assembles good runs into the released dataset, with description, metadata and checksums."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,7 @@ from configs.schema.scenario import SceneSpec
 from pipeline.assembly.description import markdown
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
+from pipeline.stages.cameras import RunCamera, cameras_of
 from pipeline.stages.render import Rendered
 from pipeline.stages.run_tables import stage_has_images, stage_rows, stage_tables
 from pipeline.stages.simulate_runs import read_outcome
@@ -21,9 +22,10 @@ from symolo.core.progress import Report
 from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
 from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
+from symolo.dataset.documents.run_records import CameraRecord
 from symolo.dataset.layout import DESCRIPTION, DONE, IMAGES, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, tag_manifest
-from symolo.dataset.tables.rows import HEADER
+from symolo.dataset.tables.rows import HEADER, Rows
 from symolo.dataset.tables.sensor_tables import ListedSensor
 
 METADATA_COPY = Path(STAGES) / "assemble" / METADATA
@@ -82,21 +84,41 @@ def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str],
     if not rows.image.any():  # of an imported trajectory
         record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings)
         return record, {outcome.cpu} - {""}, rows.columns
-    rendered = Rendered.read(workspace.render(spec.key).path)
-    annotate = workspace.annotate(spec.key) if spec.render.annotations else None
-    cpus = processors(workspace.render(spec.key), annotate)
-    warnings = (*outcome.warnings, *rendered.warnings)
+    cameras = {camera.name: camera for camera in cameras_of(spec)}
+    rendered = {name: Rendered.read(workspace.render(spec.key, name).path) for name in cameras}
+    annotated = {name: bool(camera.spec.render.annotations) for name, camera in cameras.items()}
+    cpus = processors(workspace, spec.key, annotated)
+    warnings = (*outcome.warnings, *_image_warnings(rendered))
     record = RunRecord.of(
         spec,
         rows,
         outcome.lap_time_s,
         warnings,
-        rendered.device,
+        rendered[""].device,
         cpus=cpus,
         board=outcome.board,
         controller=outcome.controller,
+        cameras={name: _camera_record(c, rows, rendered[name].device) for name, c in cameras.items() if name},
     )
     return record, {outcome.cpu, *cpus} - {""}, rows.columns
+
+
+def _image_warnings(rendered: Mapping[str, Rendered]) -> Iterator[str]:
+    """Yield the warnings about the images of each camera."""
+    for name, images in rendered.items():
+        yield from (f"camera {name}: {warning}" if name else warning for warning in images.warnings)
+
+
+def _camera_record(camera: RunCamera, rows: Rows, device: str) -> CameraRecord:
+    render = camera.spec.render
+    return CameraRecord(
+        period_s=camera.period_s,
+        images=len(camera.rows(rows).t_ms),
+        image_width_px=render.width_px,
+        image_height_px=render.height_px,
+        render_device=device,
+        annotations=render.annotations,
+    )
 
 
 def of_several_classes(cpus: Sequence[str]) -> str:
@@ -128,10 +150,11 @@ def release_run(workspace: Workspace, spec: SceneSpec) -> dict[str, str]:
         EnvironmentLacking: Files of the stages, or of the new folder, are not what was written.
     """
     stages = {"simulate": workspace.simulate(spec.key)}
-    if has_images := stage_has_images(spec, stages["simulate"].path):
-        stages["render"] = workspace.render(spec.key)
-    if has_images and spec.render.annotations:
-        stages["annotate"] = workspace.annotate(spec.key)
+    cameras = cameras_of(spec) if stage_has_images(spec, stages["simulate"].path) else ()
+    for camera in cameras:
+        stages[camera.inner("render")] = workspace.render(spec.key, camera.name)
+        if camera.spec.render.annotations:
+            stages[camera.inner("annotate")] = workspace.annotate(spec.key, camera.name)
     files = {name: stage.files() for name, stage in stages.items()}
     key = input_key("assemble", stages=files, form=FORM, versions=versions("symolo", "numpy"))
     marker, released = workspace.assemble(spec.key), workspace.out / spec.key
@@ -140,7 +163,7 @@ def release_run(workspace: Workspace, spec: SceneSpec) -> dict[str, str]:
         return done.files
     _remove_files(workspace.out, CHECKSUMS)
     partial = marker.start()
-    written = _fill(workspace, spec, files.get("render", {}), partial)
+    written = _fill(workspace, spec, cameras, files, partial)
     hashes = hashes_of(partial)
     if hashes != written:
         raise EnvironmentLacking(f"{partial} is not on the disk as it was written; run the same command again")
@@ -150,19 +173,28 @@ def release_run(workspace: Workspace, spec: SceneSpec) -> dict[str, str]:
     return hashes
 
 
-def _fill(workspace: Workspace, spec: SceneSpec, rendered: Mapping[str, str], folder: Path) -> dict[str, str]:
-    """Write the files of a run and return their SHA-256 by path; without images, `rendered` is empty."""
+def _fill(
+    workspace: Workspace,
+    spec: SceneSpec,
+    cameras: Sequence[RunCamera],
+    stages: Mapping[str, Mapping[str, str]],
+    folder: Path,
+) -> dict[str, str]:
+    """Write the files of a run and return their SHA-256 by path; without images, there are no cameras."""
     make_folder(folder / SIDE)
+    for camera in cameras:
+        make_folder(folder / camera.inner(SIDE))
+        make_folder(folder / camera.inner(IMAGES))
     written: dict[str, str] = {}
     for name, data in stage_tables(spec, workspace.simulate(spec.key).path):
         write_file(folder / name, data)
         written[name] = hashlib.sha256(data).hexdigest()
-    if not rendered:
-        return written
-    make_folder(folder / IMAGES)
-    written |= copy_images(workspace.render(spec.key).path, rendered, folder)
-    if spec.render.annotations:
-        written |= copy_released(workspace.annotate(spec.key), folder)
+    for camera in cameras:
+        place = folder / camera.inner("")
+        copied = copy_images(workspace.render(spec.key, camera.name).path, stages[camera.inner("render")], place)
+        if camera.spec.render.annotations:
+            copied |= copy_released(workspace.annotate(spec.key, camera.name), place)
+        written |= {camera.inner(name): digest for name, digest in copied.items()}
     return written
 
 

@@ -44,7 +44,7 @@ class ClosedLoop:
             robot, self.arena, rates.physics_hz, lambda name: stream(spec.seed, spec.route, spec.run, "sensors", name)
         )
         self.suite = SensorSuite(sensors, tick_steps)
-        self._further = robot.sensors.names
+        self._further = tuple(name for name in robot.sensors.names if name in sensors)
         self._odometry = Odometry.from_config(robot)
         self._believed = (0.0, 0.0, 0.0)
         self._counts = np.zeros(2, dtype=np.int64)

@@ -18,9 +18,9 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, SceneSpec
-from physics.robot.path import RobotPath
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
+from pipeline.stages.cameras import RunCamera
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, FrameGivenUp
@@ -33,11 +33,13 @@ from symolo.core.files.atomic_files import make_folder, remove_file, remove_fold
 from symolo.core.files.file_hashes import canonical_json, sha256_of
 from symolo.core.files.file_locks import held
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.geometry.robot_path import RobotPath
 from symolo.core.progress import Report, plural
 from symolo.core.random_streams import stream
 from symolo.core.versions import versions
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import DONE, IMAGES, JOB, frame_name
+from symolo.dataset.tables.camera_rows import path_of
 from symolo.dataset.tables.rows import Rows
 
 FRAMES, INPUTS = "frames.json", "inputs.json"
@@ -57,20 +59,25 @@ class Appearance:
     """Seed of the run, not of the scenario: no two runs share stains and noise."""
     device: DeviceKind = "CPU"
     """Device on this machine for `render.device`."""
+    noise_seed: int | None = None
+    """Seed of path tracing and camera noise; None for that of the run. A further camera has one of its own."""
 
     @classmethod
-    def of(cls, spec: SceneSpec, device: DeviceKind = "CPU") -> "Appearance":
+    def of(cls, spec: SceneSpec, device: DeviceKind = "CPU", camera: str = "") -> "Appearance":
+        """Return the appearance of a run; for a further camera, `spec` has it in the place of that of data.csv."""
         seed = image_seed(spec.seed, *spec.drawn_as)
-        return cls(spec.arena, spec.robot, spec.look, spec.render, seed, device)
+        noise_seed = image_seed(spec.seed, *spec.drawn_as, camera) if camera else None
+        return cls(spec.arena, spec.robot, spec.look, spec.render, seed, device, noise_seed)
 
     def job(self, arena: Arena, frames: Sequence[FramePose], path: RobotPath) -> RenderJob:
         """Return the job that renders these frames; `arena` is that of `self.arena`."""
-        return build_job(arena, self.robot, self.look, self.render, frames, self.seed, path, self.device)
+        robot, look, render, seed = self.robot, self.look, self.render, self.seed
+        return build_job(arena, robot, look, render, frames, seed, path, self.device, self.noise_seed)
 
 
-def image_seed(seed: int, route: str, run: int) -> int:
-    """Return the seed of 31 bits for the renderer, which depends on the run only."""
-    return int(stream(seed, route, run, "render").integers(2**31))
+def image_seed(seed: int, route: str, run: int, *camera: str) -> int:
+    """Return the seed of 31 bits for the renderer, which depends on the run only, or on a further camera too."""
+    return int(stream(seed, route, run, "render", *camera).integers(2**31))
 
 
 @dataclass(frozen=True)
@@ -101,6 +108,8 @@ class FrameTask(ABC):
     """Folder of the user's own files by their SHA-256; None where none is shown."""
     device: DeviceKind = "CPU"
     """Device that makes the files."""
+    camera: str = ""
+    """Name of the further camera whose images these are; empty for the camera of data.csv."""
 
     @classmethod
     def order(
@@ -110,10 +119,22 @@ class FrameTask(ABC):
         job: RenderJob | AnnotationJob,
         frames: tuple[FramePose, ...],
         user_files: Path | None = None,
+        *,
+        camera: str = "",
     ) -> "Order":
         text = job.to_json()
         digest = hashlib.sha256(text.encode()).hexdigest()
-        return Order(cls(run, folder, digest, frames, user_files, job.sampling.device), text)
+        return Order(cls(run, folder, digest, frames, user_files, job.sampling.device, camera), text)
+
+    @property
+    def name(self) -> str:
+        """Name in messages: the run, and the camera if it is a further one."""
+        return f"{self.run} camera {self.camera}" if self.camera else self.run
+
+    def failed(self, stage: str, problem: str) -> FailedRun:
+        """Return the record of a problem with which the run cannot be released."""
+        of_camera = f"camera {self.camera}: " if self.camera else ""
+        return FailedRun(run=self.run, stage=stage, problem=f"{of_camera}{problem}")
 
     @property
     def key(self) -> str:
@@ -160,11 +181,25 @@ class RenderTask(FrameTask):
     def of(
         cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, user_files: Path | None = None
     ) -> Order:
+        """Return the order for the images of the camera of data.csv, whose rows these are."""
         frames = frame_poses(rows)
-        arena = Arena.from_config(appearance.arena)
-        path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
-        job = appearance.job(arena, frames, path)
+        job = appearance.job(Arena.from_config(appearance.arena), frames, path_of(rows))
         return cls.order(run, folder, job, frames, user_files)
+
+    @classmethod
+    def of_camera(
+        cls,
+        camera: RunCamera,
+        rows: Rows,
+        folder: StageFolder,
+        user_files: Path | None = None,
+        device: DeviceKind = "CPU",
+    ) -> Order:
+        """Return the order for the images of any camera of a run; the rows are those of data.csv."""
+        frames = frame_poses(camera.rows(rows))
+        appearance = Appearance.of(camera.spec, device, camera.name)
+        job = appearance.job(Arena.from_config(appearance.arena), frames, path_of(rows))
+        return cls.order(camera.spec.key, folder, job, frames, user_files, camera=camera.name)
 
     def names(self) -> list[str]:
         return [frame_name(frame.number) for frame in self.frames]
@@ -224,13 +259,13 @@ def render_runs(
         executor: Executor that does them.
         report: Progress report.
         name: Name of the stage.
-        on_complete: Called with each run that finishes without a problem, while others go on.
+        on_complete: Called with the name of each task that finishes without a problem, while others go on.
     """
     pending, done_before = [], 0
     for order in orders:
         if order.task.folder.is_done(order.task.key):
             done_before += 1
-            on_complete(order.task.run)
+            on_complete(order.task.name)
         else:
             _prepare(order)
             pending.append(order.task)
@@ -247,7 +282,9 @@ def render_runs(
             finishing.take(unit, event)
 
         failures = executor.do(units, on_event)
-    return failed_runs(name, failures, report) + finishing.rest({failure.unit.name for failure in failures})
+    runs = {task.name: task.run for task in pending}
+    failed = failed_runs(name, failures, report, runs)
+    return failed + finishing.rest({failure.unit.name for failure in failures})
 
 
 class _Finishing:
@@ -261,7 +298,7 @@ class _Finishing:
         report: Report,
         on_complete: OnComplete,
     ) -> None:
-        self._tasks = {task.run: task for task in tasks}
+        self._tasks = {task.name: task for task in tasks}
         self._left = Counter(unit.name for unit in units)
         self._name, self._report, self._on_complete = name, report, on_complete
         self._failed: list[FailedRun] = []
@@ -277,7 +314,7 @@ class _Finishing:
     def rest(self, failed: Collection[str]) -> list[FailedRun]:
         """Finish the remaining runs except those that `failed`, and return all failures."""
         for task in self._tasks.values():
-            if task.run not in failed:
+            if task.name not in failed:
                 self._finish(task)
         return self._failed
 
@@ -289,13 +326,13 @@ class _Finishing:
         else:
             findings = task.finish(hashes)
             for warning in findings.warnings:
-                self._report.say(f"{self._name}: {task.run}: {warning}")
+                self._report.say(f"{self._name}: {task.name}: {warning}")
             if problem := findings.problem:
                 task.folder.fail(task.key, problem)
         if problem:
-            self._failed.append(FailedRun(run=task.run, stage=self._name, problem=problem))
+            self._failed.append(task.failed(self._name, problem))
         else:
-            self._on_complete(task.run)
+            self._on_complete(task.name)
 
 
 def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
@@ -309,7 +346,7 @@ def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
     return [
         RenderUnit(
             work=task.WORK,
-            name=task.run,
+            name=task.name,
             job=task.folder.path / JOB,
             folder=task.files,
             numbers=numbers,

@@ -8,6 +8,7 @@ from pathlib import Path
 from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.assembly.scene_file import scene_file
 from pipeline.run_folder.workspace import StageFolder, input_key
+from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import image_seed
 from pipeline.stages.simulate_runs import OUTCOME, SPEC, TRAJECTORY, RunOutcome, read_recording, refresh_spec, spec_text
 from sensors.fit_out import listed_sensors
@@ -109,6 +110,11 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
     yield from _of_images(spec, rows)
+    for camera in cameras_of(spec)[1:]:
+        at_images = camera.rows(rows)
+        yield camera.inner(POSITIONS), image_positions(at_images)
+        for name, data in camera_files(camera.spec, at_images):
+            yield camera.inner(name), data
     yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 

@@ -1,7 +1,7 @@
 """Stage 1: simulates every run of a scenario into a folder of its own."""
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,7 +30,8 @@ from symolo.core.progress import Report, plural
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
-from symolo.dataset.documents.metadata import BoardRecord, ControllerRecord, FailedRun
+from symolo.dataset.documents.metadata import FailedRun
+from symolo.dataset.documents.run_records import BoardRecord, ControllerRecord
 from symolo.dataset.layout import SPEC
 
 if TYPE_CHECKING:
@@ -153,12 +154,24 @@ def prepare_pilots(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
         build_for(spec.robot, spec.board)
 
 
-def failed_runs(stage: str, failures: Sequence[UnitFailure], report: Report) -> list[FailedRun]:
-    """Return the failures for the dataset, and report the rest of their texts, such as a log."""
-    failed = [FailedRun.of(failure.unit.name, stage, failure.text) for failure in failures]
-    for run, failure in zip(failed, failures, strict=True):
+def failed_runs(
+    stage: str, failures: Sequence[UnitFailure], report: Report, runs: Mapping[str, str] | None = None
+) -> list[FailedRun]:
+    """Return the failures for the dataset, and report the rest of their texts, such as a log.
+
+    Args:
+        stage: Name of the stage.
+        failures: Failures of units.
+        report: Progress report.
+        runs: Run of each unit by the name of the unit; by default the name is the run.
+    """
+    failed = []
+    for failure in failures:
+        name = failure.unit.name
+        run = FailedRun.of((runs or {}).get(name, name), stage, failure.text)
         if failure.text != run.problem:  # the command itself prints `run.problem` at its end
-            report.say(f"{stage}: {run.run}: {failure.text}")
+            report.say(f"{stage}: {name}: {failure.text}")
+        failed.append(run)
     return failed
 
 

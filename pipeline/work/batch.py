@@ -15,6 +15,7 @@ from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
+from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
 from pipeline.stages.simulate_runs import problems_of, read_recording, simulate_runs, simulation_key
 from pipeline.work.supervisor import cores
@@ -91,17 +92,21 @@ class Batch:
     ) -> list[FailedRun]:
         """Render all images and then their annotations; call `on_complete` with each run that is complete."""
         specs = {spec.key: spec for spec in self.specs}
+        cameras = {run: cameras_of(spec) for run, spec in specs.items()}
+        left = {run: sum(1 + bool(c.spec.render.annotations) for c in of_run) for run, of_run in cameras.items()}
+        tasks: dict[str, FrameTask] = {}
 
-        def on_images(run: str) -> None:
-            if not specs[run].render.annotations:
+        def on_task(name: str) -> None:
+            run = tasks[name].run
+            left[run] -= 1
+            if not left[run]:
                 on_complete(specs[run])
 
-        tasks: list[FrameTask] = []
         orders = _noted(self._render_orders(failures), tasks)
-        failed = render_runs(orders, self.executor, report, on_complete=on_images)
-        if any(spec.render.annotations for spec in self.specs):
-            orders = self._annotation_orders(tasks, failed)
-            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_complete(specs[run]))
+        failed = render_runs(orders, self.executor, report, on_complete=on_task)
+        if any(camera.spec.render.annotations for of_run in cameras.values() for camera in of_run):
+            orders = self._annotation_orders(tasks.values(), failed)
+            failed += render_runs(orders, self.executor, report, "annotate", on_task)
         return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
@@ -110,9 +115,9 @@ class Batch:
         Raises:
             InputError: A good run is not rendered or annotated yet, or from other inputs.
         """
-        tasks: list[FrameTask] = []
+        tasks: dict[str, FrameTask] = {}
         failed = self._problems(_noted(self._render_orders(failures), tasks))
-        return failed + self._problems(self._annotation_orders(tasks, failed))
+        return failed + self._problems(self._annotation_orders(tasks.values(), failed))
 
     def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
         assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
@@ -122,24 +127,31 @@ class Batch:
         for spec in self.specs:
             if spec.key not in failed:
                 rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
-                folder, user_files = self.workspace.render(spec.key), self.workspace.user_files
-                yield RenderTask.of(spec.key, Appearance.of(spec, self.device), rows, folder, user_files)
+                for camera in cameras_of(spec):
+                    folder, user_files = self.workspace.render(spec.key, camera.name), self.workspace.user_files
+                    yield RenderTask.of_camera(camera, rows, folder, user_files, self.device)
 
-    def _annotation_orders(self, images: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
+    def _annotation_orders(self, images: Iterable[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
         """Yield the annotation orders; none where the scenario asks for no annotations."""
         failed = {failure.run for failure in failures}
-        appearances = {spec.key: Appearance.of(spec, self.device) for spec in self.specs if spec.render.annotations}
+        appearances = {
+            (spec.key, camera.name): Appearance.of(camera.spec, self.device, camera.name)
+            for spec in self.specs
+            for camera in cameras_of(spec)
+            if camera.spec.render.annotations
+        }
         for task in images:
-            if task.run in appearances and task.run not in failed:
-                yield AnnotationTask.of(task, appearances[task.run], self.workspace.annotate(task.run))
+            appearance = appearances.get((task.run, task.camera))
+            if appearance is not None and task.run not in failed:
+                yield AnnotationTask.of(task, appearance, self.workspace.annotate(task.run, task.camera))
 
     def _problems(self, orders: Iterable[Order]) -> list[FailedRun]:
         failed = []
         for task in (order.task for order in orders):
             if problem := task.folder.problem(task.key):
-                failed.append(FailedRun(run=task.run, stage=task.STAGE, problem=problem))
+                failed.append(task.failed(task.STAGE, problem))
             elif not task.folder.is_done(task.key):
-                raise self._not_done(task.run, "render")
+                raise self._not_done(task.name, "render")
         return failed
 
     def _not_done(self, run: str, stage: str) -> InputError:
@@ -150,8 +162,8 @@ class Batch:
         )
 
 
-def _noted(orders: Iterable[Order], tasks: list[FrameTask]) -> Iterator[Order]:
-    """Yield the orders and append their tasks to `tasks`; their long jobs are not kept."""
+def _noted(orders: Iterable[Order], tasks: dict[str, FrameTask]) -> Iterator[Order]:
+    """Yield the orders and note their tasks in `tasks` by name; their long jobs are not kept."""
     for order in orders:
-        tasks.append(order.task)
+        tasks[order.task.name] = order.task
         yield order

@@ -95,19 +95,33 @@ def _median_luminance(light: FloatImage) -> float:
     return float(np.median(light @ LUMINANCE.astype(np.float32)))
 
 
-def develop(light: FloatImage, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
+def develop(
+    light: FloatImage,
+    response: CameraResponse,
+    metered: float,
+    number: int,
+    field: NDArray[np.bool_] | None = None,
+) -> NDArray[np.uint8]:
     """Return the 8-bit RGB image (H, W, 3) of linear light (H, W, 3).
 
     The exposure follows the median of the frame and `metered`, the median of the run. It never makes more than a small
     share of the frame brighter than white.
+
+    Args:
+        light: Linear light.
+        response: Response of the camera.
+        metered: Median of the run.
+        number: Number of the frame.
+        field: (H, W), pixels that the lens brings light to, on which the exposure depends; None for all.
     """
     height, width, _ = light.shape
     light = _through_glass(light, response)
     share = response.exposure_adaption
-    frame_median = max(_median_luminance(light), _DARKEST * metered)
+    seen = light if field is None else light[field]
+    frame_median = max(_median_luminance(seen), _DARKEST * metered)
     # The mean is geometric, because exposures are ratios. The gain is then limited, so that few pixels are overexposed.
     median = metered ** (1 - share) * frame_median**share
-    highlights = float(np.quantile(light @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
+    highlights = float(np.quantile(seen @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
     gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
     raw = light * np.float32(gain) * _vignette(width, height, response.vignetting)[..., None]
     raw = np.maximum(raw + _noise(raw, response, number), 0)

@@ -2,7 +2,8 @@
 
 Cycles exposes the pinhole image row by row. If the lens bends a ray to a different row, its light is therefore too
 early or too late, and its source has moved over the pinhole image in the meantime. This is corrected to first order.
-The correction holds for all points if the camera only turns; if it moves, it holds for points on the floor.
+The correction holds for all points if the camera only turns; if it moves, it holds for points on the floor. A fisheye
+lens, whose coefficients bend rays by a few rows at most, is not corrected.
 """
 
 import numpy as np
@@ -17,6 +18,7 @@ from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
 def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> FloatImage | None:
     """Return the shift (H, W, 2) [px] for `through_lens`; None if nothing needs correction."""
+    # A camera with a fisheye lens has no `distortion`.
     if camera.distortion == NO_DISTORTION or shutter.read_out_s == 0 or not view.exposure:
         return None
     pinhole = pinhole_image(camera)

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from physics.robot.path import RobotPath
 from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView, Moment
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array, triple
 from symolo.core.geometry.pinhole import Intrinsics, Shutter
 from symolo.core.geometry.poses import PlanarPose, as_rows, pose_X_WR
+from symolo.core.geometry.robot_path import RobotPath
 
 MOMENTS = 5
 """Number of moments of an exposure. On an arc of 0.2 rad, linear motion between them errs by 0.1 % of the length."""

@@ -1,6 +1,7 @@
 """Annotations of a run: kinds, files, encodings of their PNG images, and annotations.json, which is similar to COCO."""
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -40,6 +41,15 @@ ENCODINGS: dict[AnnotationName, str] = {
     "boxes_3d": "annotations: box_3d, size [m] and poses X_WO, X_CO of a frame in its middle",
     "key_points": "sightings: pixel (u, v), (0, 0) the middle of the first pixel, and place in C [m]",
 }
+_FISHEYE_DEPTH = "PNG, 16 bit grey: distance from the lens in 0.1 mm; 0: no surface within 6.5 m"
+
+
+def encodings(kinds: Iterable[AnnotationName], camera: Intrinsics) -> dict[AnnotationName, str]:
+    """Return the encoding of some kinds of annotations of a camera's images."""
+    texts = ENCODINGS if camera.fisheye is None else {**ENCODINGS, "depth": _FISHEYE_DEPTH}
+    return {kind: texts[kind] for kind in kinds}
+
+
 DEPTH_UNIT_M = 1e-4
 DEPTH_RANGE_M = 6.5
 """Farthest surface that an image of depths shows."""

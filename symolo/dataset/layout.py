@@ -8,6 +8,8 @@ JOB, LOOK = "job.json", "look.json"
 """In the folder of the images of `rerender`: the input of the renderer, and the values that were drawn."""
 STAGES, DONE = ".stages", "done.json"
 """Hidden folder of an output folder with the results of each stage, and the last file that a finished stage writes."""
+CAMERAS = "cameras"
+"""Folder of a run with a folder for each further camera, which has images/, side/ and annotations/ as the run has."""
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 """Pattern of names that become names of files and folders: of a dataset, a route, a part of an arena."""
 
@@ -15,3 +17,18 @@ NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 def frame_name(number: int) -> str:
     """Return the file name of the image with this number."""
     return f"{number:06d}.jpg"
+
+
+def camera_folder(name: str) -> str:
+    """Return the path of the folder of a further camera within that of a run."""
+    return f"{CAMERAS}/{name}"
+
+
+def camera_and_file(path: str) -> tuple[str, str]:
+    """Return the name of the further camera to which a path within a run belongs, and the path within its folder.
+
+    A file of the run itself has no camera: the name is empty, and the path is the whole path.
+    """
+    first, _, rest = path.partition("/")
+    name, _, inner = rest.partition("/")
+    return (name, inner) if first == CAMERAS and inner else ("", path)

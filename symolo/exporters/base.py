@@ -7,7 +7,7 @@ from pathlib import Path
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Image
+from symolo.reader.run_folder import Image
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationEntry, KeyPointSighting, pixel_box
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Image, Run, how_to_add
+from symolo.reader.run import Run
+from symolo.reader.run_folder import Image, how_to_add
 
 _CORNERS = tuple(f"corner_{number}" for number in range(8))
 """Names of a box's corners: 0-3 at the foot, 4-7 above them, counter-clockwise, as in our key points."""

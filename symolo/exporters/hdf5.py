@@ -17,7 +17,7 @@ from symolo.dataset.annotations import DEPTH_UNIT_M, FLOW_PER_PX, FLOW_ZERO, NOR
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Image, Run
+from symolo.reader.run_folder import Image, RunFolder
 from symolo.reader.tables import UNITS
 
 FAR_M = 1e10
@@ -86,26 +86,26 @@ def _pose(image: Image) -> bytes:
     return json.dumps(without_negative_zeros, allow_nan=False).encode()
 
 
-def _depth(stored: np.ndarray, _run: Run) -> Entries:
+def _depth(stored: np.ndarray, _run: RunFolder) -> Entries:
     metres = np.where(stored > 0, stored * DEPTH_UNIT_M, FAR_M)
     return {"depth": metres.astype(np.float32)}
 
 
-def _normals(stored: np.ndarray, _run: Run) -> Entries:
+def _normals(stored: np.ndarray, _run: RunFolder) -> Entries:
     """Return normals in 0..1, in Blender's axes of a camera: x right, y up, z back; 0.5 where there is no surface."""
     normal_C = (stored.astype(np.float64) - NORMAL_ZERO) / NORMAL_SCALE
     has_surface = np.any(stored > 0, axis=-1, keepdims=True)
     return {"normals": np.where(has_surface, 0.5 + 0.5 * normal_C * (1, -1, -1), 0.5).astype(np.float32)}
 
 
-def _flow(stored: np.ndarray, _run: Run) -> Entries:
+def _flow(stored: np.ndarray, _run: RunFolder) -> Entries:
     valid = stored[..., 2] > 0
     change_px = (stored[..., :2].astype(np.float64) - FLOW_ZERO) / FLOW_PER_PX
     flow_px = np.where(valid[..., None], change_px, 0).astype(np.float32)
     return {"forward_flow": flow_px, "forward_flow_valid": valid.astype(np.uint8)}
 
 
-def _instances(stored: np.ndarray, run: Run) -> Entries:
+def _instances(stored: np.ndarray, run: RunFolder) -> Entries:
     seen = set(np.unique(stored).tolist())
     known = [{"idx": one.id, "name": one.name, "category_id": one.category_id} for one in run.annotations.instances]
     sky = {"idx": 0, "name": "sky", "category_id": 0}
@@ -113,15 +113,15 @@ def _instances(stored: np.ndarray, run: Run) -> Entries:
     return {"instance_segmaps": stored, "instance_attribute_maps": json.dumps(attributes, allow_nan=False).encode()}
 
 
-def _categories(stored: np.ndarray, _run: Run) -> Entries:
+def _categories(stored: np.ndarray, _run: RunFolder) -> Entries:
     return {"category_id_segmaps": stored}
 
 
-def _free_floor(stored: np.ndarray, _run: Run) -> Entries:
+def _free_floor(stored: np.ndarray, _run: RunFolder) -> Entries:
     return {"free_floor_segmaps": (stored > 0).astype(np.uint8)}
 
 
-_DECODED: Mapping[str, Callable[[np.ndarray, Run], Entries]] = {
+_DECODED: Mapping[str, Callable[[np.ndarray, RunFolder], Entries]] = {
     "depth": _depth,
     "instance": _instances,
     "semantic": _categories,

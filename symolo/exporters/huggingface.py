@@ -20,7 +20,8 @@ from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
 from symolo.reader.dataset import RUN, Dataset
-from symolo.reader.run import Image, Run
+from symolo.reader.run import Run
+from symolo.reader.run_folder import Image
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"

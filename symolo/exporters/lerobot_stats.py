@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symolo.reader.run import Pixels
+from symolo.reader.run_folder import Pixels
 
 _QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)
 _LEVELS = 256

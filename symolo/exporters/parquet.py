@@ -12,7 +12,8 @@ from symolo.core.extras import optional_module
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
 from symolo.exporters.features import stacked_bytes
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Image, Run
+from symolo.reader.run import Run
+from symolo.reader.run_folder import Image
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from symolo.reader.run import Image
+from symolo.reader.run_folder import Image
 
 
 def record_of(image: Image) -> bytes:

@@ -19,7 +19,8 @@ from symolo.core.geometry.poses import mounted, quaternions
 from symolo.dataset.tables.side_tables import WHEELS as WHEEL_COLUMNS
 from symolo.dataset.tables.side_tables import SideTable
 from symolo.exporters.base import image_bytes
-from symolo.reader.run import Image, Run
+from symolo.reader.run import Run
+from symolo.reader.run_folder import Image
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

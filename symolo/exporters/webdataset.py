@@ -11,7 +11,7 @@ from symolo.core.files.tar_files import Member, shards, tar_bytes, tar_chunks
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Image
+from symolo.reader.run_folder import Image
 
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:

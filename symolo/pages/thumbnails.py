@@ -4,7 +4,7 @@ import numpy as np
 
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.reader.run import Image
+from symolo.reader.run_folder import Image
 
 THUMBNAIL_PX = 320
 """Width of an image on a page, where it is not larger."""

@@ -18,6 +18,7 @@ from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY,
 from symolo.pages.states import Dash
 from symolo.playback.playback import Beam, CameraTrack, Curve, CurvePlot, Playback, RobotOutline, Scan, StripePlot
 from symolo.reader.run import Run
+from symolo.reader.run_folder import RunFolder
 
 MAX_CURVES = 6
 """Columns of one unit and table that are drawn as curves; more are drawn as a strip of greys."""
@@ -166,10 +167,17 @@ def curve_plot(title: str, unit: str, t_s: Array, names: Sequence[str], values: 
 
 
 def _cameras(run: Run) -> tuple[CameraTrack, ...]:
-    if not run.numbers:
-        return ()
+    """Return the camera of data.csv and the further ones, as far as they have images."""
+    tracks = [_camera("camera", run)] if run.numbers else []
+    if _spec(run) is not None:
+        further = ((name, camera) for name, camera in run.cameras.items() if camera.folder.is_dir())
+        tracks += [_camera(name, camera) for name, camera in further]
+    return tuple(tracks)
+
+
+def _camera(name: str, run: RunFolder) -> CameraTrack:
     try:
         width_px, height_px = run.camera.width_px, run.camera.height_px
     except InputError:  # such as of a dataset without side tables
         height_px, width_px = run.images[0].pixels().shape[:2]
-    return (CameraTrack("camera", width_px, height_px, run.images),)
+    return CameraTrack(name, width_px, height_px, run.images)

@@ -6,7 +6,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Ints
 from symolo.pages.states import Dash
-from symolo.reader.run import Image
+from symolo.reader.run_folder import Image
 
 
 @dataclass(frozen=True)

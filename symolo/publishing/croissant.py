@@ -93,8 +93,19 @@ def _image_files(data: Published) -> dict[str, Any]:
         "name": IMAGE_FILES,
         "containedIn": archives if len(archives) > 1 else archives[0],
         "encodingFormat": "image/jpeg",
-        "includes": f"{data.name}/*/*/{IMAGES}/*.jpg",
+        "includes": _image_patterns(data),
     }
+
+
+def _image_patterns(data: Published) -> str | list[str]:
+    """Return the patterns of the images of the camera of data.csv.
+
+    A `*` of these patterns stands for several folders too, so that one pattern for all runs would include the images
+    of further cameras.
+    """
+    if not any(run.cameras for run in data.metadata.runs):
+        return f"{data.name}/*/*/{IMAGES}/*.jpg"
+    return [f"{data.name}/{run.run}/{IMAGES}/*.jpg" for run in data.metadata.runs]
 
 
 def _rows(table: PlannedTable, data: Published) -> dict[str, Any]:

@@ -16,7 +16,8 @@ from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
 from symolo.dataset.layout import DATA, LOOK
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
-from symolo.reader.run import Image, Run
+from symolo.reader.run import Run
+from symolo.reader.run_folder import Image
 
 RUN = "run"
 """The column that `Dataset.rows` has beside those of data.csv."""

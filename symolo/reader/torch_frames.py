@@ -8,7 +8,7 @@ import numpy as np
 
 from symolo.core.errors import EnvironmentLacking
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Pixels
+from symolo.reader.run_folder import Pixels
 
 
 class Frame(NamedTuple):

@@ -10,10 +10,10 @@ from symolo.core.geometry.pinhole import intrinsics
 from symolo.dataset.annotations import (
     CATEGORIES,
     DOCUMENT,
-    ENCODINGS,
     RECORD_KINDS,
     AnnotationDocument,
     annotation_file,
+    encodings,
 )
 from symolo.dataset.documents.camera_model import camera_table
 from symolo.dataset.documents.metadata import RunRecord
@@ -83,7 +83,7 @@ def _head_faults(document: AnnotationDocument, record: RunRecord) -> Iterator[Fa
     """Check what all images have in common against the run."""
     if sorted(document.kinds) != sorted(record.annotations):
         yield DOCUMENT, f"is of {', '.join(document.kinds)}, metadata.json names {', '.join(record.annotations)}"
-    if document.encodings != {kind: ENCODINGS[kind] for kind in document.kinds}:
+    if document.encodings != encodings(document.kinds, document.camera):
         yield DOCUMENT, "encodings are not those of its annotations"
     if [(one.id, one.name) for one in document.categories] != list(enumerate(CATEGORIES)):
         yield DOCUMENT, f"categories are not {', '.join(CATEGORIES)}, numbered from 0"

@@ -2,40 +2,40 @@
 
 import codecs
 import json
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.core.files.image_headers import image_size
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
-from symolo.dataset.documents.metadata import METADATA, RatesRecord, RunRecord
+from symolo.dataset.documents.camera_specification import KIND as CAMERA_KIND
+from symolo.dataset.documents.camera_specification import specification_of
+from symolo.dataset.documents.metadata import METADATA, RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
+from symolo.dataset.documents.run_records import RatesRecord
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
-from symolo.dataset.layout import ANNOTATIONS, frame_name
-from symolo.dataset.pixels import MAX_PIXELS, decoded_contents
+from symolo.dataset.layout import ANNOTATIONS, IMAGES, POSITIONS, SIDE, camera_folder
+from symolo.dataset.tables.camera_rows import rows_at_images
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, MAY_BE_EMPTY, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions, sample_times_ms
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.dataset.tables.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
 from symolo.verification.annotations import annotation_faults
-from symolo.verification.findings import Finding
+from symolo.verification.findings import Finding, limited
+from symolo.verification.image_checks import check_images
 
 SpecCheck = Callable[[str], str]
 """Returns the fault of the text of a spec.json; empty if it has none."""
-MAX_PER_KIND = 5
-"""Largest number of reported faults of one kind, since a file in wrong units has a fault in each row."""
 
 START_TOLERANCE_M = 0.002
 FASTEST_M_S = 3.0
 FASTEST_RAD_S = 30.0
-
-_JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
 
 
 def check_run(
@@ -61,28 +61,74 @@ def check_run(
     data = f"{record.run}/data.csv"
     columns, may_be_empty = (columns, MAY_BE_EMPTY) if record.is_imported else (HEADER, ())
     table, faults = _table(run / "data.csv", columns, may_be_empty=may_be_empty)
-    yield from _limited(data, faults)
+    yield from limited(data, faults)
     if len(table) == 0:
         return
     rows = Rows.from_table(table, columns)
-    yield from _limited(data, [str(fault) for fault in semantic_faults(rows)])
+    yield from limited(data, [str(fault) for fault in semantic_faults(rows)])
     yield from _rows_checks(data, rows, record)
-    yield from _images(run / "images", f"{record.run}/images", rows, record)
+    yield from check_images(run / IMAGES, f"{record.run}/{IMAGES}", rows, record)
     if record.images:
-        yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
+        yield from _positions(run / POSITIONS, f"{record.run}/{POSITIONS}", rows)
     content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json", check_spec)
     yield from faults
     yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
     yield from _sensors(run / "side", f"{record.run}/side", rows, record, spec, sensor_tables)
     if spec is not None and spec.origin != record.origin:
         yield Finding(f"{record.run}/side/spec.json", "origin is not that of metadata.json")
-    if spec is not None and set(spec.robot.sensors) != {table.name for table in sensor_tables}:
-        names = ", ".join(table.name for table in sensor_tables) or "none"
-        yield Finding(f"{record.run}/side/spec.json", f"robot.sensors are not those of metadata.json, {names}")
+    if spec is not None and isinstance(content, dict):
+        yield from _listed(run, content, spec, rows, record, {table.name for table in sensor_tables})
     if content is not None:
         yield from _obstacles(run / "side", f"{record.run}/side", content, rows, record)
     for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
         yield Finding(f"{record.run}/{ANNOTATIONS}/{file}".rstrip("/"), what)
+
+
+def _listed(  # noqa: PLR0917 - everything that the cameras of a run depend on
+    run: Path, content: Mapping[str, Any], spec: RunDocument, rows: Rows, record: RunRecord, tables: set[str]
+) -> Iterator[Finding]:
+    """Check that metadata.json has the sensors of spec.json, and check the further cameras."""
+    listed = tables | {*record.cameras}
+    # The robot of a trajectory from elsewhere may have cameras that took no images there.
+    expected = {n for n, one in spec.robot.sensors.items() if spec.origin is None or one.kind != CAMERA_KIND}
+    if expected != listed:
+        names = ", ".join(sorted(listed)) or "none"
+        yield Finding(f"{record.run}/side/spec.json", f"robot.sensors are not those of metadata.json, {names}")
+        return
+    for camera in record.cameras:
+        yield from _further_camera(run, content, rows, record, camera)
+
+
+def _further_camera(
+    run: Path, content: Mapping[str, Any], rows: Rows, record: RunRecord, name: str
+) -> Iterator[Finding]:
+    """Check the folder of a further camera as that of the camera of data.csv."""
+    folder, where = run / camera_folder(name), f"{record.run}/{camera_folder(name)}"
+    if not folder.is_dir():
+        yield Finding(where, "the folder is missing")
+        return
+    try:
+        spec = RunDocument.model_validate_json(json.dumps(specification_of(content, name)))
+        at_images = rows_at_images(rows, content["robot"]["sensors"][name]["period_s"])
+    except (KeyError, TypeError, ValueError):
+        yield Finding(f"{record.run}/side/spec.json", f"robot.sensors.{name} does not describe a camera")
+        return
+    own = record.of_camera(name)
+    yield from check_images(folder / IMAGES, f"{where}/{IMAGES}", at_images, own, "its period")
+    yield from _positions(folder / POSITIONS, f"{where}/{POSITIONS}", at_images, "its path")
+    side, name_of_side = folder / SIDE, f"{where}/{SIDE}"
+    yield from _camera_times(side / CAMERA.file, f"{name_of_side}/{CAMERA.file}", at_images)
+    yield from _camera_model(side / INTRINSICS, f"{name_of_side}/{INTRINSICS}", own, spec)
+    yield from _camera_poses(side / CAMERA.file, f"{name_of_side}/{CAMERA.file}", at_images, spec)
+    for file, what in annotation_faults(folder / ANNOTATIONS, at_images, own, spec):
+        yield Finding(f"{where}/{ANNOTATIONS}/{file}".rstrip("/"), what)
+
+
+def _camera_times(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
+    numbers, faults = _table(path, CAMERA.header)
+    yield from limited(name, faults)
+    if len(numbers) and not np.array_equal(numbers[:, CAMERA.header.index("t")], rows.t_ms[rows.image > 0]):
+        yield Finding(name, "column t is not that of the images")
 
 
 def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
@@ -105,11 +151,11 @@ def _rates(name: str, rows: Rows, rates: RatesRecord) -> Iterator[Finding]:
     row_hz, camera_hz = rates.control_hz, rates.camera_hz
     ticks = np.arange(len(rows.t_ms))
     expected_ms = np.rint(ticks * 1000 / row_hz)
-    yield from _limited(name, _at(rows.t_ms != expected_ms, rows.t_ms, "column t", f"ms does not keep {row_hz} Hz"))
+    yield from limited(name, _at(rows.t_ms != expected_ms, rows.t_ms, "column t", f"ms does not keep {row_hz} Hz"))
     per_image = row_hz // camera_hz
     expected_image = np.where(ticks % per_image == 0, 1 + ticks // per_image, 0)
     wrong = rows.image != expected_image
-    yield from _limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz} Hz"))
+    yield from limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz} Hz"))
 
 
 def _ranges(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
@@ -120,20 +166,20 @@ def _ranges(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     outside = ((rows.tof_m < low) | (rows.tof_m > high)) & (rows.tof_m != none)
     for i, column in enumerate(("d_f", "d_l", "d_r")):
         what = f"m is outside {low:g}..{high:g} and not the no-target value {none:g}"
-        yield from _limited(name, _at(outside[:, i], rows.tof_m[:, i], f"column {column}", what))
+        yield from limited(name, _at(outside[:, i], rows.tof_m[:, i], f"column {column}", what))
 
 
 def _values(name: str, rows: Rows) -> Iterator[Finding]:
     """Check reflectances, headings and speeds."""
     for i in range(8):
         channel = rows.line[:, i]
-        yield from _limited(name, _at((channel < 0) | (channel > 1), channel, f"column L{i}", "is outside 0..1"))
+        yield from limited(name, _at((channel < 0) | (channel > 1), channel, f"column L{i}", "is outside 0..1"))
     theta = rows.pose[:, 2]
-    yield from _limited(name, _at(np.abs(theta) > np.pi + 1e-6, theta, "column theta", "rad is outside -pi..pi"))
+    yield from limited(name, _at(np.abs(theta) > np.pi + 1e-6, theta, "column theta", "rad is outside -pi..pi"))
     for i, (column, fastest, unit) in enumerate((("v", FASTEST_M_S, "m/s"), ("w", FASTEST_RAD_S, "rad/s"))):
         value = rows.twist[:, i]
         what = f"{unit} is beyond what the robot can do ({fastest:g} {unit})"
-        yield from _limited(name, _at(np.abs(value) > fastest, value, f"column {column}", what))
+        yield from limited(name, _at(np.abs(value) > fastest, value, f"column {column}", what))
 
 
 def _motion(name: str, rows: Rows) -> Iterator[Finding]:
@@ -143,7 +189,7 @@ def _motion(name: str, rows: Rows) -> Iterator[Finding]:
         return
     steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
     jumps = np.concatenate(([False], steps > FASTEST_M_S * dt))
-    yield from _limited(name, _at(jumps, np.concatenate(([0.0], steps)), "columns x, y", "m is a jump"))
+    yield from limited(name, _at(jumps, np.concatenate(([0.0], steps)), "columns x, y", "m is a jump"))
     mean = 0.5 * (rows.twist[1:] + rows.twist[:-1])
     driven, stepped = float(np.sum(np.abs(mean[:, 0]) * dt)), float(steps.sum())
     if abs(driven - stepped) > 0.02 + 0.1 * max(driven, stepped):
@@ -154,61 +200,19 @@ def _motion(name: str, rows: Rows) -> Iterator[Finding]:
         yield Finding(name, f"column w adds up to {turned:.2f} rad, column theta to {seen:.2f} rad")
 
 
-def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
-    numbers = [int(number) for number in rows.image if number > 0]
-    if len(numbers) != record.images:
-        yield Finding(name, f"data.csv names {len(numbers)} images, metadata.json says {record.images}")
-    expected = {frame_name(number) for number in numbers}
-    there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
-    yield from _limited(name, [f"{file} is missing" for file in sorted(expected - there)])
-    yield from _limited(name, [f"{file} is not named in data.csv" for file in sorted(there - expected)])
-    size, faults, present = (record.image_width_px, record.image_height_px), [], sorted(expected & there)
-
-    def whole_ones() -> Iterator[bytes | None]:
-        for file in present:
-            data = read_file(folder / file, FileKind.IMAGE)
-            faults.append(_header_fault(data, *size))
-            yield None if faults[-1] else data
-
-    for number, pixels in enumerate(decoded_contents(whole_ones(), in_colour=True)):
-        if fault := faults[number] or _size_fault(pixels, *size):
-            yield Finding(f"{name}/{present[number]}", fault)
-
-
-def _header_fault(data: bytes, width_px: int, height_px: int) -> str:
-    if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
-        return "is not a whole JPEG file"
-    try:
-        size = image_size(data, MAX_PIXELS)
-    except ValueError:
-        return "cannot be decoded"
-    # A header that announces a large image costs a second of decoding; EXIF may exchange width and height.
-    if size not in {(width_px, height_px), (height_px, width_px)}:
-        return f"is {size[0]} x {size[1]} px, metadata.json says {width_px} x {height_px}"
-    return ""
-
-
-def _size_fault(pixels: np.ndarray | None, width_px: int, height_px: int) -> str:
-    if pixels is None:
-        return "cannot be decoded"
-    if pixels.shape[:2] != (height_px, width_px):
-        return f"is {pixels.shape[1]} x {pixels.shape[0]} px, metadata.json says {width_px} x {height_px}"
-    return ""
-
-
-def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
+def _positions(path: Path, name: str, rows: Rows, source: str = "data.csv") -> Iterator[Finding]:
     table, faults = _table(path, POSITIONS_HEADER, separator=" ")
-    yield from _limited(name, faults)
+    yield from limited(name, faults)
     taken = rows.image > 0
     expected = np.column_stack((rows.image[taken], rows.pose[taken]))
     if len(table) == 0:
         return
     if len(table) != len(expected):
-        yield Finding(name, f"{len(table)} positions for {len(expected)} images in data.csv")
+        yield Finding(name, f"{len(table)} positions for {len(expected)} images in {source}")
         return
     differ = np.flatnonzero(np.any(table != expected, axis=1))
-    yield from _limited(
-        name, [f"line {i + 2}: is not the pose of image {expected[i, 0]:.0f} in data.csv" for i in differ]
+    yield from limited(
+        name, [f"line {i + 2}: is not the pose of image {expected[i, 0]:.0f} in {source}" for i in differ]
     )
 
 
@@ -232,7 +236,7 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocum
     camera = [(CAMERA, rows.t_ms[rows.image > 0])] if record.images else []
     for table, times in (*((table, rows.t_ms) for table in by_row), *camera):
         numbers, faults = _table(folder / table.file, table.header)
-        yield from _limited(f"{name}/{table.file}", faults)
+        yield from limited(f"{name}/{table.file}", faults)
         if len(numbers) and not np.array_equal(numbers[:, table.header.index("t")], times):
             yield Finding(f"{name}/{table.file}", "column t is not that of data.csv")
     yield from _scene(folder / SCENE, f"{name}/{SCENE}")
@@ -249,7 +253,7 @@ def _sensors(  # noqa: PLR0917 - everything that a run's tables depend on
     for table in tables:
         file = f"{name}/{table.file}"
         numbers, faults = _table(folder / table.file, table.header, may_be_empty=table.empty_names)
-        yield from _limited(file, faults or [*fractions(table, numbers)])
+        yield from limited(file, faults or [*fractions(table, numbers)])
         if not faults and spec is not None and record.rates is not None and table.name in spec.robot.sensors:
             period_s = spec.robot.sensors[table.name].period_s
             expected = sample_times_ms(period_s, record.rates.physics_hz, float(rows.t_ms[-1]))
@@ -319,14 +323,14 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
         return
     file = f"{name}/{table.file}"
     numbers, faults = _table(folder / table.file, table.header)
-    yield from _limited(file, faults)
+    yield from limited(file, faults)
     if not len(numbers):
         return
     if not np.array_equal(numbers[:, 0], rows.t_ms):
         yield Finding(file, "column t is not that of data.csv")
         return
     for obstacle, wrong in off_the_path(arena, numbers, rows, record.rates.control_hz if record.rates else None):
-        yield from _limited(file, [f"line {i + 2}: {obstacle} is not where its path in spec.json leads" for i in wrong])
+        yield from limited(file, [f"line {i + 2}: {obstacle} is not where its path in spec.json leads" for i in wrong])
 
 
 def _table(
@@ -350,10 +354,3 @@ def _table(
 
 def _at(wrong: np.ndarray, values: np.ndarray, column: str, what: str) -> list[str]:
     return [f"line {i + 2}: {column}: {values[i]:g} {what}" for i in np.flatnonzero(wrong)]
-
-
-def _limited(name: str, faults: Sequence[str]) -> Iterator[Finding]:
-    for fault in faults[:MAX_PER_KIND]:
-        yield Finding(name, fault)
-    if len(faults) > MAX_PER_KIND:
-        yield Finding(name, f"and {len(faults) - MAX_PER_KIND} more of this kind")

@@ -16,7 +16,7 @@ from symolo.pages.thumbnails import thumbnail
 from symolo.playback.from_run import playback_of
 from symolo.playback.playback import CameraTrack, Curve, CurvePlot, Playback, Scan, StripePlot
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Image
+from symolo.reader.run_folder import Image
 from symolo.report.statistics.run_facts import fresh
 from symolo.report.statistics.spread import spread
 

@@ -60,7 +60,7 @@ def test_every_image_is_drawn_as_often_as_every_other(dataset):
     metadata = read_metadata(dataset)
     assert metadata is not None
     drawn = [drawn_images(metadata, 3, seed) for seed in range(200)]
-    counts = Counter((record.run, number) for one in drawn for record, numbers in one for number in numbers)
+    counts = Counter((one.record.run, number) for drawing in drawn for one in drawing for number in one.numbers)
     assert len(counts) == 12
     assert all(abs(count - 50) < 4 * 6.1 for count in counts.values())
 

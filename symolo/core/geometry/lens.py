@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from symolo.core.arrays import Array
+from symolo.core.geometry.fisheye import Fisheye, FisheyeSettings
 
 Coefficients = tuple[float, float, float, float, float]
 """k1, k2, p1, p2, k3: OpenCV's order, which ROS calls `plumb_bob`."""
@@ -32,15 +33,9 @@ class Distortion(Protocol):
     k3: float
 
 
-class MountedCamera(Protocol):
-    """A camera on a robot, as the configuration of a robot has it; the camera's x and y are those of R."""
+class CameraOptics(Protocol):
+    """Lens and image sensor of a camera, as the configuration of a robot has them."""
 
-    x_m: float
-    y_m: float
-    height_above_base_m: float
-    pitch_down_deg: float
-    yaw_left_deg: float
-    roll_deg: float
     focal_length_mm: float
     sensor_width_mm: float
     principal_point_right_mm: float
@@ -49,8 +44,22 @@ class MountedCamera(Protocol):
     @property
     def distortion(self) -> Distortion: ...
 
+    @property
+    def fisheye(self) -> FisheyeSettings | None: ...
 
-def coefficients(camera: MountedCamera) -> Coefficients:
+
+class MountedCamera(CameraOptics, Protocol):
+    """A camera on a robot, as the configuration of a robot has it; the camera's x and y are those of R."""
+
+    x_m: float
+    y_m: float
+    height_above_base_m: float
+    pitch_down_deg: float
+    yaw_left_deg: float
+    roll_deg: float
+
+
+def coefficients(camera: CameraOptics) -> Coefficients:
     lens = camera.distortion
     return lens.k1, lens.k2, lens.p1, lens.p2, lens.k3
 
@@ -117,11 +126,13 @@ def border_rays(lens: Coefficients, low: tuple[float, float], high: tuple[float,
     return undistorted(lens, np.concatenate(sides))
 
 
-def lens_problem(camera: MountedCamera, width_px: int, height_px: int) -> str:
+def lens_problem(camera: CameraOptics, width_px: int, height_px: int) -> str:
     """Why no picture of this size can be made through the camera's lens; empty where one can.
 
     A lens that does not fold takes little more than twice the picture's width and height of pinhole picture.
     """
+    if camera.fisheye is not None:
+        return Fisheye.of(camera.fisheye).problem()
     if coefficients(camera) == NO_DISTORTION:
         return ""
     half = 0.5 * camera.sensor_width_mm / camera.focal_length_mm * np.array([1.0, height_px / width_px])

@@ -5,11 +5,18 @@ Frames: W the world, R the robot (middle of the axle, x forward, y left, z up), 
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from symolo.core.arrays import Array
+from symolo.core.geometry.fisheye import Fisheye
 from symolo.core.geometry.lens import NO_DISTORTION, Coefficients, MountedCamera, coefficients, distorted, undistorted
+
+
+def _is_none(lens: Fisheye | None) -> bool:
+    return lens is None
 
 
 @dataclass(frozen=True)
@@ -23,6 +30,9 @@ class Intrinsics:
     cx_px: float
     cy_px: float
     distortion: Coefficients = NO_DISTORTION
+    # Left out of JSON by default, so that a pinhole camera has the same bytes as in versions without fisheye lenses.
+    fisheye: Annotated[Fisheye | None, Field(exclude_if=_is_none)] = None
+    """Fisheye lens; None for a pinhole camera with `distortion`."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +49,19 @@ class Shutter:
 
 
 def intrinsics(camera: MountedCamera, width_px: int, height_px: int) -> Intrinsics:
-    """Return the intrinsics of a camera with square pixels for images of a size."""
+    """Return the intrinsics of a camera with square pixels for images of a size.
+
+    The field of view of a fisheye lens spans the width of the image.
+    """
     pixels_per_mm = width_px / camera.sensor_width_mm
     focal_px = width_px * camera.focal_length_mm / camera.sensor_width_mm
+    fisheye, distortion = None, coefficients(camera)
+    if camera.fisheye is not None:
+        fisheye, distortion = Fisheye.of(camera.fisheye), NO_DISTORTION
+        focal_px = 0.5 * width_px / float(fisheye.radius(np.array(fisheye.half_field_rad)))
     cx_px = 0.5 * (width_px - 1) + camera.principal_point_right_mm * pixels_per_mm
     cy_px = 0.5 * (height_px - 1) + camera.principal_point_down_mm * pixels_per_mm
-    return Intrinsics(width_px, height_px, focal_px, focal_px, cx_px, cy_px, coefficients(camera))
+    return Intrinsics(width_px, height_px, focal_px, focal_px, cx_px, cy_px, distortion, fisheye)
 
 
 def matrix_K(camera: Intrinsics) -> Array:
@@ -74,9 +91,13 @@ def project(camera: Intrinsics, X_WC: Array, p_W: Array) -> tuple[Array, Array]:
     """Return the pixels (N, 2) of points (N, 3) in W, and their depths (N,) along the axis [m].
 
     A point with a depth of zero or less is behind the camera and its pixel means nothing. A point so far aside that the
-    lens model would fold it back has NaN.
+    lens model would fold it back has NaN. For a fisheye lens, the depth is the distance from the lens, with a negative
+    sign beyond the field of view.
     """
     p_C = (p_W - X_WC[:3, 3]) @ X_WC[:3, :3]
+    if camera.fisheye is not None:
+        on_sensor, distance = camera.fisheye.on_sensor(p_C), np.linalg.norm(p_C, axis=1)
+        return pixels(camera, on_sensor), np.where(np.isnan(on_sensor[:, 0]), -distance, distance)
     depth = p_C[:, 2]
     safe = np.where(depth > 0, depth, np.nan)
     if camera.distortion == NO_DISTORTION:
@@ -96,14 +117,27 @@ def pixels(camera: Intrinsics, on_sensor: Array) -> Array:
 
 
 def rays_of(camera: Intrinsics, pixels: Array) -> Array:
-    """Return the rays (N, 2), x / z and y / z in C, that pixels (N, 2) see; NaN where the lens brings none."""
-    on_sensor = (pixels - (camera.cx_px, camera.cy_px)) / (camera.fx_px, camera.fy_px)
+    """Return the rays (N, 2), x / z and y / z in C, that pixels (N, 2) of a pinhole camera see; NaN for none."""
+    on_sensor = _on_sensor(camera, pixels)
     return on_sensor if camera.distortion == NO_DISTORTION else undistorted(camera.distortion, on_sensor)
+
+
+def directions_of(camera: Intrinsics, pixels: Array) -> Array:
+    """Return the directions (N, 3) in C that pixels (N, 2) see; NaN where the lens brings none.
+
+    Their z is 1 for a pinhole camera; for a fisheye lens their length is 1.
+    """
+    if camera.fisheye is not None:
+        return camera.fisheye.directions(_on_sensor(camera, pixels))
+    return np.column_stack([rays_of(camera, pixels), np.ones(len(pixels))])
+
+
+def _on_sensor(camera: Intrinsics, pixels: Array) -> Array:
+    return (pixels - (camera.cx_px, camera.cy_px)) / (camera.fx_px, camera.fy_px)
 
 
 def floor_points(camera: Intrinsics, X_WC: Array, pixels: Array) -> Array:
     """Return the floor points (N, 3) seen in pixels (N, 2); NaN where the ray never comes down."""
-    rays_C = np.column_stack([rays_of(camera, pixels), np.ones(len(pixels))])
-    rays_W = rays_C @ X_WC[:3, :3].T
+    rays_W = directions_of(camera, pixels) @ X_WC[:3, :3].T
     down = np.where(rays_W[:, 2] < 0, -rays_W[:, 2], np.nan)
     return X_WC[:3, 3] + rays_W * (X_WC[2, 3] / down)[:, None]

@@ -3,12 +3,14 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from symolo.core.files.file_hashes import canonical_json
-from symolo.core.geometry.pinhole import Shutter, intrinsics, matrix_K, pose_X_RC
+from symolo.core.geometry.fisheye import Fisheye
+from symolo.core.geometry.pinhole import Intrinsics, Shutter, intrinsics, matrix_K, pose_X_RC
 from symolo.core.geometry.poses import pose_X_WR
 from symolo.dataset.documents.run_document import ImagingDocument
 from symolo.dataset.layout import SIDE
@@ -30,28 +32,48 @@ class CameraDocument(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    camera_model: str = "pinhole"
-    distortion_model: str = "plumb_bob"
-    """ROS' name for D in OpenCV's order; if all values are 0, it is a pinhole camera without a lens."""
+    camera_model: Literal["pinhole", "fisheye"] = "pinhole"
+    distortion_model: Literal["plumb_bob", "equidistant"] = "plumb_bob"
+    """ROS' name for D in OpenCV's order; if all values are 0, it is a pinhole camera or an equidistant lens."""
     width_px: int
     height_px: int
     K: tuple[Row3, Row3, Row3]
     """Camera matrix [px]; pixel (0, 0) is the middle of the first pixel."""
-    D: tuple[float, float, float, float, float] = Field(description="k1, k2, p1, p2, k3")
+    D: tuple[float, ...] = Field(min_length=4, max_length=5, description="k1, k2, p1, p2, k3; fisheye: k1, k2, k3, k4")
+    field_of_view_deg: float | None = Field(default=None, exclude_if=lambda angle: angle is None)
+    """Angle within which a fisheye lens brings light to the sensor."""
     exposure_s: float
     read_out_s: float
     """Time from the exposure of the first row to that of the row after the last; 0 for a global shutter."""
     X_RC: tuple[Row4, Row4, Row4, Row4]
     X_CB: tuple[Row4, Row4, Row4, Row4]
 
+    @property
+    def intrinsics(self) -> Intrinsics:
+        """Intrinsics for the functions of `symolo.core.geometry.pinhole`."""
+        (fx, _, cx), (_, fy, cy), _ = self.K
+        size = self.width_px, self.height_px
+        if self.field_of_view_deg is None:
+            k1, k2, p1, p2, k3 = self.D
+            return Intrinsics(*size, fx, fy, cx, cy, (k1, k2, p1, p2, k3))
+        k1, k2, k3, k4 = self.D
+        return Intrinsics(
+            *size, fx, fy, cx, cy, fisheye=Fisheye(float(np.radians(0.5 * self.field_of_view_deg)), (k1, k2, k3, k4))
+        )
+
     @classmethod
     def of(cls, imaging: object) -> "CameraDocument":
         """Return the model of a camera; `imaging` has the sections of an `ImagingDocument`."""
         spec = ImagingDocument.model_validate(imaging)
         camera = intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px)
+        lens: dict[str, Any] = {"D": camera.distortion}
+        if camera.fisheye is not None:
+            angle_deg = round(2 * float(np.degrees(camera.fisheye.half_field_rad)), _DECIMALS)
+            lens = {"camera_model": "fisheye", "distortion_model": "equidistant", "D": camera.fisheye.k}
+            lens |= {"field_of_view_deg": angle_deg}
         numbers = {
+            **lens,
             "K": _rounded(matrix_K(camera)),
-            "D": camera.distortion,
             "X_RC": _rounded(pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)),
             "X_CB": X_CB,
             "exposure_s": spec.look.camera.exposure_time_s,

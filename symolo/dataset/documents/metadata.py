@@ -2,13 +2,13 @@
 
 import platform
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from symolo.arena.geometry import Arena
@@ -17,9 +17,17 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
-from symolo.dataset.codes import BoardKind, FramingName, State
+from symolo.dataset.codes import State
 from symolo.dataset.documents.origin import Origin
 from symolo.dataset.documents.run_document import RunDocument, TofSection
+from symolo.dataset.documents.run_records import (
+    BoardRecord,
+    CameraRecord,
+    ControllerRecord,
+    RatesRecord,
+    Record,
+    StartRecord,
+)
 from symolo.dataset.layout import DATA
 from symolo.dataset.tables.column import Column, single
 from symolo.dataset.tables.obstacles import obstacle_table
@@ -51,59 +59,6 @@ FRAMES = {
     "C": "camera, optical (OpenCV's, and REP 103's for optical frames): x right, y down, z along the axis",
     "B": "camera, body (REP 103): x along the axis, y left, z up; X_CB in side/intrinsics.json",
 }
-
-
-class Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, from_attributes=True, use_attribute_docstrings=True)
-
-
-class StartRecord(Record):
-    """Pose of the robot in W at the start of a run."""
-
-    x_m: float
-    y_m: float
-    yaw_deg: float
-
-
-class RatesRecord(Record):
-    """Rates of a run; each rate divided by the next slower one is a whole number."""
-
-    physics_hz: int = Field(ge=1)
-    wheel_loop_hz: int = Field(ge=1)
-    control_hz: int = Field(ge=1)
-    """Rate of the controller and of the rows of data.csv."""
-    camera_hz: int = Field(ge=1)
-
-    @model_validator(mode="after")
-    def _whole_multiples(self) -> "RatesRecord":
-        if self.physics_hz % self.wheel_loop_hz or self.wheel_loop_hz % self.control_hz:
-            raise ValueError("physics_hz must be a multiple of wheel_loop_hz, and this a multiple of control_hz")
-        if self.control_hz % self.camera_hz:
-            raise ValueError("control_hz must be a multiple of camera_hz")
-        return self
-
-
-class BoardRecord(Record):
-    """The board that drove a run, and the faults on the line to it."""
-
-    kind: BoardKind
-    framing: FramingName
-    bits_per_s: int
-    actuation_delay_ticks: int
-    firmware_id: str
-    """First eight bytes of the SHA-256 of the sources of its firmware; empty if the board did not report it."""
-    rows_unanswered: int
-    """Number of rows without a command from the board."""
-    events: dict[str, int]
-    """Number of other faults on the line, by the column of side/board.csv."""
-
-
-class ControllerRecord(Record):
-    """The controller that drove a run in place of the built-in one."""
-
-    name: str
-    files: dict[str, str]
-    """SHA-256 of its file; for a program that of each file in its command line, by its place there."""
 
 
 class RunRecord(Record):
@@ -144,6 +99,10 @@ class RunRecord(Record):
     """Record of the user's controller; None if the built-in one or a board drove."""
     origin: Origin | None = Field(default=None, exclude_if=lambda origin: origin is None)
     """Origin of the trajectory; None if the run was simulated for this dataset."""
+    cameras: dict[Annotated[str, Field(pattern=SENSOR_NAME)], CameraRecord] = Field(
+        default_factory=dict, exclude_if=lambda cameras: not cameras
+    )
+    """Further cameras by name; `images` and the fields beside it are those of the camera of data.csv."""
 
     @model_validator(mode="after")
     def _simulations_have_rates(self) -> "RunRecord":
@@ -155,6 +114,11 @@ class RunRecord(Record):
     def is_imported(self) -> bool:
         """Whether the trajectory was imported from a log."""
         return self.origin is not None and self.origin.log is not None
+
+    def of_camera(self, name: str) -> "RunRecord":
+        """Return the record with the images of a further camera in the place of those of data.csv."""
+        camera = self.cameras[name]
+        return self.model_copy(update=camera.model_dump(exclude={"period_s"}))
 
     @classmethod
     def of(
@@ -168,6 +132,7 @@ class RunRecord(Record):
         cpus: Sequence[str] = (),
         board: BoardRecord | None = None,
         controller: ControllerRecord | None = None,
+        cameras: Mapping[str, CameraRecord] | None = None,
     ) -> "RunRecord":
         """Return the facts of a run.
 
@@ -180,6 +145,7 @@ class RunRecord(Record):
             cpus: Classes of the processors that made images and annotations.
             board: The board that drove, if there was one.
             controller: The user's controller that drove, if there was one.
+            cameras: Records of the further cameras by name.
         """
         spec = RunDocument.model_validate(specification)
         changes = np.flatnonzero(np.diff(rows.state)) + 1
@@ -206,6 +172,7 @@ class RunRecord(Record):
             controller=controller,
             origin=spec.origin,
             **_range_limits(spec.robot.tof, rows),
+            cameras=dict(cameras or {}),
         )
 
 

@@ -146,6 +146,14 @@ class DistortionSection(SpecSection):
     k3: float
 
 
+class FisheyeSection(SpecSection):
+    field_of_view_deg: Positive
+    k1: float
+    k2: float
+    k3: float
+    k4: float
+
+
 class CameraSection(SpecSection):
     x_m: float
     y_m: float
@@ -158,6 +166,7 @@ class CameraSection(SpecSection):
     principal_point_right_mm: float
     principal_point_down_mm: float
     distortion: DistortionSection
+    fisheye: FisheyeSection | None = None
     read_out_s: float
 
 

@@ -9,13 +9,13 @@ import pytest
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.shading import Color, Surface
-from physics.robot.path import RobotPath
 from sensors.camera.shutter import exposed, moment, window
 from sensors.camera.views import FrameView
 from symolo.arena.geometry import Box
 from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.core.geometry.lens import NO_DISTORTION, Coefficients
 from symolo.core.geometry.pinhole import Intrinsics, Shutter
+from symolo.core.geometry.robot_path import RobotPath
 
 PIXELS, FOCAL_PX = 81, 100.0
 RATE_RAD_S, SPEED_M_S = 3.0, 1.5

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
-from physics.robot.path import RobotPath
 from sensors.camera.shutter import exposed, moment, window
 from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Shutter, floor_points, intrinsics, pose_X_RC
 from symolo.core.geometry.poses import pose_X_WR
+from symolo.core.geometry.robot_path import RobotPath
 
 WIDTH_PX, HEIGHT_PX = 48, 36
 POSE = (0.3, -0.7, 2.0)

@@ -15,11 +15,11 @@ from configs.loader import load_section
 from configs.references import shipped_names
 from configs.schema.look import CameraLook
 from configs.schema.scenario import Render
-from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import INSTANT, FrameView, Moment
 from symolo.core.geometry.pinhole import Intrinsics, Shutter, floor_points, project
 from symolo.core.geometry.poses import PlanarPose, pose_X_WR
+from symolo.core.geometry.robot_path import RobotPath
 
 WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)

@@ -9,7 +9,7 @@ import pytest
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from configs.schema.look import CameraLook, LookConfig
 from configs.schema.scenario import Render
-from physics.robot.path import RobotPath
+from symolo.core.geometry.robot_path import RobotPath
 
 FRAMES = [FramePose(number=i, t_s=0.2 * i, x_m=0.55, y_m=-0.6 + 0.03 * i, yaw_rad=np.pi / 2) for i in range(1, 4)]
 

@@ -12,9 +12,9 @@ from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from diagnosis.camera.case import CameraCase, CameraFrame
-from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
+from symolo.core.geometry.robot_path import RobotPath
 
 TESTS = Path(__file__).parents[2]
 SIZE, FRAMES = (128, 96), 14

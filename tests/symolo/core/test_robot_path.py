@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physics.robot.path import RobotPath
+from symolo.core.geometry.robot_path import RobotPath
 
 SPEED_M_S, RATE_RAD_S = 0.18, 1.5
 ROWS_S = np.arange(21) * 0.05

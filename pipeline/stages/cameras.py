@@ -1,0 +1,55 @@
+"""The cameras of a run: that of data.csv and the further ones, each with a specification in which it is the camera."""
+
+import json
+from dataclasses import dataclass
+
+from configs.robot_sensors import RobotSensors
+from configs.schema.scenario import RunSpec, SceneSpec
+from symolo.dataset.documents.camera_specification import KIND, further_cameras, specification_of
+from symolo.dataset.layout import camera_folder
+from symolo.dataset.tables.camera_rows import rows_at_images
+from symolo.dataset.tables.rows import Rows
+
+
+@dataclass(frozen=True)
+class RunCamera:
+    """A camera of a run."""
+
+    name: str
+    """Name in `robot.sensors`; empty for the camera of data.csv."""
+    spec: SceneSpec
+    """Specification of the run in which this camera is that of data.csv."""
+    period_s: float
+    """Time between two images of a further camera; 0 for that of data.csv, whose images are at its rows."""
+
+    def rows(self, rows: Rows) -> Rows:
+        """Return the rows of data.csv; for a further camera, one row for each of its images."""
+        return rows_at_images(rows, self.period_s) if self.name else rows
+
+    def inner(self, path: str) -> str:
+        """Return the path within the folder of the run of a file with this path within the folder of the camera."""
+        return f"{camera_folder(self.name)}/{path}" if self.name else path
+
+
+def cameras_of(spec: SceneSpec) -> tuple[RunCamera, ...]:
+    """Return the cameras of a run, that of data.csv first.
+
+    A trajectory from elsewhere has the images of that camera alone.
+    """
+    nominal = RunCamera("", spec, 0.0)
+    if spec.origin is not None or KIND not in spec.robot.sensors.kinds:
+        return (nominal,)
+    content = spec.model_dump(mode="json")
+    return (nominal, *(_further(content, name) for name in further_cameras(content)))
+
+
+def _further(content: dict, name: str) -> RunCamera:
+    spec = RunSpec.model_validate_json(json.dumps(specification_of(content, name)))
+    return RunCamera(name, spec, content["robot"]["sensors"][name]["period_s"])
+
+
+def without_further_cameras(spec: RunSpec) -> RunSpec:
+    """Return the specification with the camera of data.csv alone."""
+    members = tuple((name, settings) for name, settings in spec.robot.sensors if settings.kind != KIND)
+    robot = spec.robot.model_copy(update={"sensors": RobotSensors(members)})
+    return spec.model_copy(update={"robot": robot})

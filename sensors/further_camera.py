@@ -1,0 +1,77 @@
+"""A further camera: its place, lens, size, rate and shutter. Its images are rendered after the simulation."""
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import Field
+
+from configs.faults import ConfigFault
+from configs.robot_sensors import MountedSettings
+from configs.schema.base import PLANNED, FromList, absent
+from configs.schema.robot import FisheyeLens, LensDistortion
+from configs.schema.scenario import RenderQuality
+from sensors.base import Reading, Sensor, World
+from symolo.core.geometry.lens import lens_problem
+from symolo.dataset.annotations import AnnotationName
+from symolo.dataset.documents.camera_specification import KIND
+
+
+class CameraSettings(MountedSettings):
+    """Place, lens, size, rate and shutter of a further camera; it looks along its x axis."""
+
+    period_s: Annotated[float, PLANNED] = Field(default=0.2, gt=0, le=10)
+    """Time between two images, a whole number of milliseconds."""
+    z_m: float = Field(default=0.12, ge=0, le=2)
+    """Height of the lens above the floor [m]."""
+    width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
+    """Width of the images [px]."""
+    height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
+    """Height of the images [px]."""
+    focal_length_mm: float = Field(default=30.0, ge=1, le=500)
+    """Focal length of the lens; a fisheye lens has its field of view in its place."""
+    sensor_width_mm: float = Field(default=42.33, ge=1, le=100)
+    """Width of the image sensor [mm]."""
+    principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)
+    """Offset of the optical axis from the middle of the sensor, to the right in the image."""
+    principal_point_down_mm: float = Field(default=0.0, ge=-10, le=10)
+    """Offset of the optical axis from the middle of the sensor, downwards in the image."""
+    distortion: LensDistortion = LensDistortion()
+    fisheye: FisheyeLens | None = Field(default_factory=absent, exclude_if=lambda lens: lens is None)
+    """Fisheye lens; without it, it is a pinhole camera with `distortion`."""
+    read_out_s: float = Field(default=0.0, ge=0, le=0.1)
+    """Rolling shutter: delay of the exposure of the image's bottom after its top; 0 is a global shutter."""
+    exposure_time_s: float | None = Field(default=None, ge=0, le=0.1)
+    """Exposure time of each pixel; without it, that of `look.camera`, as for the rest of the camera's response."""
+    sees_robot: bool = False
+    """Whether images show the robot's body, without this camera; they always show its shadow."""
+    quality: RenderQuality | None = None
+    """Quality of the images; without it, that of `render`."""
+    annotations: Annotated[tuple[Annotated[AnnotationName, PLANNED], ...], FromList, PLANNED] | None = Field(
+        default_factory=absent, exclude_if=lambda kinds: kinds is None
+    )
+    """Annotations of its images; without them, those of `render`."""
+
+    def faults(self) -> Iterator[ConfigFault]:
+        milliseconds = 1000 * self.period_s
+        if abs(milliseconds - round(milliseconds)) > 1e-9:
+            near = max(1, round(milliseconds)) / 1000
+            yield ConfigFault(("period_s",), got=self.period_s, allowed="whole milliseconds", cure=f"write {near:g}")
+        if self.fisheye is not None and any(value for _, value in self.distortion):
+            cure = "the coefficients of a fisheye lens are fisheye.k1 to fisheye.k4"
+            problem = "it is that of a pinhole camera, but the camera has a fisheye lens"
+            yield ConfigFault(("distortion",), problem, cure=cure)
+        if problem := lens_problem(self, self.width_px, self.height_px):
+            cure = "take smaller coefficients or a narrower field of view"
+            yield ConfigFault(("fisheye",) if self.fisheye else ("distortion",), problem, cure=cure)
+
+
+class Camera(Sensor):
+    """A further camera, whose images are in `cameras/<name>/`."""
+
+    name = KIND
+    Settings = CameraSettings
+    is_rendered = True
+
+    def sample(self, world: World) -> Reading:
+        """Raise an error: the images are rendered after the simulation."""
+        raise NotImplementedError

@@ -1,0 +1,37 @@
+"""The rows of a run at the images of a further camera, which has a rate of its own."""
+
+import numpy as np
+
+from symolo.core.geometry.robot_path import RobotPath
+from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows, heading
+
+_DECIMALS = {name: COLUMNS[HEADER.index(name)].decimals for name in ("x", "y", "theta", "v", "w")}
+
+
+def path_of(rows: Rows) -> RobotPath:
+    """Return the path of the robot through the rows of data.csv."""
+    return RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
+
+
+def rows_at_images(rows: Rows, period_s: float) -> Rows:
+    """Return a row for each image of a camera with a period of whole milliseconds, from the start of the run on.
+
+    Pose and speeds are those of the path at the time of the image, rounded to the digits of data.csv. Everything else
+    is that of the last row before it. Images are numbered from 1.
+    """
+    period_ms = round(1000 * period_s)
+    t_ms = np.arange(rows.t_ms[0], rows.t_ms[-1] + 1, period_ms)
+    before = np.searchsorted(rows.t_ms, t_ms, side="right") - 1
+    pose = path_of(rows).poses_at(t_ms / 1000)
+    pose[:, 2] = heading(pose[:, 2], _DECIMALS["theta"])
+    pose[:, :2] = np.round(pose[:, :2], _DECIMALS["x"]) + 0.0
+    v, w = (np.round(np.interp(t_ms, rows.t_ms, speed), _DECIMALS["v"]) + 0.0 for speed in rows.twist.T)
+    return Rows(
+        t_ms=t_ms,
+        pose=pose,
+        state=rows.state[before],
+        twist=np.stack([v, w], axis=1),
+        tof_m=rows.tof_m[before],
+        line=rows.line[before],
+        image=np.arange(1, len(t_ms) + 1),
+    )
