@@ -42,7 +42,8 @@ def time_and_length(t: Array, place: Array, time_units: Sequence[str], length_un
     per_s, per_m = per_unit("s"), per_unit("m")
     steps, ways = np.diff(t), np.hypot(*np.diff(place, axis=0).T)
     moves = (ways > 0.0) & (steps > 0.0)
-    speed = float(np.median(ways[moves] / steps[moves])) if moves.any() else 0.0
+    with np.errstate(over="ignore"):  # of a place that is not on Earth, which is refused later
+        speed = float(np.median(ways[moves] / steps[moves])) if moves.any() else 0.0
     step = usual(steps[steps > 0.0]) if np.any(steps > 0.0) else 0.0
     extent = float(np.ptp(place, axis=0).max())
 

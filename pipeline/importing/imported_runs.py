@@ -24,7 +24,7 @@ from pipeline.stages.simulate_runs import RunOutcome
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.dataset.documents.origin import Origin
-from symolo.dataset.layout import SIDE
+from symolo.dataset.layout import DATA, SIDE
 from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.sensor_tables import LOGGED, ListedSensor
 from symolo.dataset.tables.side_tables import SideTable
@@ -247,6 +247,7 @@ def _taken(spec: SceneSpec, each: _Placed) -> TakenRun:
 
 def _name_of(logs: Sequence[ReadLog]) -> str:
     """Return a name for a dataset of these logs, of the letters that a name may have."""
-    stem = logs[0].path.absolute().stem
+    path = logs[0].path.absolute()
+    stem = path.parent.name if path.name == DATA else path.stem  # a data.csv is named by its folder
     plain = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in stem).strip("-")
     return plain[:_MAX_NAME] or "imported"

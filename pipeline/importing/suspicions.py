@@ -27,6 +27,8 @@ MAX_USUAL_RAD_S = 15.0
 """Largest rate of turn that a small robot usually has."""
 MAX_PATH_WIDTH_M = 100.0
 """Width of a path from which on a robot that is too fast has places in millimetres, rather than times in seconds."""
+MAX_PLACE_M = 1.1e7
+"""Largest coordinate of a place; that of UTM, from the equator to a pole, is 1e7."""
 MIN_PATH_M = 0.01
 """Length of the path up to which the robot stands still."""
 MAX_GAP_STEPS = 20.0
@@ -45,8 +47,13 @@ def check_possible(t_s: Array, pose: Array, at: Where, *, in_milliseconds: bool)
         in_milliseconds: Whether the log states its times in milliseconds, as a data.csv does.
 
     Raises:
-        InputError: The robot is too fast, or the headings are in degrees; the suspected unit is named.
+        InputError: A place is not on Earth, the robot is too fast, or the headings are in degrees.
     """
+    nowhere = np.flatnonzero(np.abs(pose[:, :2]).max(axis=1) > MAX_PLACE_M)
+    if len(nowhere):
+        row = int(nowhere[0])
+        x_m, y_m = pose[row, :2].tolist()
+        raise InputError(f"x = {x_m:g}, y = {y_m:g} m is no place on Earth", where=at(row), cure="remove the row")
     _check_headings(pose, at)
     ways = np.hypot(*np.diff(pose[:, :2], axis=0).T)
     moves = np.flatnonzero(ways > 0.0)

@@ -202,6 +202,7 @@ def test_a_suspicious_motion_is_a_warning_on_the_terminal_and_in_the_metadata(ch
 REFUSED = {
     "degrees in radians": (lambda t, x, y, yaw: (t, x, y, np.degrees(yaw)), "only if it is in degrees"),
     "milliseconds in seconds and metres": (lambda t, x, y, yaw: (t / 1000, x, y, yaw), "moves at 300 m/s"),
+    "a place beyond the sky": (lambda t, x, y, yaw: (t, np.where(t == 1.0, 1e308, x), y, yaw), "no place on Earth"),
     "a path of kilometres": (lambda t, x, y, yaw: (1000 * t, 1000 * x, 1000 * y, yaw), "away from the origin"),
 }
 
