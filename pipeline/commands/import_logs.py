@@ -122,11 +122,11 @@ def import_logs(
     units that no name states from the motion that they would give. It prints what it guessed and asks; --yes accepts
     it, and --map gives a file that says it.
 
-    `verify`, `report`, `export` and `diagnose` take the dataset, and `rerender` renders images for it.
+    `verify`, `report`, `export` and `diagnose` take the dataset, and `rerender` renders images for a run of it.
 
     Example: symolo import run.csv --out measured
 
-    Example: symolo import groundtruth.txt --out measured, and then symolo rerender measured --looks classroom,lab
+    Images for it: symolo rerender measured/imported/test_1 --looks classroom,lab --camera-hz 5
     """
     from pipeline.importing.imported_runs import ImportRequest, imported_dataset
     from pipeline.importing.write import check_place, write_dataset
@@ -148,7 +148,8 @@ def import_logs(
     from symolo.core.progress import plural
 
     typer.echo(f"{out}: {plural(len(dataset.runs), 'run')}, {plural(rows, 'row')}")
-    typer.echo(f"\nsymolo rerender {out} --looks classroom,lab --camera-hz 5 --out {out}-images")
+    first = out / dataset.runs[0].spec.key
+    typer.echo(f"\nsymolo rerender {first} --looks classroom,lab --camera-hz 5 --out {out}-images")
 
 
 def read_settings(

@@ -145,7 +145,9 @@ def test_guesses_need_a_yes(tmp_path, symolo):
     assert not out.exists()
     assert symolo("import", log, "--out", out, "--dry-run").code == 0
     assert not out.exists()
-    assert symolo("import", log, "--out", out, "--yes").code == 0
+    ended = symolo("import", log, "--out", out, "--yes")
+    assert ended.code == 0
+    assert f"symolo rerender {out / 'imported/test_1'} --looks classroom,lab" in ended.out
     (run,) = symolo_reader.load(out)
     np.testing.assert_allclose(np.unwrap(run.table.pose[:, 2]), YAW, atol=2e-6)
 
