@@ -19,7 +19,7 @@ from configs.schema.scenario import Rates, Render, Route, Scenario
 from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.distributions import Choice
-from symolo.core.errors import InputError
+from symolo.core.errors import InputError, together
 from symolo.core.geometry.lens import lens_problem
 from symolo.core.yaml.tree import FieldPath, Node, dotted
 from symolo.dataset.documents.camera_specification import KIND as CAMERA
@@ -34,7 +34,7 @@ def check_scenario(scenario: Scenario, root: Node) -> None:
     """Refuse a scenario whose fields contradict each other.
 
     Raises:
-        InputError: For the first contradiction, at the place of one of its fields.
+        InputError: For each contradiction, at the place of one of its fields.
     """
     _refuse(_scenario_faults(scenario, range(len(scenario.routes))), root)
 
@@ -75,8 +75,9 @@ def check_look(look: LookConfig, root: Node) -> None:
 
 
 def _refuse(faults: Iterable[ConfigFault], root: Node, note: str = "") -> None:
-    for fault in faults:
-        raise fault.error(root, note)
+    errors = [fault.error(root, note) for fault in faults]
+    if errors:
+        raise together(errors)
 
 
 def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[ConfigFault]:

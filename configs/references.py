@@ -1,6 +1,7 @@
 """Names and paths of scenarios, arenas, robots and looks, and files that extend others by `extends:`."""
 
 import os
+import re
 from pathlib import Path
 
 from configs.assets.folder import anchored
@@ -13,6 +14,8 @@ FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look"
 SECTIONS = ("arena", "robot", "look")
 WITH_FILES = ("arena", "robot", "look")
 """Sections with a key `assets`, which names a folder of the user."""
+_TEXTS = frozenset({"name", "description"})
+"""Fields of a scenario that a scenario which extends it does not inherit, since they would describe another one."""
 _MAX_CHAIN = 32
 _SHIPPED = Path(__file__).parent
 
@@ -66,9 +69,18 @@ def _nearest_file(path: Path, reference: str, names: tuple[str, ...]) -> str:
 
 
 def read_file(kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
-    """Return the tree of a file with `extends:` and, for a scenario, named sections resolved."""
+    """Return the tree of a file with `extends:` and, for a scenario, named sections resolved.
+
+    A scenario that extends another one and has no name is named after its file.
+    """
     prefix = () if kind == "scenario" else (kind,)
-    return resolve(kind, read_yaml(path).root, path.parent, (*chain, path.resolve()), prefix)
+    written = read_yaml(path).root
+    root = resolve(kind, written, path.parent, (*chain, path.resolve()), prefix)
+    if kind != "scenario" or root.child("name") or not written.child("extends"):
+        return root
+    name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-_") or kind
+    fields = {str(key): node for key, node in root.children()}
+    return Node({**fields, "name": Node(name, written.where)}, root.where)
 
 
 def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()) -> Node:
@@ -99,6 +111,7 @@ def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), p
         raise InputError(f"{what}: files extend each other, {' -> '.join(turns)}", where=base.where, cure=cure)
     beneath = scaled(kind, read_file(kind, path, chain), scale)
     # A section that is complete by itself replaces the inherited one; any other is merged over it field by field.
+    complete |= _TEXTS if kind == "scenario" else set()
     inherited = {str(key): node for key, node in beneath.children() if key not in complete}
     return merge(Node(inherited, beneath.where), Node(fields, root.where))
 

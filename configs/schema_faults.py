@@ -28,25 +28,16 @@ FLAT_FLOOR = (
 )
 
 
-def explained(error: ValidationError, root: Node, shape: Shape) -> InputError:
-    """Return the first fault as an error of one line, with the number of further ones.
-
-    Unknown keys come first, since a misspelt key also causes a missing field.
-    """
-    faults = _sorted(error)
-    others = len(faults) - 1
-    note = f"and {others} more fault{'s' if others > 1 else ''} after this one" if others else ""
-    return _fault(_path(faults[0], root, shape), faults[0], root, shape).error(root, note)
-
-
 def all_explained(error: ValidationError, root: Node, shape: Shape) -> list[InputError]:
-    """Return every fault as an error of one line, in the order of `explained`."""
-    return [_fault(_path(fault, root, shape), fault, root, shape).error(root) for fault in _sorted(error)]
+    """Return every fault as an error of one line.
 
-
-def _sorted(error: ValidationError) -> list[ErrorDetails]:
+    Unknown keys come first, and a field that is missing because its key is misspelt is not reported a second time.
+    """
     faults = [fault for fault in error.errors(include_url=False) if not _is_echo(fault)]
-    return sorted(faults, key=lambda fault: fault["type"] != "extra_forbidden")
+    faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")
+    explained = [(fault["type"], _fault(_path(fault, root, shape), fault, root, shape)) for fault in faults]
+    misspelt = {(*fault.path[:-1], fault.nearest) for kind, fault in explained if kind == "extra_forbidden"}
+    return [fault.error(root) for kind, fault in explained if not (kind == "missing" and fault.path in misspelt)]
 
 
 def _is_echo(fault: ErrorDetails) -> bool:
@@ -96,7 +87,8 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     parent, node = shape.at(above, root) or shape, root.at(above) or root
     known = list(parent.known_keys(node))
     missing = [name for name in known if node.child(name) is None]
-    close = nearest(key, missing) or nearest(key, known)
+    without_unit = next((name for name in missing if name.startswith(f"{key}_")), "")
+    close = nearest(key, missing) or without_unit or nearest(key, known)
     cure = ""
     if above[:1] == ("arena",) and key in NOT_FLAT:
         close, cure = "", FLAT_FLOOR

@@ -18,7 +18,7 @@ from symolo.core.yaml.tree import FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 _PLAIN_WORDS = {"boolean": "true or false", "string": "text", "null": "nothing", "array": "a list"}
-_MAX_NAMES = 12
+_MAX_NAMES = 40
 
 
 @dataclass(frozen=True)

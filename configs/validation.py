@@ -1,4 +1,4 @@
-"""Validation of a tree of values and distributions against the schema; the first fault is one line."""
+"""Validation of a tree of values and distributions against the schema; all faults are reported, one line each."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from configs.robot_sensors import KNOWN_ONLY
-from configs.schema_faults import explained
+from configs.schema_faults import all_explained
 from configs.shapes import Shape
 from symolo.core.distributions import Choice, Distribution, Uniform, parse
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultList, InputError, together
 from symolo.core.yaml.tree import FieldPath, Node, Scalar, Values, dotted
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -54,9 +54,14 @@ def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, Plac
     """Return the distributions of a tree by path, after a check of their places and kinds.
 
     Raises:
-        InputError: A distribution is malformed, or its field takes none.
+        InputError: Distributions are malformed, or their fields take none.
     """
-    return dict(sorted(_distributions(root, Shape.of(model), ()), key=lambda item: dotted(item[0])))
+    faults, placed = FaultList(), {}
+    for path, node, shape in _distributions(root, Shape.of(model), ()):
+        with faults.noted():
+            placed[path] = _placed(node, shape, path)
+    faults.check()
+    return dict(sorted(placed.items(), key=lambda item: dotted(item[0])))
 
 
 def probes(placed: Mapping[FieldPath, Placed]) -> Iterator[Values]:
@@ -82,7 +87,7 @@ def validated(root: Node, model: type[Model], values: Values) -> Model:
     try:
         return model.model_validate(filled(root, values), context=KNOWN_ONLY)
     except ValidationError as error:
-        raise explained(error, root, Shape.of(model)) from None
+        raise together(all_explained(error, root, Shape.of(model))) from None
 
 
 def filled(node: Node, values: Values, path: FieldPath = ()) -> Any:  # noqa: ANN401 - whatever the file holds
@@ -96,9 +101,10 @@ def filled(node: Node, values: Values, path: FieldPath = ()) -> Any:  # noqa: AN
     return node.value
 
 
-def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[FieldPath, Placed]]:
+def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[FieldPath, Node, Shape]]:
+    """Yield each distribution, and each mapping in the place of one value, with its path and the shape of its field."""
     if isinstance(node.value, dict) and (shape.is_leaf or node.is_distribution):
-        yield path, _placed(node, shape, path)
+        yield path, node, shape
         return
     tag = node.child(shape.tag_key)
     if tag is not None and tag.is_distribution:

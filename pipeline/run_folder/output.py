@@ -1,10 +1,9 @@
 """Checks of an output folder, before any work starts."""
 
-import tempfile
 from pathlib import Path
 
 from symolo.core.errors import InputError
-from symolo.core.files.paths import nearest_existing
+from symolo.core.files.paths import nearest_existing, not_writable, writing_error
 from symolo.dataset.folder_kind import Kind, kind_of
 from symolo.dataset.layout import STAGES
 
@@ -39,11 +38,8 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
     nearest = nearest_existing(out)
     if not nearest.is_dir():
         raise InputError(f"is below the file {nearest}", where=where, cure=NEW_OR_EMPTY)
-    try:
-        tempfile.TemporaryFile(dir=nearest).close()
-    except OSError as error:
-        what = f"cannot be written: {nearest}: {error.strerror}"
-        raise InputError(what, where=where, cure="name a different folder") from None
+    if (error := writing_error(nearest)) is not None:
+        raise not_writable(nearest, error, where)
 
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:

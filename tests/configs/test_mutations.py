@@ -1,4 +1,4 @@
-"""Whatever a damaged scenario holds, it is read, or refused by an InputError of one line, and soon."""
+"""Whatever a damaged scenario holds, it is read, or refused by an InputError with one line for each fault, and soon."""
 
 import random
 import time
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultsError, InputError
 
 PASSAGES = [
     "nan", ".nan", "1e999", "-1", "0", "''", "'1'", "null", "true", "~", "[]", "{}", "[", "}", ": ", "\t", "\n", "- ",
@@ -43,16 +43,16 @@ PATHS = _paths(SCENARIO)[1:]
 def _read_or_refused(content: bytes) -> None:
     """Within a second of processor time, for other work on the machine is none of it."""
     Path("scenario.yaml").write_bytes(content)
-    message = "read"
+    messages: list[str] = []
     start = time.process_time()
     try:
         loaded = load_scenario("scenario.yaml")
         draw_run(loaded, loaded.routes[0].name, 1)
     except InputError as error:
-        message = str(error)
+        faults = error.faults if isinstance(error, FaultsError) else (error,)
+        messages = [str(fault) for fault in faults]
     assert time.process_time() - start < 1.0
-    assert len(message.splitlines()) == 1
-    assert len(message) < 1000
+    assert all(len(message.splitlines()) == 1 and len(message) < 1000 for message in messages)
 
 
 @pytest.mark.usefixtures("here")

@@ -155,8 +155,12 @@ REFUSED: dict[str, Trap] = {
     "a number in base 60": scenario(SCENARIO + "seed: 190:20:30\n"),
     "escape codes of a terminal": scenario(SCENARIO + '"\\e]0;owned\\a\\e[2J": 1\n'),
     "escape codes in a value": scenario(SCENARIO + 'seed: "\\e]52;c;b3duZWQ=\\a"\n'),
-    "a name that leaves the folder": scenario(SCENARIO + "routes: [{name: ../../escaped, start: {x_m: 0, y_m: 0}}]\n"),
-    "a name of a hidden folder": scenario(SCENARIO + "routes: [{name: .stages, start: {x_m: 0, y_m: 0}}]\n"),
+    "a name that leaves the folder": scenario(
+        SCENARIO + "routes: [{name: ../../escaped, start: {x_m: 0, y_m: 0, yaw_deg: 90}}]\n"
+    ),
+    "a name of a hidden folder": scenario(
+        SCENARIO + "routes: [{name: .stages, start: {x_m: 0, y_m: 0, yaw_deg: 90}}]\n"
+    ),
     "a file of secrets as parent": scenario("extends: HERE/secret\nname: hostile\n"),
     "the system's passwords as parent": scenario("extends: ../../../../../../../../etc/passwd\nname: hostile\n"),
     "its own parent": scenario("extends: HERE/scenario.yaml\nname: hostile\n"),
@@ -164,7 +168,9 @@ REFUSED: dict[str, Trap] = {
     "a pipe that nobody writes to": pipe,
     "a folder": lambda here: ["simulate", str(here), "--out", "OUT"],
     "links that go round": loop_of_links,
-    "runs without end": scenario(SCENARIO + "routes: [{name: CW, start: {x_m: 0.5, y_m: -0.2}, runs: 99999999999}]\n"),
+    "runs without end": scenario(
+        SCENARIO + "routes: [{name: CW, start: {x_m: 0.5, y_m: -0.2, yaw_deg: 90}, runs: 99999999999}]\n"
+    ),
     "a picture outside its folder": look_with("../secret"),
     "a picture by its full path": look_with("/etc/passwd"),
     "a picture of a null byte": look_with("photo\x00.png"),

@@ -1,6 +1,8 @@
 """Check that a path from the command line is possible, before any work starts."""
 
+import errno
 import os
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -10,6 +12,8 @@ TEMPORARY_CHARS = 24
 """What the temporary name of a file or folder has more than its own."""
 BELOW_CHARS = 128
 """Longest path that is made inside an output folder."""
+_REFUSALS = frozenset({errno.EROFS, errno.EACCES, errno.EPERM})
+"""Errors of a disk or a folder that takes no files, whatever is done about it before the next try."""
 
 
 def check_path(path: Path, where: str) -> None:
@@ -39,7 +43,8 @@ def check_new_path(path: Path, where: str, below_chars: int = 0) -> None:
         below_chars: Length of what will be made inside.
 
     Raises:
-        InputError: As `check_path`; a link that leads nowhere on the way, or names too long for the disk.
+        InputError: As `check_path`; a link that leads nowhere on the way, names too long for the disk, or a folder or
+            disk that may not be written.
     """
     check_path(path, where)
     absolute = path.absolute()
@@ -54,6 +59,24 @@ def check_new_path(path: Path, where: str, below_chars: int = 0) -> None:
     made = absolute.relative_to(nearest).parts
     if any(len(os.fsencode(name)) > longest for name in made) or len(os.fsencode(absolute)) > whole:
         raise InputError("is too long", where=where, got=str(path), cure="choose a shorter name")
+    folder = nearest if nearest.is_dir() else nearest.parent
+    error = writing_error(folder)
+    if error is not None and error.errno in _REFUSALS:  # others, such as a full disk, have messages of their own
+        raise not_writable(folder, error, f"{where} {path}")
+
+
+def writing_error(folder: Path) -> OSError | None:
+    """Return why no file can be made in a folder; None if one can."""
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        return error
+    return None
+
+
+def not_writable(folder: Path, error: OSError, where: str) -> InputError:
+    """Return the error of an output that lies in a folder in which no file can be made."""
+    return InputError(f"cannot be written: {folder}: {error.strerror}", where=where, cure="name a different folder")
 
 
 def _name_and_path_max(folder: Path) -> tuple[int, int]:
