@@ -51,7 +51,7 @@ from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.folder_kind import Kind
 from symolo.dataset.layout import ANNOTATIONS, DATA, JOB, LOOK, POSITIONS, SIDE
-from symolo.dataset.tables.rows import Ints, Rows, read_rows
+from symolo.dataset.tables.rows import HEADER, Ints, Rows, read_rows
 from symolo.dataset.tables.side_tables import image_positions
 
 CARRIER = "symolo"
@@ -269,7 +269,8 @@ def _timed(source: StoredTrajectory, camera_hz: float | None) -> StoredTrajector
             allowed="at least one image",
             cure="choose a rate, such as --camera-hz 5",
         )
-    rows = replace(source.rows, image=image_numbers(source.rows.t_ms, camera_hz))
+    columns = tuple(name for name in HEADER if name in {*source.rows.columns, "img"})
+    rows = replace(source.rows, image=image_numbers(source.rows.t_ms, camera_hz), columns=columns)
     return replace(source, rows=rows, data=rows.to_csv())
 
 
