@@ -10,6 +10,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.noise import noise_of_repeats
 from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing, usable
 from symolo.core.arrays import Array
+from symolo.core.progress import plural
 
 SAME_TEMPERATURE_K = 3.0
 """Width of a range of temperatures that counts as one condition."""
@@ -157,7 +158,7 @@ def summary_line(measurement: Measurement) -> str:
     rows, held = measurement.rows, measurement.heldout_rows
     split = f"{rows - held} to fit, {held} held out" if held else "none held out"
     trials = len(measurement.trials)
-    return f"{measurement.name}: {measurement.kind}, {trials} trial{'s' * (trials > 1)}, {rows} rows ({split})"
+    return f"{measurement.name}: {measurement.kind}, {plural(trials, 'trial')}, {plural(rows, 'row')} ({split})"
 
 
 def _trial(trial: Trial) -> TrialSummary:

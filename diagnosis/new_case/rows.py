@@ -21,6 +21,7 @@ from logs.times import usual
 from logs.units import factor_to
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
+from symolo.core.progress import plural
 from symolo.core.time_series import TimeSeries
 
 SLOWEST_S = 0.1
@@ -144,10 +145,13 @@ def _trials(
         cure = f"sort the rows by time, or leave t_s out of {MAPPING}"
         raise InputError("the time goes back", where=f"{log.path}: row {int(np.argmax(new)) + 3}", cure=cure)
     if group is None and new.any() and kind in _IN_TIME:
-        notes.append(f"the time goes back {np.count_nonzero(new)} times; a new trial begins at each of these rows")
+        notes.append(
+            f"the time goes back {plural(np.count_nonzero(new), 'time')}; a new trial begins at each of these rows"
+        )
     is_used = np.concatenate([[True], new | (steps != 0.0)])
     if not is_used.all():
-        notes.append(f"{np.count_nonzero(~is_used)} rows repeat the time of the row above and are left out")
+        repeated = plural(np.count_nonzero(~is_used), "row")
+        notes.append(f"left out, because the time of the row above is repeated: {repeated}")
     number = np.concatenate([[0], np.cumsum(new)])
     parts = []
     for trial in range(int(number[-1]) + 1):

@@ -7,12 +7,14 @@ import numpy as np
 
 from configs.effects.base import Effect
 from diagnosis.diagnose import Diagnosis, NamedEffect
+from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.refusal import needed
 from diagnosis.inference.unexplained.adequacy import Structure
 from diagnosis.inference.unexplained.wander import Wander
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.quantities import (
     along,
     confidence,
@@ -27,6 +29,8 @@ from diagnosis.report.report_data import Ablation, ReportData
 
 MIN_BENT = 4.0
 """Deviation in tolerances from which a nominal parameter is mentioned."""
+_MAX_VOLTAGES = 3
+"""Voltages at standstill that the headline lists; more are counted."""
 _MIN_SURE = 0.9
 """Confidence of an effect without rivals, below which chance is mentioned."""
 
@@ -39,12 +43,27 @@ def headline(diagnosis: Diagnosis) -> str:
         if names:
             return f"The real robot differs from the nominal one by {listed(names)}."
         if diagnosis.conclusion is CaseVerdict.UNDECIDED:
-            return f"These data neither confirm the nominal simulation nor name what differs: {_open(diagnosis)}."
-        return "The nominal simulation explains these data, within the tolerances of its parameters."
+            text = f"These data neither confirm the nominal simulation nor name what differs: {_open(diagnosis)}."
+        else:
+            text = "The nominal simulation explains these data, within the tolerances of its parameters."
+        stuck = _stuck(diagnosis)
+        return f"{stuck}; apart from that, {text[0].lower()}{text[1:]}" if stuck else text
     where = f"{structure.channel} depends on {along(structure.covariate)}, and no known effect explains this"
     if not names:
         return f"The simulation is wrong in a way that has no name here: {where}."
     return f"The real robot differs from the nominal one by {listed(names)}; in addition, {where}."
+
+
+def _stuck(diagnosis: Diagnosis) -> str:
+    """Return that a real motor stands still where the nominal one turns, as a clause; empty if none does."""
+    if diagnosis.measurement.kind is not CaseKind.MOTOR_STEADY:
+        return ""
+    volts = sorted({row.voltage_V for row in stuck_rows(diagnosis.measurement, diagnosis.nominal)})
+    if not volts:
+        return ""
+    several = f"{len(volts)} voltages from {volts[0]:g} to {volts[-1]:g} V"
+    where = several if len(volts) > _MAX_VOLTAGES else listed([f"{voltage_V:g} V" for voltage_V in volts])
+    return f"The real motor stands still at {where}, where the nominal one turns"
 
 
 def _open(diagnosis: Diagnosis) -> str:

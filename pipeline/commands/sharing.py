@@ -196,7 +196,7 @@ def download(
     Example: symolo download file:///mnt/shelf/data --out fetched
     """
     from symolo.core.files.new_folder import check_new
-    from symolo.core.progress import report_here
+    from symolo.core.progress import plural, report_here
     from symolo.storage.address import store_of
     from symolo.storage.download import Remote
     from symolo.storage.download import download as downloaded
@@ -205,7 +205,9 @@ def download(
     remote = Remote.of(store_of(url, endpoint, allow_http=allow_http))
     size = remote.size_bytes / _MEGABYTE
     if dry_run:
-        typer.echo(f"{remote.store.url}: {len(remote.digests)} files and their lists, {size:.1f} MB")
+        typer.echo(f"{remote.store.url}: {plural(len(remote.digests), 'file')} and their lists, {size:.1f} MB")
         return
     fetched = downloaded(remote, out, report_here())
-    typer.echo(f"{out}: {len(remote.digests)} files and their lists, {size:.1f} MB; {fetched} of them fetched now")
+    typer.echo(
+        f"{out}: {plural(len(remote.digests), 'file')} and their lists, {size:.1f} MB; {fetched} of them fetched now"
+    )

@@ -22,7 +22,7 @@ from pipeline.stages.simulate_runs import spec_text
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.os_errors import lacking
-from symolo.core.progress import Report
+from symolo.core.progress import Report, plural
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
 from symolo.dataset.layout import DESCRIPTION, SIDE, SPEC
@@ -134,7 +134,7 @@ class Along:
             files = released_files(self._workspace.out)
             comparison = send(files, self._to.store, self._report, self._known)
         rest = len(comparison.to_send)
-        return f"{url}: {len(files)} files there, {self._sent + rest} sent now, {rest} of them at the end"
+        return f"{url}: {plural(len(files), 'file')} there, {self._sent + rest} sent now, {rest} of them at the end"
 
     def stop(self) -> None:
         """Wait for running transfers, and begin no more."""
@@ -172,7 +172,8 @@ class Along:
                 if self._over.is_set():
                     return
         self._report.say(
-            f"upload: {run}: {done} files sent, {size / 1e6:.1f} MB; {len(comparison.same)} were already there"
+            f"upload: {run}: {plural(done, 'file')} sent, {size / 1e6:.1f} MB;"
+            f" {len(comparison.same)} were already there"
         )
 
     @contextlib.contextmanager

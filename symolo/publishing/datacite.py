@@ -5,6 +5,7 @@ The package datacite 1.4.1 checks and sends such records but does not build them
 
 from typing import Any
 
+from symolo.core.progress import plural
 from symolo.publishing.about import Author
 from symolo.publishing.dataset import Published
 
@@ -28,7 +29,7 @@ def datacite(data: Published) -> dict[str, Any]:
         "subjects": [{"subject": keyword} for keyword in about.keywords],
         "descriptions": [{"description": data.description, "descriptionType": "Abstract", "lang": "en"}],
         "rightsList": [_rights(data)],
-        "sizes": [f"{sum(shard.size for shard in data.shards)} bytes", f"{len(runs)} runs"],
+        "sizes": [f"{sum(shard.size for shard in data.shards)} bytes", plural(len(runs), "run")],
         "formats": ["application/x-tar", "text/csv"],
     }
     if any(run.images for run in runs):

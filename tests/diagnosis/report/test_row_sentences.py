@@ -37,7 +37,10 @@ def test_21_rows_are_too_few_to_name_the_bow_of_table_1_and_too_many_to_call_it_
     """A parabola has leave-one-out errors of 0.061 rad/s where a line has 0.101, but 21 rows leave its cause open."""
     assert table_1.conclusion is CaseVerdict.UNDECIDED
     text = headline(table_1)
-    assert text.startswith("These data neither confirm the nominal simulation nor name what differs: supply_sag would")
+    assert text.startswith(
+        "The real motor stands still at 0.25 V, where the nominal one turns; apart from that, these data neither "
+        "confirm the nominal simulation nor name what differs: supply_sag would"
+    )
 
 
 def test_a_size_that_no_robot_has_is_said():
