@@ -43,6 +43,14 @@ def test_the_floor_point_on_the_axis_is_in_the_middle_of_the_image(robot):
     assert depth[0] == pytest.approx(0.12 / np.sin(np.radians(30)))
 
 
+@pytest.mark.parametrize(("row", "ahead_m"), [(-0.5, 3.248), (239.5, 0.2078), (479.5, 0.0753)])
+def test_the_image_shows_the_floor_from_close_ahead_to_a_few_metres(robot, row, ahead_m):
+    """0.12 / tan(30 degrees + atan((row - 239.5) / 453.6)), from the upper border to the lower one."""
+    point = np.array([[0.05 + ahead_m, 0.0, 0.0]])
+    pixel, _ = project(intrinsics(robot.camera, 640, 480), _X_WC(robot), point)
+    assert pixel[0] == pytest.approx([319.5, row], abs=0.3)
+
+
 def test_a_floor_point_at_a_known_pose_by_closed_form(robot):
     # 1 m ahead of the camera and 0.2 m to its left, seen from a robot at (0.3, -0.4) that looks along +y.
     p_W = np.array([[0.3 - 0.2, -0.4 + 0.05 + 1.0, 0.0]])
