@@ -11,7 +11,8 @@ Runs in an environment of its own, outside of this project's, made by `python3.1
 the same, so its package is entered past its `__init__`, which asks for that start, and `init` is followed step by step
 but for the language, of which a bpy module has one. Changed are: CPU alone, as for the others; images in OpenEXR, so
 that all contenders' light goes through one camera.
-Settings: {"light_paths": "defaults"}, or {"light_paths": "ours"} to set bounces, clamping and caustics as ours are.
+Settings: {"light_paths": "defaults"}, or {"light_paths": "ours"} to set bounces and caustics as ours are, without a
+clamp.
 """
 
 import importlib.util
@@ -60,18 +61,16 @@ def _set_up(request: PaintRequest) -> None:
     bpy.context.scene.render.engine = "CYCLES"
     RendererUtility.set_render_devices(use_only_cpu=True)
     _Initializer.set_default_parameters()
-    build.build(request.job.scene, request.job.camera)
+    build.build(request.job.scene, request.job.camera, caustics=request.job.sampling.paths.caustics)
     camera, render = request.job.camera, bpy.context.scene.render
     render.resolution_x, render.resolution_y = camera.width_px, camera.height_px
     RendererUtility.set_output_format(file_format="OPEN_EXR", color_depth=32)
     render.image_settings.exr_codec = "NONE"
     if request.settings["light_paths"] == "ours":
-        ours = request.job.sampling
-        most = max(ours.diffuse_bounces, ours.glossy_bounces, ours.transmission_bounces)
-        RendererUtility.set_light_bounces(
-            ours.diffuse_bounces, ours.glossy_bounces, 0, most, ours.transmission_bounces, 8, 0
-        )
-        for name, value in zip(_LIGHT_PATHS, (False, False, 1.0), strict=True):
+        ours = request.job.sampling.paths
+        bounces = ours.diffuse_bounces, ours.glossy_bounces, 0, ours.max_bounces, ours.transmission_bounces
+        RendererUtility.set_light_bounces(*bounces, 8, 0)
+        for name, value in zip(_LIGHT_PATHS, (ours.caustics, ours.caustics, 0.0), strict=True):
             setattr(bpy.context.scene.cycles, name, value)
 
 

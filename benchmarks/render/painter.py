@@ -38,7 +38,7 @@ def main() -> None:
     sampling = replace(request.job.sampling, **sampling_fields)
     request = replace(request, job=replace(request.job, sampling=sampling))
     build.start()
-    build.build(request.job.scene, request.job.camera)
+    build.build(request.job.scene, request.job.camera, caustics=request.job.sampling.paths.caustics)
     engine.configure(request.job, request.threads, request.folder)
     serve(replies, request.folder, _KINDS[kind](request))
 
@@ -51,9 +51,12 @@ def _ours(request: PaintRequest) -> Paint:
 
 
 def _plain(request: PaintRequest) -> Paint:
-    """Return a painter that only lets Cycles render."""
+    """Return a painter that only lets Cycles render, with the light paths of the job."""
     import bpy  # noqa: PLC0415 - as above
 
+    from blender_scenes.blender_side import engine  # noqa: PLC0415 - as above
+
+    engine.FrameTracer(request.job, request.threads, request.folder)  # sets the limit on the light of a path
     cycles = bpy.context.scene.cycles
     for name, value in request.settings["cycles"].items():
         setattr(cycles, name, value)

@@ -18,10 +18,11 @@ from painters import Painter
 
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.light_paths import LIGHT_PATHS
 
 MIN_SAMPLES = 256
 SEEDS = (101, 202)
-_METHOD = 1
+_METHOD = 2
 """Version of the method, to be raised when it gives other images of the same job."""
 
 
@@ -35,7 +36,7 @@ class Reference:
 
 
 def references(job: RenderJob, samples: int, folder: Path, threads: int) -> dict[int, Reference]:
-    """Of each of the job's frames, by number; those that lie in `folder` are taken from there.
+    """Of each of the job's frames, by number, with complete light paths; those in `folder` are taken from there.
 
     Raises:
         ValueError: Fewer samples than a reference must have.
@@ -43,6 +44,7 @@ def references(job: RenderJob, samples: int, folder: Path, threads: int) -> dict
     if samples < MIN_SAMPLES:
         raise ValueError(f"a reference of {samples} samples is too noisy; at least {MIN_SAMPLES}")
     folder.mkdir(parents=True, exist_ok=True)
+    job = replace(job, sampling=replace(job.sampling, paths=LIGHT_PATHS["complete"]))
     halves = {seed: _of_seed(job, samples, seed, folder, threads) for seed in SEEDS}
     return {view.number: Reference(tuple(halves[seed][view.number] for seed in SEEDS)) for view in job.frames}
 

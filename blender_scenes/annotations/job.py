@@ -10,6 +10,7 @@ import numpy as np
 from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.job_text import JobText
+from blender_scenes.render.light_paths import LightPathLimits
 from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Mesh, Point3, Scene, Sky
 from blender_scenes.scene.shading import Color, Surface
@@ -27,9 +28,7 @@ _ONE_RAY = TracingSettings(
     seed=0,
     samples=1,
     denoise=False,
-    diffuse_bounces=0,
-    glossy_bounces=0,
-    transmission_bounces=0,
+    paths=LightPathLimits(0, 0, 0, caustics=False, clamp=0.0),
     filter_width_px=0.01,  # the minimum in Blender: no ray is more than 0.005 px from the pixel's middle
 )
 _CORNERS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
@@ -60,7 +59,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class AnnotationJob(JobText):
-    FORMAT = 3
+    FORMAT = 4
     KIND = "annotation"
 
     kinds: tuple[AnnotationName, ...]

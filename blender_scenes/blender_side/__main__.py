@@ -1,5 +1,6 @@
 """The Blender process: reads a request, renders its frames, puts each in place and reports it."""
 
+import hashlib
 import os
 import signal
 import sys
@@ -13,10 +14,10 @@ from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.frame_files import FrameFile, put_in_place
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.protocol import FrameBegun, FrameDone, Ready, RenderRequest
+from blender_scenes.render.protocol import FrameBegun, FrameDone, ProbeStep, Ready, RenderRequest
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from sensors.camera.lens_warp import field_of_view
-from sensors.camera.response import develop, encode_jpeg, median_luminance
+from sensors.camera.response import develop, encode_jpeg
 from symolo.core.child_process import SCRATCH, Failed, Finished, Owner
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.plain_files import FileKind, read_file
@@ -51,23 +52,26 @@ def _lacking_here(error: Exception) -> str:
 
 
 def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:
-    from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
+    from blender_scenes.blender_side import build, choice, engine  # noqa: PLC0415 - they import bpy
 
     begin = time.perf_counter()
-    job = RenderJob.from_json(read_file(Path(request.job_path), FileKind.JOB).decode())
+    text = read_file(Path(request.job_path), FileKind.JOB)
+    job = RenderJob.from_json(text.decode())
     views = {view.number: view for view in job.frames}
     build.start()
-    build.build(job.scene, job.camera, Path(request.user_files) if request.user_files else None)
+    user_files = Path(request.user_files) if request.user_files else None
+    build.build(job.scene, job.camera, user_files, caustics=job.sampling.paths.caustics)
     engine.configure(job, request.threads, scratch)
-    metered = median_luminance(engine.metered_light(job))
-    tracer, field = engine.FrameTracer(job, request.threads, scratch), field_of_view(job.camera)
+    job_sha256, field = hashlib.sha256(text).hexdigest(), field_of_view(job.camera)
+    images = Path(request.folder)
+    tracer = choice.tracer_for(job, job_sha256, images, request.threads, scratch, lambda: owner.send(ProbeStep()))
     owner.send(Ready(seconds=time.perf_counter() - begin))
     for number in request.numbers:
         begin = time.perf_counter()
         owner.send(FrameBegun(number=number))
-        pixels = develop(tracer.light(views[number]), job.response, metered, number, field)
+        pixels = develop(tracer.light(views[number]), job.response, tracer.metered, number, field)
         data = encode_jpeg(pixels, job.response.jpeg_quality)
-        path = Path(request.folder) / frame_name(number)
+        path = images / frame_name(number)
         sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
         taken_s = time.perf_counter() - begin
         owner.send(FrameDone(frame=FrameFile(number, path.name, sha256, len(data), taken_s, request.threads)))

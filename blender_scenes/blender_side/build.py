@@ -23,15 +23,20 @@ def start() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
-def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None) -> None:
+def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None, *, caustics: bool = False) -> None:
     """Fill an empty Blender file. The robot's parts are children of an empty called `R`; the camera is called `C`.
 
     Moving obstacles have the names of `moving_name` and are placed for each view. The `pass_index` of a mesh is its
-    number from 1, among the scene's meshes, the robot's and the moving ones in this order. `user_files` is the folder
-    of the user's files by their SHA-256.
+    number from 1, among the scene's meshes, the robot's and the moving ones in this order.
+
+    Args:
+        scene: Scene.
+        camera: Camera.
+        user_files: Folder of the user's files by their SHA-256.
+        caustics: Whether gloss and glass throw light on matt surfaces.
     """
     user_images = UserImages(user_files)
-    materials = {surface.name: material(surface, user_images) for surface in scene.surfaces}
+    materials = {surface.name: material(surface, user_images, caustics=caustics) for surface in scene.surfaces}
     numbers = itertools.count(1)
     for mesh in scene.meshes:
         _mesh(mesh, materials).pass_index = next(numbers)

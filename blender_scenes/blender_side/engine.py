@@ -1,5 +1,6 @@
 """Cycles: all settings on which a pixel depends, and the linear light of a view."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -7,12 +8,14 @@ import numpy as np
 
 from blender_scenes.blender_side import gpus
 from blender_scenes.blender_side.hybrid.images import HybridRenderer
+from blender_scenes.blender_side.matt_colors import measure_matt_colors
 from blender_scenes.blender_side.placing import open_shutter, place
-from blender_scenes.blender_side.rendering import rendered
+from blender_scenes.blender_side.rendering import Part, rendered, show_part
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import TracingSettings
 from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
+from sensors.camera.response import median_luminance, white_level
 from sensors.camera.rolling_shutter import lateness
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView
@@ -50,10 +53,13 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
     scene.view_settings.view_transform, scene.view_settings.look = "Raw", "None"  # OpenEXR is written linear anyway
     scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
     _cycles(scene.cycles, job.sampling)
+    if not job.sampling.paths.caustics:
+        measure_matt_colors(job.scene, scratch)
     open_shutter(window(job.shutter, job.camera))
 
 
 def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
+    paths = sampling.paths
     settings = {
         "device": "CPU" if sampling.device == "CPU" else "GPU",
         "feature_set": "SUPPORTED",
@@ -73,19 +79,19 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
         "use_light_tree": False,
         "light_sampling_threshold": 0.0,
         "use_guiding": False,
-        "max_bounces": max(sampling.diffuse_bounces, sampling.glossy_bounces, sampling.transmission_bounces),
-        "diffuse_bounces": sampling.diffuse_bounces,
-        "glossy_bounces": sampling.glossy_bounces,
-        "transmission_bounces": sampling.transmission_bounces,
+        "max_bounces": paths.max_bounces,
+        "diffuse_bounces": paths.diffuse_bounces,
+        "glossy_bounces": paths.glossy_bounces,
+        "transmission_bounces": paths.transmission_bounces,
         "volume_bounces": 0,
         "transparent_max_bounces": 8,
         "min_light_bounces": 0,
         "min_transparent_bounces": 0,
-        "caustics_reflective": False,
-        "caustics_refractive": False,
-        "blur_glossy": 1.0,
+        "caustics_reflective": paths.caustics,
+        "caustics_refractive": paths.caustics,
+        "blur_glossy": 0.0 if paths.caustics else 1.0,
         "sample_clamp_direct": 0.0,
-        "sample_clamp_indirect": 1.0,
+        "sample_clamp_indirect": 0.0,  # `FrameTracer` sets it, from the exposure
         "use_fast_gi": False,
         "film_exposure": 1.0,
         "pixel_filter_type": "BLACKMAN_HARRIS",
@@ -102,8 +108,25 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
 class FrameTracer:
     """The light of the frames of a configured job."""
 
-    def __init__(self, job: RenderJob, threads: int, scratch: Path) -> None:
+    def __init__(self, job: RenderJob, threads: int, scratch: Path, metered: float | None = None) -> None:
+        """Meter the exposure and prepare the renderer.
+
+        Args:
+            job: Job for which `configure` was called.
+            threads: Number of threads.
+            scratch: Folder for temporary files.
+            metered: Median luminance of the run; None to measure it.
+
+        Raises:
+            ValueError: No light reaches what the camera sees.
+        """
         self._job = job
+        self.metered = median_luminance(metered_light(job)) if metered is None else metered
+        """Median luminance of the run, which sets its exposure."""
+        limit = job.sampling.paths.clamp * white_level(self.metered, job.response)
+        cycles = bpy.context.scene.cycles
+        cycles.sample_clamp_indirect = limit
+        cycles.denoising_prefilter, cycles.denoising_quality = job.sampling.prefilter, job.sampling.denoise_quality
         camera = pinhole_image(job.camera).camera
         self._size = camera.width_px, camera.height_px
         self._hybrid = HybridRenderer(job, threads, scratch) if job.sampling.hybrid else None
@@ -111,13 +134,29 @@ class FrameTracer:
     def light(self, view: FrameView) -> np.ndarray:
         """Return the linear light (H, W, 3) of one of the job's frames."""
         job = self._job
-        seed = _noise_seed(job.sampling.seed, "frame", view.number)
-        if self._hybrid is not None:
-            light = self._hybrid.light(view, seed)
-        else:
-            light = _light(view, self._size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise)
-        light *= np.array(view.light_gain, np.float32)
+        light = self.pinhole_light(view)
         return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
+
+    def pinhole_light(self, view: FrameView, parts: Sequence[Part] = ()) -> np.ndarray:
+        """Return the linear light (H, W, 3) of a view before it passes the lens.
+
+        If some `parts` are named, hybrid rendering makes only these; at their borders they may differ.
+        """
+        job = self._job
+        seed = noise_seed(job.sampling.seed, "frame", view.number)
+        if self._hybrid is not None:
+            light = self._hybrid.light(view, seed, self._mask(parts) if parts else None)
+        else:
+            light = traced_light(
+                view, self._size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise
+            )
+        return light * np.array(view.light_gain, np.float32)
+
+    def _mask(self, parts: Sequence[Part]) -> np.ndarray:
+        mask = np.zeros(self._size[::-1], bool)
+        for part in parts:
+            part.cut(mask)[...] = True
+        return mask
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
@@ -126,28 +165,41 @@ def metered_light(job: RenderJob) -> np.ndarray:
     size, field = (small.width_px, small.height_px), field_of_view(small)
     lights = []
     for view in metered_views(job.frames):
-        seed = _noise_seed(job.sampling.seed, "metering", view.number)
-        light = _light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False)
+        seed = noise_seed(job.sampling.seed, "metering", view.number)
+        light = traced_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False)
         lights.append(light if field is None else light[field])
     return np.concatenate(lights)
 
 
-def _noise_seed(seed: int, *path: str | int) -> int:
+def noise_seed(seed: int, *path: str | int) -> int:
+    """Return the seed of Cycles for one rendering of a job."""
     return int(stream(seed, "path tracing", *path).integers(2**31))
 
 
-def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
-    """Return the linear light (H, W, 3) of a view; errors are those of `rendered`."""
-    channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise)
+def traced_light(
+    view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool, part: Part | None = None
+) -> np.ndarray:
+    """Return the linear light (H, W, 3) of a view or of a part of its image; errors are those of `rendered`."""
+    channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise, part=part)
     return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)
 
 
 def traced(
-    view: FrameView, size: tuple[int, int], pixel_bytes: int, *, seed: int, samples: int, denoise: bool
+    view: FrameView,
+    size: tuple[int, int],
+    pixel_bytes: int,
+    *,
+    seed: int,
+    samples: int,
+    denoise: bool,
+    part: Part | None = None,
 ) -> dict[str, np.ndarray]:
     """Return the channels (H, W) of a rendered view by name; for `pixel_bytes` and errors see `rendered`."""
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
+    scene.render.use_border = scene.render.use_crop_to_border = part is not None
+    if part is not None:
+        show_part(scene.render, part, size)
     scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
     place(view)
     return rendered(scene, pixel_bytes)

@@ -1,5 +1,6 @@
-"""Rendering of a scene into a file, and reading it back."""
+"""Rendering of a scene, or of a part of its image, into a file, and reading it back."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -10,6 +11,40 @@ from symolo.core.files.exr import read_exr
 
 _EXR_EXTRA_BYTES = 2**17
 """Upper limit for header and line table of a file."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A rectangle of an image."""
+
+    left_px: int
+    top_px: int
+    width_px: int
+    height_px: int
+
+    def grown(self, by_px: int, size: tuple[int, int]) -> "Part":
+        """Return the rectangle with so many pixels more on each side, as far as an image of that size has them."""
+        left, top = max(self.left_px - by_px, 0), max(self.top_px - by_px, 0)
+        right = min(self.left_px + self.width_px + by_px, size[0])
+        bottom = min(self.top_px + self.height_px + by_px, size[1])
+        return Part(left, top, right - left, bottom - top)
+
+    def cut(self, pixels: np.ndarray, within: "Part | None" = None) -> np.ndarray:
+        """Return this part of the pixels of an image, or of those of a larger part."""
+        left, top = (within.left_px, within.top_px) if within else (0, 0)
+        return pixels[self.top_px - top :, self.left_px - left :][: self.height_px, : self.width_px]
+
+
+def show_part(render: bpy.types.RenderSettings, part: Part, size: tuple[int, int]) -> None:
+    """Limit a rendering to a part of an image of that width and height."""
+    width, height = size
+    render.use_border = render.use_crop_to_border = True
+    bottom_px = height - part.top_px - part.height_px
+    # A quarter beyond the border of a pixel, however Blender rounds the fractions.
+    render.border_min_x, render.border_max_x = (
+        (px + 0.25) / width for px in (part.left_px, part.left_px + part.width_px)
+    )
+    render.border_min_y, render.border_max_y = ((px + 0.25) / height for px in (bottom_px, bottom_px + part.height_px))
 
 
 def rendered(scene: bpy.types.Scene, pixel_bytes: int) -> dict[str, np.ndarray]:

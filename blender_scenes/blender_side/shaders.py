@@ -19,10 +19,15 @@ from blender_scenes.scene.shading import (
     SurfaceCoordinate,
     Tiles,
 )
-from blender_scenes.scene.typical import typical_color
+from blender_scenes.scene.typical import matt_color, typical_color
 
 _OPERATIONS = {"add": "ADD", "subtract": "SUBTRACT", "multiply": "MULTIPLY", "maximum": "MAXIMUM", "sine": "SINE"}
 _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance"), "random": ("F1", "Color")}
+
+SURFACE = "surface"
+"""Property of a material with the name of its surface, which may exceed the 63 bytes of a name in Blender."""
+MATT = "matt"
+"""Name of the node that stands for the surface in the light that it reflects to a matt one."""
 
 
 class ShaderGraph:
@@ -178,9 +183,10 @@ class ShaderGraph:
         return node.outputs[2]
 
 
-def material(surface: Surface, user_images: UserImages | None = None) -> bpy.types.Material:
-    """Return the Blender material of a surface."""
+def material(surface: Surface, user_images: UserImages | None = None, *, caustics: bool = False) -> bpy.types.Material:
+    """Return the Blender material of a surface; without `caustics` it is simpler for light between other surfaces."""
     made = bpy.data.materials.new(surface.name)
+    made[SURFACE] = surface.name
     made.use_nodes = True
     graph = ShaderGraph(made.node_tree, user_images)
     values = {
@@ -196,18 +202,22 @@ def material(surface: Surface, user_images: UserImages | None = None) -> bpy.typ
     if surface.height_m is not None:
         bump = graph.node("ShaderNodeBump", Strength=1.0, Distance=1.0, Height=surface.height_m)
         graph.feed(shader.inputs["Normal"], bump.outputs[0])
-    lit = shader.outputs[0]
+    lit = shader.outputs[0] if caustics else _without_caustics(graph, shader.outputs[0], surface)
+    graph.node("ShaderNodeOutputMaterial", Surface=lit).is_active_output = True
+    return made
+
+
+def _without_caustics(graph: ShaderGraph, shader: bpy.types.NodeSocket, surface: Surface) -> bpy.types.NodeSocket:
+    """Return the shader with a simpler one for the light that a surface passes on to a matt one."""
     rays = graph.node("ShaderNodeLightPath")
     if surface.transmission > 0:
         # Without caustics a clear body would have the shadow of a black one: light goes straight through instead.
         clear = graph.node("ShaderNodeBsdfTransparent", Color=surface.base_color)
-        lit = _instead(graph, lit, clear, rays.outputs["Is Shadow Ray"])
-    else:
-        # Light that is reflected to another surface needs no texture of this one: that saves a quarter of the time.
-        plain = graph.node("ShaderNodeBsdfDiffuse", Color=(*typical_color(surface), 1.0))
-        lit = _instead(graph, lit, plain, rays.outputs["Is Diffuse Ray"])
-    graph.node("ShaderNodeOutputMaterial", Surface=lit).is_active_output = True
-    return made
+        return _instead(graph, shader, clear, rays.outputs["Is Shadow Ray"])
+    # Light that is reflected to another surface needs no texture of this one: that saves a quarter of the time.
+    plain = graph.node("ShaderNodeBsdfDiffuse", Color=(*matt_color(surface, typical_color(surface)), 1.0))
+    plain.name = MATT
+    return _instead(graph, shader, plain, rays.outputs["Is Diffuse Ray"])
 
 
 def _instead(

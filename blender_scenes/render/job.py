@@ -40,7 +40,7 @@ class FramePose:
 
 @dataclass(frozen=True)
 class RenderJob(JobText):
-    FORMAT = 4
+    FORMAT = 5
     KIND = "render"
 
     scene: Scene
@@ -97,7 +97,7 @@ def build_job(  # noqa: PLR0917 - a run's images depend on all of these
         scene=scene,
         camera=camera,
         frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
-        sampling=tracing_settings(render, noise_seed, device),
+        sampling=tracing_settings(render, noise_seed, device, len(frames)),
         response=CameraResponse.from_look(look.camera, light, noise_seed, render.jpeg_quality),
         shutter=shutter,
     )

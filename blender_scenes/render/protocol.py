@@ -29,6 +29,12 @@ class Ready(Message):
     kind: Literal["ready"] = "ready"
 
 
+class ProbeStep(Message):
+    """A crop is rendered from which the renderer chooses its settings."""
+
+    kind: Literal["probe"] = "probe"
+
+
 class FrameBegun(Message):
     number: int
     kind: Literal["begun"] = "begun"
@@ -41,5 +47,5 @@ class FrameDone(Message):
     kind: Literal["frame"] = "frame"
 
 
-BlenderMessage = Ready | Alive | FrameBegun | FrameDone | Finished | Failed
+BlenderMessage = Ready | ProbeStep | Alive | FrameBegun | FrameDone | Finished | Failed
 MESSAGES: TypeAdapter[BlenderMessage] = TypeAdapter(Annotated[BlenderMessage, Field(discriminator="kind")])

@@ -10,6 +10,7 @@ from pathlib import Path
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.render.frame_files import FrameFile, Ledger
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.probe import LADDER, is_decided
 from blender_scenes.render.protocol import MESSAGES, FrameBegun, FrameDone, RenderRequest, Work
 from blender_scenes.render.surroundings import without_blender_settings
 from symolo.core.child_process import SCRATCH, ChildProcess, Failed
@@ -78,8 +79,10 @@ def render_job(
     requested = sorted(set(known if numbers is None else numbers))
     if unknown := sorted(set(requested) - set(known)):
         raise ValueError(f"{job_path}: no frame {unknown[0]}; the job has {len(known)} frames")
-    ledger = Ledger(folder, hashlib.sha256(text).hexdigest())
-    whole = ledger.whole_files()
+    job_sha256 = hashlib.sha256(text).hexdigest()
+    ledger = Ledger(folder, job_sha256)
+    # Images whose settings nobody knows any more are made again.
+    whole = ledger.whole_files() if is_decided(job.sampling, folder, job_sha256) else {}
     files = {number: job.files(number) for number in requested}
     left = {number: set(files[number]) - whole.keys() for number in requested}
     missing = tuple(number for number in requested if left[number])
@@ -99,7 +102,8 @@ def render_job(
             user_files=str(user_files or ""),
         )
         pixels = job.camera.width_px * job.camera.height_px
-        for file in _blender_files(request, pixels * job.sampling.samples, on_begin or (lambda _number: None)):
+        samples = LADDER[-1].samples if job.sampling.probe else job.sampling.samples
+        for file in _blender_files(request, pixels * samples, on_begin or (lambda _number: None)):
             ledger.add(replace(file, cpu=cpu))
             whole[file.file] = file
             left[file.number].discard(file.file)

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from blender_scenes.render.devices import DeviceKind
+from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits, light_path_limits
 from configs.schema.scenario import Render, RenderQuality
 
 
@@ -26,6 +27,10 @@ def _is_full(hybrid: HybridSamples | None) -> bool:
     return hybrid is None
 
 
+def _is_fixed(probe: bool) -> bool:  # noqa: FBT001 - pydantic calls it
+    return not probe
+
+
 @dataclass(frozen=True)
 class TracingSettings:
     """Settings of the path tracer; none is left to Blender's defaults."""
@@ -36,13 +41,14 @@ class TracingSettings:
     prefilter: str = "FAST"
     """Prefilter of the denoiser's guides."""
     denoise_quality: str = "BALANCED"
-    diffuse_bounces: int = 3
-    glossy_bounces: int = 3
-    transmission_bounces: int = 6
+    paths: LightPathLimits = LIGHT_PATHS["standard"]
     filter_width_px: float = 1.5
     device: DeviceKind = "CPU"
     hybrid: Annotated[HybridSamples | None, Field(exclude_if=_is_full)] = None
     """Samples of hybrid rendering, in place of `samples` and the denoiser's settings; None for full rendering."""
+    probe: Annotated[bool, Field(exclude_if=_is_fixed)] = False
+    """Whether the renderer chooses method, samples and denoiser itself (`blender_scenes.render.probe`); hybrid
+    rendering is a candidate if `hybrid` has samples."""
 
 
 @dataclass(frozen=True)
@@ -67,32 +73,44 @@ HYBRID_QUALITIES: dict[RenderQuality, HybridSamples] = {
     "standard": HybridSamples(4, 2, 4),
 }
 """Samples of `render.method: hybrid` at 640 x 480; its maps are not accurate enough for the other qualities."""
-_AUTO_WIDTH_PX = 320
-"""Width from which on hybrid rendering is known to take less time than full rendering with the same error."""
+_HYBRID_WIDTH_PX = 320
+"""Width from which on hybrid rendering is a candidate; it saves little in smaller images."""
+MIN_PROBED_IMAGES, MIN_HYBRID_IMAGES = 50, 100
+"""Numbers of images from which on a run pays for the measurement of errors, and for the maps of hybrid rendering."""
+MIN_PROBED_PIXELS = MIN_PROBED_IMAGES * 320 * 240
+"""Number of pixels of all images of a run from which on it pays: a measurement costs the same for images of any size.
+"""
 
 _SIZE_PX = 640 * 480
 _MAX_TIMES = 2.0
 
 
-def tracing_settings(render: Render, seed: int, device: DeviceKind = "CPU") -> TracingSettings:
-    """Return the settings of a run; `render.samples` overrides the samples of its quality and size."""
+def tracing_settings(render: Render, seed: int, device: DeviceKind = "CPU", images: int = 1) -> TracingSettings:
+    """Return the settings of a run of so many images; `render.samples` overrides the samples of its quality and size.
+
+    With `render.method: auto`, the renderer chooses the samples of a long run itself; those that are returned are for
+    runs for which it does not.
+    """
     quality = QUALITIES[render.quality]
+    probe = _is_probed(render, images)
+    is_candidate = probe and device == "CPU" and render.width_px >= _HYBRID_WIDTH_PX and images >= MIN_HYBRID_IMAGES
     return TracingSettings(
         seed=seed,
         samples=_samples(render) if render.samples is None else render.samples,
         denoise=render.denoise,
         prefilter=quality.prefilter,
         denoise_quality=quality.denoise_quality,
+        paths=light_path_limits(render.light_paths, render.quality),
         device=device,
-        hybrid=hybrid_samples(render) if _is_hybrid(render, device) else None,
+        hybrid=hybrid_samples(render) if is_candidate or render.method == "hybrid" else None,
+        probe=probe,
     )
 
 
-def _is_hybrid(render: Render, device: DeviceKind) -> bool:
-    if render.method != "auto":
-        return render.method == "hybrid"
+def _is_probed(render: Render, images: int) -> bool:
     by_quality = render.quality == "standard" and render.samples is None and render.denoise
-    return by_quality and device == "CPU" and render.width_px >= _AUTO_WIDTH_PX
+    is_long = images >= MIN_PROBED_IMAGES and images * render.width_px * render.height_px >= MIN_PROBED_PIXELS
+    return render.method == "auto" and by_quality and is_long
 
 
 def _samples(render: Render) -> int:

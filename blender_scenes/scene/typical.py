@@ -27,6 +27,17 @@ def typical_color(surface: Surface) -> RGB:
     return value if isinstance(value, tuple) else (value, value, value)
 
 
+def matt_color(surface: Surface, base: RGB) -> RGB:
+    """Return the colour of a matt surface that reflects about as much light as a surface by its gloss and its base.
+
+    Gloss takes its share before the base, whose mean colour is `base`. The share is that of light at a right angle
+    (Fresnel); at grazing angles it is larger, but light that grazes a surface is reflected to others that are dark.
+    """
+    gloss = 0.0 if surface.metallic else ((surface.refractive_index - 1) / (surface.refractive_index + 1)) ** 2
+    red, green, blue = (gloss + (1 - gloss) * component for component in base)
+    return red, green, blue
+
+
 def _typical(texture: Texture) -> RGB | float:
     match texture:
         case Constant(value) | Color(value):

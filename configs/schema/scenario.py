@@ -9,6 +9,7 @@ from configs.robot_controller import ChosenController
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, absent, disagreement
 from configs.schema.board import Board
+from configs.schema.light_paths import LightPaths
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from symolo.core.files.image_headers import MAX_DECODER_BYTES
@@ -94,6 +95,11 @@ def _is_auto(method: RenderMethod) -> bool:
     return method == "auto"
 
 
+def _is_automatic(paths: LightPaths) -> bool:
+    """Return whether a specification omits the light paths."""
+    return paths == LightPaths()
+
+
 class Render(Section):
     """Size, quality and annotations of the images."""
 
@@ -102,10 +108,10 @@ class Render(Section):
     height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
     """Height of the images [px]."""
     quality: RenderQuality = "standard"
-    """Accuracy of the image: `standard` has errors no larger than those of JPEG, `draft` is for a quick look."""
+    """Accuracy of the image: `standard` aims at errors no larger than those of JPEG, `draft` is for a quick look."""
     method: RenderMethod = Field(default="auto", exclude_if=_is_auto)
-    """`full` traces all pixels of every image. `hybrid` combines maps of the floor with light of few samples: several
-    times faster, with small errors. `auto` is `hybrid` for `standard` quality and 320 pixels or more on the CPU."""
+    """`full` traces all pixels of every image. `hybrid` combines maps of the floor with light of few samples: faster,
+    with larger errors under some looks. With `auto`, each long run of `standard` quality chooses for itself."""
     samples: int | None = Field(default=None, ge=1, le=65_536)
     """Light paths per pixel, instead of those of the quality."""
     device: Annotated[RenderDevice, Fixed("it belongs to the machine, for the whole command")] = "cpu"
@@ -113,6 +119,7 @@ class Render(Section):
     processors are of one class."""
     denoise: bool = True
     """Whether images are denoised; off only for many samples, or to measure noise."""
+    light_paths: LightPaths = Field(default=LightPaths(), exclude_if=_is_automatic)
     jpeg_quality: int = Field(default=92, ge=1, le=100)
     """Quality of the JPEG files; 100 is the best."""
     annotations: Annotated[

@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from blender_scenes.render.probe import LADDER
 from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from configs.schema.scenario import RunSpec
 from pipeline.stages.cameras import RunCamera, cameras_of
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import seconds
+from symolo.dataset.documents.rendering_record import LightPathsRecord
 
 LAP_S = 40.0
 """Simulated time [s] of a lap of the shipped arena; others differ."""
@@ -26,6 +28,10 @@ BYTES_PER_PIXEL = 0.2
 """Size [byte] of a pixel of a JPEG image of quality 92."""
 HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
 """Time [s] on one core for an image from hybrid rendering, and for each of its pixels; with its share of the maps."""
+PROBE_S = 40.0
+"""Time [s] on one core for the choice of method and samples of a run."""
+_USUAL = LADDER[1]
+"""Full rendering that is assumed for runs that choose, and for which hybrid rendering is no candidate."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Time [s] on one core for all annotations of a pixel."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
@@ -107,6 +113,7 @@ class ScenarioPlan:
         """Return the plan as text: a line for each run, then sums and assumptions."""
         # Several qualities where the scenario draws them at random; a dict keeps their order.
         qualities = dict.fromkeys(f"{run.quality}, {_samples(run.sampling)}" for run in self._all)
+        lights = dict.fromkeys(LightPathsRecord.model_validate(run.sampling.paths).text for run in self._all)
         lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
         lines += [
             f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  {run.width_px} x {run.height_px}"
@@ -117,6 +124,7 @@ class ScenarioPlan:
             f"runs       {len(self.runs)}",
             f"images     {self.images}",
             f"quality    {' or '.join(qualities)}",
+            f"light      {' or '.join(lights)}",
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
             f"render     about {seconds(self.render_s)}",
@@ -131,13 +139,21 @@ class ScenarioPlan:
     def _tracing(self) -> str:
         """Return the assumptions about rays and denoiser."""
         costs = []
-        if any(run.sampling.hybrid for run in self._all):
+        if any(_is_hybrid(run.sampling) for run in self._all):
             costs.append(
                 f"{HYBRID_FRAME_S:g} s and {1e6 * HYBRID_PIXEL_S:g} us per pixel for an image from hybrid rendering, "
             )
-        if any(not run.sampling.hybrid for run in self._all):
-            denoised = [run.sampling for run in self._all if run.sampling.denoise and not run.sampling.hybrid]
-            times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted({DENOISE_S[each.prefilter] for each in denoised})]
+        probed = [run.sampling for run in self._all if run.sampling.probe]
+        if any(_is_hybrid(each) for each in probed):
+            costs.append("several times as much in runs for which that is too inexact, ")
+        if not all(_is_hybrid(each) for each in probed):
+            costs.append(f"{_USUAL.samples} samples per pixel where a run chooses, ")
+        if probed:
+            costs.append(f"{PROBE_S:g} s for the choice of a run, ")
+        full = [run.sampling for run in self._all if not _is_hybrid(run.sampling)]
+        if full:
+            prefilters = {_USUAL.prefilter if each.probe else each.prefilter for each in full if each.denoise}
+            times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted(DENOISE_S[name] for name in prefilters)]
             denoising = f"{' or '.join(times_us)} us per pixel to denoise, and " if times_us else "and "
             costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us per pixel and sample, {denoising}")
         return "".join(costs)
@@ -154,12 +170,22 @@ class ScenarioPlan:
 
 def pixel_s(sampled: TracingSettings) -> float:
     """Return the time [s] on one core for a traced pixel, denoising included."""
-    if sampled.hybrid:
+    if _is_hybrid(sampled):
         return HYBRID_PIXEL_S
+    if sampled.probe:
+        return _USUAL.samples * RENDER_SAMPLE_S + DENOISE_S[_USUAL.prefilter]
     return sampled.samples * RENDER_SAMPLE_S + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
 
 
+def _is_hybrid(sampled: TracingSettings) -> bool:
+    """Return whether a run uses hybrid rendering, or has it as the first candidate of its choice."""
+    return sampled.hybrid is not None
+
+
 def _samples(sampled: TracingSettings) -> str:
+    if sampled.probe:
+        or_hybrid = "hybrid rendering or " if sampled.hybrid else ""
+        return f"{or_hybrid}{LADDER[0].samples} to {LADDER[-1].samples} samples per pixel, as each run needs"
     if sampled.hybrid:
         counts = sampled.hybrid
         return (
@@ -175,8 +201,8 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
     pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
     pinhole = pinhole_image(intrinsics(config, render.width_px, render.height_px)).camera
     traced = pinhole.width_px * pinhole.height_px
-    sampled = tracing_settings(render, spec.seed)
-    image_s = (HYBRID_FRAME_S if sampled.hybrid else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
+    sampled = tracing_settings(render, spec.seed, images=images)
+    image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=f"{spec.key} {camera.name}".rstrip(),
@@ -190,5 +216,5 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
         quality=render.quality,
         sampling=sampled,
         margin=traced / pixels,
-        render_core_s=RENDER_START_S + images * image_s + annotation_s,
+        render_core_s=RENDER_START_S + (PROBE_S if sampled.probe else 0.0) + images * image_s + annotation_s,
     )

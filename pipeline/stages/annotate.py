@@ -8,7 +8,8 @@ from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_ann
 from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import RenderJob
 from pipeline.run_folder.workspace import StageFolder, Workspace, mark_done
-from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, Rendered, journal
+from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, journal
+from pipeline.stages.rendering_facts import Rendered
 from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import read_known, sha256_of

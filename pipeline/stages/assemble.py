@@ -10,7 +10,7 @@ from pipeline.assembly.description import markdown
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.cameras import RunCamera, cameras_of
-from pipeline.stages.render import Rendered
+from pipeline.stages.rendering_facts import Rendered
 from pipeline.stages.run_tables import stage_has_images, stage_rows, stage_tables
 from pipeline.stages.simulate_runs import read_outcome
 from sensors.fit_out import listed_sensors
@@ -98,7 +98,8 @@ def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str],
         cpus=cpus,
         board=outcome.board,
         controller=outcome.controller,
-        cameras={name: _camera_record(c, rows, rendered[name].device) for name, c in cameras.items() if name},
+        cameras={name: _camera_record(camera, rows, rendered[name]) for name, camera in cameras.items() if name},
+        rendering=rendered[""].rendering,
     )
     return record, {outcome.cpu, *cpus} - {""}, rows.columns
 
@@ -109,14 +110,15 @@ def _image_warnings(rendered: Mapping[str, Rendered]) -> Iterator[str]:
         yield from (f"camera {name}: {warning}" if name else warning for warning in images.warnings)
 
 
-def _camera_record(camera: RunCamera, rows: Rows, device: str) -> CameraRecord:
+def _camera_record(camera: RunCamera, rows: Rows, rendered: Rendered) -> CameraRecord:
     render = camera.spec.render
     return CameraRecord(
         period_s=camera.period_s,
         images=len(camera.rows(rows).t_ms),
         image_width_px=render.width_px,
         image_height_px=render.height_px,
-        render_device=device,
+        render_device=rendered.device,
+        rendering=rendered.rendering,
         annotations=render.annotations,
     )
 

@@ -1,7 +1,6 @@
 """Stage 2: renders the frames of every good run in blocks; after an interruption it continues with the next frame."""
 
 import hashlib
-import json
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -13,7 +12,9 @@ from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.frame_files import Ledger
 from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.probe import is_decided
 from blender_scenes.render.protocol import Work
+from blender_scenes.render.sampling import TracingSettings
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
@@ -21,6 +22,7 @@ from configs.schema.scenario import Render, SceneSpec
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
 from pipeline.stages.cameras import RunCamera
+from pipeline.stages.rendering_facts import FRAMES, rendering_facts
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, FrameGivenUp
@@ -42,7 +44,7 @@ from symolo.dataset.layout import DONE, IMAGES, JOB, frame_name
 from symolo.dataset.tables.camera_rows import path_of
 from symolo.dataset.tables.rows import Rows
 
-FRAMES, INPUTS = "frames.json", "inputs.json"
+INPUTS = "inputs.json"
 
 OnComplete = Callable[[str], None]
 
@@ -104,10 +106,10 @@ class FrameTask(ABC):
     folder: StageFolder
     job_sha256: str
     frames: tuple[FramePose, ...]
+    sampling: TracingSettings
+    """Settings with which the files are made."""
     user_files: Path | None = None
     """Folder of the user's own files by their SHA-256; None where none is shown."""
-    device: DeviceKind = "CPU"
-    """Device that makes the files."""
     camera: str = ""
     """Name of the further camera whose images these are; empty for the camera of data.csv."""
 
@@ -124,7 +126,7 @@ class FrameTask(ABC):
     ) -> "Order":
         text = job.to_json()
         digest = hashlib.sha256(text.encode()).hexdigest()
-        return Order(cls(run, folder, digest, frames, user_files, job.sampling.device, camera), text)
+        return Order(cls(run, folder, digest, frames, job.sampling, user_files, camera), text)
 
     @property
     def name(self) -> str:
@@ -204,6 +206,10 @@ class RenderTask(FrameTask):
     def names(self) -> list[str]:
         return [frame_name(frame.number) for frame in self.frames]
 
+    def whole_files(self) -> dict[str, str]:
+        # Without the decision, nobody could tell how the images were made: they are made again.
+        return super().whole_files() if is_decided(self.sampling, self.files, self.job_sha256) else {}
+
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         extremes = {name: Extremes.of(read_file(self.files / name, FileKind.IMAGE)) for name in self.names()}
         if problem := all_black(list(extremes.values())):
@@ -222,10 +228,17 @@ class RenderTask(FrameTask):
             }
             for frame, name in zip(self.frames, self.names(), strict=True)
         ]
-        warnings = exposure_warnings(extremes)
+        rendering, error_warnings = rendering_facts(self.sampling, self.files, self.job_sha256)
+        warnings = (*exposure_warnings(extremes), *error_warnings)
         cpus = Ledger(self.files, self.job_sha256).processors() or (cpu_class(),)
         cpu = cpus[0] if len(cpus) == 1 else list(cpus)
-        document = {"cpu": cpu, "device": self.device, "frames": records, "warnings": list(warnings)}
+        document = {
+            "cpu": cpu,
+            "device": self.sampling.device,
+            "frames": records,
+            "rendering": rendering.model_dump(mode="json"),
+            "warnings": list(warnings),
+        }
         write_file(self.folder.path / FRAMES, canonical_json(document))
         images = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
@@ -370,24 +383,6 @@ def _prepare(order: Order) -> None:
             remove_file(path / name)
         write_file(path / JOB, order.job_text.encode())
         write_file(path / INPUTS, inputs)
-
-
-@dataclass(frozen=True)
-class Rendered:
-    """Facts about all images of a finished folder of this stage."""
-
-    device: str
-    """Device that rendered them, as Cycles names it."""
-    warnings: tuple[str, ...]
-    """Warnings about their exposure."""
-    cpus: tuple[str, ...]
-    """Classes of the processors; empty where they were not noted."""
-
-    @classmethod
-    def read(cls, folder: Path) -> "Rendered":
-        document = json.loads(read_file(folder / FRAMES, FileKind.JOB))
-        cpu = document.get("cpu", [])
-        return cls(document["device"], tuple(document["warnings"]), (cpu,) if isinstance(cpu, str) else tuple(cpu))
 
 
 def journal(folder: StageFolder, files: str) -> Ledger:

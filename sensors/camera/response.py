@@ -95,6 +95,11 @@ def _median_luminance(light: FloatImage) -> float:
     return float(np.median(light @ LUMINANCE.astype(np.float32)))
 
 
+def white_level(metered: float, response: CameraResponse) -> float:
+    """Return the luminance that the exposure of a run renders white; `metered` is the median of the run."""
+    return metered / response.brightness
+
+
 def develop(
     light: FloatImage,
     response: CameraResponse,
@@ -125,10 +130,26 @@ def develop(
     gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
     raw = light * np.float32(gain) * _vignette(width, height, response.vignetting)[..., None]
     raw = np.maximum(raw + _noise(raw, response, number), 0)
+    return (_grey_values(raw, response) + 0.5).astype(np.uint8)
+
+
+def develop_part(light: FloatImage, response: CameraResponse, metered: float, number: int | None) -> FloatImage:
+    """Return the grey values (H, W, 3), 0 to 255 without rounding, of linear light (H, W, 3) from a part of an image.
+
+    It has the exposure of the run, and no vignetting. With a `number` it has the noise of the sensor.
+    """
+    raw = _through_glass(light, response) * np.float32(response.brightness / metered)
+    if number is not None:
+        raw = np.maximum(raw + _noise(raw, response, number), 0)
+    return _grey_values(raw, response)
+
+
+def _grey_values(raw: FloatImage, response: CameraResponse) -> FloatImage:
+    """Return grey values, 0 to 255, of the exposed light: white balance, saturation, tone curve, sharpening."""
     exposed = raw * np.asarray(response.white_balance, np.float32)
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
     exposed = np.maximum(grey + response.saturation * (exposed - grey), 0)
-    return (255 * _sharpened(tone(exposed, response.contrast), response) + 0.5).astype(np.uint8)
+    return 255 * _sharpened(tone(exposed, response.contrast), response)
 
 
 def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:

@@ -78,6 +78,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
             ("Seed", metadata.seed),
             ("Made with", ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))),
             ("Rendered on", ", ".join(sorted({record.render_device for record in metadata.runs}))),
+            *(("Rendering", text) for text in sorted({r.rendering.text for r in metadata.runs if r.rendering})),
             ("Format", f"{metadata.format} {metadata.format_version}"),
         ],
         scenario=json.dumps(metadata.scenario, indent=2, ensure_ascii=False, sort_keys=True),

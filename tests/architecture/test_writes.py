@@ -29,6 +29,7 @@ JUSTIFIED = {
     ("symolo/core/files/scratch_folders.py", "unlink"): "files in abandoned scratch folders",
     ("symolo/core/child_process.py", "rmtree"): "the scratch folder of an owner that has died",
     ("blender_scenes/blender_side/hybrid/scenes.py", "unlink"): "of things from a scene; no file",
+    ("blender_scenes/blender_side/matt_colors.py", "unlink"): "of things from a scene; no file",
     (
         "blender_scenes/blender_side/rendering.py",
         "unlink",

@@ -12,6 +12,7 @@ import yaml
 
 import configs
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits
 from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Scene
 from configs.schema.arena import ArenaConfig
@@ -61,10 +62,11 @@ for job, threads, numbers in orders:
     by_number = {view.number: view for view in job.frames}
     views = job.frames if numbers is None else [by_number[number] for number in numbers]
     build.start()
-    build.build(job.scene, job.camera, Path(user_files) if user_files else None)
+    files = Path(user_files) if user_files else None
+    build.build(job.scene, job.camera, files, caustics=job.sampling.paths.caustics)
     with tempfile.TemporaryDirectory() as scratch:
         engine.configure(job, threads, Path(scratch))
-        tracer = engine.FrameTracer(job, threads, Path(scratch))
+        tracer = engine.FrameTracer(job, threads, Path(scratch), metered=1.0)
         for view in views:
             out.write(tracer.light(view).astype(np.float32).tobytes())
 """
@@ -97,6 +99,7 @@ def _light_job(
     shutter: Shutter = INSTANT,
     lens: Coefficients = NO_DISTORTION,
     samples: int = 64,
+    paths: LightPathLimits = LIGHT_PATHS["standard"],
 ) -> RenderJob:
     """Return the job of images of a scene, P pixels wide and high, traced in full and not denoised."""
     middle = 0.5 * (pixels - 1)
@@ -105,7 +108,7 @@ def _light_job(
         scene=scene,
         camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
         frames=tuple(views),
-        sampling=TracingSettings(seed=1, samples=samples, denoise=False),
+        sampling=TracingSettings(seed=1, samples=samples, denoise=False, paths=paths),
         response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
         shutter=shutter,
     )
@@ -128,9 +131,10 @@ def lights_of_scenes() -> Callable[..., dict[str, np.ndarray]]:
     """Linear light (N, P, P, 3) of N views of each of several scenes by name, rendered in one Blender process."""
 
     def traced(
-        scenes: dict[str, tuple[Scene, Sequence[FrameView]]], pixels: int, focal_px: float
+        scenes: dict[str, tuple[Scene, Sequence[FrameView]]], pixels: int, focal_px: float, **options: object
     ) -> dict[str, np.ndarray]:
-        orders = [(_light_job(scene, views, pixels, focal_px), 1, None) for scene, views in scenes.values()]
+        """Render all views of all scenes; the options are those of `_light_job`."""
+        orders = [(_light_job(scene, views, pixels, focal_px, **options), 1, None) for scene, views in scenes.values()]
         return dict(zip(scenes, _lights(orders), strict=True))
 
     return traced

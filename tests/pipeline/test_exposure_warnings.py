@@ -4,6 +4,7 @@ import hashlib
 import json
 import weakref
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,14 @@ import pytest
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from blender_scenes.render.job import FramePose
+from blender_scenes.render.sampling import TracingSettings
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.assembly.description import markdown
 from pipeline.executors.local import Local
 from pipeline.run_folder.workspace import StageFolder
-from pipeline.stages.render import FRAMES, Order, Rendered, RenderTask, render_runs
+from pipeline.stages.render import Order, RenderTask, render_runs
+from pipeline.stages.rendering_facts import FRAMES, Rendered
 from pipeline.work.units import RenderUnit
 from sensors.camera.response import encode_jpeg
 from symolo.core.errors import RunFailed
@@ -25,6 +28,8 @@ from symolo.core.progress import LineReport
 from symolo.dataset.documents.metadata import FailedRun, RunRecord, describe
 from symolo.dataset.layout import frame_name
 from symolo.dataset.tables.rows import Rows
+
+SAMPLING = TracingSettings(seed=1, samples=1, denoise=False)
 
 
 def put_grey(folder: Path, job_sha256: str, number: int, grey: int) -> None:
@@ -41,7 +46,7 @@ def render(tmp_path, monkeypatch):
 
     def rendered(*greys: int, device: DeviceKind = "CPU") -> tuple[RenderTask, list[FailedRun]]:
         frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in range(1, len(greys) + 1))
-        task = RenderTask("CW/test_1", StageFolder(tmp_path), "of a job", frames, device=device)
+        task = RenderTask("CW/test_1", StageFolder(tmp_path), "of a job", frames, replace(SAMPLING, device=device))
 
         def paint(*_: object, **__: object) -> list[object]:
             for frame, grey in zip(frames, greys, strict=True):
@@ -84,7 +89,8 @@ def test_of_a_thousand_jobs_no_more_than_two_are_held_at_a_time(tmp_path, monkey
 
     def orders() -> Iterator[Order]:
         for number in range(1, 7):
-            order = Order(RenderTask(f"CW/test_{number}", StageFolder(tmp_path / str(number)), "", frames), "{}")
+            folder = StageFolder(tmp_path / str(number))
+            order = Order(RenderTask(f"CW/test_{number}", folder, "", frames, SAMPLING), "{}")
             made.append(weakref.ref(order))
             yield order
             del order

@@ -5,6 +5,7 @@ import pytest
 
 from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from blender_scenes.render.job import FramePose
+from blender_scenes.render.sampling import TracingSettings
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import Order, RenderTask, render_runs
 from pipeline.work.supervisor import FrameGivenUp, UnitFailure
@@ -51,7 +52,10 @@ class Blocks:
 @pytest.fixture
 def orders(tmp_path):
     frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in (1, 2))
-    tasks = [RenderTask(run, StageFolder(tmp_path / run), f"job of {run}", frames) for run in ("CW/1", "CW/2")]
+    sampling = TracingSettings(seed=1, samples=1, denoise=False)
+    tasks = [
+        RenderTask(run, StageFolder(tmp_path / run), f"job of {run}", frames, sampling) for run in ("CW/1", "CW/2")
+    ]
     return [Order(task, "{}") for task in tasks]
 
 

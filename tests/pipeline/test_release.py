@@ -71,6 +71,7 @@ def test_metadata_holds_every_drawn_value_and_nothing_of_this_machine(dataset):
         assert run["drawn"] == spec["drawn"]
         assert run["drawn"], "the shipped look draws its lights"
         assert run["render_device"] == "CPU"
+        assert run["rendering"]["light_paths"]["clamp"] > 0
         for path, value in run["drawn"].items():
             node = spec
             for key in path.split("."):

@@ -24,12 +24,12 @@ def test_it_is_verified_and_exported(kept, tmp_path, symolo):
 
 
 @pytest.mark.documents
-def test_it_is_reported_and_repaired(kept, tmp_path, symolo):
+def test_it_is_reported_and_its_numbers_are_repaired(kept, tmp_path, symolo):
+    """Not its images: those of 0.2.0 have less light than those of later versions."""
     assert symolo("report", kept, "--out", tmp_path / "page.html").code == 0
-    lost = [kept / "CW/test_1/data.csv", kept / "CCW/test_1/images/000002.jpg"]
-    released = [sha256_of(path) for path in lost]
-    for path in lost:
-        path.write_text("lost")
+    lost = kept / "CW/test_1/data.csv"
+    released = sha256_of(lost)
+    lost.write_text("lost")
     assert symolo("verify", kept).code == 4
     ended = symolo("repair", kept)
-    assert (ended.code, [sha256_of(path) for path in lost]) == (0, released), ended.err
+    assert (ended.code, sha256_of(lost)) == (0, released), ended.err

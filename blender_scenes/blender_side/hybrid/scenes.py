@@ -25,7 +25,7 @@ from blender_scenes.blender_side.hybrid.materials import (
     turned,
 )
 from blender_scenes.blender_side.placing import place
-from blender_scenes.blender_side.rendering import rendered
+from blender_scenes.blender_side.rendering import Part, rendered, show_part
 from blender_scenes.hybrid.tiled_map import Tile
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.typical import typical_color
@@ -214,11 +214,9 @@ class HybridScenes:
         render.resolution_x, render.resolution_y = size
         render.use_motion_blur = view is not None and bool(view.exposure)
         scene.cycles.samples, scene.cycles.seed = samples, seed
-        render.use_border = render.use_crop_to_border = rows is not None
+        render.use_border = False
         if rows is not None:
-            render.border_min_x, render.border_max_x = 0.0, 1.0
-            # Within the last row, however Blender rounds the fraction.
-            render.border_min_y, render.border_max_y = 1.0 - (rows - 0.25) / size[1], 1.0
+            show_part(render, Part(0, 0, size[0], rows), size)
         return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
 
 

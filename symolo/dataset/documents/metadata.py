@@ -19,13 +19,14 @@ from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import State
 from symolo.dataset.documents.origin import Origin
+from symolo.dataset.documents.record import Record
+from symolo.dataset.documents.rendering_record import RenderingRecord
 from symolo.dataset.documents.run_document import RunDocument, TofSection
 from symolo.dataset.documents.run_records import (
     BoardRecord,
     CameraRecord,
     ControllerRecord,
     RatesRecord,
-    Record,
     StartRecord,
 )
 from symolo.dataset.layout import DATA
@@ -74,6 +75,8 @@ class RunRecord(Record):
     image_height_px: int
     render_device: str = "CPU"
     """Name in Cycles of the device that rendered the images."""
+    rendering: RenderingRecord | None = Field(default=None, exclude_if=lambda rendering: rendering is None)
+    """How the images were rendered; None in datasets of earlier versions."""
     cpu_classes: tuple[str, ...] = Field(default=(), exclude_if=lambda classes: not classes)
     """Classes of the processors that made its images and annotations, if several: the last bits may differ."""
     rows: int
@@ -133,6 +136,7 @@ class RunRecord(Record):
         board: BoardRecord | None = None,
         controller: ControllerRecord | None = None,
         cameras: Mapping[str, CameraRecord] | None = None,
+        rendering: RenderingRecord | None = None,
     ) -> "RunRecord":
         """Return the facts of a run.
 
@@ -146,6 +150,7 @@ class RunRecord(Record):
             board: The board that drove, if there was one.
             controller: The user's controller that drove, if there was one.
             cameras: Records of the further cameras by name.
+            rendering: How the images were rendered.
         """
         spec = RunDocument.model_validate(specification)
         changes = np.flatnonzero(np.diff(rows.state)) + 1
@@ -158,6 +163,7 @@ class RunRecord(Record):
             image_width_px=spec.render.width_px,
             image_height_px=spec.render.height_px,
             render_device=render_device,
+            rendering=rendering,
             cpu_classes=tuple(cpus) if len(cpus) > 1 else (),
             rows=len(rows.t_ms),
             images=int(np.count_nonzero(rows.image)),

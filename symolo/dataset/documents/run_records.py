@@ -1,13 +1,11 @@
 """Parts of the facts of a run in metadata.json: start, rates, board, controller, further cameras."""
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import BoardKind, FramingName
-
-
-class Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, from_attributes=True, use_attribute_docstrings=True)
+from symolo.dataset.documents.record import Record
+from symolo.dataset.documents.rendering_record import RenderingRecord
 
 
 class StartRecord(Record):
@@ -68,4 +66,6 @@ class CameraRecord(Record):
     image_height_px: int
     render_device: str = "CPU"
     """Name in Cycles of the device that rendered the images."""
+    rendering: RenderingRecord | None = Field(default=None, exclude_if=lambda rendering: rendering is None)
+    """How the images were rendered; None in datasets of earlier versions."""
     annotations: tuple[AnnotationName, ...] = ()

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from symolo.dataset.documents.run_records import Record
+from symolo.dataset.documents.record import Record
 from symolo.dataset.tables.side_reading import read_record
 
 SCENE = "scene.json"

@@ -57,6 +57,6 @@ def images(lights_of) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("rows", [slice(14, 20), slice(30, 46)], ids=["far", "near"])
 def test_the_floor_in_the_shade_has_the_light_of_a_sunlit_wall(images, rows):
-    """Cycles cuts off bounced light at a radiance of 1, after the floor has taken its share: 0.3 of it, not all."""
+    """The limit on the light of a path must not act on the map's white floor where it does not on the grey one."""
     hybrid, full = (image[rows, 4:24].mean() for image in images)
     assert hybrid == pytest.approx(full, rel=0.03)

@@ -7,7 +7,13 @@ import pytest
 from pydantic import ValidationError
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
-from blender_scenes.render.sampling import QUALITIES, hybrid_samples, tracing_settings
+from blender_scenes.render.sampling import (
+    MIN_HYBRID_IMAGES,
+    MIN_PROBED_IMAGES,
+    QUALITIES,
+    hybrid_samples,
+    tracing_settings,
+)
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render, RenderQuality
 
@@ -62,26 +68,51 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
 
 
 @pytest.mark.parametrize(
-    ("chosen", "is_hybrid"),
+    ("chosen", "is_candidate"),
     [
         ({}, True),
-        ({"width_px": 320, "height_px": 16}, True),
+        ({"width_px": 320, "height_px": 240}, True),
         ({"width_px": 319}, False),
         ({"quality": "draft"}, False),
         ({"quality": "high"}, False),
         ({"samples": 4}, False),
         ({"denoise": False}, False),
         ({"method": "full"}, False),
-        ({"method": "hybrid", "width_px": 64}, True),
-        ({"method": "hybrid", "quality": "draft"}, True),
     ],
 )
-def test_images_of_standard_quality_are_hybrid_where_that_has_been_measured(chosen, is_hybrid):
-    assert (tracing_settings(Render(**chosen), seed=1).hybrid is not None) == is_hybrid
+def test_hybrid_rendering_is_a_candidate_for_long_runs_of_standard_images(chosen, is_candidate):
+    long, short = (
+        tracing_settings(Render(**chosen), seed=1, images=count) for count in (MIN_HYBRID_IMAGES, MIN_HYBRID_IMAGES - 1)
+    )
+    assert (long.hybrid is not None) == is_candidate
+    assert long.probe >= is_candidate
+    assert short.hybrid is None
+
+
+def test_a_run_measures_its_errors_only_if_it_is_long_enough_and_leaves_its_samples_open():
+    def is_probed(images, **chosen):
+        return tracing_settings(Render(**chosen), seed=1, images=images).probe
+
+    assert is_probed(MIN_PROBED_IMAGES)
+    assert not is_probed(MIN_PROBED_IMAGES - 1)
+    assert not is_probed(199, width_px=160, height_px=120)
+    assert is_probed(200, width_px=160, height_px=120)  # as many pixels as 50 images of 320 x 240
+    assert not is_probed(1000, quality="high")
+    assert not is_probed(1000, samples=4)
+    assert not is_probed(1000, method="full")
+    assert not is_probed(1000, method="hybrid")
+
+
+@pytest.mark.parametrize("quality", ["draft", "standard"])
+def test_hybrid_rendering_by_name_is_used_for_every_run(quality):
+    found = tracing_settings(Render(method="hybrid", quality=quality, width_px=64), seed=1)
+    assert found.hybrid is not None
+    assert not found.probe
 
 
 def test_a_card_renders_in_full_unless_hybrid_is_set():
-    assert tracing_settings(Render(), 1, "OPTIX").hybrid is None
+    assert tracing_settings(Render(), 1, "OPTIX", 1000).hybrid is None
+    assert tracing_settings(Render(), 1, "OPTIX", 1000).probe
     assert tracing_settings(Render(method="hybrid"), 1, "OPTIX").hybrid
 
 

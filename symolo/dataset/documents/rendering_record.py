@@ -1,0 +1,58 @@
+"""How the images of a run were rendered, as metadata.json states it."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from symolo.dataset.documents.record import Record
+
+
+class LightPathsRecord(Record):
+    """How far light was followed from surface to surface."""
+
+    diffuse_bounces: int = Field(ge=0)
+    """Maximum number of matt surfaces that a path of light meets after the first surface."""
+    glossy_bounces: int = Field(ge=0)
+    transmission_bounces: int = Field(ge=0)
+    caustics: bool
+    """Whether gloss and glass throw patches of light on matt surfaces."""
+    clamp: float = Field(ge=0)
+    """Maximum light of one path behind its first surface, in multiples of the light that the exposure renders white; 0
+    for no limit."""
+
+    @property
+    def text(self) -> str:
+        """Phrase for people."""
+        bounces = max(self.diffuse_bounces, self.glossy_bounces, self.transmission_bounces)
+        limit = f"at most {self.clamp:g} times white per path" if self.clamp else "no limit per path"
+        return f"{bounces} bounces, {'with' if self.caustics else 'without'} caustics, {limit}"
+
+
+class ImageErrorRecord(Record):
+    """Error of the images, estimated on crops of a few of them, against references without a denoiser."""
+
+    views: int = Field(ge=1)
+    """Number of images of which crops were measured."""
+    psnr_db: float
+    """PSNR of the crops [dB], without camera noise and JPEG."""
+    jpeg_psnr_db: float
+    """PSNR [dB] of JPEG for the same crops with camera noise, the scale of `render.quality: standard`."""
+
+
+class RenderingRecord(Record):
+    method: Literal["full", "hybrid"]
+    """Method of `render.method` that was used."""
+    samples: int | None = Field(default=None, ge=1)
+    """Light paths per pixel; None for hybrid rendering, which has several kinds."""
+    light_paths: LightPathsRecord
+    error: ImageErrorRecord | None = None
+    """None if the error was not measured."""
+
+    @property
+    def text(self) -> str:
+        """Phrase for people."""
+        samples = "" if self.samples is None else f", {self.samples} samples per pixel"
+        parts = [f"{self.method}{samples}", self.light_paths.text]
+        if self.error is not None:
+            parts.append(f"estimated PSNR {self.error.psnr_db:.1f} dB (JPEG: {self.error.jpeg_psnr_db:.1f} dB)")
+        return "; ".join(parts)
