@@ -27,8 +27,9 @@ def at_work(dataset, tmp_path_factory):
         shutil.copytree(dataset, folder / name)
     for page in PAGES:
         for kind, text in BLOCK.findall(page.read_text()):
-            if kind == "yaml":
-                (folder / re.match(r"# (\S+\.yaml)\n", text).group(1)).write_text(text)
+            # Scenarios begin with the name of their file; workflows do not.
+            if kind == "yaml" and (named := re.match(r"# (\S+\.yaml)\n", text)):
+                (folder / named[1]).write_text(text)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         assert main(["baselines", "data", "--out", "found", "--methods", "odometry"]) == 0
