@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.cli import PANELS
+from pipeline.cli import NAMES, PANELS
 
 SHORTEST_BYTES = 1000
 """Least limit on the size of files, with which messages can still be written to a file."""
@@ -48,6 +48,7 @@ class Command:
 
 KEY = str(TESTS / "symolo/signing/made_by_minisign/plain.key")
 RUN = f"{RELEASE}/CW/test_1"
+LOG = str(TESTS / "faults/poses.csv")
 LOOK = str(TESTS / "faults/bare_look.yaml")
 COMMANDS = {
     "bag": Command(("bag", RELEASE, "--out", OUT)),
@@ -74,6 +75,7 @@ COMMANDS = {
         ("rerender", RUN, "--look", LOOK, "--set", "render.annotations=[]", "--workers", "1", "--out", OUT),
         leaves_parts=True,
     ),
+    "import": Command(("import", LOG, "--yes", "--out", OUT), leaves_parts=True),
     "diagnose": Command(("diagnose", "table-1", "--workers", "1", "--out", OUT), is_slow=True, leaves_parts=True),
     "validate": Command(("validate", "line-sensor", "--out", OUT), is_slow=True, leaves_parts=True),
     **{f"export {name}": Command(("export", RELEASE, "--format", name, "--out", OUT)) for name in FORMATS},
@@ -88,7 +90,8 @@ ELSEWHERE = {
 
 def test_every_command_that_writes_is_here_or_elsewhere():
     commands = [command for panel in PANELS.values() for command in panel]
-    writing = {c.__name__.replace("_", "-") for c in commands if "out" in inspect.signature(c).parameters}
+    writers = [command for command in commands if "out" in inspect.signature(command).parameters]
+    writing = {NAMES.get(command, command.__name__.replace("_", "-")) for command in writers}
     assert {name.split()[0] for name in COMMANDS} | ELSEWHERE.keys() >= writing
 
 
