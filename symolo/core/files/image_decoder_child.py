@@ -48,7 +48,6 @@ def main() -> None:
     import cv2  # noqa: PLC0415 - the owner imports this module too, and does not need it
 
     cv2.setNumThreads(1)
-    cv2.setLogLevel(0)  # pyright: ignore[reportAttributeAccessIssue]
 
     def decode(data: bytes, flags: int) -> np.ndarray | None:
         try:
