@@ -42,8 +42,8 @@ _SETTINGS = {
     "MALLOC_MMAP_THRESHOLD_": str(32 << 20),
     "MALLOC_TRIM_THRESHOLD_": str(64 << 20),
 }
-"""Environment of the child. OpenCV 5 has no function for the first. Without the last two, glibc gives the memory of each
-image back to the system. To get it again takes as long as to decode an image of 640 x 480 pixels."""
+"""Environment of the child. OpenCV 5 has no function for the first. Without the last two, glibc gives the memory of
+each image back to the system. To get it again takes as long as to decode an image of 640 x 480 pixels."""
 _CHANNELS = frozenset({0, 3, 4})
 """Of an image; 0 where it has two dimensions."""
 _LAST_SECONDS = 5.0
