@@ -1,4 +1,4 @@
-"""Counts of encoders as logs have them: running on, wrapping at the end of a counter, or anew in each row."""
+"""Counts of encoders as logs have them: running on, wrapping at the end of a counter, or from zero in each row."""
 
 import numpy as np
 

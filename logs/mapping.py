@@ -161,7 +161,7 @@ def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequ
         f"#   {shlex.join(command)}",
         "# unit: unit in the log, such as mm, deg, ms, rpm, mV. factor: factor besides the unit; -1 turns the sign.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
-        "# per_row: true, if ticks are counted anew in each row. wraps_at: ticks at which a counter begins again.",
+        "# per_row: true, if ticks start from zero in each row. wraps_at: ticks at which a counter begins again.",
         "# A quantity that was constant: {constant: VALUE}, in the unit of its name.",
         f"kind: {mapping.kind}",
         "columns:",

@@ -37,7 +37,7 @@ class MotorOnBench(EngineStage):
             self.observed = MotorStep(measurement, nominal).observed
         else:
             stage = MotorSteady(measurement, nominal)
-            # Near the voltage at which the motor starts, the engine cannot be told what was seen.
+            # Near the voltage at which the motor starts, the engine has no input for what was seen.
             self.observed = tuple(replace(o, usable=o.usable & stage.is_far) for o in stage.observed)
 
     def _means(self, robot: RobotConfig) -> tuple[Array, Array]:

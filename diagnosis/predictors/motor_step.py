@@ -95,7 +95,7 @@ class MotorStep:
             measurement: The log.
             nominal: The nominal robot.
             angle_rad: (n,), angle at the rows.
-            speed_rad_s: (n,), predicted speed, which tells the rows at rest without noise.
+            speed_rad_s: (n,), predicted speed, which shows without noise which rows are at rest.
         """
         motor = RobotModel.from_config(nominal).motors.right
         trial = trial_of_rows(measurement)

@@ -68,7 +68,7 @@ def time_and_length(t: Array, place: Array, time_units: Sequence[str], length_un
 def heading_unit(place_m: Array, heading: Array) -> str:
     """Return `degrees` or an empty name for radians, whichever follows the path of places (N, 2) [m] better.
 
-    Without a path that tells, headings beyond one turn that jump by less than a turn are taken for degrees.
+    Without a path that shows the unit, headings beyond one turn that jump by less than a turn are taken for degrees.
     """
     ends = chords(place_m)
     if len(ends) > MAX_UNJUDGED_CHORDS:

@@ -24,16 +24,7 @@ class TrialPart(JsonPart):
 
     @classmethod
     def of(cls, trial: TrialSummary) -> "TrialPart":
-        return cls(
-            name=trial.name,
-            rows=trial.rows,
-            held_out=trial.held_out,
-            begins_s=trial.begins_s,
-            lasts_s=trial.lasts_s,
-            rate_hz=trial.rate_hz,
-            gaps=trial.gaps,
-            longest_s=trial.longest_s,
-        )
+        return cls.model_validate(trial, from_attributes=True)
 
 
 class NoisePart(JsonPart):
@@ -79,7 +70,6 @@ class ChannelPart(JsonPart):
 
     @classmethod
     def of(cls, channel: ChannelSummary) -> "ChannelPart":
-        noise = channel.noise
         return cls(
             name=channel.name,
             unit=channel.unit,
@@ -92,13 +82,7 @@ class ChannelPart(JsonPart):
             min=channel.low,
             max=channel.high,
             step=channel.step,
-            noise=NoisePart(
-                text=noise.text,
-                sd=noise.sd,
-                in_known=noise.in_known,
-                correlation=noise.correlation,
-                repeats=noise.repeats,
-            ),
+            noise=NoisePart.model_validate(channel.noise, from_attributes=True),
             known=channel.known,
         )
 

@@ -18,7 +18,7 @@ RECORDER = """#!/bin/bash
 printf '%s\\0' "$@" >>typed; echo >>typed
 if [[ -f answer ]]; then cat answer; exit "$(cat code)"; fi
 """
-"""A program that writes down how it was called, and answers what it is told to."""
+"""A program that writes down how it was called, and prints the answer that the test has prepared."""
 
 
 class Runner:

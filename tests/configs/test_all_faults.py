@@ -45,9 +45,9 @@ def test_each_fault_has_a_line_with_its_place_and_what_is_allowed(faults):
         ("7", "routes.0.runs"),
         ("7", "routes.0.start.x"),
     ]
-    told = dict(zip((path for _, path in places), lines, strict=True))
-    assert "allowed: x_m, y_m, yaw_deg; did you mean x_m" in told["routes.0.start.x"], "and x_m is not missing as well"
-    assert "did you mean standard" in told["render.quality"]
+    fault = dict(zip((path for _, path in places), lines, strict=True))
+    assert "allowed: x_m, y_m, yaw_deg; did you mean x_m" in fault["routes.0.start.x"], "and x_m is not missing as well"
+    assert "did you mean standard" in fault["render.quality"]
 
 
 def test_the_list_of_allowed_keys_is_complete(faults):

@@ -1,4 +1,4 @@
-"""Counts that run on, wrap or begin anew in each row."""
+"""Counts that run on, wrap or start from zero in each row."""
 
 import numpy as np
 import pytest

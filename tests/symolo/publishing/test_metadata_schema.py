@@ -28,13 +28,13 @@ def test_a_released_description_fits_its_schema(validator, metadata):
 @pytest.mark.parametrize(
     ("change", "place"),
     [
-        (lambda told: told["runs"][0].pop("rows"), ["runs", 0]),
-        (lambda told: told["runs"][0].update(rows="ten"), ["runs", 0, "rows"]),
-        (lambda told: told.update(runs=[]), ["runs"]),
-        (lambda told: told.update(colour="red"), []),
-        (lambda told: told["states"].update(first="line following"), ["states"]),
-        (lambda told: told["runs"][0]["start"].update(x_m="here"), ["runs", 0, "start", "x_m"]),
-        (lambda told: told["runs"][0]["rates"].update(camera_hz=0), ["runs", 0, "rates"]),
+        (lambda document: document["runs"][0].pop("rows"), ["runs", 0]),
+        (lambda document: document["runs"][0].update(rows="ten"), ["runs", 0, "rows"]),
+        (lambda document: document.update(runs=[]), ["runs"]),
+        (lambda document: document.update(colour="red"), []),
+        (lambda document: document["states"].update(first="line following"), ["states"]),
+        (lambda document: document["runs"][0]["start"].update(x_m="here"), ["runs", 0, "start", "x_m"]),
+        (lambda document: document["runs"][0]["rates"].update(camera_hz=0), ["runs", 0, "rates"]),
     ],
 )
 def test_what_is_no_such_description_is_found_in_its_place(validator, metadata, change, place):
