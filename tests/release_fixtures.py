@@ -133,7 +133,7 @@ def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
         ledger.add(FrameFile(number, name, digest, len(data), 0.0, cpu=cpu))
 
 
-def _in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
+def in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Have units of work done one by one in this process, the images by `paint`, which a test may replace."""
     chosen = SimpleNamespace(paint=_paint)
 
@@ -154,14 +154,14 @@ def _in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
 @pytest.fixture
 def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Units of work are done one by one in this process, the images by `paint`, which a test may replace."""
-    return _in_this_process(monkeypatch)
+    return in_this_process(monkeypatch)
 
 
 @pytest.fixture(scope="module")
 def hands_of_module() -> Iterator[SimpleNamespace]:
     """As `hands`, for fixtures of a module, and for all of its tests."""
     with pytest.MonkeyPatch.context() as patch:
-        yield _in_this_process(patch)
+        yield in_this_process(patch)
 
 
 @pytest.fixture(scope="session")

@@ -1,11 +1,12 @@
-"""A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); `ros_messages` makes the content."""
+"""A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); `ros` makes the content."""
 
 from collections.abc import Iterator
 
 from symolo.core.extras import optional_module
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
-from symolo.exporters.ros_messages import Vocabulary, estimated_bytes, messages, topics
+from symolo.exporters.ros.messages import estimated_bytes, messages, topics
+from symolo.exporters.ros.vocabulary import Vocabulary
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 

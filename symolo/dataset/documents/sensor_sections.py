@@ -1,0 +1,47 @@
+"""Settings of the kinds of sensors that formats of other programs describe, as side/spec.json has them."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from symolo.dataset.documents.run_document import SensorSection, SpecSection
+
+
+class AccelerometerSection(SpecSection):
+    noise_density_m_s2_rtHz: float
+    random_walk_m_s3_rtHz: float
+
+
+class GyroscopeSection(SpecSection):
+    noise_density_rad_s_rtHz: float
+    random_walk_rad_s2_rtHz: float
+
+
+class ImuSection(SensorSection):
+    accelerometer: AccelerometerSection
+    gyroscope: GyroscopeSection
+
+
+class LidarSection(SensorSection):
+    sweep_s: float
+    rays: int = Field(gt=0)
+    first_ray_deg: float
+    ray_step_deg: float
+    min_range_m: float
+    max_range_m: float
+
+
+class UltrasonicSection(SensorSection):
+    field_of_view_deg: float
+    min_range_m: float
+    max_range_m: float
+
+
+class Vl53l0xSection(SensorSection):
+    mode: str
+    field_of_view_deg: float
+
+
+class WheelEncoderSection(SensorSection):
+    wheel: Literal["right", "left"]
+    counts_per_revolution: int = Field(gt=0)
