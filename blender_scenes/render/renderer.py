@@ -23,6 +23,9 @@ _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob,
 _LOG_LINES = 15
 _PATIENCE_S = 300.0
 """Maximum time until the first frame begins, and for a frame besides its samples."""
+_START_ON_A_CARD_S = 3600.0
+"""Maximum time until the first frame begins on a graphics card. Where Blender brings no kernels for a card, its driver
+compiles them once: more than 300 s were measured (H200, driver 580). A driver that is interrupted starts again."""
 _PATIENCE_PER_SAMPLE_S = 2e-4
 """Maximum time for each camera sample: two hundred times what one usually takes."""
 
@@ -103,7 +106,9 @@ def render_job(
         )
         pixels = job.camera.width_px * job.camera.height_px
         samples = LADDER[-1].samples if job.sampling.probe else job.sampling.samples
-        for file in _blender_files(request, pixels * samples, on_begin or (lambda _number: None)):
+        patience_s = _PATIENCE_S + _PATIENCE_PER_SAMPLE_S * pixels * samples
+        start_s = 0.0 if job.sampling.device == "CPU" else _START_ON_A_CARD_S
+        for file in _blender_files(request, patience_s, start_s, on_begin or (lambda _number: None)):
             ledger.add(replace(file, cpu=cpu))
             whole[file.file] = file
             left[file.number].discard(file.file)
@@ -117,17 +122,19 @@ def seed_of(job_path: Path, work: Work) -> int:
     return _JOBS[work].from_json(read_file(job_path, FileKind.JOB).decode("utf-8")).sampling.seed
 
 
-def _blender_files(request: RenderRequest, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator[FrameFile]:
+def _blender_files(
+    request: RenderRequest, patience_s: float, start_s: float, on_begin: Callable[[int], None]
+) -> Iterator[FrameFile]:
     """Yield the finished files of a Blender process, which ends with the iteration.
 
-    The number of `camera_samples` of a frame decides how long it may take.
+    It is also ended if it takes more than `patience_s` for a frame, or more than `start_s` before the first one.
     """
     with scratch_folder() as scratch:
         command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.blender_side"]
         environment = {**without_blender_settings(os.environ), "TMPDIR": str(scratch), SCRATCH: str(scratch)}
         blender = ChildProcess("Blender", command, MESSAGES, environment)
         try:
-            for message in blender.ask(request, patience_s=_PATIENCE_S + _PATIENCE_PER_SAMPLE_S * camera_samples):
+            for message in blender.ask(request, patience_s=patience_s, start_s=start_s):
                 if isinstance(message, FrameBegun):
                     on_begin(message.number)
                 elif isinstance(message, FrameDone):

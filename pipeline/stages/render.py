@@ -286,6 +286,11 @@ def render_runs(
         report.say(f"{name}: {done_before} of {plural(done_before + len(pending), 'run')} done before")
     if not pending:
         return []
+    if (device := pending[0].sampling.device) != "CPU":
+        report.say(
+            f"{name}: on a graphics card ({device}); if Blender has no kernels for it, its driver first compiles them,"
+            " once for this machine, which can take many minutes"
+        )
     units = [unit for unit in blocks(pending, executor) if executor.mine(unit)]
     finishing = _Finishing(pending if executor.does_all else (), units, name, report, on_complete)
     with report.stage(name, sum(len(unit.numbers) for unit in units), "images") as stage:

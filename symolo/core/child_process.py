@@ -117,7 +117,13 @@ class ChildProcess(Generic[M]):
         return not self._over
 
     def ask(
-        self, request: Message, *, patience_s: float = math.inf, silence_s: float = SILENCE_S, memory_bytes: int = 0
+        self,
+        request: Message,
+        *,
+        patience_s: float = math.inf,
+        start_s: float = 0.0,
+        silence_s: float = SILENCE_S,
+        memory_bytes: int = 0,
     ) -> Iterator[M | Failed]:
         """Send a request and yield the child's messages except `Alive`; the last one is `Finished` or `Failed`.
 
@@ -126,11 +132,13 @@ class ChildProcess(Generic[M]):
         Args:
             request: What the child is to do.
             patience_s: Time without a message other than `Alive` after which the child is ended.
+            start_s: Time for the first such message, where it is longer than `patience_s`.
             silence_s: Time without any message after which the child is ended.
             memory_bytes: Resident memory of the child and its children beyond which it is ended; 0 for no limit.
         """
         self._log.truncate(0)
         heard_s = moved_s = time.monotonic()
+        limit_s = max(patience_s, start_s)
         with contextlib.suppress(BrokenPipeError):  # a child that is dead already is noticed below
             assert self._child.stdin is not None  # noqa: S101 - it is a pipe
             self._child.stdin.write(request.model_dump_json().encode() + b"\n")
@@ -146,13 +154,13 @@ class ChildProcess(Generic[M]):
                     yield message
                     if isinstance(message, Finished | Failed):
                         return
-                    moved_s = time.monotonic()
+                    moved_s, limit_s = time.monotonic(), patience_s
                 heard_s = time.monotonic()
             now, reason = time.monotonic(), ""
             if now - heard_s > silence_s:
                 reason = f"it gave no sign of life for {silence_s:g} s"
-            elif now - moved_s > patience_s:
-                reason = f"it got no further in {patience_s:g} s"
+            elif now - moved_s > limit_s:
+                reason = f"it got no further in {limit_s:g} s"
             elif memory_bytes and (used := memory_of(self._child.pid)) > memory_bytes:
                 reason = f"it used {used / GB:.2f} GB of memory, and {memory_bytes / GB:.2f} GB are allowed"
             if reason:

@@ -157,6 +157,14 @@ def test_a_child_that_says_nothing_is_given_up(job, tmp_path, monkeypatch):
         render_job(_written(job, tmp_path), tmp_path / "images")
 
 
+def test_the_driver_of_a_card_has_time_to_compile_before_the_first_frame(job, tmp_path, monkeypatch):
+    _pretend_bpy(tmp_path, monkeypatch, "import os, time\ntime.sleep(0.6)\nos._exit(7)")
+    monkeypatch.setattr(renderer, "_PATIENCE_S", 0.2)
+    on_card = replace(job, sampling=replace(job.sampling, device="OPTIX", samples=1))
+    with pytest.raises(RenderError, match="exit code 7"):
+        render_job(_written(on_card, tmp_path), tmp_path / "images")
+
+
 def test_no_child_outlives_a_killed_renderer(job, tmp_path, monkeypatch):
     note = tmp_path / "pid"
     program = f"import os, time\nopen({str(note)!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)"
