@@ -29,8 +29,8 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="Formats: tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun; for "
-            "several, write commas between them.",
+            help="Formats: tum, kitti, euroc, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, "
+            "rerun; for several, write commas between them.",
         ),
     ],
     out: NewFolder,

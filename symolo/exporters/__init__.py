@@ -1,11 +1,12 @@
 """All formats that a release is exported to, in the order in which `--help` names them."""
 
-from symolo.exporters import coco, hdf5, huggingface, kitti, lerobot, mcap, parquet, rerun, ros1, tum, webdataset
+from symolo.exporters import coco, euroc, hdf5, huggingface, kitti, lerobot, mcap, parquet, rerun, ros1, tum, webdataset
 from symolo.exporters.base import Exporter
 
 EXPORTERS: tuple[Exporter, ...] = (
     tum.EXPORTER,
     kitti.EXPORTER,
+    euroc.EXPORTER,
     coco.EXPORTER,
     webdataset.EXPORTER,
     parquet.EXPORTER,
