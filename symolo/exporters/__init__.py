@@ -1,6 +1,19 @@
 """All formats that a release is exported to, in the order in which `--help` names them."""
 
-from symolo.exporters import coco, euroc, hdf5, huggingface, kitti, lerobot, mcap, parquet, rerun, ros1, tum, webdataset
+from symolo.exporters import (
+    coco,
+    euroc,
+    hdf5,
+    huggingface,
+    kitti,
+    lerobot,
+    mcap,
+    parquet,
+    rerun,
+    ros1,
+    tum,
+    webdataset,
+)
 from symolo.exporters.base import Exporter
 
 EXPORTERS: tuple[Exporter, ...] = (

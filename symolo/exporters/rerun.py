@@ -16,13 +16,17 @@ from symolo.core.geometry.poses import rotations_about_z
 from symolo.dataset.manifest import MANIFEST
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.rrd_file import Arrays, Chunk, Component, rrd
+from symolo.exporters.stereo import OWN_CAMERA, cameras_with_images
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
+from symolo.reader.run_folder import RunFolder
+from symolo.reader.scans import scan_points
 
 _RIGHT_FORWARD_UP, _RIGHT_DOWN_FORWARD = (3, 5, 1), (3, 2, 5)
 """Directions of x, y and z in Rerun's numbers, for the frame W of its default view and for the camera's frame C."""
-_CAMERA = "/world/camera"
+_CAMERA, _FURTHER_CAMERAS = "/world/camera", "/world/cameras"
 _RANGES = ("d_f", "d_l", "d_r")
+_RANGE_KINDS = ("vl53l0x", "ultrasonic")
 _IMAGE_PLANE_M = 0.15
 """Distance from the camera to its image in the viewer."""
 
@@ -41,7 +45,7 @@ def _recording(arrow: ModuleType, run: Run, recording: str) -> bytes:
     chunks = [Chunk("/world", "ViewCoordinates", (axes,)), *_line(maker, arena)]
     for box in arena.boxes:
         chunks += _box(maker, box, run)
-    chunks += [*_robot(maker, run), *_camera(maker, run), *_plots(maker, run)]
+    chunks += [*_robot(maker, run), *_cameras(maker, run), *_plots(maker, run), *_sensors(maker, run)]
     return rrd(arrow, recording, chunks)
 
 
@@ -82,29 +86,50 @@ def _robot(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
     yield maker.strips("/world/way", [pose[:, :2]])
 
 
-def _camera(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
-    """Yield the camera's pose, its lens without the distortion, and the unchanged image files."""
-    images = run.images
-    if not images:
-        return
+def _cameras(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
+    for name, camera in cameras_with_images(run).items():
+        yield from _camera(maker, _CAMERA if name == OWN_CAMERA else f"{_FURTHER_CAMERAS}/{name}", camera)
+
+
+def _camera(maker: "_Arrays", path: str, camera: RunFolder) -> Iterator[Chunk]:
+    """Yield the camera's pose, its lens without the distortion, and the unchanged image files.
+
+    Rerun has no fisheye lens, so such images stand beside the scene.
+    """
+    images, model = camera.images, camera.camera
     t_s = np.array([image.t_s for image in images])
-    yield maker.transform(_CAMERA, run.X_WC[:, :3, 3], run.X_WC[:, :3, :3], t_s)
-    arrow, K, width_px, height_px = maker.arrow, np.array(run.camera.K), run.camera.width_px, run.camera.height_px
+    yield maker.transform(path, camera.X_WC[:, :3, 3], camera.X_WC[:, :3, :3], t_s)
+    arrow, K = maker.arrow, np.array(model.K)
     lens = (
         Component("image_from_camera", "PinholeProjection", maker.one(maker.fixed(K.T.reshape(1, 9)))),
-        Component("resolution", "Resolution", maker.one(maker.fixed(np.array([[width_px, height_px]])))),
+        Component("resolution", "Resolution", maker.one(maker.fixed(np.array([[model.width_px, model.height_px]])))),
         Component("camera_xyz", "ViewCoordinates", maker.one(maker.directions(_RIGHT_DOWN_FORWARD))),
         Component(
             "image_plane_distance", "ImagePlaneDistance", maker.one(arrow.array([_IMAGE_PLANE_M], arrow.float32()))
         ),
     )
-    yield Chunk(f"{_CAMERA}/image", "Pinhole", lens)
+    if model.camera_model == "pinhole":
+        yield Chunk(f"{path}/image", "Pinhole", lens)
     jpeg = [read_file(image.path, FileKind.IMAGE) for image in images]
     encoded = (
         Component("blob", "Blob", maker.each(maker.blobs(jpeg))),
         Component("media_type", "MediaType", maker.each(arrow.array(["image/jpeg"] * len(jpeg)))),
     )
-    yield Chunk(f"{_CAMERA}/image", "EncodedImage", encoded, t_s)
+    yield Chunk(f"{path}/image", "EncodedImage", encoded, t_s)
+
+
+def _sensors(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
+    """Yield the points of each lidar in W, and the readings of all other sensors with gaps where nothing was seen."""
+    for name, sensor in run.sensors.items():
+        if sensor.kind == "lidar":
+            yield maker.points(f"/world/lidars/{name}", scan_points(run, sensor), sensor.t_s)
+            continue
+        seen = ~np.isnan(sensor.numbers)
+        if sensor.kind in _RANGE_KINDS:
+            seen &= ~sensor.no_target[:, None]
+        for i, cell in enumerate(sensor.side_table.cells[1:], start=1):
+            scalars = Component("scalars", "Scalar", maker.some(sensor.numbers[:, i], seen[:, i]))
+            yield Chunk(f"/sensors/{name}/{cell.name}", "Scalars", (scalars,), sensor.t_s)
 
 
 def _plots(maker: "_Arrays", run: Run) -> Iterator[Chunk]:
@@ -147,6 +172,13 @@ class _Arrays:
         points = self.fixed(np.concatenate([np.column_stack((line, np.zeros(len(line)))) for line in lines]))
         strips = self._lists(np.cumsum([0, *map(len, lines)]), points, self._required(points.type))
         return Chunk(path, "LineStrips3D", (Component("strips", "LineStrip3D", self.one(strips)),))
+
+    def points(self, path: str, points: Array, t_s: Array) -> Chunk:
+        """Return points (N, M, 3) [m], N at a time; points that are NaN are left out."""
+        seen = np.isfinite(points).all(axis=2)
+        ends = np.concatenate(([0], np.cumsum(seen.sum(axis=1))))
+        positions = self._lists(ends, self.fixed(points[seen]))
+        return Chunk(path, "Points3D", (Component("positions", "Position3D", positions),), t_s)
 
     def fixed(self, values: NDArray[np.generic]) -> Arrays:
         """Return vectors (N, k) of 32 bit numbers."""

@@ -5,9 +5,11 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import mounted
+from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.run_document import SensorSection
 from symolo.dataset.tables.side_tables import SideTable
 from symolo.reader.tables import frame
@@ -55,6 +57,18 @@ class RunSensor:
                 return values if one.count > 1 else values[:, 0]
             first += one.count
         raise KeyError(f"no column {column!r}; there are {', '.join(one.name for one in self.side_table.columns)}")
+
+    @property
+    def no_target(self) -> NDArray[np.bool_]:
+        """(samples,), or (samples, rays) of a lidar: whether a range sensor saw nothing.
+
+        Raises:
+            KeyError: The sensor has no ranges.
+        """
+        if self.kind == "vl53l0x":
+            return self.values("status") == TofStatus.NO_TARGET
+        missed = self.values("range") == 0
+        return missed.reshape(len(missed), -1) if self.kind == "lidar" else missed
 
     def delivered(self, t_s: Array) -> Array:
         """Return the index (N,) of the newest sample that was delivered by each of these times (N,).

@@ -11,7 +11,6 @@ from types import MappingProxyType
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.sensor_sections import (
     ImuSection,
     LidarSection,
@@ -84,7 +83,7 @@ def _scan(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     numbers = tuple(map(float, fields))
     shape = len(sensor.t_s), count
     range_m, intensity = (sensor.values(name).reshape(shape) for name in ("range", "intensity"))
-    range_m = np.where(range_m > 0, range_m, np.inf).astype(np.float32)
+    range_m = np.where(sensor.no_target, np.inf, range_m).astype(np.float32)
     for (number, at_ns, bag_ns), scan_m, light in zip(_stamps(sensor), range_m, intensity, strict=True):
         header = ros.header(at_ns - sweep_ns, sensor_frame(sensor.name), number)
         yield bag_ns, ros("sensor_msgs/LaserScan", header, *numbers, scan_m, light.astype(np.float32))
@@ -93,15 +92,14 @@ def _scan(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
 def _vl53l0x(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     settings = Vl53l0xSection.model_validate(sensor.settings)
     reach_m = _VL53L0X_REACH_M.get(settings.mode, _VL53L0X_DEFAULT_REACH_M)
-    no_target = sensor.values("status") == TofStatus.NO_TARGET
     limits = np.radians(settings.field_of_view_deg), 0.0, reach_m
-    return _ranges(sensor, ros, INFRARED, limits, np.where(no_target, np.inf, sensor.values("range")))
+    return _ranges(sensor, ros, INFRARED, limits, np.where(sensor.no_target, np.inf, sensor.values("range")))
 
 
 def _ultrasonic(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
-    settings, range_m = UltrasonicSection.model_validate(sensor.settings), sensor.values("range")
+    settings = UltrasonicSection.model_validate(sensor.settings)
     limits = np.radians(settings.field_of_view_deg), settings.min_range_m, settings.max_range_m
-    return _ranges(sensor, ros, ULTRASOUND, limits, np.where(range_m > 0, range_m, np.inf))
+    return _ranges(sensor, ros, ULTRASOUND, limits, np.where(sensor.no_target, np.inf, sensor.values("range")))
 
 
 def _ranges(

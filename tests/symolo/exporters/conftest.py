@@ -267,8 +267,8 @@ def _document(spec, camera, X_WC, sightings) -> dict:
 SENSORS = {
     "imu": "{x_m: -0.03, y_m: 0.02, z_m: 0.06, yaw_deg: 90}",
     "lidar": "{x_m: 0.02, z_m: 0.1, rays: 36, ray_step_deg: 10, delay_s: 0.02}",
-    "beside": "{kind: vl53l0x, y_m: 0.05, z_m: 0.05, yaw_deg: 90, pitch_up_deg: 10, mode: long_range}",
-    "sonar": "{kind: ultrasonic, x_m: 0.09, z_m: 0.06}",
+    "beside": "{kind: vl53l0x, y_m: 0.05, z_m: 0.05, yaw_deg: -90, pitch_up_deg: 10, mode: long_range}",
+    "sonar": "{kind: ultrasonic, x_m: 0.09, z_m: 0.06, yaw_deg: -90}",
     "corners": "{kind: line_array, places: [[0.08, 0.07], [0.08, -0.07], [-0.08, 0.07]], z_m: 0.004}",
     "coder": "{kind: wheel_encoder, wheel: left, counts_per_revolution: 64, delay_s: 0.004}",
     "bumper": "{zones: 3}",

@@ -9,6 +9,7 @@ import pandas as pd
 import pyarrow as pa
 from scipy.spatial.transform import Rotation
 
+import symolo
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from symolo.arena.geometry import Arena
@@ -132,6 +133,43 @@ def test_an_obstacle_that_moves_has_the_pose_of_each_row():
     x, y, yaw = box.poses_at(t_s).T
     np.testing.assert_allclose(np.array(places)[:, 0], np.column_stack((x, y, [box.center[2]] * 3)), atol=1e-6)
     np.testing.assert_allclose(matrices(turns), Rotation.from_euler("z", yaw[:, None]).as_matrix(), atol=1e-6)
+
+
+def distance_m(points, box):
+    """Distance (N,) [m] of points (N, 2) from the outline of a box on the floor, outside or inside of it."""
+    c, s = np.cos(box.yaw_rad), np.sin(box.yaw_rad)
+    beyond = np.abs((points - box.center[:2]) @ [[c, -s], [s, c]]) - np.multiply(box.size[:2], 0.5)
+    outside = np.linalg.norm(np.maximum(beyond, 0), axis=1)
+    return np.where((beyond < 0).all(axis=1), -beyond.max(axis=1), outside)
+
+
+def test_sensors_and_further_cameras(sensing_release, exported, tmp_path):
+    run = symolo.load(sensing_release)["CW/test_1"]
+    _, t_s, columns, lasting = read(exported(sensing_release, tmp_path / "out", "rerun") / "rerun/CW/test_1.rrd")
+    for name in ("left", "right", "rear"):
+        camera, path = run.cameras[name], f"/world/cameras/{name}"
+        rows, blobs = at_rows(columns, f"{path}/image:Blob")
+        np.testing.assert_allclose(t_s[rows], camera.t_s, atol=1e-9)
+        assert [bytes(blob) for (blob,) in blobs] == [image.path.read_bytes() for image in camera.images]
+        _, places = at_rows(columns, f"{path}:Translation3D")
+        np.testing.assert_allclose(np.array(places)[:, 0], camera.X_WC[:, :3, 3], atol=1e-6)
+        assert (f"{path}/image:PinholeProjection" in lasting) == (name != "rear")
+    table = np.genfromtxt(sensing_release / "CW/test_1/side/imu.csv", delimiter=",", names=True)
+    rows, rates = at_rows(columns, "/sensors/imu/gyro_z:Scalar")
+    assert [rate for (rate,) in rates] == table["gyro_z"].tolist()
+    np.testing.assert_allclose(t_s[rows], table["t"] / 1000, atol=1e-9)
+    ranges = np.genfromtxt(sensing_release / "CW/test_1/side/sonar.csv", delimiter=",", names=True)
+    _, seen = at_rows(columns, "/sensors/sonar/range:Scalar")
+    assert [one for row in seen for one in row] == [one for one in ranges["range"].tolist() if one > 0]
+    # What a lidar at a height of 0.1 m meets are walls and obstacles; its ranges have errors of some millimetres.
+    rows, scans = at_rows(columns, "/world/lidars/lidar:Position3D")
+    np.testing.assert_allclose(t_s[rows], run.sensors["lidar"].t_s, atol=1e-9)
+    points = np.concatenate([np.array(scan) for scan in scans])
+    assert len(points) == (run.sensors["lidar"].values("range") > 0).sum() > 50
+    boxes = Arena.from_config(run.spec.arena).boxes
+    nearest_m = np.min([distance_m(points[:, :2], box) for box in boxes], axis=0)
+    assert nearest_m.max() < 0.03
+    np.testing.assert_allclose(points[:, 2], 0.1, atol=1e-6)
 
 
 def test_the_bytes_are_the_same_again(random_release, exported, tmp_path):

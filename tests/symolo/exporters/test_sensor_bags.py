@@ -168,8 +168,8 @@ def test_each_sensor_with_a_place_has_a_frame(bag):
     turn = place.rotation
     np.testing.assert_allclose([turn.x, turn.y, turn.z, turn.w], [0, 0, half, half], atol=1e-12)
     beside = frames["sensors/beside"].transform.rotation
-    # Upwards by 10 degrees about its own y axis after the turn to the left.
-    yaw, pitch = np.radians([45, -5])
+    # Upwards by 10 degrees about its own y axis after the turn to the right.
+    yaw, pitch = np.radians([-45, -5])
     product = [-np.sin(yaw) * np.sin(pitch), np.cos(yaw) * np.sin(pitch)]
     product += [np.sin(yaw) * np.cos(pitch), np.cos(yaw) * np.cos(pitch)]
     np.testing.assert_allclose([beside.x, beside.y, beside.z, beside.w], product, atol=1e-12)
