@@ -30,6 +30,17 @@ def only_log(path: Path, is_log: Callable[[Path], bool]) -> Path | None:
     return logs[0] if len(logs) == 1 else None
 
 
+def first_bytes(path: Path, count: int) -> bytes:
+    """Return the first bytes of a file; none for a folder and for a file that cannot be read."""
+    if not is_file(path):  # opening a pipe or a device could wait forever
+        return b""
+    try:
+        with open_named_file(path) as file:
+            return file.read(count)
+    except (OSError, ValueError):
+        return b""
+
+
 def first_line(path: Path) -> str:
     """Return the first line of a file without spaces; empty for a folder and for a file that cannot be read."""
     if not is_file(path):  # opening a pipe or a device could wait forever

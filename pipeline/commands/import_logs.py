@@ -31,7 +31,7 @@ LogFormat = Annotated[
     typer.Option(
         "--format",
         metavar="NAME",
-        help="Form of the logs: symolo, tum, kitti, euroc, motive or table; by default recognised from each.",
+        help="Form of the logs: symolo, tum, kitti, euroc, motive, bag or table; by default recognised from each.",
     ),
 ]
 Mapping = Annotated[
@@ -70,7 +70,10 @@ RowHz = Annotated[
 Topics = Annotated[
     str | None,
     typer.Option(
-        "--topic", metavar="NAME,...", help="Bodies or topics that give the poses; by default all, or the best of them."
+        "--topic",
+        metavar="NAME,...",
+        help="Bodies of Motive, topics of a bag or two of its frames such as map:base_link that give the poses; by "
+        "default all bodies, or the most likely topic.",
     ),
 ]
 
@@ -113,7 +116,7 @@ def import_logs(
     ] = "NOASSERTION",
     dry_run: DryRun = False,
 ) -> None:
-    """Import logs of other programs as a dataset: tables with any columns, TUM, KITTI, EuRoC, Motive.
+    """Import logs of other programs as a dataset: tables with any columns, TUM, KITTI, EuRoC, Motive, bags of ROS.
 
     Times and poses are enough. What a log also holds, such as speeds and ranges, gets its column in data.csv; other
     columns of numbers get a table of their own. What nobody measured is absent, and nothing is invented.

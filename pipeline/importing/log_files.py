@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from logs.trajectories import READERS
+from logs.trajectories.bag import READER as BAG
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.file_hashes import sha256_of
@@ -61,7 +62,7 @@ def read_logs(paths: Sequence[Path], name: str | None, settings: ReadSettings) -
         reader = reader_of(path, name)
         try:
             trajectories = reader.read(path, settings)
-            digest = _sha256(path)
+            digest = _sha256(path, FileKind.BAG if reader is BAG else FileKind.ANY)
         except OSError as error:
             where = str(error.filename or path)
             raise InputError(f"cannot be read: {error.strerror}", where=where, cure="check its permissions") from None
@@ -76,11 +77,11 @@ def read_logs(paths: Sequence[Path], name: str | None, settings: ReadSettings) -
             yield ReadLog(path, trajectory, origin)
 
 
-def _sha256(path: Path) -> str:
+def _sha256(path: Path, kind: FileKind) -> str:
     """Return the SHA-256 of a file, or of the files of a folder in the order of their names."""
     if path.is_file():
-        return sha256_of(path.resolve(), FileKind.ANY)
+        return sha256_of(path.resolve(), kind)
     whole = hashlib.sha256()
     for file in sorted(file for file in path.rglob("*") if file.is_file()):
-        whole.update(f"{sha256_of(file.resolve(), FileKind.ANY)}  {file.relative_to(path).as_posix()}\n".encode())
+        whole.update(f"{sha256_of(file.resolve(), kind)}  {file.relative_to(path).as_posix()}\n".encode())
     return whole.hexdigest()

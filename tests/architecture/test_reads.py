@@ -70,7 +70,7 @@ JUSTIFIED = {
     ("symolo/core/files/image_decoder_child.py", "fdopen"): "the pipes to the owner",
     ("symolo/core/files/image_decoder_child.py", "imdecode"): "in the child, within its limits",
     ("symolo/core/files/image_decoder_child.py", "os.open"): "the null device",
-    ("symolo/core/files/image_decoder_child.py", "read_text"): "/proc",
+    ("symolo/core/process_limits.py", "read_text"): "/proc",
     ("symolo/core/files/npz_file.py", "ZipFile"): "from a buffer",
     ("symolo/exporters/mcap.py", "read_bytes"): "what a library has just written, as scratch",
     ("symolo/exporters/ros1.py", "read_bytes"): "what a library has just written, as scratch",

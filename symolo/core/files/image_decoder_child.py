@@ -1,19 +1,19 @@
 """What the child of `image_decoder` does: it reads images from its standard input, decodes them, and answers.
 
-It needs nothing of the project, so it starts in the time that OpenCV takes to load.
+It needs next to nothing of the project, so it starts in the time that OpenCV takes to load.
 """
 
 import os
 import signal
 import struct
 import sys
-import time
 from collections.abc import Callable
 from enum import IntEnum
-from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+
+from symolo.core.process_limits import limit_memory, limit_time
 
 READY = b"\x06"
 """The first byte of the child, once its libraries are loaded."""
@@ -72,12 +72,12 @@ def serve(decode: Decode, *, seconds: int = SECONDS, memory_bytes: int = BYTES) 
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     requests, replies, messages = _streams()
-    _limit_memory(memory_bytes)
+    limit_memory(memory_bytes)
     replies.write(READY)
     replies.flush()
     while len(count := requests.read(COUNT.size)) == COUNT.size:
         batch = [_request(requests) for _ in range(*COUNT.unpack(count))]
-        _limit_time(seconds)
+        limit_time(seconds)
         for flags, size, data in batch:
             outcome, image = _decoded(decode, flags, size, data)
             has_message = _has_message(messages)
@@ -129,28 +129,3 @@ def _has_message(messages: int | None) -> bool:
         return messages is not None and len(os.read(messages, 1 << 16)) > 0
     except BlockingIOError:
         return False
-
-
-def _limit_time(seconds: int) -> None:
-    """Have the system end this process after so much more time of the processor."""
-    if sys.platform == "win32":
-        return
-    import resource  # noqa: PLC0415 - Windows has none
-
-    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
-    ends = int(time.process_time()) + 1 + seconds
-    resource.setrlimit(resource.RLIMIT_CPU, (ends if hard == resource.RLIM_INFINITY else min(ends, hard), hard))
-
-
-def _limit_memory(memory_bytes: int) -> None:
-    """Let the system refuse memory beyond so much more than there is; only Linux says how much there is, and obeys."""
-    if sys.platform != "linux":
-        return
-    import resource  # noqa: PLC0415 - as above
-
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    most = pages * resource.getpagesize() + memory_bytes
-    if soft == resource.RLIM_INFINITY or most < soft:
-        resource.setrlimit(resource.RLIMIT_AS, (most, hard))

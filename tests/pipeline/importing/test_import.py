@@ -10,6 +10,7 @@ import pytest
 
 import symolo as symolo_reader
 from pipeline.cli import main
+from tests.logs.written_bags import Ros, drive, write_ros1
 
 T_S = 0.05 * np.arange(100)
 ANGLE = 0.5 * T_S
@@ -243,7 +244,7 @@ def test_a_data_csv_in_other_units_than_its_own_is_refused(change, what, cure, t
         (["run.csv", "--format", "tumm"], "--format: got 'tumm'"),
         (["run.csv", "--route", "../x"], "--route: got '../x', allowed: letters"),
         (["run.csv", "other.csv"], "other.csv: has other columns than the first log"),
-        (["noise.bin"], "noise.bin: is not a log of a known form; allowed: symolo: "),
+        (["noise.bin"], "noise.bin: is not a log of a known form; allowed: bag: "),
         (["run.csv", "--out", "dataset"], "holds files that symolo did not make"),
     ],
 )
@@ -273,3 +274,15 @@ def test_images_are_rendered_for_an_imported_run(imported, tmp_path, symolo):
     numbers = np.genfromtxt(out / "data.csv", delimiter=",", names=True)["img"]
     assert numbers[numbers > 0].tolist() == [1, 2, 3, 4, 5]
     assert symolo("contact-sheet", out, "--out", tmp_path / "sheet.png", "--width-px", 32).code == 0
+
+
+def test_a_bag_becomes_a_dataset_whose_origin_names_its_topic(tmp_path, capsys, symolo):
+    ros = Ros(1)
+    write_ros1(tmp_path / "drive.bag", drive(ros), ros)
+    assert main(["import", str(tmp_path / "drive.bag"), "--topic", "/odom", "--out", str(tmp_path / "data")]) == 0
+    capsys.readouterr()
+    assert symolo("verify", tmp_path / "data").code == 0
+    (run,) = symolo_reader.load(tmp_path / "data")
+    assert list(run.rows) == ["t", "x", "y", "theta", "v", "w", "d_f"]
+    log = json.loads((tmp_path / "data/metadata.json").read_text())["runs"][0]["origin"]["log"]
+    assert (log["format"], log["quantities"]["pose"]) == ("bag", "/odom")

@@ -1,0 +1,85 @@
+"""A bag as its topics: read by a child process with limits of memory and time."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from logs.bags.streams import INDEX, POSE, Stream
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+from symolo.core.extras import check_installed
+from symolo.core.files.npz_file import arrays_of
+from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.files.scratch_folders import scratch_folder
+
+_MAX_BYTES = 2_000_000_000
+"""Of all numbers of a bag, unpacked."""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """The messages of a stream, in the order of time."""
+
+    stream: Stream
+    t_s: Array
+    """(N,), since the first message of the bag."""
+    values: Array
+    """(N, columns)."""
+
+    @property
+    def is_pose(self) -> bool:
+        return self.stream.columns[: len(POSE)] == POSE
+
+    @property
+    def frames(self) -> str:
+        """Name of a transform, such as `map:base_link`."""
+        return f"{self.stream.parent}:{self.stream.child}"
+
+    def column(self, name: str) -> Array:
+        return self.values[:, self.stream.columns.index(name)]
+
+
+@dataclass(frozen=True)
+class Bag:
+    path: Path
+    topics: tuple[Topic, ...]
+    left_out: Mapping[str, str]
+    """Type of each topic that is not read."""
+
+
+def read_bag(path: Path) -> Bag:
+    """Read all topics of numbers of a bag.
+
+    Raises:
+        InputError: It is no bag, or needs too much memory or time.
+        EnvironmentLacking: The library that reads bags is not installed.
+    """
+    check_installed("rosbags")
+    with scratch_folder() as scratch:
+        out = scratch / "topics.npz"
+        command = [sys.executable, "-P", "-m", "logs.bags.child", str(path.absolute()), str(out)]
+        environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+        child = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+        try:
+            index = INDEX.validate_json(child.stdout.strip().rpartition("\n")[2])
+        except ValidationError:
+            how = f"signal {-child.returncode}" if child.returncode < 0 else f"exit code {child.returncode}"
+            last = (child.stderr.strip().splitlines() or [how])[-1]
+            cure = "record or filter the bag again with the topics of the robot alone"
+            raise InputError(f"takes too long to read or ends its reader: {last}", where=str(path), cure=cure) from None
+        if index.error:
+            raise InputError(index.error, where=str(path))
+        arrays = arrays_of(read_file(out, FileKind.ANY), _MAX_BYTES)
+    first_ns = min((arrays[f"t{i}"].min() for i in range(len(index.streams))), default=0)
+    topics = []
+    for i, stream in enumerate(index.streams):
+        order = np.argsort(arrays[f"t{i}"], kind="stable")
+        t_s = 1e-9 * (arrays[f"t{i}"][order] - first_ns)
+        topics.append(Topic(stream, t_s, arrays[f"v{i}"][order].reshape(len(t_s), -1)))
+    return Bag(path, tuple(topics), index.left_out)

@@ -1,0 +1,172 @@
+"""The child process that reads a bag: `python -m logs.bags.child BAG OUT`.
+
+A bag is what a stranger wrote, and its chunks unpack to whatever they hold. So this process limits its own memory and
+time before it opens the bag. It writes the numbers of all topics that `_PARTS` knows to OUT, an npz archive, and prints
+what they are as one line of JSON, or why the bag cannot be read.
+"""
+
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from logs.bags.streams import INDEX, MAX_STREAMS, POSE, Index, Stream
+from symolo.core.extras import optional_module
+from symolo.core.process_limits import limit_memory, limit_time
+
+_SECONDS, _BYTES_PER_SECOND = 60, 5_000_000
+"""Time of the processor for a bag, and the bytes for each of which it gets more."""
+_MEMORY_BYTES = 3_000_000_000
+_NS = 1_000_000_000
+
+Message = Any
+"""Of a class that is made at run time from the definitions in the bag."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What a message, or a part of it, says."""
+
+    stamped: Message
+    """What has the header with the time, if there is one."""
+    columns: tuple[str, ...]
+    values: list[float]
+    parent: str = ""
+    child: str = ""
+
+
+def _pose(stamped: Message, pose: Message, child: str = "") -> _Part:
+    p, q = pose.position, pose.orientation
+    return _Part(stamped, POSE, [p.x, p.y, p.z, q.x, q.y, q.z, q.w], stamped.header.frame_id, child)
+
+
+def _transform(stamped: Message) -> _Part:
+    p, q = stamped.transform.translation, stamped.transform.rotation
+    return _Part(stamped, POSE, [p.x, p.y, p.z, q.x, q.y, q.z, q.w], stamped.header.frame_id, stamped.child_frame_id)
+
+
+def _odometry(message: Message) -> _Part:
+    pose, twist = _pose(message, message.pose.pose, message.child_frame_id), _twist(message, message.twist.twist)
+    return replace(pose, columns=(*pose.columns, *twist.columns), values=[*pose.values, *twist.values])
+
+
+def _twist(stamped: Message, twist: Message) -> _Part:
+    return _Part(stamped, ("v_m_s", "w_rad_s"), [twist.linear.x, twist.angular.z])
+
+
+def _range(message: Message) -> _Part:
+    """Infinity is no target within reach, and minus infinity one that is too close (REP 117)."""
+    value = message.range if message.range <= message.max_range else np.inf
+    return _Part(message, ("range_m",), [np.nan if value == -np.inf else value], message.header.frame_id)
+
+
+def _imu(message: Message) -> _Part:
+    rate, force = message.angular_velocity, message.linear_acceleration
+    names = tuple(f"{kind}_{axis}_{unit}" for kind, unit in (("gyro", "rad_s"), ("acc", "m_s2")) for axis in "xyz")
+    return _Part(message, names, [rate.x, rate.y, rate.z, force.x, force.y, force.z])
+
+
+def _joints(message: Message) -> Iterator[_Part]:
+    for kind, unit in (("position", "rad"), ("velocity", "rad_s")):
+        if len(values := getattr(message, kind)) == len(message.name):
+            columns = tuple(f"{name}_{kind}_{unit}" for name in message.name)
+            yield _Part(message, columns, list(map(float, values)))
+
+
+_PARTS: Mapping[str, Callable[[Message], Iterable[_Part]]] = MappingProxyType(
+    {
+        "nav_msgs/msg/Odometry": lambda m: [_odometry(m)],
+        "geometry_msgs/msg/PoseStamped": lambda m: [_pose(m, m.pose)],
+        "geometry_msgs/msg/PoseWithCovarianceStamped": lambda m: [_pose(m, m.pose.pose)],
+        "geometry_msgs/msg/TransformStamped": lambda m: [_transform(m)],
+        "tf2_msgs/msg/TFMessage": lambda m: map(_transform, m.transforms),
+        "tf/msg/tfMessage": lambda m: map(_transform, m.transforms),
+        "geometry_msgs/msg/Twist": lambda m: [_twist(m, m)],
+        "geometry_msgs/msg/TwistStamped": lambda m: [_twist(m, m.twist)],
+        "sensor_msgs/msg/Range": lambda m: [_range(m)],
+        "sensor_msgs/msg/Imu": lambda m: [_imu(m)],
+        "sensor_msgs/msg/JointState": _joints,
+        **{
+            f"std_msgs/msg/{kind}": lambda m: [_Part(m, ("data",), [float(m.data)])]
+            for kind in ("Float32", "Float64", "Int8", "Int16", "Int32", "Int64", "UInt8", "UInt16", "UInt32", "UInt64")
+        },
+    }
+)
+"""Function that takes a message apart, by its type."""
+
+
+@dataclass
+class _Rows:
+    """What one stream has said so far."""
+
+    t_ns: list[int] = field(default_factory=list)
+    values: list[list[float]] = field(default_factory=list)
+
+
+class _TooManyStreamsError(Exception):
+    """The bag has more streams than anybody needs."""
+
+
+def _stamp_ns(stamped: Message, logged_ns: int) -> int:
+    """Return the time in the header, or that at which the message was logged where there is none."""
+    with suppress(AttributeError):
+        stamp = stamped.header.stamp
+        return (stamp.sec * _NS + stamp.nanosec) or logged_ns
+    return logged_ns
+
+
+def _collect(path: Path) -> tuple[dict[Stream, _Rows], dict[str, str]]:
+    """Return the rows of each stream, and the type of each topic that is left out."""
+    typesys, highlevel = optional_module("rosbags.typesys"), optional_module("rosbags.highlevel")
+    streams: dict[Stream, _Rows] = {}
+    default = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+    with highlevel.AnyReader([path], default_typestore=default) as reader:
+        known = [connection for connection in reader.connections if connection.msgtype in _PARTS]
+        others = {c.topic: c.msgtype for c in reader.connections if c.msgtype not in _PARTS}
+        for connection, logged_ns, raw in reader.messages(connections=known) if known else ():
+            topic, kind = connection.topic, connection.msgtype
+            for part in _PARTS[kind](reader.deserialize(raw, kind)):
+                stream = Stream(topic, kind, part.parent, part.child, part.columns)
+                if stream not in streams and len(streams) == MAX_STREAMS:
+                    raise _TooManyStreamsError
+                rows = streams.setdefault(stream, _Rows())
+                rows.t_ns.append(_stamp_ns(part.stamped, logged_ns))
+                rows.values.append(part.values)
+    return streams, others
+
+
+def _write(streams: Mapping[Stream, _Rows], others: Mapping[str, str], out: Path) -> Index:
+    arrays = {}
+    for number, rows in enumerate(streams.values()):
+        arrays[f"t{number}"] = np.array(rows.t_ns, dtype=np.int64)
+        arrays[f"v{number}"] = np.array(rows.values, dtype=np.float64)
+    np.savez(out, **arrays)
+    return Index(tuple(streams), dict(others))
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Read a bag and write its numbers; return 0, or 1 where it cannot be read."""
+    path, out = Path(arguments[0]), Path(arguments[1])
+    size = sum(file.stat().st_size for file in ([path] if path.is_file() else path.iterdir()))
+    optional_module("rosbags.highlevel")
+    limit_memory(_MEMORY_BYTES)
+    limit_time(_SECONDS + size // _BYTES_PER_SECOND)
+    try:
+        index = _write(*_collect(path), out)
+    except _TooManyStreamsError:
+        index = Index(error=f"has more than {MAX_STREAMS} topics and transforms")
+    except MemoryError:
+        index = Index(error=f"needs more than {_MEMORY_BYTES / 1e9:g} GB of memory")
+    except Exception as error:  # noqa: BLE001 - whatever a library raises on what is no bag
+        index = Index(error=f"is no bag that can be read: {str(error) or type(error).__name__}")
+    sys.stdout.write(INDEX.dump_json(index).decode() + "\n")
+    return 1 if index.error else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

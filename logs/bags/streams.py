@@ -1,0 +1,37 @@
+"""The numbers of the topics of a bag, as the child process hands them over."""
+
+from dataclasses import dataclass, field
+
+from pydantic import TypeAdapter
+
+MAX_STREAMS = 400
+"""Number of streams that a bag may have; each is two arrays of an archive."""
+POSE = ("px", "py", "pz", "qx", "qy", "qz", "qw")
+"""Columns of a pose: position [m] and quaternion."""
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Messages of one topic with the same frames and columns."""
+
+    topic: str
+    type: str
+    parent: str
+    """Frame in which a pose is given, or frame of a sensor; empty where the message has none."""
+    child: str
+    """Frame whose pose it is, where the message names it."""
+    columns: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Index:
+    """What the child prints. The arrays `t<i>` (N,) [ns] and `v<i>` (N, columns) belong to the i-th stream."""
+
+    streams: tuple[Stream, ...] = ()
+    left_out: dict[str, str] = field(default_factory=dict)
+    """Type of each topic that is not read."""
+    error: str = ""
+    """Why the bag cannot be read; empty where it can."""
+
+
+INDEX = TypeAdapter(Index)

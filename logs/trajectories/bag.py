@@ -1,0 +1,179 @@
+"""Bags of ROS 1 and ROS 2: the pose of a robot from a topic or from transforms, and what other topics measured.
+
+The messages are those of nav_msgs, geometry_msgs, tf2_msgs, sensor_msgs and std_msgs (https://docs.ros.org/en/rolling/p/).
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from logs.bags.bag import Bag, Topic, read_bag
+from logs.bags.frames import Track, between, pairs, robot_frames
+from logs.recognition import first_bytes, is_file, is_folder
+from logs.times import usual
+from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
+from logs.trajectories.planar import on_floor
+from logs.trajectories.table import LOG_TABLE
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError, nearest
+from symolo.core.geometry.poses import rotations
+
+_MAGIC = (b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\x00")
+_ENDINGS = (".bag", ".mcap", ".db3")
+_TRUTH = re.compile(r"ground_?truth|\bgt\b|mocap|motion_capture|vicon|optitrack|qualisys|phasespace")
+_NO_POSE_OF_THE_ROBOT = re.compile(r"goal|initialpose|target|setpoint|plan|cmd")
+_SIDES = {"front": "d_f", "left": "d_l", "right": "d_r"}
+_HELD_STEPS = 1.5
+"""Largest age of a reading beside a pose, in usual steps of its topic."""
+_MIN_LENGTH = 0.5
+"""Smallest length of a quaternion; that of an unset one is 0."""
+
+
+def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
+    bag = read_bag(path)
+    tracks = {topic.stream.topic: _track(topic) for topic in bag.topics if topic.is_pose and not _is_tf(topic)}
+    transforms = [_track(topic) for topic in bag.topics if _is_tf(topic)]
+    if settings.topics:
+        return [_trajectory(bag, _chosen(name, tracks, transforms, path), settings) for name in settings.topics]
+    track, others = _best(tracks, transforms, path)
+    guesses = ()
+    if others:
+        more = f" and {len(others) - 5} more" if len(others) > 5 else ""
+        guesses = (f"poses are those of {track.name}; choose others with --topic: {', '.join(others[:5])}{more}",)
+    return [_trajectory(bag, track, settings, guesses)]
+
+
+def _is_tf(topic: Topic) -> bool:
+    return topic.stream.type.endswith(("/TFMessage", "/tfMessage"))
+
+
+def _track(topic: Topic) -> Track:
+    good = np.linalg.norm(topic.values[:, 3:7], axis=1) > _MIN_LENGTH
+    good &= np.isfinite(topic.values[:, :7]).all(axis=1)
+    return Track.of(topic, good)
+
+
+def _chosen(name: str, tracks: dict[str, Track], transforms: Sequence[Track], path: Path) -> Track:
+    """Return the poses of a topic, or those between two frames.
+
+    Raises:
+        InputError: There are none.
+    """
+    if name in tracks:
+        return tracks[name]
+    parent, colon, child = name.partition(":")
+    if colon and (track := between(parent, child, transforms)) is not None:
+        return track
+    names = [*tracks, *pairs(transforms)]
+    hint = nearest(name, names)
+    raise InputError("--topic", where=str(path), got=name, allowed=", ".join(names) or "no poses", nearest=hint)
+
+
+def _best(tracks: dict[str, Track], transforms: Sequence[Track], path: Path) -> tuple[Track, list[str]]:
+    """Return the poses that are most likely those of the robot, and the names of others.
+
+    Measured ones come before estimates, and all topics of poses before transforms.
+
+    Raises:
+        InputError: No topic has poses.
+    """
+
+    def rank(name: str) -> tuple[int, int]:
+        kind = 0 if _TRUTH.search(name.lower()) else 1 + tracks[name].is_odometry
+        return kind, -len(tracks[name].t_s)
+
+    usable = [name for name, track in tracks.items() if len(track.t_s) > 1]
+    robots = [name for name in usable if not _NO_POSE_OF_THE_ROBOT.search(name.lower())] or usable
+    frames = robot_frames(transforms)
+    of_robot = frames and between(*frames, transforms)
+    found = [*(tracks[name] for name in sorted(robots, key=rank)), *([of_robot] if of_robot else [])]
+    if found:
+        names = dict.fromkeys([*(track.name for track in found[1:]), *pairs(transforms)])
+        return found[0], [name for name in names if name != found[0].name]
+    cure = "it needs nav_msgs/Odometry, a pose or a transform of geometry_msgs, or tf; see docs/import.md"
+    raise InputError("has no topic with the poses of a robot", where=str(path), cure=cure)
+
+
+def _trajectory(bag: Bag, track: Track, settings: ReadSettings, guesses: tuple[str, ...] = ()) -> LoggedTrajectory:
+    where = f"{bag.path} ({track.name})"
+    new = np.concatenate(([True], np.diff(track.t_s) > 0.0)) if len(track.t_s) else np.zeros(0, bool)
+    if np.count_nonzero(new) < 2:
+        raise InputError("has fewer than two poses", where=where)
+    t_s, values = track.t_s[new], track.values[new]
+    changes = [*track.changes]
+    if not new.all():
+        changes.append(f"{np.count_nonzero(~new)} poses with the time of another one are left out")
+    floor = on_floor(values[:, :3], rotations(values[:, 3:7]), where, up=settings.up, forward=settings.forward)
+    quantities = {"t": "stamps of the messages, in ns", **floor.quantities, "pose": track.name}
+    readings: dict[str, Array] = {}
+    if track.is_odometry:
+        readings |= {"v": values[:, 7].copy(), "w": values[:, 8].copy()}
+        quantities["v, w"] = f"twist of {track.name}"
+    ranges = _ranges(bag)
+    for column, topic in ranges.items():
+        readings[column] = _held(topic, t_s)[:, 0]
+        quantities[column] = topic.stream.topic
+    used = {id(topic) for topic in ranges.values()}
+    others = [topic for topic in bag.topics if not topic.is_pose and id(topic) not in used]
+    if bag.left_out:
+        changes.append("topics that are not read: " + ", ".join(f"{t} ({kind})" for t, kind in bag.left_out.items()))
+    return LoggedTrajectory(
+        t_s,
+        floor.pose,
+        quantities,
+        readings,
+        _table(bag, others, t_s),
+        (*changes, *floor.changes),
+        (*guesses, *floor.guesses),
+        floor.warnings,
+        name=track.name if len(settings.topics) > 1 else "",
+    )
+
+
+def _ranges(bag: Bag) -> dict[str, Topic]:
+    """Return the range sensors by column of data.csv, where exactly one is named after a side."""
+    topics = [topic for topic in bag.topics if topic.stream.columns == ("range_m",)]
+    found = {}
+    for side, column in _SIDES.items():
+        named = [topic for topic in topics if side in f"{topic.stream.topic} {topic.stream.parent}".lower()]
+        if len(named) == 1:
+            found[column] = named[0]
+    return found
+
+
+def _held(topic: Topic, t_s: Array) -> Array:
+    """Return the last values (N, columns) of a topic at some times; NaN where there are none or they are too old."""
+    at = np.searchsorted(topic.t_s, t_s, side="right") - 1
+    limit_s = _HELD_STEPS * usual(np.diff(topic.t_s)) if len(topic.t_s) > 1 else np.inf
+    fresh = (at >= 0) & (t_s - topic.t_s[np.maximum(at, 0)] <= limit_s)
+    return np.where(fresh[:, None], topic.values[np.maximum(at, 0)], np.nan)
+
+
+def _table(bag: Bag, topics: Sequence[Topic], t_s: Array) -> tuple[LoggedTable, ...]:
+    columns: dict[str, tuple[str, Array]] = {}
+    for topic in topics:
+        values = _held(topic, t_s)
+        for name, column in zip(topic.stream.columns, values.T, strict=True):
+            finite = np.where(np.isfinite(column), column, np.nan)
+            if np.isfinite(finite).any():
+                columns[f"{topic.stream.topic.strip('/')}/{name}"] = _unit(name), finite
+    meaning = f"topics of {bag.path.name}, each with its last message before the pose"
+    return (LoggedTable(LOG_TABLE, meaning, columns),) if columns else ()
+
+
+_UNITS = {"_rad_s": "rad/s", "_m_s2": "m/s2", "_m_s": "m/s", "_rad": "rad", "_m": "m"}
+
+
+def _unit(name: str) -> str:
+    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "-")
+
+
+def _recognises(path: Path) -> bool:
+    if is_folder(path):
+        return is_file(path / "metadata.yaml") and any(path.glob(f"*{end}") for end in _ENDINGS)
+    return path.suffix.lower() in _ENDINGS and first_bytes(path, 16).startswith(_MAGIC)
+
+
+READER = TrajectoryReader("bag", "a bag of ROS 1, or a bag of ROS 2 in MCAP or SQLite", _recognises, _read)

@@ -1,0 +1,113 @@
+"""Bags of ROS 1 and ROS 2 that other writers made: a circle in the closed form, and what was measured beside it."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+from logs.trajectories import READERS
+from logs.trajectories.base import ReadSettings
+from symolo.core.errors import InputError
+from tests.logs.written_bags import COUNT, POSE, SPEED_M_S, START_NS, T_S, TURN_RAD_S, Ros, bag_of, write_ros1
+
+
+@pytest.fixture(scope="module", params=[1, 2], ids=["ROS 1", "ROS 2"])
+def path(request, tmp_path_factory):
+    return bag_of(tmp_path_factory.mktemp("bag"), request.param)
+
+
+def read(path, **settings):
+    reader = next(reader for reader in READERS if reader.recognises(path))
+    assert reader.name == "bag"
+    return reader.read(path, ReadSettings(**settings))
+
+
+def test_measured_poses_come_before_odometry_and_the_choice_is_a_guess(path):
+    (trajectory,) = read(path)
+    np.testing.assert_allclose(trajectory.pose, POSE, atol=1e-9)
+    np.testing.assert_allclose(trajectory.t_s - trajectory.t_s[0], T_S, atol=1e-9)
+    (guess,) = trajectory.guesses
+    assert guess.startswith("poses are those of /mocap/robot; choose others with --topic: /odom,")
+    expected = np.where(np.arange(COUNT) // 2 < 5, math.inf, 0.5 + 0.002 * (np.arange(COUNT) // 2))
+    np.testing.assert_allclose(trajectory.readings["d_f"], expected, rtol=1e-6)  # floats of 32 bits
+    (table,) = trajectory.tables
+    unit, commands = table.columns["cmd_vel/v_m_s"]
+    assert unit == "m/s"
+    np.testing.assert_allclose(commands, 0.2 * (np.arange(COUNT) // 2))
+    assert "topics that are not read: /chatter (std_msgs/msg/String)" in trajectory.changes
+
+
+def test_topics_and_frames_may_be_named(path):
+    odometry, composed = read(path, topics=("/odom", "map:base_footprint"))
+    assert (odometry.name, composed.name) == ("/odom", "map:base_footprint")
+    assert odometry.guesses == composed.guesses == ()
+    np.testing.assert_allclose(composed.pose, POSE, atol=1e-9)
+    turned = POSE[:, 2] - 0.4
+    np.testing.assert_allclose(odometry.pose[:, 2], turned, atol=1e-9)
+    np.testing.assert_allclose(odometry.readings["v"], SPEED_M_S)
+    np.testing.assert_allclose(odometry.readings["w"], TURN_RAD_S)
+    with pytest.raises(InputError, match=r"--topic: got '/odm', allowed: .*did you mean /odom"):
+        read(path, topics=("/odm",))
+
+
+@pytest.mark.parametrize("odometry", [True, False], ids=["odometry", "transforms alone"])
+def test_without_measured_poses_there_is_the_best_estimate(tmp_path, odometry):
+    (trajectory,) = read(bag_of(tmp_path, 2, mocap=False, odometry=odometry))
+    (guess,) = trajectory.guesses
+    taken = "/odom" if odometry else "map:base_footprint"
+    assert guess.startswith(f"poses are those of {taken};")
+    expected = POSE[:, 2] - (0.4 if odometry else 0.0)
+    np.testing.assert_allclose(trajectory.pose[:, 2], expected, atol=1e-9)
+
+
+def _cut(data):
+    return data[: len(data) // 2]
+
+
+def _garbage(data):
+    return data[:13] + np.random.default_rng(1).bytes(2000)
+
+
+@pytest.mark.parametrize("damage", [_cut, _garbage], ids=["cut", "garbage"])
+def test_a_damaged_bag_is_refused_in_one_line(path, damage, tmp_path):
+    bad = tmp_path / path.name
+    bad.write_bytes(damage(path.read_bytes()))
+    with pytest.raises(InputError) as caught:
+        read(bad)
+    assert str(caught.value).startswith(f"{bad}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_bag_without_poses_says_what_it_needs(tmp_path):
+    ros = Ros(1)
+    write_ros1(tmp_path / "talk.bag", [(START_NS, "/chatter", ros("std_msgs/String", data="hello"))], ros)
+    with pytest.raises(InputError, match=r"talk\.bag: has no topic with the poses of a robot; it needs nav_msgs"):
+        read(tmp_path / "talk.bag")
+
+
+def test_the_reader_of_a_bag_has_limits(tmp_path, monkeypatch):
+    """As of a chunk that unpacks to more memory than there is."""
+    killed = SimpleNamespace(stdout="", stderr="", returncode=-9)
+    monkeypatch.setattr("logs.bags.bag.subprocess.run", lambda *_, **__: killed)
+    (tmp_path / "bomb.mcap").write_bytes(b"\x89MCAP0\r\n")
+    with pytest.raises(InputError, match=r"bomb\.mcap: takes too long.*signal 9"):
+        read(tmp_path / "bomb.mcap")
+
+
+@pytest.mark.recordings
+def test_bags_that_robots_recorded_hold_what_other_readers_find_in_them(recordings):
+    """A TurtleBot under Nav2, by mcap's own reader, and the same transforms as a bag of ROS 1 and of ROS 2."""
+    path = recordings / "trajectories/nav2_turtlebot.mcap"
+    with path.open("rb") as stream:
+        messages = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(topics=["/odom"])
+        odometry = [(message.header.stamp, message.pose.pose.position) for *_, message in messages]
+    (trajectory,) = read(path, topics=("/odom",))
+    expected = np.array([(stamp.sec + 1e-9 * stamp.nanosec, place.x, place.y) for stamp, place in odometry])
+    np.testing.assert_allclose(trajectory.t_s - trajectory.t_s[0], expected[:, 0] - expected[0, 0], atol=1e-6)
+    np.testing.assert_allclose(trajectory.pose[:, :2], expected[:, 1:], atol=1e-12)
+    (one,), (other,) = (read(recordings / "trajectories" / name) for name in ("tf_example.bag", "tf_example"))
+    assert one.quantities["pose"] == other.quantities["pose"] == "odom:base_footprint"
+    np.testing.assert_allclose(one.pose, other.pose, atol=1e-12)
