@@ -61,6 +61,7 @@ class Feeler(Sensor):
         clearance_m = hits.fraction[0] * self.settings.reach_m
         return np.array([clearance_m <= self.settings.travel_m, clearance_m])
 '''
+ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
 TRAVEL = "robot.sensors.feeler.travel_m"
 MEANING = "Contact of the feeler at the robot's front: closed where a wall or an obstacle is within its travel."
 
@@ -85,7 +86,7 @@ def released(tmp_path_factory, tiny):
 
     folder = tmp_path_factory.mktemp("own")
     path, out = written(folder), folder / "data"
-    settings = [*tiny, "--set", f"{TRAVEL}={{uniform: [0.4, 0.9]}}"]
+    settings = [*tiny, ONE_ROUTE, "--set", f"{TRAVEL}={{uniform: [0.4, 0.9]}}"]
     try:
         code = main(["--sensor-file", str(path), "release", "smoke", "--out", str(out), *settings, "--workers", "1"])
     finally:

@@ -161,6 +161,7 @@ def test_a_damaged_image_in_the_stages_and_the_release_is_made_again(dataset, co
     assert release_of(out) == release_of(dataset)
 
 
+@pytest.mark.usefixtures("hands")
 def test_a_run_that_touches_something_is_reported_and_not_released(tmp_path, symolo, tiny):
     """A sill below the range sensors' beams stands in the way of the counter-clockwise route alone."""
     (tmp_path / "sill.yaml").write_text(ARENA_WITH_A_SILL)

@@ -28,7 +28,8 @@ WIDE = Intrinsics(320, 8, 225.0, 225.0, 159.5, 3.5)
 ODD = replace(CAMERA, width_px=65, height_px=49, cx_px=32.0, cy_px=24.0)
 LENS = replace(CAMERA, cx_px=32.5, cy_px=22.5, distortion=(-0.25, 0.05, 0.0, 0.0, 0.0))
 HYBRID = HybridSamples(near=4, far=2, surfaces=16)
-FULL_SAMPLES = 256
+FULL_SAMPLES, FEWER_SAMPLES = 256, 64
+"""Of full images: where single rows of pixels count, and where means over regions do."""
 COARSER = 2
 """The texels of the light maps, 8 mm wide, are so about as wide as a pixel of these small images."""
 PITCH = np.radians(35.0)
@@ -108,8 +109,14 @@ def _turning(number: int, length_s: float) -> FrameView:
     return replace(_at(number, (0.0, 0.0, 0.0)), exposure=moments)
 
 
-def _job(scene: Scene, views: list[FrameView], hybrid: HybridSamples | None, shutter: Shutter = INSTANT) -> RenderJob:
-    sampling = TracingSettings(seed=1, samples=FULL_SAMPLES, denoise=False, hybrid=hybrid)
+def _job(
+    scene: Scene,
+    views: list[FrameView],
+    hybrid: HybridSamples | None,
+    shutter: Shutter = INSTANT,
+    samples: int = FULL_SAMPLES,
+) -> RenderJob:
+    sampling = TracingSettings(seed=1, samples=samples, denoise=False, hybrid=hybrid)
     response = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
     return RenderJob(RenderJob.FORMAT, scene, CAMERA, tuple(views), sampling, response, shutter)
 
@@ -153,7 +160,8 @@ def images(lights_of) -> dict[str, np.ndarray]:
     for name, (scene, views, shutter) in kinds.items():
         for kind, hybrid in (("hybrid", HYBRID), ("full", None)):
             names.append(f"{name} {kind}")
-            orders.append((_job(scene, views, hybrid, shutter), 2, [view.number for view in views]))
+            samples = FULL_SAMPLES if scene is seen else FEWER_SAMPLES
+            orders.append((_job(scene, views, hybrid, shutter, samples), 2, [view.number for view in views]))
     return dict(zip(names, lights_of(*orders, coarser=COARSER), strict=True))
 
 

@@ -68,6 +68,7 @@ def test_two_drives_are_the_same_bytes(framing, tmp_path):
     assert saved[0] == saved[1]
 
 
+@pytest.mark.usefixtures("hands")
 def test_a_release_with_a_board_says_so_and_is_verified(symolo, tmp_path):
     settings = ("stop.time_limit_s=0.2", "render.width_px=32", "render.height_px=24", "render.samples=1", ONE_RUN)
     asked = ["hil", "smoke", "--simulated", "--out", tmp_path / "data", *(f"--set={setting}" for setting in settings)]
