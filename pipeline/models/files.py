@@ -4,7 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from configs.schema.scenario import RunSpec
 from pipeline.models.robot import RobotParts
-from pipeline.models.sdf import document, robot_model
+from pipeline.models.sdf import robot_model
+from pipeline.models.sdf_elements import document
 from pipeline.models.urdf import robot_model_urdf
 from pipeline.models.world import arena_sdf, world_sdf
 from symolo.core.errors import InputError, nearest

@@ -1,5 +1,6 @@
 """The parts of a robot model beside the simulated links: visual shapes and frames of the sensors."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import radians
 
@@ -7,14 +8,18 @@ import numpy as np
 
 from blender_scenes.scene.robot_body import robot_body
 from configs.effects.base import Slot
+from configs.robot_sensors import MountedSettings
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, RobotLink, robot_links
 from physics.robot.model import through
 from pipeline.models.colours import colours
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
+from pipeline.stages.cameras import cameras_of
 from symolo.core.geometry.pinhole import Intrinsics, horizontal_field_of_view_rad, intrinsics, pose_X_RC
 from symolo.dataset.documents.camera_model import X_CB
+from symolo.dataset.documents.camera_specification import KIND
+from symolo.dataset.documents.sensor_sections import optical_frame, sensor_frame
 
 CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera", "camera_optical", "line_sensor"
 _ROUND = {
@@ -37,16 +42,36 @@ class NamedFrame:
 
 
 @dataclass(frozen=True)
+class Lens:
+    """A camera: its lens, rate and whether it sees the robot."""
+
+    intrinsics: Intrinsics
+    horizontal_field_of_view_rad: float
+    rate_hz: float
+    sees_robot: bool
+
+    @classmethod
+    def of(cls, spec: SceneSpec, rate_hz: float) -> "Lens":
+        """Return the camera of data.csv of a specification."""
+        camera = spec.robot.camera
+        lens = intrinsics(camera, spec.render.width_px, spec.render.height_px)
+        wide_rad = 2 * lens.fisheye.half_field_rad if lens.fisheye else horizontal_field_of_view_rad(camera)
+        return cls(lens, wide_rad, rate_hz, camera.sees_robot)
+
+
+@dataclass(frozen=True)
 class RobotParts:
     config: RobotConfig
     links: tuple[RobotLink, ...]
     visuals: dict[str, tuple[Visual, ...]]
     """Visual shapes by link."""
     frames: tuple[NamedFrame, ...]
-    """`camera` (x along the axis), `camera_optical` (z along the axis), `tof_*` (x along the axis), `line_sensor`."""
-    camera: Intrinsics
-    horizontal_field_of_view_rad: float
-    camera_hz: int
+    """`camera` (x along the axis), `camera_optical` (z along the axis), `tof_*` (x along the axis), `line_sensor`, and
+    `sensors/NAME` for each sensor of `robot.sensors` that has a place."""
+    lens: Lens
+    """The camera of data.csv."""
+    further_lenses: dict[str, Lens]
+    """The further cameras by name."""
     control_hz: int
 
     @classmethod
@@ -57,9 +82,8 @@ class RobotParts:
             links,
             _visuals(spec, links),
             frames(spec.robot),
-            intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px),
-            horizontal_field_of_view_rad(spec.robot.camera),
-            spec.rates.camera_hz,
+            Lens.of(spec, spec.rates.camera_hz),
+            {one.name: Lens.of(one.spec, 1 / one.period_s) for one in cameras_of(spec)[1:]},
             spec.rates.control_hz,
         )
 
@@ -75,7 +99,18 @@ def frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
         NamedFrame(CAMERA_OPTICAL, Placement.of(X_RC)),
         *tof_frames(robot),
         NamedFrame(LINE_SENSOR, Placement((line.x_m, 0.0, line.height_m))),
+        *_further_frames(robot),
     )
+
+
+def _further_frames(robot: RobotConfig) -> Iterator[NamedFrame]:
+    """Yield the frame of each sensor of `robot.sensors` that has a place, and that of the pixels of a camera."""
+    for name, settings in robot.sensors:
+        if isinstance(settings, MountedSettings):
+            X_RS = settings.X_RS()
+            yield NamedFrame(sensor_frame(name), Placement.of(X_RS))
+            if settings.kind == KIND:
+                yield NamedFrame(optical_frame(name), Placement.of(X_RS @ np.linalg.inv(X_CB)))
 
 
 def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:

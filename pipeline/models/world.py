@@ -18,13 +18,12 @@ from pipeline.models.sdf import (
     WALLS_BIT,
     add_geometry,
     add_material,
-    add_pose,
     add_surface,
-    child,
-    document,
     robot_model,
 )
+from pipeline.models.sdf_elements import add_pose, child, document
 from sensors.camera.colour import RGB
+from sensors.imu import ImuSettings
 from symolo.arena.geometry import Arc, Arena, Box, Straight
 
 LINE_HEIGHT_M = 0.0005
@@ -57,6 +56,8 @@ def arena_sdf(spec: RunSpec) -> bytes:
 def world_sdf(spec: RunSpec, parts: RobotParts) -> bytes:
     """Return a world with the arena and with the robot at the start of the run."""
     world = _world(spec)
+    if any(isinstance(settings, ImuSettings) for _, settings in spec.robot.sensors):
+        child(world, "plugin", filename="gz-sim-imu-system", name="gz::sim::systems::Imu")
     start = spec.start
     world.append(robot_model(parts, Placement((start.x_m, start.y_m, 0.0), (0.0, 0.0, radians(start.yaw_deg)))))
     return document(world)

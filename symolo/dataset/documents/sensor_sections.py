@@ -1,10 +1,20 @@
-"""Settings of the kinds of sensors that formats of other programs describe, as side/spec.json has them."""
+"""Sensors in files of other programs: names of their frames, and settings of their kinds as side/spec.json has them."""
 
 from typing import Literal
 
 from pydantic import Field
 
 from symolo.dataset.documents.run_document import SensorSection, SpecSection
+
+
+def sensor_frame(name: str) -> str:
+    """Return the name of the frame of a sensor of `robot.sensors`; names of other frames have no stroke."""
+    return f"sensors/{name}"
+
+
+def optical_frame(name: str) -> str:
+    """Return the name of the frame of a further camera with the axes of an image."""
+    return f"{sensor_frame(name)}/optical_frame"
 
 
 class AccelerometerSection(SpecSection):
@@ -40,6 +50,11 @@ class UltrasonicSection(SensorSection):
 class Vl53l0xSection(SensorSection):
     mode: str
     field_of_view_deg: float
+
+    @property
+    def reach_m(self) -> float:
+        """Range of the mode in the data sheet (DS11555, table of ranging profiles)."""
+        return 2.0 if self.mode == "long_range" else 1.2
 
 
 class WheelEncoderSection(SensorSection):

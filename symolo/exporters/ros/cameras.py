@@ -8,8 +8,9 @@ import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.dataset.documents.sensor_sections import optical_frame, sensor_frame
 from symolo.exporters.ros.topic import Log, Stamped, Topic
-from symolo.exporters.ros.vocabulary import BASE, START_NS, Vocabulary, sensor_frame
+from symolo.exporters.ros.vocabulary import BASE, START_NS, Vocabulary
 from symolo.exporters.stereo import OWN_CAMERA, cameras_with_images, stereo_pair
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.run import Run
@@ -38,7 +39,7 @@ def _frames(name: str) -> tuple[str, str]:
     """Return the name of the frame with the axes of a body (x forward), and of that with the axes of an image."""
     if name == OWN_CAMERA:
         return "camera_link", "camera_optical_frame"
-    return sensor_frame(name), f"{sensor_frame(name)}/optical_frame"
+    return sensor_frame(name), optical_frame(name)
 
 
 def _images(name: str, camera: RunFolder, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:

@@ -17,16 +17,14 @@ from symolo.dataset.documents.sensor_sections import (
     UltrasonicSection,
     Vl53l0xSection,
     WheelEncoderSection,
+    sensor_frame,
 )
 from symolo.exporters.ros.topic import Log, Stamped, Topic
-from symolo.exporters.ros.vocabulary import BASE, INFRARED, START_NS, ULTRASOUND, Vocabulary, sensor_frame
+from symolo.exporters.ros.vocabulary import BASE, INFRARED, START_NS, ULTRASOUND, Vocabulary
 from symolo.reader.run import Run
 from symolo.reader.sensor import RunSensor
 
 _PLACE = frozenset({"x_m", "y_m", "z_m"})
-_VL53L0X_REACH_M = MappingProxyType({"long_range": 2.0})
-"""Range of the modes with another one than the default (data sheet DS11555, table of ranging profiles)."""
-_VL53L0X_DEFAULT_REACH_M = 1.2
 Messages = Callable[[RunSensor, Log, Vocabulary], Iterator[Stamped]]
 
 
@@ -91,8 +89,7 @@ def _scan(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
 
 def _vl53l0x(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     settings = Vl53l0xSection.model_validate(sensor.settings)
-    reach_m = _VL53L0X_REACH_M.get(settings.mode, _VL53L0X_DEFAULT_REACH_M)
-    limits = np.radians(settings.field_of_view_deg), 0.0, reach_m
+    limits = np.radians(settings.field_of_view_deg), 0.0, settings.reach_m
     return _ranges(sensor, ros, INFRARED, limits, np.where(sensor.no_target, np.inf, sensor.values("range")))
 
 

@@ -20,11 +20,6 @@ Planar = tuple[float, float, float]
 """x [m], y [m], yaw [rad]."""
 
 
-def sensor_frame(name: str) -> str:
-    """Return the name of the frame of a sensor of `robot.sensors`; no other frame has a stroke."""
-    return f"sensors/{name}"
-
-
 @dataclass(frozen=True)
 class Vocabulary:
     """Function that makes the messages of one version of ROS."""
