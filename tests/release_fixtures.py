@@ -38,6 +38,22 @@ TINY = [
 ]
 
 
+SENSORS = {
+    "imu": "{x_m: -0.03, y_m: 0.02, z_m: 0.06, yaw_deg: 90}",
+    "lidar": "{x_m: 0.02, z_m: 0.1, rays: 36, ray_step_deg: 10, delay_s: 0.02}",
+    "beside": "{kind: vl53l0x, y_m: 0.05, z_m: 0.05, yaw_deg: -90, pitch_up_deg: 10, mode: long_range}",
+    "sonar": "{kind: ultrasonic, x_m: 0.09, z_m: 0.06, yaw_deg: -90}",
+    "corners": "{kind: line_array, places: [[0.08, 0.07], [0.08, -0.07], [-0.08, 0.07]], z_m: 0.004}",
+    "coder": "{kind: wheel_encoder, wheel: left, counts_per_revolution: 64, delay_s: 0.004}",
+    "bumper": "{zones: 3}",
+    "left": "{kind: camera, x_m: 0.06, y_m: 0.03, pitch_up_deg: -25, width_px: 32, height_px: 24}",
+    "right": "{kind: camera, x_m: 0.06, y_m: -0.03, pitch_up_deg: -25, width_px: 32, height_px: 24}",
+    "rear": "{kind: camera, x_m: -0.08, yaw_deg: 180, period_s: 0.3, delay_s: 0.05, width_px: 32, height_px: 24,"
+    " fisheye: {}}",
+}
+"""Sensors of the robot of `sensing_release`; left and right are a rectified pair."""
+
+
 @dataclass(frozen=True)
 class Ended:
     code: int
@@ -80,15 +96,24 @@ def tiny() -> list[str]:
 @pytest.fixture(scope="session")
 def dataset(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
     """A release of two runs, made once for all processes of pytest-xdist; read only, `copy_of` is for changing it."""
-    shared = tmp_path_factory.getbasetemp()
-    if hasattr(request.config, "workerinput"):
-        shared = shared.parent  # every process has a folder of its own below the session's
-    out = shared / "release" / "data"
-    with (shared / "release.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (out / TAG_MANIFEST).exists():
-            assert main(["release", "smoke", "--out", str(out), *TINY, "--workers", "1"]) == 0
-    return out
+    return _shared_release("release", TINY, tmp_path_factory, request)
+
+
+@pytest.fixture(scope="session")
+def sensing_release(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """A release of one run, CW/test_1, of a robot with all kinds of sensors, whose images are noise; made and shared as
+    `dataset`.
+    """
+    settings = [
+        "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]",
+        "stop.time_limit_s=0.6",
+        "render.width_px=32",
+        "render.height_px=24",
+        *(f"robot.sensors.{name}={value}" for name, value in SENSORS.items()),
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        _in_this_process(patch).paint = _paint_noise
+        return _shared_release("sensing", [f"--set={setting}" for setting in settings], tmp_path_factory, request)
 
 
 @pytest.fixture
@@ -123,6 +148,31 @@ def release_of() -> Callable[[Path], dict[str, bytes]]:
     return read
 
 
+def _shared_release(
+    name: str, settings: Sequence[str], folders: pytest.TempPathFactory, request: pytest.FixtureRequest
+) -> Path:
+    """Make a release once for all processes of pytest-xdist, and return its folder."""
+    shared = folders.getbasetemp()
+    if hasattr(request.config, "workerinput"):
+        shared = shared.parent  # every process has a folder of its own below the session's
+    out = shared / name / "data"
+    with (shared / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (out / TAG_MANIFEST).exists():
+            assert main(["release", "smoke", "--out", str(out), *settings, "--workers", "1"]) == 0
+    return out
+
+
+def _paint_noise(unit: RenderUnit) -> None:
+    """In place of Blender: noise of its own for each frame of each camera."""
+    ledger = Ledger(unit.folder, sha256_of(unit.job))
+    for number in unit.numbers:
+        rng = np.random.default_rng([number, *unit.folder.as_posix().encode()[-40:]])
+        data = encode_jpeg(rng.integers(0, 256, (24, 32, 3), dtype=np.uint8), 92)
+        digest = put_in_place(data, unit.folder / frame_name(number), 32, 24)
+        ledger.add(FrameFile(number, frame_name(number), digest, len(data), 0.0))
+
+
 def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
     """In place of Blender: a grey image of 32 x 24 pixels for each frame, with a stated class of processor."""
     data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
@@ -133,7 +183,7 @@ def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
         ledger.add(FrameFile(number, name, digest, len(data), 0.0, cpu=cpu))
 
 
-def in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
+def _in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Have units of work done one by one in this process, the images by `paint`, which a test may replace."""
     chosen = SimpleNamespace(paint=_paint)
 
@@ -154,14 +204,14 @@ def in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
 @pytest.fixture
 def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Units of work are done one by one in this process, the images by `paint`, which a test may replace."""
-    return in_this_process(monkeypatch)
+    return _in_this_process(monkeypatch)
 
 
 @pytest.fixture(scope="module")
 def hands_of_module() -> Iterator[SimpleNamespace]:
     """As `hands`, for fixtures of a module, and for all of its tests."""
     with pytest.MonkeyPatch.context() as patch:
-        yield in_this_process(patch)
+        yield _in_this_process(patch)
 
 
 @pytest.fixture(scope="session")

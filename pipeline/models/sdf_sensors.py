@@ -115,13 +115,15 @@ def _lidar(base: ET.Element, parts: RobotParts, frame: str, settings: LidarSetti
 def _imu(base: ET.Element, parts: RobotParts, frame: str, settings: ImuSettings) -> None:
     """Add an IMU with the white noise of a sample; its biases are drawn for each run."""
     root_s = sqrt(settings.period_s)
-    rate = _noise(settings.gyroscope.noise_density_rad_s_rtHz / root_s)
-    force = _noise(settings.accelerometer.noise_density_m_s2_rtHz / root_s)
-    axes = {
-        name: {axis: {"noise": noise} for axis in "xyz"}
-        for name, noise in (("angular_velocity", rate), ("linear_acceleration", force))
+    deviations = {
+        "angular_velocity": settings.gyroscope.noise_density_rad_s_rtHz / root_s,
+        "linear_acceleration": settings.accelerometer.noise_density_m_s2_rtHz / root_s,
     }
-    child(_sensor(base, parts, frame, "imu", 1 / settings.period_s), "imu", axes)
+    imu = child(_sensor(base, parts, frame, "imu", 1 / settings.period_s), "imu")
+    for name, sd in deviations.items():
+        axes = child(imu, name)
+        for axis in "xyz":
+            child(child(axes, axis), "noise", {"mean": 0, "stddev": round(sd, 9)}, type="gaussian")
 
 
 def _noise(sd: float) -> dict[str, object]:

@@ -17,7 +17,7 @@ from symolo.core.geometry.poses import pose_X_WR, quaternions
 from symolo.dataset.documents.camera_model import CameraDocument
 from symolo.dataset.documents.sensor_sections import ImuSection
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
-from symolo.exporters.stereo import cameras_with_images, stereo_pair
+from symolo.exporters.stereo import pair_first
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -47,10 +47,8 @@ class _Body:
 
     @cached_property
     def cameras(self) -> dict[str, RunFolder]:
-        """The cameras by name: first the left and the right one of a rectified pair, if there is one."""
-        cameras, pair = cameras_with_images(self.run), stereo_pair(self.run)
-        first = (pair.left, pair.right) if pair else ()
-        return {name: cameras[name] for name in (*first, *(other for other in cameras if other not in first))}
+        """The cameras by name, those of a rectified pair first."""
+        return pair_first(self.run)
 
     @cached_property
     def X_RB(self) -> Array:

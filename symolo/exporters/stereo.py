@@ -41,6 +41,13 @@ def stereo_pair(run: Run) -> StereoPair | None:
     return None
 
 
+def pair_first(run: Run) -> dict[str, RunFolder]:
+    """Return `cameras_with_images` with the left and the right camera of the pair first, if there is one."""
+    cameras, pair = cameras_with_images(run), stereo_pair(run)
+    first = (pair.left, pair.right) if pair else ()
+    return {name: cameras[name] for name in (*first, *(other for other in cameras if other not in first))}
+
+
 def _baseline_m(left: RunFolder, right: RunFolder) -> float | None:
     """Return the baseline of two cameras if they are a rectified pair."""
     same_lens = left.camera.model_copy(update={"X_RC": right.camera.X_RC}) == right.camera

@@ -3,6 +3,7 @@
 from symolo.core.progress import Report
 from symolo.pages.thumbnails import thumbnail
 from symolo.reader.dataset import Dataset
+from symolo.report.camera_rows import camera_rows
 from symolo.report.media import Media
 from symolo.report.page import MAX_OUTLIERS, page
 from symolo.report.state_sheets import images_of_states
@@ -37,6 +38,7 @@ def _media(data: Dataset, facts: ReleaseFacts, report: Report) -> Media:
     from symolo.report.plots.brightness import brightness_plot, spread_plot  # noqa: PLC0415
     from symolo.report.plots.map import map_plot  # noqa: PLC0415
     from symolo.report.plots.run import run_plot  # noqa: PLC0415
+    from symolo.report.plots.scans import scan_plot  # noqa: PLC0415
     from symolo.report.plots.sensor import sensor_plot  # noqa: PLC0415
 
     facts_by_run = {run.record.run: run for run in facts.runs}
@@ -57,6 +59,8 @@ def _media(data: Dataset, facts: ReleaseFacts, report: Report) -> Media:
         map_count=len(maps),
         runs=runs,
         sensors={table.name: sensor_plot(sensor_run, table) for table in sensor_run.sensor_tables},
+        scans={name: scan_plot(sensor_run, name) for name, one in sensor_run.sensors.items() if one.kind == "lidar"},
+        cameras=camera_rows(sensor_run),
         sensor_run=sensor_run.name,
         state_sheets=state_sheets,
         images={(run, number): thumbnail(data[run].image(number)) for run, number in sorted(images)},

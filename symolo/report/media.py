@@ -1,8 +1,9 @@
 """The plots and images that the page shows."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from symolo.report.camera_rows import CameraImage
 from symolo.report.state_sheets import StateImage
 
 
@@ -29,4 +30,8 @@ class Media:
     sensors: Mapping[str, bytes] = field(default_factory=dict)
     """SVG plot of each sensor of `robot.sensors` in the run `sensor_run`, by the name of the sensor."""
     sensor_run: str = ""
-    """Name of the run that the plots of the sensors show."""
+    """Name of the run whose sensors and further cameras are shown."""
+    scans: Mapping[str, bytes] = field(default_factory=dict)
+    """SVG of the points that each lidar met in the run `sensor_run`, by the name of the sensor."""
+    cameras: Sequence[Sequence[CameraImage]] = ()
+    """Images of all cameras of the run `sensor_run`, a row for each moment; none without further cameras."""

@@ -7,6 +7,7 @@ from statistics import median
 
 from symolo.core.errors import one_line
 from symolo.core.progress import seconds
+from symolo.dataset.documents.metadata import RunRecord
 from symolo.pages.html import grouped, render_page
 from symolo.pages.states import named
 from symolo.report.media import Media
@@ -25,6 +26,7 @@ _SECTIONS = {
     "states": "What the camera sees",
     "map": "Where the robot drove",
     "runs": "Runs over time",
+    "cameras": "What all cameras see",
     "sensors": "Further sensors",
     "draws": "What varies from run to run",
     "images": "Images in numbers",
@@ -44,7 +46,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         "symolo.report",
         title=f"{metadata.name}: release",
         svg="image/svg+xml",
-        sections=_sections(facts),
+        sections=_sections(facts, media),
         facts=facts,
         media=media,
         metadata=metadata,
@@ -57,6 +59,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         columns=[(column.name, column.unit, column.meaning) for column in metadata.columns.get("data.csv", [])],
         mapped_runs=sum(run.path is not None for run in facts.runs),
         sensors=[_sensor(facts, number) for number in range(len(metadata.sensors))],
+        camera_table=_camera_table(records, media.sensor_run),
         table_runs=spread(facts.runs, _MAX_TABLE_RUNS),
         state_sheets=[
             (named(state), [(image.run, image.number, f"{image.t_s:.1f} s") for image in images])
@@ -85,11 +88,21 @@ def page(facts: ReleaseFacts, media: Media) -> str:
     )
 
 
-def _sections(facts: ReleaseFacts) -> dict[str, str]:
+def _sections(facts: ReleaseFacts, media: Media) -> dict[str, str]:
     """Return the titles of the parts that have a content."""
     empty = {"sensors"} if not facts.metadata.sensors else set()
+    empty |= {"cameras"} if not media.cameras else set()
     empty |= {"states", "images"} if not facts.images else set()
     return {name: title for name, title in _SECTIONS.items() if name not in empty}
+
+
+def _camera_table(records: Sequence[RunRecord], run: str) -> list[tuple[str, int, str, str]]:
+    """Return name, number of images, size and period of each further camera of a run."""
+    cameras = next((record.cameras for record in records if record.run == run), {})
+    return [
+        (name, one.images, f"{one.image_width_px} x {one.image_height_px} px", f"{one.period_s:g} s")
+        for name, one in sorted(cameras.items())
+    ]
 
 
 def _contents(facts: ReleaseFacts) -> list[tuple[str, str]]:

@@ -10,18 +10,14 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from configs.draw import draw_all
 from configs.loader import load_scenario
-from pipeline.work.units import RenderUnit
-from sensors.camera.response import encode_jpeg
-from symolo.core.files.file_hashes import canonical_json, sha256_of
+from symolo.core.files.file_hashes import canonical_json
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import LineReport
 from symolo.dataset.annotations import ENCODINGS
 from symolo.dataset.documents.camera_model import CameraDocument
 from symolo.dataset.documents.metadata import RunRecord, describe
-from symolo.dataset.layout import frame_name
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 from symolo.dataset.tables.rows import COLUMNS, STATES, Rows
 from symolo.dataset.tables.side_tables import CAMERA, TOF, WHEELS, image_positions
@@ -262,50 +258,3 @@ def _document(spec, camera, X_WC, sightings) -> dict:
         else [],
         "sightings": seen if "key_points" in kinds else [],
     }
-
-
-SENSORS = {
-    "imu": "{x_m: -0.03, y_m: 0.02, z_m: 0.06, yaw_deg: 90}",
-    "lidar": "{x_m: 0.02, z_m: 0.1, rays: 36, ray_step_deg: 10, delay_s: 0.02}",
-    "beside": "{kind: vl53l0x, y_m: 0.05, z_m: 0.05, yaw_deg: -90, pitch_up_deg: 10, mode: long_range}",
-    "sonar": "{kind: ultrasonic, x_m: 0.09, z_m: 0.06, yaw_deg: -90}",
-    "corners": "{kind: line_array, places: [[0.08, 0.07], [0.08, -0.07], [-0.08, 0.07]], z_m: 0.004}",
-    "coder": "{kind: wheel_encoder, wheel: left, counts_per_revolution: 64, delay_s: 0.004}",
-    "bumper": "{zones: 3}",
-    "left": "{kind: camera, x_m: 0.06, y_m: 0.03, pitch_up_deg: -25, width_px: 32, height_px: 24}",
-    "right": "{kind: camera, x_m: 0.06, y_m: -0.03, pitch_up_deg: -25, width_px: 32, height_px: 24}",
-    "rear": "{kind: camera, x_m: -0.08, yaw_deg: 180, period_s: 0.3, delay_s: 0.05, width_px: 32, height_px: 24,"
-    " fisheye: {}}",
-}
-"""Sensors of the robot of `sensing_release`; left and right are a rectified pair."""
-
-
-def _noise(unit: RenderUnit) -> None:
-    """In place of Blender: noise of its own for each image of each camera."""
-    ledger = Ledger(unit.folder, sha256_of(unit.job))
-    for number in unit.numbers:
-        rng = np.random.default_rng([number, *str(unit.folder).encode()[-40:]])
-        data = encode_jpeg(rng.integers(0, 256, (24, 32, 3), dtype=np.uint8), 92)
-        digest = put_in_place(data, unit.folder / frame_name(number), 32, 24)
-        ledger.add(FrameFile(number, frame_name(number), digest, len(data), 0.0))
-
-
-@pytest.fixture(scope="session")
-def sensing_release(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A release of one run, CW/test_1, of a robot with all kinds of sensors; its images are noise; read only."""
-    from pipeline.cli import main  # noqa: PLC0415
-    from tests.release_fixtures import in_this_process  # noqa: PLC0415
-
-    root = tmp_path_factory.mktemp("sensing") / "data"
-    settings = [
-        "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]",
-        "stop.time_limit_s=0.6",
-        "render.width_px=32",
-        "render.height_px=24",
-        *(f"robot.sensors.{name}={value}" for name, value in SENSORS.items()),
-    ]
-    with pytest.MonkeyPatch.context() as patch:
-        in_this_process(patch).paint = _noise
-        arguments = ["release", "smoke", "--out", str(root), "--workers", "1"]
-        assert main([*arguments, *(f"--set={setting}" for setting in settings)]) == 0
-    return root

@@ -10,8 +10,10 @@ import pytest
 from symolo.core.progress import LineReport
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.reader.dataset import load
+from symolo.report.camera_rows import camera_rows
 from symolo.report.media import Media
 from symolo.report.page import page
+from symolo.report.plots.scans import scan_plot
 from symolo.report.state_sheets import images_of_states
 from symolo.report.statistics.facts import release_facts
 
@@ -186,3 +188,32 @@ def test_markup_in_a_release_is_text_on_its_page(painted):
     assert "<script" not in html
     ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
     assert words(html).count(HOSTILE) >= 6
+
+
+def test_all_cameras_are_side_by_side_and_scans_are_on_the_arena(sensing_release):
+    data = load(sensing_release)
+    run = data["CW/test_1"]
+    rows = camera_rows(run)
+    # The moments are at 0.1, 0.3 and 0.5 s; images are each 200 ms, and each 300 ms of the camera at the rear.
+    shown = [[(image.camera, image.number) for image in row] for row in rows]
+    numbers = [(1, 1), (2, 2), (3, 2)]
+    assert shown == [[("left", fast), ("right", fast), ("camera", fast), ("rear", slow)] for fast, slow in numbers]
+    files = {name: camera.image(1).path.read_bytes() for name, camera in {"camera": run, **run.cameras}.items()}
+    assert {image.camera: image.jpeg for image in rows[0]} == files
+    facts = release_facts(data, data.metadata, 1, LineReport())
+    svgs = dict.fromkeys((table.name for table in run.sensor_tables), b"svg")
+    media = Media(
+        (b"svg",), 1, {"CW/test_1": b"svg"}, {}, {}, b"svg", b"svg", 1, svgs, run.name, {"lidar": b"scan"}, rows
+    )
+    text = words(page(facts, media))
+    assert "What all cameras see" in text
+    assert "rear image 2, 0.30 s" in text
+    assert "rear 3 32 x 24 px 0.3 s" in text
+    assert "Points of some scans" in text
+    assert b"<image" in scan_plot(run, "lidar")  # the points, drawn once
+
+
+def test_without_further_cameras_there_is_no_part_on_them(whole):
+    root, html = whole
+    assert camera_rows(load(root).runs[0]) == ()
+    assert "What all cameras see" not in html
