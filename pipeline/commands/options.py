@@ -194,6 +194,17 @@ def with_device(settings: Sequence[str] | None, device: Device | None) -> tuple[
     return (*(settings or ()), *([f"render.device={device}"] if device else []))
 
 
+ALL_LOOKS = "all"
+"""Word for all shipped looks where a command takes several."""
+
+
+def look_names(text: str) -> tuple[str, ...]:
+    """Return the looks of `--look`: names and files in a list, or all shipped ones."""
+    from configs.references import shipped_names
+
+    return shipped_names("look") if text == ALL_LOOKS else names(text, "--look")
+
+
 def names(text: str, where: str) -> tuple[str, ...]:
     """Return the names in a list with commas between them."""
     result = tuple(name.strip() for name in text.split(","))

@@ -13,7 +13,7 @@ from pipeline.commands.options import (
     Workers,
     checked_new_image,
     if_given,
-    names,
+    look_names,
     with_device,
 )
 from pipeline.preview import Engine
@@ -45,7 +45,7 @@ def preview(
             "--look",
             "--looks",
             metavar="NAME,...",
-            help="Looks to show for each run; by default the look of the scenario.",
+            help="Looks to show for each run, or `all` for all shipped ones; by default the look of the scenario.",
         ),
     ] = None,
     settings: Settings = None,
@@ -68,6 +68,8 @@ def preview(
 
     Example: symolo preview symolo -n 24
 
+    All shipped looks: symolo preview symolo -n 12 --look all --out gallery.jpg
+
     In seconds, without textures and gloss: symolo preview symolo --engine flat --look classroom,lab --out preview.jpg
     """
     from pipeline.preview.engines import check_size, render_views, sheet
@@ -77,7 +79,7 @@ def preview(
     from symolo.core.progress import report_here
     from symolo.pages.sheet import save
 
-    looks = names(look, "--look") if look is not None else ()
+    looks = look_names(look) if look is not None else ()
     drawn = views(scenario, with_device(settings, device), looks, count, width_px)
     first = next(drawn)
     check_size(first, count, columns)

@@ -16,6 +16,7 @@ from configs.loader import load_scenario, load_section
 from physics.control.program import PROGRAM
 from physics.control.registry import CONTROLLERS
 from pipeline.cli import command_line, main
+from pipeline.commands.options import ALL_LOOKS
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "diagnosis/examples"
@@ -95,7 +96,7 @@ def test_its_commands_parse(page, tmp_path, monkeypatch):
             # A robot that an earlier command of the page finds is not there.
             scenario_of(scenario, tuple(one for one in values["settings"] or () if not one.endswith(".yaml")))
         for look in ",".join(values.get(option) or "" for option in ("look", "looks")).split(","):
-            if look and not look.endswith(".yaml"):
+            if look not in ("", ALL_LOOKS) and not look.endswith(".yaml"):
                 load_section("look", look)
 
 

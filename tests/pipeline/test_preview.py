@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+import configs
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.preview.path import PreviewPath
@@ -112,6 +113,15 @@ def test_several_looks_show_the_same_run_from_the_same_place():
     one, other, later = (view.job() for view in shown)
     assert one.frames[0].X_WC == other.frames[0].X_WC != later.frames[0].X_WC
     assert one.scene.panels != other.scene.panels
+
+
+def test_all_shipped_looks_are_one_word(tmp_path, symolo):
+    sheets = [tmp_path / "all.png", tmp_path / "named.png"]
+    named = ",".join(sorted(path.stem for path in (Path(configs.__file__).parent / "looks").glob("*.yaml")))
+    for sheet, looks in zip(sheets, ("all", named), strict=True):
+        drawn = ("preview", "smoke", "--engine", "flat", "-n", 6, "--width-px", 32, "--look", looks, "--out", sheet)
+        assert symolo(*drawn).code == 0
+    assert sheets[0].read_bytes() == sheets[1].read_bytes()
 
 
 def test_without_out_the_sheet_is_named_by_its_scenario(tmp_path, symolo, monkeypatch):
