@@ -24,6 +24,7 @@ from symolo.core.geometry.lens import lens_problem
 from symolo.core.yaml.tree import FieldPath, Node, dotted
 from symolo.dataset.documents.camera_specification import KIND as CAMERA
 from symolo.dataset.documents.camera_specification import further_cameras, specification_of
+from symolo.dataset.splits import SplitMember, check
 
 LINTEL_M = 0.1
 """Smallest height of wall between a window and the ceiling; a window that is too high is made lower."""
@@ -50,6 +51,19 @@ def check_run(scenario: Scenario, root: Node, index: int, run: int) -> None:
     """
     note = f"drawn for {scenario.routes[0].name} run {run}; narrow the distributions or take another seed"
     _refuse(_scenario_faults(scenario, [index]), root, note)
+
+
+def check_splits(scenario: Scenario, root: Node) -> None:
+    """Refuse a division that the planned runs do not allow.
+
+    Raises:
+        InputError: There are fewer groups than splits, or a run is not in exactly one split.
+    """
+    if scenario.splits is not None:
+        look, robot, seed = scenario.look.name, scenario.robot.name, scenario.seed
+        runs = (f"{route.name}/test_{run}" for route in scenario.routes for run in range(1, route.runs + 1))
+        members = [SplitMember(run, look, robot, seed) for run in runs]
+        check(scenario.splits.rule(seed), members, root.place_of(("splits",)))
 
 
 def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from configs.arena_polygons import with_polygons
 from configs.assets.folder import with_assets
 from configs.assets.meshes import with_meshes
-from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario
+from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario, check_splits
 from configs.overrides import apply_override
 from configs.references import locate, read_file, resolve
 from configs.robot_controller import with_chosen
@@ -165,6 +165,7 @@ def _checked(root: Node, assets: Mapping[str, Path]) -> LoadedScenario:
     for scenario in probed:
         check_scenario(scenario, root)
     scenario = probed[0]  # the fields below are the same in all
+    check_splits(scenario, root)
     return LoadedScenario(
         root=root,
         placed=placed,

@@ -12,6 +12,7 @@ from configs.schema.board import Board
 from configs.schema.light_paths import LightPaths
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
+from configs.schema.splits import Splits
 from symolo.core.files.image_headers import MAX_DECODER_BYTES
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.origin import Origin
@@ -177,6 +178,8 @@ class Scenario(Section):
     built-in one are `robot.controller`."""
     look: LookConfig
     """Look: the name of a shipped one, the path of a YAML file, or its settings here."""
+    splits: Splits | None = Field(default_factory=absent, exclude_if=lambda splits: splits is None)
+    """Division into training, validation and test, for exports and readers; no other data depend on it."""
 
 
 class SceneSpec(Section):

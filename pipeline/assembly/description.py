@@ -9,7 +9,14 @@ from pipeline.stages.cameras import cameras_of
 from symolo.core.geometry.lens import coefficients
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.documents.camera_model import INTRINSICS
-from symolo.dataset.documents.description import columns_part, frames_part, markdown_table, plain_text, runs_part
+from symolo.dataset.documents.description import (
+    columns_part,
+    frames_part,
+    markdown_table,
+    plain_text,
+    runs_part,
+    splits_part,
+)
 from symolo.dataset.documents.metadata import Metadata, side_tables
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.documents.scene_record import SCENE
@@ -21,7 +28,7 @@ def markdown(metadata: Metadata, example: SceneSpec) -> bytes:
     parts = [_head(metadata), _layout(metadata), columns_part(metadata), _side_tables(metadata, example)]
     parts += [_annotations(metadata), frames_part(metadata), _robot(metadata, example), _further_cameras(example)]
     parts += [_arena(metadata, example), _origins(metadata)]
-    parts += [runs_part(metadata), _warnings(metadata), _failed(metadata), _checks()]
+    parts += [runs_part(metadata), splits_part(metadata), _warnings(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
 

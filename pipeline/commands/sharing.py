@@ -35,6 +35,15 @@ def export(
     ],
     out: NewFolder,
     runs: Runs = None,
+    splits: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RULE",
+            help="Training, validation and test, in place of the splits of the release: a YAML file or text, such as "
+            "'{by: route, shares: {train: 0.5, test: 0.5}}' or '{runs: {train: [CW/*], test: [CCW/*]}}', with the keys "
+            "of `splits` in a scenario; `none` for no splits.",
+        ),
+    ] = None,
     shard_mb: Annotated[
         int,
         typer.Option(
@@ -49,22 +58,31 @@ def export(
     release always gives the same bytes.
 
     Example: symolo export data --format tum,kitti --out exported
+
+    Training and test: symolo export data --format coco --splits '{by: run, shares: {train: 0.8, test: 0.2}}' --out coco
     """
+    from pipeline.commands.splits import split_line, with_splits
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import plural, report_here
+    from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
     from symolo.exporters.base import ExportSettings
     from symolo.exporters.export import check_room, exporters_of, open_release, plan
     from symolo.exporters.export import export as exported
 
     exporters = exporters_of(names(formats, "--format"), "--format")
-    data = open_release(folder, runs)
+    data = with_splits(open_release(folder, runs), splits)
     check_new(out, data.root)
+    if data.splits is not None and data.splits.by == "image":
+        typer.echo(f"warning: {NEIGHBOURS_WARNING}", err=True)
     planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE))
     if dry_run:
         for export_plan in planned:
             files, exporter = export_plan.files, export_plan.exporter
             size = sum(file.size_bytes() for file in files)
             typer.echo(f"{exporter.name}: {plural(len(files), 'file')}, {size / _MEGABYTE:.3f} MB: {exporter.what}")
+    if data.splits is not None:
+        typer.echo(split_line(data))
+    if dry_run:
         return
     check_room(planned, out)
     written = exported(data, planned, out, report_here())

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from configs.schema.scenario import SceneSpec
+from configs.schema.splits import Splits
 from pipeline.assembly.description import markdown
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
@@ -23,8 +24,10 @@ from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
 from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.documents.run_records import CameraRecord
+from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.dataset.layout import DESCRIPTION, DONE, IMAGES, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, tag_manifest
+from symolo.dataset.splits import SplitMember, assign
 from symolo.dataset.tables.rows import HEADER, Rows
 from symolo.dataset.tables.sensor_tables import ListedSensor
 
@@ -73,8 +76,25 @@ def assemble(
         _remove_files(workspace.out, (*SEALS, *CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     sensors = listed_sensors(specs[0].robot.sensors) if sensors is None else sensors
-    metadata = describe(tree, specs, records, failures, sensors, columns_of_data=columns)
+    splits = _splits(tree, specs, records)
+    metadata = describe(tree, specs, records, failures, sensors, columns_of_data=columns, splits=splits)
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
+
+
+def _splits(tree: dict[str, Any], specs: Sequence[SceneSpec], records: Sequence[RunRecord]) -> SplitsRecord | None:
+    """Return the division of the released runs, or None if the scenario has none.
+
+    The failed runs take part in it, so that the splits of the others do not depend on which runs failed.
+    """
+    if tree.get("splits") is None:
+        return None
+    images = {record.run: range(1, record.images + 1) for record in records}
+    members = [
+        SplitMember(spec.key, spec.look.name, spec.robot.name, spec.seed, spec.origin, images.get(spec.key, ()))
+        for spec in specs
+    ]
+    rule = Splits.model_validate(tree["splits"]).rule(specs[0].seed)
+    return assign(rule, members, METADATA).only(images)
 
 
 def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str], tuple[str, ...]]:

@@ -1,9 +1,9 @@
 """Instances of each image with masks, boxes and key points in COCO's format (https://cocodataset.org/#format-data)."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationEntry, KeyPointSighting, pixel_box
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
+from symolo.exporters.splits import images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image, how_to_add
@@ -36,7 +37,13 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
         if run.annotations.categories != known:
             what, cure = "has different categories than the first run", "export them separately with --runs"
             raise InputError(what, where=str(run.folder), cure=cure)
-    yield ExportedFile("annotations/instances.json", lambda: _document(data), lambda: _estimated_bytes(data))
+    for split, images in images_of_splits(data):
+        name = "_".join(("instances", *([split] if split else [])))
+        yield ExportedFile(
+            f"annotations/{name}.json",
+            lambda images=images: _document(data, images),
+            lambda images=images: _estimated_bytes(data, len(images)),
+        )
     for run in data.runs:
         for image in run.images:
             yield copied_file(f"images/{_file_name(image)}", image.path)
@@ -47,17 +54,20 @@ def _file_name(image: Image) -> str:
     return f"{image.run.name}/{image.path.name}"
 
 
-def _estimated_bytes(data: Dataset) -> int:
-    """Return the estimated size of the JSON, as if every image had as many labels as the first of its run."""
+def _estimated_bytes(data: Dataset, count: int) -> int:
+    """Return the estimated size of the JSON of `count` images, as if all had the labels of the first of each run."""
     labels = [(run, json.dumps([*_Labels(run).annotations(run.images[0])])) for run in data.runs if run.numbers]
-    return sum(len(run.numbers) * len(first_labels) for run, first_labels in labels)
+    all_bytes = sum(len(run.numbers) * len(first_labels) for run, first_labels in labels)
+    return all_bytes * count // len(data.images)
 
 
-def _document(data: Dataset) -> bytes:
+def _document(data: Dataset, chosen: Sequence[Image]) -> bytes:
+    """Return the JSON file of some images, which are in the order of the runs."""
     images, annotations = [], []
-    for run in data.runs:
+    for name, of_run in groupby(chosen, lambda image: image.run.name):
+        run = data[name]
         labels = _Labels(run)
-        for image in run.images:
+        for image in of_run:
             number = len(images) + 1
             images.append(_image(image, number, run))
             for annotation in labels.annotations(image):

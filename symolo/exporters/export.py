@@ -20,7 +20,7 @@ from symolo.verification.inventory import Inventory
 _BLOCK_BYTES = 4096
 """Usual block size of a disk; even a small file occupies one block."""
 SOURCE = "export.json"
-"""File at the top of an export that names the release, its runs and the programs."""
+"""File at the top of an export that names the release, its runs and splits, and the programs."""
 
 
 @dataclass(frozen=True)
@@ -116,5 +116,6 @@ def _source(data: Dataset, planned: Sequence[PlannedFormat]) -> bytes:
             "manifest_sha256": sha256_of(data.root / MANIFEST),
             "name": metadata.name if metadata else data.root.name,
             "runs": [run.name for run in data.runs],
+            **({"splits": data.splits.model_dump(mode="json")} if data.splits else {}),
         }
     )

@@ -16,6 +16,7 @@ from symolo.core.extras import optional_module
 from symolo.dataset.annotations import DEPTH_UNIT_M, FLOW_PER_PX, FLOW_ZERO, NORMAL_SCALE, NORMAL_ZERO
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.record import record_of
+from symolo.exporters.splits import images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image, RunFolder
 from symolo.reader.tables import UNITS
@@ -23,6 +24,8 @@ from symolo.reader.tables import UNITS
 FAR_M = 1e10
 """Depth [m] in Blender where there is no surface."""
 _CAMERA = "camera"
+_SPLIT = "split"
+"""Attribute of the file of an image, and of the tables of a run, if the dataset is divided."""
 _PACKED = {"compression": "gzip", "track_times": False}
 """Arguments for compressed data; without times, the same content gives the same bytes."""
 Entries = dict[str, np.ndarray | bytes]
@@ -30,11 +33,19 @@ Entries = dict[str, np.ndarray | bytes]
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     h5py = optional_module("h5py")
+    of_images = {
+        (image.run.name, image.number): split for split, images in images_of_splits(data) for image in images if split
+    }
     yield ExportedFile("tables.hdf5", lambda: _tables(h5py, data))
     for run in data.runs:
-        first_bytes = cache(lambda run=run: len(_frame(h5py, run.images[0])))
+        first_bytes = cache(lambda run=run: len(_frame(h5py, run.images[0], None)))
         for image in run.images:
-            yield ExportedFile(f"{run.name}/{image.index}.hdf5", lambda image=image: _frame(h5py, image), first_bytes)
+            split = of_images.get((run.name, image.number))
+            yield ExportedFile(
+                f"{run.name}/{image.index}.hdf5",
+                lambda image=image, split=split: _frame(h5py, image, split),
+                first_bytes,
+            )
 
 
 def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
@@ -47,6 +58,7 @@ def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
 
 def _tables(h5py: ModuleType, data: Dataset) -> bytes:
     """Return a file with a group for each run, in it a group for each table, and in that each column with its unit."""
+    of_runs = data.splits.of_runs if data.splits else {}
 
     def fill(file: Any) -> None:  # noqa: ANN401 - of the library
         for run in data.runs:
@@ -58,11 +70,13 @@ def _tables(h5py: ModuleType, data: Dataset) -> bytes:
                         f"{run.name}/{name}/{column}", data=table[column].to_numpy(), **_PACKED
                     )
                     dataset.attrs["unit"] = table.attrs[UNITS][column]
+            if run.name in of_runs:
+                file[run.name].attrs[_SPLIT] = of_runs[run.name]
 
     return _whole(h5py, fill)
 
 
-def _frame(h5py: ModuleType, image: Image) -> bytes:
+def _frame(h5py: ModuleType, image: Image, split: str | None) -> bytes:
     entries: Entries = {"colors": image.pixels(), "camera_pose": _pose(image), "row": record_of(image)}
     for kind in image.annotation_files:
         entries |= _DECODED[kind](image.annotation(kind), image.run)
@@ -73,6 +87,8 @@ def _frame(h5py: ModuleType, image: Image) -> bytes:
                 file.create_dataset(name, data=np.bytes_(value), track_times=False)
             else:
                 file.create_dataset(name, data=value, **_PACKED)
+        if split:
+            file.attrs[_SPLIT] = split
 
     return _whole(h5py, fill)
 

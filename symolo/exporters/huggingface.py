@@ -19,6 +19,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
+from symolo.exporters.splits import images_of_splits, runs_of_splits
 from symolo.reader.dataset import RUN, Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image
@@ -28,8 +29,12 @@ _CAMERA = "camera"
 _IN_16_BIT_COLOUR = ("normals", "flow")
 """Annotations that Pillow would cut to 8 bits; they are stored as the bytes of a PNG file."""
 _IMAGES_PER_GROUP = 100
-_WHOLE = "train-00000-of-00001.parquet"
-"""Name of the file of a table that is not divided."""
+_WHOLE = "00000-of-00001.parquet"
+"""End of the name of a file that has all rows of a split."""
+_UNDIVIDED = "train"
+"""Split of a dataset without splits, as `datasets` names it."""
+_NOT_DIVIDED_ROWS = "all"
+"""Split of the rows if only the images are divided."""
 Columns = dict[str, tuple[Feature, Sequence[Any]]]
 
 
@@ -41,14 +46,28 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
             what = "has different side tables or annotations than the first run"
             raise InputError(what, where=str(run.folder), cure="export them separately with --runs")
     yield ExportedFile("README.md", lambda: _card(data))
-    shards = list(batches(data.images, _bytes, settings.shard_bytes))
-    for number, images in enumerate(shards):
-        name = f"images/train-{number:05d}-of-{len(shards):05d}.parquet"
-        size = sum(map(_bytes, images))
-        yield ExportedFile(name, lambda images=images: _images(images, first.annotation_kinds), lambda size=size: size)
-    yield ExportedFile(f"rows/{_WHOLE}", lambda: stacked_bytes(data, _wide))
-    for name in _sensors(first):
-        yield ExportedFile(f"{name}/{_WHOLE}", lambda name=name: stacked_bytes(data, lambda run: run.side(name)))
+    for split, of_split in images_of_splits(data):
+        shards = list(batches(of_split, _bytes, settings.shard_bytes))
+        for number, images in enumerate(shards):
+            size = sum(map(_bytes, images))
+            yield ExportedFile(
+                f"images/{split or _UNDIVIDED}-{number:05d}-of-{len(shards):05d}.parquet",
+                lambda images=images: _images(images, first.annotation_kinds),
+                lambda size=size: size,
+            )
+    for split, part in _row_splits(data):
+        yield ExportedFile(f"rows/{split}-{_WHOLE}", lambda part=part: stacked_bytes(part, _wide))
+        for name in _sensors(first):
+            yield ExportedFile(
+                f"{name}/{split}-{_WHOLE}",
+                lambda part=part, name=name: stacked_bytes(part, lambda run: run.side(name)),
+            )
+
+
+def _row_splits(data: Dataset) -> list[tuple[str, Dataset]]:
+    """Return each split with its runs; the rows of a dataset that is divided by image are in one split."""
+    whole = _UNDIVIDED if data.splits is None else _NOT_DIVIDED_ROWS
+    return [(split or whole, part) for split, part in runs_of_splits(data)]
 
 
 def _bytes(image: Image) -> int:
@@ -118,12 +137,21 @@ def _card(data: Dataset) -> bytes:
         *(f"| {column} | {unit} |" for column, unit in units.items()),
     ]
     names = (*(["images"] if data.images else []), "rows", *sensors)
-    configs = [line for name in names for line in _config(name, default=name == names[0])]
+    row_splits = [split for split, _ in _row_splits(data)]
+    image_splits = [split or _UNDIVIDED for split, images in images_of_splits(data) if images]
+    configs = [
+        line
+        for name in names
+        for line in _config(name, image_splits if name == "images" else row_splits, default=name == names[0])
+    ]
     return hub_card(data, ["configs:", *configs], text)
 
 
-def _config(name: str, *, default: bool = False) -> list[str]:
-    lines = [f"- config_name: {name}", "  data_files:", "  - split: train", f"    path: {name}/*.parquet"]
+def _config(name: str, splits: Sequence[str], *, default: bool = False) -> list[str]:
+    lines = [f"- config_name: {name}", "  data_files:"]
+    for split in splits:
+        files = "*.parquet" if splits == [_UNDIVIDED] else f"{split}-*.parquet"
+        lines += [f"  - split: {split}", f"    path: {name}/{files}"]
     return [*lines, "  default: true"] if default else lines
 
 

@@ -9,7 +9,7 @@ import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_
 from symolo.exporters.features import image_file, parquet_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
+from symolo.exporters.splits import OPTION, runs_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
@@ -141,13 +142,33 @@ def _plan(data: Dataset, max_bytes: int) -> _Plan:
             what, cure = "has a different camera rate than the first run", "export them separately with --runs"
             raise InputError(what, where=str(run.folder), cure=cure)
     names = tuple(dict.fromkeys(_task(run) for run in data.runs))
-    starts = accumulate((len(run.numbers) for run in data.runs), initial=0)
+    runs = [run for _, part in _splits(data) for run in part.runs]
+    starts = accumulate((len(run.numbers) for run in runs), initial=0)
     episodes = [
         _Episode(run, index, first, names.index(_task(run)))
-        for index, (run, first) in enumerate(zip(data.runs, starts, strict=False))
+        for index, (run, first) in enumerate(zip(runs, starts, strict=False))
     ]
     files = batches(episodes, lambda episode: image_bytes(episode.run.images), max_bytes)
     return _Plan(data, names, tuple(files), max_bytes)
+
+
+def _splits(data: Dataset) -> tuple[tuple[str, Dataset], ...]:
+    """Return the splits in their order: LeRobot stores each as a range of episodes.
+
+    Raises:
+        InputError: The dataset is divided by image.
+    """
+    if data.splits is not None and data.splits.by == "image":
+        what, cure = "splits by image: a split of lerobot is a range of whole runs", f"divide by run, or {OPTION} none"
+        raise InputError(what, where=str(data.root), cure=cure)
+    return tuple((name or "train", part) for name, part in runs_of_splits(data))
+
+
+def _ranges(data: Dataset) -> dict[str, str]:
+    """Return the range of episodes of each split; the first number is in it, the last is not."""
+    splits = _splits(data)
+    ends = [*accumulate((len(part) for _, part in splits), initial=0)]
+    return {name: f"{first}:{end}" for (name, _), (first, end) in zip(splits, pairwise(ends), strict=True)}
 
 
 def image_hz(run: Run) -> int:
@@ -200,7 +221,7 @@ def _info(plan: _Plan) -> dict[str, Any]:
         "data_files_size_in_mb": max(1, plan.max_bytes // 1_000_000),
         "video_files_size_in_mb": 200,
         "fps": image_hz(first),
-        "splits": {"train": f"0:{len(episodes)}"},
+        "splits": _ranges(plan.data),
         "data_path": f"data/{_DATA_FILE}",
         "video_path": None,
         "features": features,

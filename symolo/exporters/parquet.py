@@ -9,6 +9,7 @@ import pandas as pd
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
+from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
 from symolo.exporters.features import stacked_bytes
 from symolo.reader.dataset import Dataset
@@ -17,6 +18,8 @@ from symolo.reader.run_folder import Image
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"
+SPLIT = "split"
+"""Column with the split of a run or image, if the dataset is divided."""
 FILE_NAME = "file_name"
 """Column of images.parquet with the path of the image file, relative to the export."""
 
@@ -32,10 +35,25 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     readers |= {name: lambda run, name=name: run.side(name) for name in names if name != _CAMERA}
     if data.images:
         readers["images"] = _images
+    if (splits := data.splits) is not None:
+        for name in ("images",) if splits.by == "image" else tuple(readers):
+            readers[name] = lambda run, read=readers[name]: _with_split(read(run), run, splits)
     for name, read in readers.items():
         yield ExportedFile(f"{name}.parquet", lambda read=read: stacked_bytes(data, read))
     for image in data.images:
         yield copied_file(_file_name(image), image.path)
+
+
+def _with_split(table: pd.DataFrame, run: Run, splits: SplitsRecord) -> pd.DataFrame:
+    """Return a table of a run with its split, or the split of each image, in the first column."""
+    if splits.by == "image":
+        of_images = splits.of_images
+        names = [of_images.get((run.name, number), "") for number in run.numbers]
+    else:
+        names = [splits.of_runs[run.name]] * len(table)
+    table.insert(0, SPLIT, names)
+    table.attrs[UNITS] = table.attrs[UNITS] | {SPLIT: "-"}
+    return table
 
 
 def _file_name(image: Image) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from symolo.core.files.tar_files import Member, shards, tar_bytes, tar_chunks
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images
 from symolo.exporters.record import record_of
+from symolo.exporters.splits import images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image
 
@@ -17,13 +18,14 @@ from symolo.reader.run_folder import Image
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     """Yield the shards, with samples sorted by name; only a shard with a single sample may be larger than the limit."""
     check_images(data)
-    samples = (_sample(image) for image in sorted(data.images, key=_key))
-    for number, members in enumerate(shards(samples, settings.shard_bytes)):
-        yield ExportedFile(
-            f"symolo-{number:06d}.tar",
-            lambda members=members: b"".join(tar_chunks(members)),
-            exact_bytes=lambda members=members: tar_bytes(members),
-        )
+    for split, images in images_of_splits(data):
+        samples = (_sample(image) for image in sorted(images, key=_key))
+        for number, members in enumerate(shards(samples, settings.shard_bytes)):
+            yield ExportedFile(
+                "-".join(("symolo", *([split] if split else []), f"{number:06d}.tar")),
+                lambda members=members: b"".join(tar_chunks(members)),
+                exact_bytes=lambda members=members: tar_bytes(members),
+            )
 
 
 def _key(image: Image) -> str:

@@ -4,7 +4,14 @@ from typing import Any
 
 import yaml
 
-from symolo.dataset.documents.description import columns_part, frames_part, markdown_table, plain_text, runs_part
+from symolo.dataset.documents.description import (
+    columns_part,
+    frames_part,
+    markdown_table,
+    plain_text,
+    runs_part,
+    splits_part,
+)
 from symolo.publishing.dataset import Published
 
 _SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"))
@@ -15,10 +22,10 @@ def card(data: Published) -> bytes:
     """Return the file."""
     metadata = data.metadata
     parts = [_head(data), _files(data), _use(data)]
-    parts += [columns_part(metadata), frames_part(metadata), runs_part(metadata)]
+    parts += [columns_part(metadata), frames_part(metadata), runs_part(metadata), splits_part(metadata)]
     parts.append(f"## Citation\n\n{plain_text(data.about.citation)}")
     front = yaml.safe_dump(_front_matter(data), sort_keys=False, allow_unicode=True, width=120)
-    return (f"---\n{front}---\n\n" + "\n\n".join(parts) + "\n").encode()
+    return (f"---\n{front}---\n\n" + "\n\n".join(part for part in parts if part) + "\n").encode()
 
 
 def _front_matter(data: Published) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from symolo.core.errors import InputError, nearest
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
+from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.dataset.layout import DATA, LOOK
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
@@ -65,6 +66,50 @@ class Dataset:
             names = ", ".join(run.name for run in self.runs[:5])
             raise InputError("--runs", got=pattern, allowed=f"a pattern of names such as {names}")
         return replace(self, runs=runs)
+
+    @property
+    def splits(self) -> SplitsRecord | None:
+        """Division into training, validation and test; None if the dataset is not divided."""
+        return self.metadata.splits if self.metadata else None
+
+    def split(self, name: str) -> "Dataset":
+        """Return the dataset with only the runs of a split: `train`, `validation` or `test`.
+
+        Raises:
+            InputError: There is no such split, it has no runs, or the splits divide runs.
+        """
+        splits = self._with_split(name)
+        if splits.by == "image":
+            what, cure = "is divided by image, so its runs are in no split", "take `split_images`"
+            raise InputError(what, where=str(self.root), cure=cure)
+        runs = tuple(run for run in self.runs if splits.of_runs.get(run.name) == name)
+        if not runs:
+            raise InputError(f"split {name} has no runs", where=str(self.root), cure="choose another split")
+        return replace(self, runs=runs)
+
+    def split_images(self, name: str) -> tuple[Image, ...]:
+        """Return the images of a split, `train`, `validation` or `test`; no file is opened.
+
+        Raises:
+            InputError: There is no such split.
+        """
+        splits = self._with_split(name)
+        if splits.by == "image":
+            of_images = splits.of_images
+            return tuple(image for image in self.images if of_images.get((image.run.name, image.number)) == name)
+        of_runs = splits.of_runs
+        return tuple(image for run in self.runs if of_runs.get(run.name) == name for image in run.images)
+
+    def _with_split(self, name: str) -> SplitsRecord:
+        """Return the splits, among which is this one."""
+        if self.splits is None:
+            cure = "set `splits` in its scenario and repeat `symolo release` with the same --out"
+            raise InputError("is not divided into splits", where=str(self.root), cure=cure)
+        if name not in self.splits.names:
+            names = self.splits.names
+            hint = nearest(name, names)
+            raise InputError(f"has no split {name}", where=str(self.root), allowed=", ".join(names), nearest=hint)
+        return self.splits
 
     @property
     def rows(self) -> pd.DataFrame:

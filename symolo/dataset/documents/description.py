@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from symolo.core.errors import one_line
 from symolo.dataset.documents.metadata import Metadata
+from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
 
 _END_OF_LINK_TEXT = re.compile(r"\](?=[(:\[])")
 """A bracket that would turn the text after it into a link, such as `javascript:`."""
@@ -53,6 +54,22 @@ def runs_part(metadata: Metadata) -> str:
     ]
     header = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "size [px]", "order of states")
     return f"## Runs\n\n{markdown_table(header, rows)}"
+
+
+def splits_part(metadata: Metadata) -> str:
+    """Return the section on training, validation and test; empty if the dataset is not divided."""
+    splits = metadata.splits
+    if splits is None:
+        return ""
+    images = {run.run: run.images for run in metadata.runs}
+    if splits.by == "image":
+        table = {name: (splits.images[name], sum(map(len, splits.images[name].values()))) for name in splits.names}
+    else:
+        table = {name: (splits.runs[name], sum(images[run] for run in splits.runs[name])) for name in splits.names}
+    rows = [(name, str(len(runs)), str(count)) for name, (runs, count) in table.items()]
+    how = "The runs of each split were listed." if splits.by == "listed" else f"Divided by {splits.by}."
+    warning = f" Warning: {NEIGHBOURS_WARNING}." if splits.by == "image" else ""
+    return f"## Splits\n\n{how}{warning}\n\n{markdown_table(('split', 'runs', 'images'), rows)}"
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

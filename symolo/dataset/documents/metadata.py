@@ -29,6 +29,7 @@ from symolo.dataset.documents.run_records import (
     RatesRecord,
     StartRecord,
 )
+from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.dataset.layout import DATA
 from symolo.dataset.tables.column import Column, single
 from symolo.dataset.tables.obstacles import obstacle_table
@@ -257,6 +258,14 @@ class Metadata(Record):
     """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
     runs: list[RunRecord] = Field(min_length=1)
     failed_runs: list[FailedRun]
+    splits: SplitsRecord | None = Field(default=None, exclude_if=lambda splits: splits is None)
+    """Division into training, validation and test; None if the dataset is not divided."""
+
+    @model_validator(mode="after")
+    def _splits_have_runs(self) -> "Metadata":
+        for fault in self.splits.faults({run.run for run in self.runs}) if self.splits else ():
+            raise ValueError(fault)
+        return self
 
     @model_validator(mode="after")
     def _sensors_have_columns(self) -> "Metadata":
@@ -326,6 +335,7 @@ def describe(
     sensors: Sequence[ListedSensor] = (),
     *,
     columns_of_data: Sequence[str] = HEADER,
+    splits: SplitsRecord | None = None,
 ) -> Metadata:
     """Return the metadata of a dataset.
 
@@ -336,6 +346,7 @@ def describe(
         failed: The runs that are not released.
         sensors: Sensors of `robot.sensors`.
         columns_of_data: Columns of data.csv, which are the same in all runs.
+        splits: Division into training, validation and test.
     """
     first = RunDocument.model_validate(specifications[0])
     columns = {
@@ -360,6 +371,7 @@ def describe(
         scenario=tree,
         runs=list(runs),
         failed_runs=list(failed),
+        splits=splits,
     )
 
 

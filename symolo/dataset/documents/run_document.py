@@ -208,6 +208,7 @@ class LookCameraSection(SpecSection):
 
 
 class LookSection(SpecSection):
+    name: str = ""
     camera: LookCameraSection
 
 

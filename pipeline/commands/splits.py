@@ -1,0 +1,60 @@
+"""The option `--splits` of `symolo export`."""
+
+from pathlib import Path
+
+from configs.schema.base import Section
+from configs.schema.splits import Splits
+from configs.validation import distributions_of, validated
+from symolo.core.errors import InputError
+from symolo.core.files.paths import check_path
+from symolo.core.progress import plural
+from symolo.core.yaml.reader import parse_yaml, read_yaml
+from symolo.core.yaml.tree import Node
+from symolo.exporters.splits import OPTION, check_splits, divided
+from symolo.reader.dataset import Dataset
+
+_NONE = "none"
+
+
+class SplitsAlone(Section):
+    splits: Splits
+
+
+def with_splits(data: Dataset, text: str | None) -> Dataset:
+    """Return the dataset with the splits of the option, or those of its metadata if the option is not given.
+
+    Raises:
+        InputError: The text is no rule, the rule does not fit the runs, or a split is empty.
+    """
+    if text is None:
+        return check_splits(data)
+    if text == _NONE or data.metadata is None:
+        return divided(data, None)
+    return divided(data, _splits(text).rule(data.metadata.seed))
+
+
+def _splits(text: str) -> Splits:
+    """Return the settings in a YAML text, or in a YAML file."""
+    if text.lstrip().startswith("{"):
+        node = parse_yaml(text, OPTION, with_lines=False)
+    else:
+        path = Path(text)
+        check_path(path, OPTION)
+        if not path.is_file():
+            allowed = f"a YAML file, a text such as '{{by: run}}', or {_NONE}"
+            raise InputError(OPTION, got=text, allowed=allowed, cure="there is no such file")
+        node = read_yaml(path).root
+    root = Node({"splits": node}, node.where)
+    distributions_of(root, SplitsAlone)
+    return validated(root, SplitsAlone, {}).splits
+
+
+def split_line(data: Dataset) -> str:
+    """Return one line with the number of runs and images of each split."""
+    splits = data.splits
+    parts = []
+    for name in splits.names if splits else ():
+        images = plural(len(data.split_images(name)), "image")
+        runs = "" if splits and splits.by == "image" else f"{plural(len(data.split(name)), 'run')}, "
+        parts.append(f"{name} {runs}{images}")
+    return f"splits: {'; '.join(parts)}"

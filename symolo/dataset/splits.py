@@ -1,0 +1,188 @@
+"""Assignment of runs or images to training, validation and test, by their groups or as the user lists them."""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+from symolo.core.errors import InputError
+from symolo.core.progress import plural
+from symolo.core.random_streams import stream
+from symolo.dataset.documents.origin import Origin
+from symolo.dataset.documents.splits_record import SPLIT_NAMES, Grouping, SplitName, SplitsRecord
+
+DEFAULT_SHARES: Mapping[SplitName, float] = {"train": 0.7, "validation": 0.15, "test": 0.15}
+_MAX_LISTED = 5
+
+
+@dataclass(frozen=True)
+class SplitRule:
+    """How a dataset is divided: by groups with shares, or by patterns of the names of runs."""
+
+    by: Grouping | None
+    """Property by which runs are grouped; None if `patterns` assigns them."""
+    shares: Mapping[SplitName, float]
+    """Share of the groups in each split; the sum is 1."""
+    patterns: Mapping[SplitName, Sequence[str]]
+    """Patterns of names such as `CW/*` for each split; empty unless `by` is None."""
+    seed: int
+
+
+@dataclass(frozen=True)
+class SplitMember:
+    """A run with the properties by which it can be grouped."""
+
+    run: str
+    """For example `CW/test_1`."""
+    look: str
+    robot: str
+    seed: int
+    origin: Origin | None = None
+    images: Sequence[int] = ()
+    """Numbers of the images; they matter only for splits by image."""
+
+    @property
+    def trajectory(self) -> str:
+        """Name of the run that was driven. Runs that show one trajectory under several looks have the same."""
+        release = self.origin.release if self.origin else None
+        return release.run if release else self.run
+
+    def group(self, by: Grouping) -> str:
+        """Return the name of its group."""
+        groups: Mapping[Grouping, str] = {
+            "run": self.trajectory,
+            "route": self.trajectory.rpartition("/")[0],
+            "look": self.look,
+            "robot": self.robot,
+            "seed": str(self.seed),
+            "image": self.run,
+        }
+        return groups[by]
+
+
+def assign(rule: SplitRule, members: Sequence[SplitMember], where: str) -> SplitsRecord:
+    """Return the split of every run or image; the same rule and members give the same splits.
+
+    Groups are put into a random order that depends on the seed and their names only. The first ones are those of
+    training, then come those of validation and test.
+
+    Args:
+        rule: How the dataset is divided.
+        members: All runs.
+        where: Place of the rule, for messages.
+
+    Raises:
+        InputError: There are fewer groups than splits, or the patterns do not assign each run to one split.
+    """
+    if rule.by is None:
+        return SplitsRecord(by="listed", seed=rule.seed, runs=_listed(rule.patterns, members, where))
+    if rule.by == "image":
+        return SplitsRecord(by="image", seed=rule.seed, images=_divided(rule, members, where))
+    names = _groups(rule, rule.by, members, where)
+    keys = {name: stream(rule.seed, "splits", rule.by, name).random() for name in names}
+    split_of = dict(zip(sorted(names, key=lambda name: keys[name]), _in_order(len(names), rule.shares), strict=True))
+    runs: dict[SplitName, tuple[str, ...]] = {
+        split: tuple(member.run for member in members if split_of[member.group(rule.by)] == split)
+        for split in SPLIT_NAMES
+        if split in rule.shares
+    }
+    return SplitsRecord(by=rule.by, seed=rule.seed, runs=runs)
+
+
+def check(rule: SplitRule, members: Sequence[SplitMember], where: str) -> None:
+    """Refuse a rule that cannot be applied to runs that are planned; their images are not known yet.
+
+    Raises:
+        InputError: As `assign` does.
+    """
+    if rule.by is None:
+        _listed(rule.patterns, members, where)
+    elif rule.by != "image":
+        _groups(rule, rule.by, members, where)
+
+
+def _groups(rule: SplitRule, by: Grouping, members: Sequence[SplitMember], where: str) -> list[str]:
+    """Return the sorted names of the groups, at least one for each split."""
+    names = sorted({member.group(by) for member in members})
+    if len(names) < len(rule.shares):
+        raise _too_few(by, names, rule.shares, where)
+    return names
+
+
+def _in_order(count: int, shares: Mapping[SplitName, float]) -> list[SplitName]:
+    """Return the split of each of `count` things in their random order; each split has at least one of them."""
+    names: list[SplitName] = [name for name in SPLIT_NAMES if name in shares]
+    sizes = [max(1, math.floor(shares[name] * count)) for name in names]
+    while (missing := count - sum(sizes)) != 0:
+        lacking = [shares[name] * count - size for name, size in zip(names, sizes, strict=True)]
+        if missing > 0:
+            sizes[lacking.index(max(lacking))] += 1
+        else:
+            sizes[min((index for index, size in enumerate(sizes) if size > 1), key=lacking.__getitem__)] -= 1
+    in_order: list[SplitName] = [name for name, size in zip(names, sizes, strict=True) for _ in range(size)]
+    return in_order
+
+
+def _divided(
+    rule: SplitRule, members: Sequence[SplitMember], where: str
+) -> dict[SplitName, dict[str, tuple[int, ...]]]:
+    """Return the images of each split by run, for splits by image."""
+    images = [(member.run, number) for member in members for number in member.images]
+    if len(images) < len(rule.shares):
+        raise InputError(
+            f"splits: {plural(len(images), 'image')} for {plural(len(rule.shares), 'split')}",
+            where=where,
+            cure="remove shares, or make more images",
+        )
+    keys = [
+        key
+        for member in members
+        for key in stream(rule.seed, "splits", "image", member.run).random(len(member.images)).tolist()
+    ]
+    order = sorted(range(len(images)), key=lambda index: keys[index])
+    splits: dict[SplitName, dict[str, list[int]]] = {name: {} for name in rule.shares}
+    for index, split in sorted(zip(order, _in_order(len(images), rule.shares), strict=True)):
+        run, number = images[index]
+        splits[split].setdefault(run, []).append(number)
+    return {name: {run: tuple(numbers) for run, numbers in runs.items()} for name, runs in splits.items()}
+
+
+def _too_few(by: Grouping, names: Sequence[str], shares: Mapping[SplitName, float], where: str) -> InputError:
+    listed = ", ".join(names[:_MAX_LISTED]) + (", ..." if len(names) > _MAX_LISTED else "")
+    one = {"look": "the same look", "robot": "the same robot", "seed": "the same seed", "route": "the same route"}
+    groups = f"all runs have {one[by]} ({listed})" if len(names) == 1 and by in one else f"{by}: {listed}"
+    return InputError(
+        f"splits.by: {plural(len(names), 'group')} for {plural(len(shares), 'split')}: {groups}",
+        where=where,
+        got=by,
+        allowed="a property with at least one value for each split",
+        cure="remove shares or make more runs" if by == "run" else "divide by run, or remove shares",
+    )
+
+
+def _listed(
+    patterns: Mapping[SplitName, Sequence[str]], members: Sequence[SplitMember], where: str
+) -> dict[SplitName, tuple[str, ...]]:
+    """Return the runs of each split whose names match its patterns."""
+    names = [member.run for member in members]
+    some = ", ".join(names[:_MAX_LISTED]) + (", ..." if len(names) > _MAX_LISTED else "")
+    for split, ones in patterns.items():
+        for pattern in ones:
+            if not any(fnmatchcase(name, pattern) for name in names):
+                allowed = f"a pattern of names such as {some}"
+                raise InputError(f"splits.runs.{split}: no run matches", where=where, got=pattern, allowed=allowed)
+    splits: dict[SplitName, tuple[str, ...]] = {
+        split: tuple(name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns[split]))
+        for split in SPLIT_NAMES
+        if split in patterns
+    }
+    counts = Counter(name for runs in splits.values() for name in runs)
+    for name in names:
+        if counts[name] > 1:
+            both = " and ".join(split for split, runs in splits.items() if name in runs)
+            raise InputError(f"splits.runs: {name} is in {both}", where=where, cure="give it to one of them")
+        if counts[name] == 0:
+            cure = "add it to a split; `export` leaves runs out with --runs"
+            raise InputError(f"splits.runs: {name} is in no split", where=where, cure=cure)
+    return splits

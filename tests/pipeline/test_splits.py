@@ -1,0 +1,31 @@
+"""Splits of a scenario in its release: they can be added later, and change neither runs nor images."""
+
+import json
+
+from symolo.dataset.documents.splits_record import SplitsRecord
+from symolo.verification.verify import verify
+
+
+def test_splits_are_added_to_a_release_without_rendering_again(dataset, copy_of, symolo, tiny):
+    root = copy_of(dataset, stages=True)
+    before = {path: path.stat().st_mtime_ns for path in root.glob("*/*/images/*.jpg")}
+    rule = "--set=splits={by: route, shares: {train: 0.5, test: 0.5}}"
+    assert symolo("release", "smoke", "--out", root, *tiny, rule, "--workers", 1).code == 0
+    assert {path: path.stat().st_mtime_ns for path in root.glob("*/*/images/*.jpg")} == before
+    metadata = json.loads((root / "metadata.json").read_text())
+    splits = metadata.pop("splits")
+    assert metadata.pop("scenario")["splits"] == {"by": "route", "shares": {"train": 0.5, "test": 0.5}}
+    assert {*splits["runs"]["train"], *splits["runs"]["test"]} == {"CW/test_1", "CCW/test_1"}
+    assert (splits["by"], splits["seed"]) == ("route", metadata["seed"])
+    without = json.loads((dataset / "metadata.json").read_text())
+    assert "splits" not in without
+    assert metadata == {key: value for key, value in without.items() if key != "scenario"}
+    assert "## Splits\n\nDivided by route." in (root / "README.md").read_text()
+    assert "## Splits" not in (dataset / "README.md").read_text()
+    assert not list(verify(root))
+
+
+def test_a_run_that_failed_leaves_the_splits_of_the_others():
+    record = SplitsRecord(by="run", seed=1, runs={"train": ("A/test_1", "A/test_2"), "test": ("A/test_3",)})
+    assert record.only({"A/test_1", "A/test_3"}).runs == {"train": ("A/test_1",), "test": ("A/test_3",)}
+    assert record.only({"A/test_1"}).runs == {"train": ("A/test_1",), "test": ()}
