@@ -29,7 +29,7 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="Formats: tum, kitti, euroc, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, "
+            help="Formats: tum, kitti, euroc, coco, yolo, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, "
             "rerun; for several, write commas between them.",
         ),
     ],

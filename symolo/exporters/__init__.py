@@ -13,6 +13,7 @@ from symolo.exporters import (
     ros1,
     tum,
     webdataset,
+    yolo,
 )
 from symolo.exporters.base import Exporter
 
@@ -21,6 +22,7 @@ EXPORTERS: tuple[Exporter, ...] = (
     kitti.EXPORTER,
     euroc.EXPORTER,
     coco.EXPORTER,
+    yolo.EXPORTER,
     webdataset.EXPORTER,
     parquet.EXPORTER,
     mcap.EXPORTER,

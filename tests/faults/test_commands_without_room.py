@@ -29,7 +29,20 @@ authors: [{family: Lovelace, given: Ada}]
 published: "2026-11-23"
 publisher: Zenodo
 """
-FORMATS = ("tum", "kitti", "coco", "webdataset", "parquet", "mcap", "ros1", "hdf5", "huggingface", "lerobot", "rerun")
+FORMATS = (
+    "tum",
+    "kitti",
+    "coco",
+    "yolo",
+    "webdataset",
+    "parquet",
+    "mcap",
+    "ros1",
+    "hdf5",
+    "huggingface",
+    "lerobot",
+    "rerun",
+)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ _releases = module_from_spec(_SPEC)
 _SPEC.loader.exec_module(_releases)
 random_release = _releases.random_release
 
-FORMATS = "tum,kitti,coco,webdataset,parquet,mcap,ros1,hdf5,huggingface,lerobot,rerun"
+FORMATS = "tum,kitti,coco,yolo,webdataset,parquet,mcap,ros1,hdf5,huggingface,lerobot,rerun"
 ROOT = Path(symolo.__file__).parents[1]
 ABOUT = """
 title: "Two drives"

@@ -160,7 +160,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
         instances = np.array([_rectangles(rng) for _ in taken])
         passes = _passes(rng, instances, spec.render.annotations)
         sightings = {(i, one): _corners(rng) for i in range(1, len(taken) + 1) for one in (3, 4, 5)}
-        document = _document(spec, camera, X_WC, sightings)
+        document = _document(spec, camera, X_WC, sightings, instances)
         files["annotations/annotations.json"] = json.dumps(document).encode()
         if "instance" in spec.render.annotations:
             files |= {f"annotations/instance/{i:06d}.png": _png(ids) for i, ids in enumerate(instances, start=1)}
@@ -215,7 +215,28 @@ def _corners(rng: np.random.Generator) -> dict[int, tuple[float, float, bool]]:
     }
 
 
-def _document(spec, camera, X_WC, sightings) -> dict:
+def _boxes(instances: np.ndarray):
+    """Of what is seen of walls and obstacles, zeros where nothing is; one has the box around all of it, too."""
+    for image, ids in enumerate(instances, start=1):
+        for one in (3, 4, 5):
+            rows, columns = np.nonzero(ids == one)
+            box = (
+                [int(n) for n in (columns.min(), rows.min(), np.ptp(columns) + 1, np.ptp(rows) + 1)]
+                if len(rows)
+                else [0] * 4
+            )
+            whole = {"amodal_bbox": [1, 2, 3, 4], "amodal_area": 12, "visible_fraction": 0.25, "truncated": True}
+            fields = {
+                "image_id": image,
+                "category_id": INSTANCES[one][1],
+                "instance_id": one,
+                "bbox": box,
+                "area": len(rows),
+            }
+            yield {"id": 100_000 * image + one, **fields, **(whole if (image, one) == (1, 3) else {})}
+
+
+def _document(spec, camera, X_WC, sightings, instances) -> dict:
     """By docs/annotations.md; the first key point is one of the line, which is nobody's corner."""
     points = [{"id": 1, "name": "line_0_00", "kind": "line", "instance_id": 2, "p": [0.0, 0.0, 0.0]}]
     for one, kind in ((3, "wall"), (4, "obstacle"), (5, "wall")):
@@ -233,7 +254,6 @@ def _document(spec, camera, X_WC, sightings) -> dict:
         {"image_id": 1, "key_point_id": 1, "pixel": [1.0, 2.0], "p_C": [0.0, 0.0, 1.0], "visible": True},
     ]
     sizes = {"width": WIDTH, "height": HEIGHT}
-    boxes = {"bbox": [0, 0, 0, 0], "area": 0, "amodal_bbox": [1, 2, 3, 4], "amodal_area": 12}
     kinds = spec.render.annotations
     return {
         "format": 2,
@@ -250,11 +270,6 @@ def _document(spec, camera, X_WC, sightings) -> dict:
             {"id": i, "file_name": f"images/{i:06d}.jpg", **sizes, "t_s": row[1] / 1000, "X_WC": X.tolist()}
             for i, (row, X) in enumerate(zip(camera, X_WC, strict=True), start=1)
         ],
-        "annotations": [
-            {"id": 100_003, "image_id": 1, "category_id": 3, "instance_id": 3, **boxes}
-            | {"visible_fraction": 0.25, "truncated": True}
-        ]
-        if "boxes_2d" in kinds
-        else [],
+        "annotations": list(_boxes(instances)) if "boxes_2d" in kinds else [],
         "sightings": seen if "key_points" in kinds else [],
     }
