@@ -6,6 +6,7 @@ image files.
 """
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,12 @@ from symolo.core.batches import batches
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.dataset.documents.description import markdown_table
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
 from symolo.exporters.splits import images_of_splits, runs_of_splits
+from symolo.reader.balance import balance
 from symolo.reader.dataset import RUN, Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image
@@ -45,7 +48,7 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
         if (run.side_names, run.annotation_kinds) != (first.side_names, first.annotation_kinds):
             what = "has different side tables or annotations than the first run"
             raise InputError(what, where=str(run.folder), cure="export them separately with --runs")
-    yield ExportedFile("README.md", lambda: _card(data))
+    yield ExportedFile("README.md", cache(lambda: _card(data)))
     for split, of_split in images_of_splits(data):
         shards = list(batches(of_split, _bytes, settings.shard_bytes))
         for number, images in enumerate(shards):
@@ -131,6 +134,7 @@ def _card(data: Dataset) -> bytes:
         "A row of `images` is an image with the row of `rows` at which it was taken, the camera's pose X_WC, K and D;",
         "a row of `rows` is a control period. Depth is in 0.1 mm; `normals` and `flow` are PNG files of 16 bits.",
         *(f"A row of `{name}` is a sample of this sensor, at time `t` in ms." for name in sensors),
+        *_balance(data),
         "",
         "| column | unit |",
         "|---|---|",
@@ -145,6 +149,17 @@ def _card(data: Dataset) -> bytes:
         for line in _config(name, image_splits if name == "images" else row_splits, default=name == names[0])
     ]
     return hub_card(data, ["configs:", *configs], text)
+
+
+def _balance(data: Dataset) -> list[str]:
+    """Return lines with the content of each split; none if the dataset is not divided."""
+    content = balance(data)
+    if content is None:
+        return []
+    names = [split.name for split in content.splits]
+    rows = [(name, *cells) for name, cells in content.rows]
+    warnings = [f"- {text}." for text in content.warnings]
+    return ["", *([*warnings, ""] if warnings else []), *markdown_table(("", *names), rows).splitlines()]
 
 
 def _config(name: str, splits: Sequence[str], *, default: bool = False) -> list[str]:

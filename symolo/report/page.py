@@ -30,6 +30,7 @@ _SECTIONS = {
     "sensors": "Further sensors",
     "draws": "What varies from run to run",
     "images": "Images in numbers",
+    "splits": "Training, validation and test",
     "warnings": "Warnings",
     "contents": "Files, columns and how to read them",
     "provenance": "Provenance",
@@ -48,6 +49,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         svg="image/svg+xml",
         sections=_sections(facts, media),
         facts=facts,
+        balance=facts.balance,
         media=media,
         metadata=metadata,
         records=records,
@@ -93,6 +95,7 @@ def _sections(facts: ReleaseFacts, media: Media) -> dict[str, str]:
     empty = {"sensors"} if not facts.metadata.sensors else set()
     empty |= {"cameras"} if not media.cameras else set()
     empty |= {"states", "images"} if not facts.images else set()
+    empty |= {"splits"} if facts.balance is None else set()
     return {name: title for name, title in _SECTIONS.items() if name not in empty}
 
 

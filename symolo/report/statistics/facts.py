@@ -7,6 +7,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import Metadata
 from symolo.dataset.manifest import MANIFEST, read_manifest
+from symolo.reader.balance import Balance, balance
 from symolo.reader.dataset import Dataset
 from symolo.report.statistics.image_statistics import ImageNumbers, image_numbers
 from symolo.report.statistics.outliers import OutlierGroup, outliers
@@ -25,6 +26,8 @@ class ReleaseFacts:
     images: tuple[ImageNumbers, ...]
     """Statistics of the images of each run that has images."""
     outliers: tuple[OutlierGroup, ...]
+    balance: Balance | None
+    """Content of training, validation and test; None if the release is not divided."""
     detailed: tuple[str, ...]
     """Names of the runs that are shown in detail."""
     files: int
@@ -61,8 +64,14 @@ def release_facts(data: Dataset, metadata: Metadata, max_detailed: int, report: 
         runs=tuple(facts),
         images=tuple(images),
         outliers=outliers(images) if images else (),
+        balance=_balance(data, report) if data.splits else None,
         detailed=tuple(run.name for run in spread(data.runs, max_detailed)),
         files=len(sizes),
         size_bytes=sum(sizes),
         manifest_sha256=hashlib.sha256(manifest).hexdigest() if manifest else "",
     )
+
+
+def _balance(data: Dataset, report: Report) -> Balance | None:
+    with report.stage("splits", len(data.images), "images") as stage:
+        return balance(data, lambda done: stage.update("all", done))

@@ -1,0 +1,105 @@
+"""Content of each split, counted again from the label images that were put into a release."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import symolo as library
+from symolo.reader.balance import balance
+
+CLASSES = {1: "floor", 2: "line", 3: "wall", 4: "obstacle", 5: "wall"}
+"""Of the instances by id."""
+
+
+@pytest.fixture
+def divided(random_release, copy_of, sign):
+    """A release with these annotations and these splits."""
+
+    def make(kinds, splits, seed=2):
+        root = copy_of(random_release(seed, kinds=kinds).root)
+        metadata = json.loads((root / "metadata.json").read_text())
+        (root / "metadata.json").write_text(json.dumps(metadata | {"splits": splits}))
+        sign(root)
+        return root
+
+    return make
+
+
+BY_RUN = {"by": "run", "seed": 1, "runs": {"train": ["CW/test_1"], "test": ["CCW/test_1"]}}
+
+
+def counted(images):
+    """Images that show each class, and instances of each class in all images, of label images (N, H, W)."""
+    seen = [{one for one in np.unique(ids).tolist() if one} for ids in images]
+    names = sorted({CLASSES[one] for ones in seen for one in ones})
+    with_class = {name: sum(any(CLASSES[one] == name for one in ones) for ones in seen) for name in names}
+    return with_class, {name: sum(CLASSES[one] == name for ones in seen for one in ones) for name in names}
+
+
+def test_images_classes_and_speeds_of_each_split_are_those_of_its_runs(divided, random_release):
+    release = random_release(2, kinds=("instance",))
+    found = balance(library.load(divided(("instance",), BY_RUN)))
+    assert [split.name for split in found.splits] == ["train", "test"]
+    for split, truth in zip(found.splits, release.runs, strict=True):
+        with_class, instances = counted(truth.instances)
+        assert (split.images, [*split.runs], [*split.routes]) == (
+            len(truth.pictures),
+            [truth.name],
+            [truth.name.partition("/")[0]],
+        )
+        assert ([*split.looks], [*split.robots]) == (["classroom"], ["nominal"])
+        assert (dict(split.images_by_class), dict(split.instances)) == (with_class, instances)
+        speeds = truth.table[truth.table[:, 18] > 0, 5]
+        assert split.speeds_m_s == [speeds.min(), speeds.max()]
+    rows = dict(found.rows)
+    lines = [str(sum(not np.any(ids == 2) for ids in truth.instances)) for truth in release.runs]
+    assert rows["images without the line"] == lines
+
+
+def test_splits_by_image_count_only_their_images(divided, random_release):
+    first, second = random_release(2, kinds=("instance",)).runs
+    splits = {
+        "by": "image",
+        "seed": 1,
+        "images": {"train": {first.name: [1]}, "test": {first.name: [2], second.name: [1]}},
+    }
+    train, test = (found := balance(library.load(divided(("instance",), splits)))).splits
+    assert (train.images, test.images) == (1, 2)
+    assert dict(train.instances) == counted(first.instances[:1])[1]
+    assert dict(test.instances) == counted([first.instances[1], second.instances[0]])[1]
+    assert "Splits by image: neighbouring images of a run are nearly alike" in found.warnings[0]
+
+
+def test_a_class_that_a_split_lacks_is_a_warning(divided):
+    """Walls and obstacles by their boxes; of the test, all boxes are hidden."""
+    root = divided(("boxes_2d",), BY_RUN, seed=1)
+    path = root / "CCW/test_1/annotations/annotations.json"
+    document = json.loads(path.read_text())
+    for one in document["annotations"]:
+        one |= {"bbox": [0, 0, 0, 0], "area": 0}
+    path.write_text(json.dumps(document))
+    found = balance(library.load(root))
+    assert found.warnings == ("No image of test shows the class wall", "No image of test shows the class obstacle")
+    assert not found.knows_line
+    assert dict(found.rows)["images with wall"][1] == "0"
+
+
+def test_without_annotations_classes_are_not_known_and_without_splits_there_is_nothing(divided, random_release):
+    found = balance(library.load(divided((), BY_RUN)))
+    assert (found.classes, found.warnings, found.knows_line) == ((), (), False)
+    assert balance(library.load(random_release(2).root)) is None
+
+
+def test_the_report_and_the_card_of_hugging_face_show_the_splits(divided, random_release, symolo, tmp_path):
+    root, page, out = divided(("instance",), BY_RUN), tmp_path / "report.html", tmp_path / "out"
+    assert symolo("report", root, "--detail", 1, "--out", page).code == 0
+    assert symolo("export", root, "--format", "huggingface", "--out", out).code == 0
+    counts = [len(truth.pictures) for truth in random_release(2, kinds=("instance",)).runs]
+    (section,) = re.findall(r'<h2 id="splits">(.*?)<h2', page.read_text(), re.DOTALL)
+    assert f'<th>images</th><td class="n">{counts[0]}</td><td class="n">{counts[1]}</td>' in section
+    assert f"| images | {counts[0]} | {counts[1]} |\n" in (out / "huggingface/README.md").read_text()
+    for warning in balance(library.load(root)).warnings:
+        assert f'<p class="warn">{warning}.</p>' in section
+        assert f"- {warning}.\n" in (out / "huggingface/README.md").read_text()
