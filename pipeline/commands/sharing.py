@@ -7,6 +7,7 @@ import typer
 
 from pipeline.commands.exit_codes import FAULTS
 from pipeline.commands.options import AllowHttp, Dataset, DryRun, Endpoint, NewFolder, Runs, checked_input, names
+from symolo.core.errors import InputError
 
 DOCUMENTS = 7
 """Number of descriptions in a folder of `pack`."""
@@ -50,6 +51,13 @@ def export(
             min=1, max=2000, metavar="MB", help="Largest size of a shard, for webdataset, huggingface and lerobot."
         ),
     ] = 100,
+    video: Annotated[
+        bool,
+        typer.Option(
+            "--video",
+            help="Store the images of lerobot as MP4 (H.264), which changes pixels; needs the extra `video`.",
+        ),
+    ] = False,
     dry_run: DryRun = False,
 ) -> None:
     """Convert a release to other formats; each format gets a folder of its name in OUT.
@@ -70,11 +78,13 @@ def export(
     from symolo.exporters.export import export as exported
 
     exporters = exporters_of(names(formats, "--format"), "--format")
+    if video and not any(exporter.name == "lerobot" for exporter in exporters):
+        raise InputError("--video", got=formats, allowed="--format lerobot")
     data = with_splits(open_release(folder, runs), splits)
     check_new(out, data.root)
     if data.splits is not None and data.splits.by == "image":
         typer.echo(f"warning: {NEIGHBOURS_WARNING}", err=True)
-    planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE))
+    planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE, video))
     if dry_run:
         for export_plan in planned:
             files, exporter = export_plan.files, export_plan.exporter

@@ -59,6 +59,8 @@ def image_bytes(images: Iterable[Image]) -> int:
 class ExportSettings:
     shard_bytes: int
     """Largest size of a shard, for formats that have shards."""
+    video: bool = False
+    """Whether lerobot has the images as videos."""
 
 
 @dataclass(frozen=True)

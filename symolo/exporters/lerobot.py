@@ -1,8 +1,8 @@
 """A dataset of LeRobot (https://huggingface.co/docs/lerobot/lerobot-dataset-v3): one episode per run.
 
-Each image is a frame, of the type `image`: the Parquet files contain the unchanged bytes of the image files. The writer
-of lerobot 0.4.4 is not used: it needs torch, diffusers, wandb and a rerun-sdk that needs numpy 2, with which Blender's
-module does not load.
+Each image is a frame, of the type `image`: the Parquet files contain the unchanged bytes of the image files. On request
+it is of the type `video`. The writer of lerobot 0.4.4 is not used: it needs torch, diffusers, wandb and a rerun-sdk
+that needs numpy 2, with which Blender's module does not load.
 """
 
 import io
@@ -23,9 +23,10 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.rows import LINE, RANGES
 from symolo.dataset.tables.side_tables import WHEELS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, image_bytes
-from symolo.exporters.features import image_file, parquet_bytes, value, vector
+from symolo.exporters.features import Feature, image_file, parquet_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
+from symolo.exporters.lerobot_video import check_video, video_bytes, video_info
 from symolo.exporters.splits import OPTION, runs_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -55,6 +56,7 @@ _ROUNDED_S = 0.6e-3
 _STATS_BYTES = 10_000
 """Approximate size of the statistics of an episode."""
 _DATA_FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+_VIDEO_FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,8 @@ class _Episode:
     first: int
     """Index of the first frame among the frames of all episodes."""
     task_index: int
+    exact_hz: int | None = None
+    """Rate whose periods the times are exactly, as frames of a video are; None for the times of the images."""
 
     def __len__(self) -> int:
         return len(self.run.numbers)
@@ -94,8 +98,8 @@ class _Episode:
         vectors |= {name: rows[names].to_numpy(np.float32) for name, names in named.items()}
         stamps_s = np.array([image.t_s for image in self.run.images])
         vectors = {name: vectors[name] for name in self.vectors}
-        vectors["timestamp"] = (stamps_s - stamps_s[0]).astype(np.float32)
         count = np.arange(len(self))
+        vectors["timestamp"] = (count / self.exact_hz if self.exact_hz else stamps_s - stamps_s[0]).astype(np.float32)
         counts = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
         return vectors | {name: one.astype(np.int64) for name, one in zip(_COUNTS, counts, strict=True)}
 
@@ -113,6 +117,8 @@ class _Plan:
     files: tuple[tuple[_Episode, ...], ...]
     """Episodes of each file of frames; each episode is in one file."""
     max_bytes: int
+    video: bool = False
+    """Whether the images are in videos, one beside each file of frames."""
 
     @property
     def episodes(self) -> tuple[_Episode, ...]:
@@ -121,7 +127,7 @@ class _Plan:
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     optional_module("pyarrow")
-    plan = _plan(data, settings.shard_bytes)
+    plan = _plan(data, settings.shard_bytes, video=settings.video)
     yield ExportedFile("README.md", lambda: hub_card(data, _FRONT_MATTER))
     yield ExportedFile("meta/info.json", lambda: canonical_json(_info(plan)))
     yield ExportedFile("meta/stats.json", lambda: canonical_json(_stats(plan.episodes)), lambda: _STATS_BYTES)
@@ -131,11 +137,19 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     for number, episodes in enumerate(plan.files):
         size = sum(image_bytes(one.run.images) for one in episodes)
         name = f"data/{_data_file(number)}"
-        yield ExportedFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
+        if not plan.video:
+            yield ExportedFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
+            continue
+        yield ExportedFile(name, lambda episodes=episodes: _frames(episodes, with_images=False))
+        hz, runs = image_hz(data.runs[0]), [one.run for one in episodes]
+        # H.264 of this quality is no larger than the JPEG files.
+        yield ExportedFile(_video_file(number), lambda runs=runs, hz=hz: video_bytes(runs, hz), lambda size=size: size)
 
 
-def _plan(data: Dataset, max_bytes: int) -> _Plan:
+def _plan(data: Dataset, max_bytes: int, *, video: bool) -> _Plan:
     check_images(data)
+    if video:
+        check_video(data.runs)
     first_hz = image_hz(data.runs[0])
     for run in data.runs:
         if image_hz(run) != first_hz:
@@ -145,11 +159,11 @@ def _plan(data: Dataset, max_bytes: int) -> _Plan:
     runs = [run for _, part in _splits(data) for run in part.runs]
     starts = accumulate((len(run.numbers) for run in runs), initial=0)
     episodes = [
-        _Episode(run, index, first, names.index(_task(run)))
+        _Episode(run, index, first, names.index(_task(run)), first_hz if video else None)
         for index, (run, first) in enumerate(zip(runs, starts, strict=False))
     ]
     files = batches(episodes, lambda episode: image_bytes(episode.run.images), max_bytes)
-    return _Plan(data, names, tuple(files), max_bytes)
+    return _Plan(data, names, tuple(files), max_bytes, video)
 
 
 def _splits(data: Dataset) -> tuple[tuple[str, Dataset], ...]:
@@ -200,11 +214,18 @@ def _data_file(number: int) -> str:
     return _DATA_FILE.format(chunk_index=chunk, file_index=file)
 
 
+def _video_file(number: int) -> str:
+    chunk, file = divmod(number, _FILES_PER_CHUNK)
+    return f"videos/{_FRONT}/{_VIDEO_FILE.format(chunk_index=chunk, file_index=file)}"
+
+
 def _info(plan: _Plan) -> dict[str, Any]:
     first, episodes = plan.data.runs[0], plan.episodes
     robots = {run.spec.robot.name for run in plan.data.runs}
     size = [first.camera.height_px, first.camera.width_px, 3]
     features: dict[str, Any] = {_FRONT: {"dtype": "image", "shape": size, "names": ["height", "width", "channels"]}}
+    if plan.video:
+        features[_FRONT] |= {"dtype": "video", "info": video_info(first, image_hz(first))}
     features |= {
         name: {"dtype": "float32", "shape": [len(components)], "names": list(components)}
         for name, components in episodes[0].vectors.items()
@@ -223,7 +244,7 @@ def _info(plan: _Plan) -> dict[str, Any]:
         "fps": image_hz(first),
         "splits": _ranges(plan.data),
         "data_path": f"data/{_DATA_FILE}",
-        "video_path": None,
+        "video_path": f"videos/{{video_key}}/{_VIDEO_FILE}" if plan.video else None,
         "features": features,
     }
 
@@ -247,7 +268,7 @@ def _tasks(plan: _Plan) -> bytes:
 
 def _episodes(plan: _Plan) -> bytes:
     arrow, writer = optional_module("pyarrow"), optional_module("pyarrow.parquet")
-    rows = []
+    rows, hz = [], image_hz(plan.data.runs[0])
     for number, file in enumerate(plan.files):
         chunk_index, file_index = divmod(number, _FILES_PER_CHUNK)
         for one in file:
@@ -262,6 +283,14 @@ def _episodes(plan: _Plan) -> bytes:
                 "meta/episodes/chunk_index": 0,
                 "meta/episodes/file_index": 0,
             }
+            if plan.video:
+                start = one.first - file[0].first
+                row |= {
+                    f"videos/{_FRONT}/chunk_index": chunk_index,
+                    f"videos/{_FRONT}/file_index": file_index,
+                    f"videos/{_FRONT}/from_timestamp": start / hz,
+                    f"videos/{_FRONT}/to_timestamp": (start + len(one)) / hz,
+                }
             for name, stats in _stats([one]).items():
                 row |= {f"stats/{name}/{key}": value for key, value in stats.items()}
             rows.append(row)
@@ -270,13 +299,15 @@ def _episodes(plan: _Plan) -> bytes:
     return file.getvalue()
 
 
-def _frames(episodes: Sequence[_Episode]) -> bytes:
-    images = [image for one in episodes for image in one.run.images]
-    files = [
-        {"bytes": read_file(image.path, FileKind.IMAGE), "path": f"{image.run.name}/{image.path.name}"}
-        for image in images
-    ]
-    columns = {_FRONT: (image_file(), files)}
+def _frames(episodes: Sequence[_Episode], *, with_images: bool = True) -> bytes:
+    columns: dict[str, tuple[Feature, Sequence[Any]]] = {}
+    if with_images:
+        images = [image for one in episodes for image in one.run.images]
+        files = [
+            {"bytes": read_file(image.path, FileKind.IMAGE), "path": f"{image.run.name}/{image.path.name}"}
+            for image in images
+        ]
+        columns[_FRONT] = image_file(), files
     number = value("float32")
     for name in episodes[0].numbers:
         stacked = np.concatenate([one.numbers[name] for one in episodes])

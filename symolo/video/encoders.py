@@ -39,8 +39,12 @@ class Film:
         return map(self.frame, range(self.count))
 
 
-def mp4_chunks(film: Film) -> Iterator[bytes]:
+def mp4_chunks(film: Film, *, key_frame_every: int | None = None) -> Iterator[bytes]:
     """Yield an MP4 file with H.264, whose index comes first so that it plays while it loads.
+
+    Args:
+        film: The frames.
+        key_frame_every: Largest distance of frames that can be decoded without others; None for the usual distance.
 
     Raises:
         EnvironmentLacking: The extra `video` is not installed.
@@ -54,6 +58,7 @@ def mp4_chunks(film: Film) -> Iterator[bytes]:
         with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
             # One thread, because the bytes depend on their number.
             options = {"crf": "20", "preset": "medium", "threads": "1", "x264-params": _BT709}
+            options |= {"g": str(key_frame_every)} if key_frame_every else {}
             stream = container.add_stream("libx264", rate=film.fps, options=options)
             stream.width, stream.height, stream.pix_fmt = width_px, height_px, "yuv420p"
             for pixels in chain((first,), frames):
