@@ -37,15 +37,17 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
         (image.run.name, image.number): split for split, images in images_of_splits(data) for image in images if split
     }
     yield ExportedFile("tables.hdf5", lambda: _tables(h5py, data))
+    of_runs = data.splits.of_runs if data.splits else {}
     for run in data.runs:
-        first_bytes = cache(lambda run=run: len(_frame(h5py, run.images[0], None)))
-        for image in run.images:
-            split = of_images.get((run.name, image.number))
-            yield ExportedFile(
-                f"{run.name}/{image.index}.hdf5",
-                lambda image=image, split=split: _frame(h5py, image, split),
-                first_bytes,
-            )
+        for camera in (run, *run.cameras.values()):
+            first_bytes = cache(lambda camera=camera: len(_frame(h5py, camera.images[0], None)))
+            for image in camera.images:
+                split = of_images.get((run.name, image.number)) if camera is run else of_runs.get(run.name)
+                yield ExportedFile(
+                    f"{camera.name}/{image.index}.hdf5",
+                    lambda image=image, split=split: _frame(h5py, image, split),
+                    first_bytes,
+                )
 
 
 def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
@@ -64,6 +66,7 @@ def _tables(h5py: ModuleType, data: Dataset) -> bytes:
         for run in data.runs:
             names = sorted(run.side_names, key=lambda name: name == _CAMERA)
             tables = {"rows": run.rows} | {name: run.side(name) for name in names}
+            tables |= {f"cameras/{name}": camera.side(_CAMERA) for name, camera in run.cameras.items()}
             for name, table in tables.items():
                 for column in table:
                     dataset = file.create_dataset(

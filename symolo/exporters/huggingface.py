@@ -23,6 +23,7 @@ from symolo.exporters.features import Feature, column, image_file, parquet_bytes
 from symolo.exporters.hub_card import hub_card
 from symolo.exporters.splits import images_of_splits, runs_of_splits
 from symolo.reader.balance import balance
+from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import RUN, Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image
@@ -45,19 +46,12 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     optional_module("pyarrow")
     first = data.runs[0]
     for run in data.runs[1:]:
-        if (run.side_names, run.annotation_kinds) != (first.side_names, first.annotation_kinds):
-            what = "has different side tables or annotations than the first run"
+        if _kinds(run) != _kinds(first):
+            what = "has different side tables, cameras or annotations than the first run"
             raise InputError(what, where=str(run.folder), cure="export them separately with --runs")
     yield ExportedFile("README.md", cache(lambda: _card(data)))
     for split, of_split in images_of_splits(data):
-        shards = list(batches(of_split, _bytes, settings.shard_bytes))
-        for number, images in enumerate(shards):
-            size = sum(map(_bytes, images))
-            yield ExportedFile(
-                f"images/{split or _UNDIVIDED}-{number:05d}-of-{len(shards):05d}.parquet",
-                lambda images=images: _images(images, first.annotation_kinds),
-                lambda size=size: size,
-            )
+        yield from _shards(f"images/{split or _UNDIVIDED}", of_split, first.annotation_kinds, settings)
     for split, part in _row_splits(data):
         yield ExportedFile(f"rows/{split}-{_WHOLE}", lambda part=part: stacked_bytes(part, _wide))
         for name in _sensors(first):
@@ -65,6 +59,27 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
                 f"{name}/{split}-{_WHOLE}",
                 lambda part=part, name=name: stacked_bytes(part, lambda run: run.side(name)),
             )
+    for name, camera in first.cameras.items():
+        for split, part in _row_splits(data):
+            images = [image for run in part.runs for image in run.cameras[name]]
+            yield from _shards(f"{name}/{split}", images, camera.annotation_kinds, settings)
+
+
+def _shards(
+    start: str, images: Sequence[Image], kinds: Sequence[str], settings: ExportSettings
+) -> Iterator[ExportedFile]:
+    """Yield the files of some images, whose names begin with `start`."""
+    shards = list(batches(images, _bytes, settings.shard_bytes))
+    for number, shard in enumerate(shards):
+        size = sum(map(_bytes, shard))
+        name = f"{start}-{number:05d}-of-{len(shards):05d}.parquet"
+        yield ExportedFile(name, lambda shard=shard: _images(shard, kinds), lambda size=size: size)
+
+
+def _kinds(run: Run) -> tuple[object, ...]:
+    """Return what all runs of an export must have in common."""
+    cameras = {name: camera.annotation_kinds for name, camera in run.cameras.items()}
+    return run.side_names, run.annotation_kinds, cameras
 
 
 def _row_splits(data: Dataset) -> list[tuple[str, Dataset]]:
@@ -83,7 +98,7 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
     number = value("float64")
     columns: Columns = {
         "image": (image_file(), [_file(image, image.path) for image in images]),
-        RUN: (value("string"), [image.run.name for image in images]),
+        RUN: (value("string"), [_run_name(image) for image in images]),
     }
     columns |= {
         reading.name: column(values if reading.decimals else values.astype(np.int64))
@@ -92,7 +107,7 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
     columns |= {
         "X_WC": (vector(vector(number, 4), 4), [image.X_WC.tolist() for image in images]),
         "K": (vector(vector(number, 3), 3), [image.run.camera.K for image in images]),
-        "D": (vector(number, 5), [image.run.camera.D for image in images]),
+        "D": (vector(number, len(images[0].run.camera.D)), [image.run.camera.D for image in images]),
     }
     for kind in kinds:
         paths = [image.annotation_files.get(kind) for image in images]
@@ -103,6 +118,10 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
             columns[kind] = image_file(), files
     units = {column.name: column.unit for column in images[0].run.table.definitions}
     return parquet_bytes(columns, units, rows_per_group=_IMAGES_PER_GROUP)
+
+
+def _run_name(image: Image) -> str:
+    return image.run.whole.name if isinstance(image.run, CameraRun) else image.run.name
 
 
 def _file(image: Image, path: Path) -> dict[str, object]:
@@ -129,18 +148,19 @@ def _sensors(run: Run) -> tuple[str, ...]:
 
 
 def _card(data: Dataset) -> bytes:
-    units, sensors = _wide(data.runs[0]).attrs[UNITS], _sensors(data.runs[0])
+    units, sensors, cameras = _wide(data.runs[0]).attrs[UNITS], _sensors(data.runs[0]), tuple(data.runs[0].cameras)
     text = [
         "A row of `images` is an image with the row of `rows` at which it was taken, the camera's pose X_WC, K and D;",
         "a row of `rows` is a control period. Depth is in 0.1 mm; `normals` and `flow` are PNG files of 16 bits.",
         *(f"A row of `{name}` is a sample of this sensor, at time `t` in ms." for name in sensors),
+        *(f"A row of `{name}` is an image of this further camera, with the columns of `images`." for name in cameras),
         *_balance(data),
         "",
         "| column | unit |",
         "|---|---|",
         *(f"| {column} | {unit} |" for column, unit in units.items()),
     ]
-    names = (*(["images"] if data.images else []), "rows", *sensors)
+    names = (*(["images"] if data.images else []), "rows", *sensors, *cameras)
     row_splits = [split for split, _ in _row_splits(data)]
     image_splits = [split or _UNDIVIDED for split, images in images_of_splits(data) if images]
     configs = [

@@ -21,6 +21,7 @@ from symolo.core.extras import optional_module
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.rows import LINE, RANGES
+from symolo.dataset.tables.sensor_tables import LOGGED
 from symolo.dataset.tables.side_tables import WHEELS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, image_bytes
 from symolo.exporters.features import Feature, image_file, parquet_bytes, value, vector
@@ -30,9 +31,12 @@ from symolo.exporters.lerobot_video import check_video, video_bytes, video_info
 from symolo.exporters.splits import OPTION, runs_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
+from symolo.reader.run_folder import Image
+from symolo.reader.sensor import RunSensor
 
 _VERSION = "v3.0"
-_FRONT, _STATE, _ACTION, _POSE = "observation.images.front", "observation.state", "action", "pose"
+_IMAGES = "observation.images."
+_FRONT, _STATE, _ACTION, _POSE = f"{_IMAGES}front", "observation.state", "action", "pose"
 """Names of features; the pose is not an observation, since policies must not see the true pose."""
 _WHEEL_NAMES = ("speed_right", "speed_left")
 _READINGS = (*RANGES.columns, *LINE.columns)
@@ -78,9 +82,43 @@ class _Episode:
         columns = self.run.table.columns
         has_wheels = WHEELS.name in self.run.side_names
         speeds = _WHEEL_NAMES if has_wheels else tuple(name for name in _BODY_SPEEDS if name in columns)
-        state = (*speeds, *(column.name for column in _READINGS if column.name in columns))
+        state = (*speeds, *(column.name for column in _READINGS if column.name in columns), *self._sensor_names)
         action = {_ACTION: _WHEEL_NAMES} if has_wheels else {}
         return {**({_STATE: state} if state else {}), **action, _POSE: ("x", "y", "theta")}
+
+    @cached_property
+    def images(self) -> dict[str, tuple[Image, ...]]:
+        """The image of each frame by the name of the feature; of a further camera the newest that was delivered."""
+        images = {_FRONT: self.run.images}
+        for name, camera in self.run.cameras.items():
+            feature, taken = f"{_IMAGES}{name}", camera.images
+            feature += "_further" if feature == _FRONT else ""
+            images[feature] = tuple(taken[i] for i in camera.delivered(self._stamps_s).tolist())
+        return images
+
+    @property
+    def features(self) -> tuple[object, ...]:
+        """What all episodes must have in common."""
+        sizes = {name: (one[0].run.camera.height_px, one[0].run.camera.width_px) for name, one in self.images.items()}
+        return sizes, self.vectors
+
+    @cached_property
+    def size_bytes(self) -> int:
+        """Size of the images of all frames."""
+        return sum(map(image_bytes, self.images.values()))
+
+    @cached_property
+    def _stamps_s(self) -> np.ndarray:
+        return np.array([image.t_s for image in self.run.images])
+
+    @property
+    def _sensors(self) -> list[RunSensor]:
+        """Sensors of `robot.sensors`; tables of an imported log may have gaps, which no state may have."""
+        return [sensor for sensor in self.run.sensors.values() if sensor.kind != LOGGED]
+
+    @property
+    def _sensor_names(self) -> tuple[str, ...]:
+        return tuple(f"{sensor.name}.{cell.name}" for sensor in self._sensors for cell in sensor.side_table.cells[1:])
 
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
@@ -94,18 +132,23 @@ class _Episode:
             turn_m_s = 0.5 * drive.track_m * w_rad_s
             commanded_m_s = np.column_stack((v_m_s + turn_m_s, v_m_s - turn_m_s))  # right and left wheel
             vectors[_ACTION] = (commanded_m_s / (0.5 * drive.wheel_diameter_m)).astype(np.float32)
-        named = {name: list(self.vectors[name]) for name in (_STATE, _POSE) if name in self.vectors}
+        named = {
+            name: [one for one in self.vectors[name] if one in rows] for name in (_STATE, _POSE) if name in self.vectors
+        }
         vectors |= {name: rows[names].to_numpy(np.float32) for name, names in named.items()}
-        stamps_s = np.array([image.t_s for image in self.run.images])
+        if further := [sensor.numbers[sensor.delivered(self._stamps_s), 1:] for sensor in self._sensors]:
+            vectors[_STATE] = np.column_stack((vectors[_STATE], *further)).astype(np.float32)
         vectors = {name: vectors[name] for name in self.vectors}
         count = np.arange(len(self))
-        vectors["timestamp"] = (count / self.exact_hz if self.exact_hz else stamps_s - stamps_s[0]).astype(np.float32)
+        times_s = count / self.exact_hz if self.exact_hz else self._stamps_s - self._stamps_s[0]
+        vectors["timestamp"] = times_s.astype(np.float32)
         counts = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
         return vectors | {name: one.astype(np.int64) for name, one in zip(_COUNTS, counts, strict=True)}
 
     @cached_property
-    def levels(self) -> Levels:
-        return Levels.of(image.pixels() for image in self.run.images)
+    def levels(self) -> dict[str, Levels]:
+        """Levels of all frames by the name of the feature."""
+        return {name: Levels.of(image.pixels() for image in images) for name, images in self.images.items()}
 
 
 @dataclass(frozen=True)
@@ -135,21 +178,22 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     estimated_bytes = _STATS_BYTES * len(plan.episodes)
     yield ExportedFile(f"meta/episodes/{_data_file(0)}", lambda: _episodes(plan), lambda: estimated_bytes)
     for number, episodes in enumerate(plan.files):
-        size = sum(image_bytes(one.run.images) for one in episodes)
+        size = sum(one.size_bytes for one in episodes)
         name = f"data/{_data_file(number)}"
         if not plan.video:
             yield ExportedFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
             continue
         yield ExportedFile(name, lambda episodes=episodes: _frames(episodes, with_images=False))
-        hz, runs = image_hz(data.runs[0]), [one.run for one in episodes]
-        # H.264 of this quality is no larger than the JPEG files.
-        yield ExportedFile(_video_file(number), lambda runs=runs, hz=hz: video_bytes(runs, hz), lambda size=size: size)
+        hz = image_hz(data.runs[0])
+        for feature in episodes[0].images:
+            images = [image for one in episodes for image in one.images[feature]]
+            size = image_bytes(images)  # H.264 of this quality is no larger than the JPEG files.
+            place = _video_file(feature, number)
+            yield ExportedFile(place, lambda images=images, hz=hz: video_bytes(images, hz), lambda size=size: size)
 
 
 def _plan(data: Dataset, max_bytes: int, *, video: bool) -> _Plan:
     check_images(data)
-    if video:
-        check_video(data.runs)
     first_hz = image_hz(data.runs[0])
     for run in data.runs:
         if image_hz(run) != first_hz:
@@ -162,7 +206,14 @@ def _plan(data: Dataset, max_bytes: int, *, video: bool) -> _Plan:
         _Episode(run, index, first, names.index(_task(run)), first_hz if video else None)
         for index, (run, first) in enumerate(zip(runs, starts, strict=False))
     ]
-    files = batches(episodes, lambda episode: image_bytes(episode.run.images), max_bytes)
+    for episode in episodes:
+        if episode.features != episodes[0].features:
+            what, cure = "has other cameras or readings than the first run", "export them separately with --runs"
+            raise InputError(what, where=str(episode.run.folder), cure=cure)
+    if video:
+        for name in episodes[0].images:
+            check_video([episode.images[name][0].run for episode in episodes])
+    files = batches(episodes, lambda episode: episode.size_bytes, max_bytes)
     return _Plan(data, names, tuple(files), max_bytes, video)
 
 
@@ -214,18 +265,21 @@ def _data_file(number: int) -> str:
     return _DATA_FILE.format(chunk_index=chunk, file_index=file)
 
 
-def _video_file(number: int) -> str:
+def _video_file(feature: str, number: int) -> str:
     chunk, file = divmod(number, _FILES_PER_CHUNK)
-    return f"videos/{_FRONT}/{_VIDEO_FILE.format(chunk_index=chunk, file_index=file)}"
+    return f"videos/{feature}/{_VIDEO_FILE.format(chunk_index=chunk, file_index=file)}"
 
 
 def _info(plan: _Plan) -> dict[str, Any]:
     first, episodes = plan.data.runs[0], plan.episodes
     robots = {run.spec.robot.name for run in plan.data.runs}
-    size = [first.camera.height_px, first.camera.width_px, 3]
-    features: dict[str, Any] = {_FRONT: {"dtype": "image", "shape": size, "names": ["height", "width", "channels"]}}
-    if plan.video:
-        features[_FRONT] |= {"dtype": "video", "info": video_info(first, image_hz(first))}
+    cameras = {name: images[0].run for name, images in episodes[0].images.items()}
+    features: dict[str, Any] = {}
+    for name, one in cameras.items():
+        shape, axes = [one.camera.height_px, one.camera.width_px, 3], ["height", "width", "channels"]
+        features[name] = {"dtype": "image", "shape": shape, "names": axes}
+        if plan.video:
+            features[name] |= {"dtype": "video", "info": video_info(one, image_hz(first))}
     features |= {
         name: {"dtype": "float32", "shape": [len(components)], "names": list(components)}
         for name, components in episodes[0].vectors.items()
@@ -251,8 +305,9 @@ def _info(plan: _Plan) -> dict[str, Any]:
 
 def _stats(episodes: Sequence[_Episode]) -> dict[str, Stats]:
     """Return the statistics of every feature over some episodes."""
-    levels = [one.levels for one in episodes]
-    stats = {_FRONT: sum(levels[1:], start=levels[0]).stats()}
+    stats = {}
+    for name, levels in episodes[0].levels.items():
+        stats[name] = sum((one.levels[name] for one in episodes[1:]), start=levels).stats()
     for name in episodes[0].numbers:
         stats[name] = vector_stats(np.concatenate([one.numbers[name] for one in episodes]))
     return stats
@@ -285,12 +340,13 @@ def _episodes(plan: _Plan) -> bytes:
             }
             if plan.video:
                 start = one.first - file[0].first
-                row |= {
-                    f"videos/{_FRONT}/chunk_index": chunk_index,
-                    f"videos/{_FRONT}/file_index": file_index,
-                    f"videos/{_FRONT}/from_timestamp": start / hz,
-                    f"videos/{_FRONT}/to_timestamp": (start + len(one)) / hz,
-                }
+                for feature in one.images:
+                    row |= {
+                        f"videos/{feature}/chunk_index": chunk_index,
+                        f"videos/{feature}/file_index": file_index,
+                        f"videos/{feature}/from_timestamp": start / hz,
+                        f"videos/{feature}/to_timestamp": (start + len(one)) / hz,
+                    }
             for name, stats in _stats([one]).items():
                 row |= {f"stats/{name}/{key}": value for key, value in stats.items()}
             rows.append(row)
@@ -299,15 +355,15 @@ def _episodes(plan: _Plan) -> bytes:
     return file.getvalue()
 
 
+def _file(image: Image) -> dict[str, object]:
+    return {"bytes": read_file(image.path, FileKind.IMAGE), "path": f"{image.run.name}/{image.path.name}"}
+
+
 def _frames(episodes: Sequence[_Episode], *, with_images: bool = True) -> bytes:
     columns: dict[str, tuple[Feature, Sequence[Any]]] = {}
-    if with_images:
-        images = [image for one in episodes for image in one.run.images]
-        files = [
-            {"bytes": read_file(image.path, FileKind.IMAGE), "path": f"{image.run.name}/{image.path.name}"}
-            for image in images
-        ]
-        columns[_FRONT] = image_file(), files
+    for name in episodes[0].images if with_images else ():
+        images = [image for one in episodes for image in one.images[name]]
+        columns[name] = image_file(), [_file(image) for image in images]
     number = value("float32")
     for name in episodes[0].numbers:
         stacked = np.concatenate([one.numbers[name] for one in episodes])

@@ -6,14 +6,14 @@ from typing import Any
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
-from symolo.reader.run import Run
+from symolo.reader.run_folder import Image, RunFolder
 
 _KEY_FRAME_EVERY = 2
 """Distance of key frames, as in LeRobot's own videos: loaders read frames in any order."""
 
 
-def check_video(runs: Sequence[Run]) -> None:
-    """Refuse runs whose images do not fit into one kind of video.
+def check_video(runs: Sequence[RunFolder]) -> None:
+    """Refuse runs whose images of a camera do not fit into one kind of video.
 
     Raises:
         EnvironmentLacking: The extra `video` is not installed.
@@ -31,7 +31,7 @@ def check_video(runs: Sequence[Run]) -> None:
             raise InputError(what, where="--video", allowed="even widths and heights", cure="leave out --video")
 
 
-def video_info(run: Run, hz: int) -> dict[str, Any]:
+def video_info(run: RunFolder, hz: int) -> dict[str, Any]:
     """Return the description of the videos, as info.json has it."""
     return {
         "video.height": run.camera.height_px,
@@ -45,11 +45,10 @@ def video_info(run: Run, hz: int) -> dict[str, Any]:
     }
 
 
-def video_bytes(runs: Sequence[Run], hz: int) -> bytes:
-    """Return an MP4 file with the images of some runs, one run after the other."""
+def video_bytes(images: Sequence[Image], hz: int) -> bytes:
+    """Return an MP4 file with these images."""
     # The encoder's module needs half a second.
     from symolo.video.encoders import Film, mp4_chunks  # noqa: PLC0415
 
-    images = [image for run in runs for image in run.images]
     film = Film(len(images), Fraction(hz), lambda index: images[index].pixels())
     return b"".join(mp4_chunks(film, key_frame_every=_KEY_FRAME_EVERY))

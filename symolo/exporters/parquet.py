@@ -14,7 +14,7 @@ from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied
 from symolo.exporters.features import stacked_bytes
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
-from symolo.reader.run_folder import Image
+from symolo.reader.run_folder import Image, RunFolder
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"
@@ -26,21 +26,23 @@ FILE_NAME = "file_name"
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     optional_module("pyarrow")
-    names = data.runs[0].side_names
+    names, cameras = data.runs[0].side_names, tuple(data.runs[0].cameras)
     for run in data.runs[1:]:
-        if run.side_names != names:
-            what, cure = "has different side tables than the first run", "export them separately with --runs"
+        if (run.side_names, tuple(run.cameras)) != (names, cameras):
+            what, cure = "has different side tables or cameras than the first run", "export them separately with --runs"
             raise InputError(what, where=str(run.folder), cure=cure)
     readers: dict[str, Callable[[Run], pd.DataFrame]] = {"rows": lambda run: run.rows}
     readers |= {name: lambda run, name=name: run.side(name) for name in names if name != _CAMERA}
     if data.images:
         readers["images"] = _images
+    readers |= {f"cameras/{name}": lambda run, name=name: _images(run.cameras[name]) for name in cameras}
     if (splits := data.splits) is not None:
         for name in ("images",) if splits.by == "image" else tuple(readers):
             readers[name] = lambda run, read=readers[name]: _with_split(read(run), run, splits)
     for name, read in readers.items():
         yield ExportedFile(f"{name}.parquet", lambda read=read: stacked_bytes(data, read))
-    for image in data.images:
+    further = (image for run in data.runs for camera in run.cameras.values() for image in camera)
+    for image in (*data.images, *further):
         yield copied_file(_file_name(image), image.path)
 
 
@@ -60,7 +62,7 @@ def _file_name(image: Image) -> str:
     return f"images/{image.run.name}/{image.path.name}"
 
 
-def _images(run: Run) -> pd.DataFrame:
+def _images(run: RunFolder) -> pd.DataFrame:
     """Return camera.csv with the path of each image file."""
     table = run.side(_CAMERA)
     table[FILE_NAME] = [_file_name(image) for image in run.images]

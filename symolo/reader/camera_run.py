@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.dataset.documents.camera_specification import specification_of
@@ -47,7 +48,7 @@ class CameraRun(RunFolder):
         """Settings of the camera, as side/spec.json of the run has them."""
         return self.whole.spec.robot.sensors[self.camera_name]
 
-    def delivered(self, t_s: Array) -> Array:
+    def delivered(self, t_s: Array) -> NDArray[np.intp]:
         """Return the index (N,) of the newest image that was delivered by each of these times (N,).
 
         Before the first delivery it is that of the first image.

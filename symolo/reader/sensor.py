@@ -70,7 +70,7 @@ class RunSensor:
         missed = self.values("range") == 0
         return missed.reshape(len(missed), -1) if self.kind == "lidar" else missed
 
-    def delivered(self, t_s: Array) -> Array:
+    def delivered(self, t_s: Array) -> NDArray[np.intp]:
         """Return the index (N,) of the newest sample that was delivered by each of these times (N,).
 
         Before the first delivery it is that of the first sample.

@@ -194,6 +194,22 @@ def check_parquet(out, truths):
         np.testing.assert_array_equal(poses_by_rows.reshape(-1, 3, 3), truth.X_WC[:, :3, :3])
 
 
+def test_parquet_has_the_tables_of_all_sensors_and_cameras(sensing_release, exported, tmp_path):
+    folder, run = exported(sensing_release, tmp_path / "out", "parquet") / "parquet", sensing_release / "CW/test_1"
+    places = {f"side/{path.stem}.csv": f"{path.stem}.parquet" for path in (run / "side").glob("*.csv")}
+    places |= {f"cameras/{name}/side/camera.csv": f"cameras/{name}.parquet" for name in ("left", "right", "rear")}
+    places["side/camera.csv"] = "images.parquet"
+    assert {f"{path.relative_to(folder)}" for path in folder.rglob("*.parquet")} == {*places.values(), "rows.parquet"}
+    for place, name in places.items():
+        expected = np.genfromtxt(run / place, delimiter=",", names=True)
+        table = parquet.read_table(folder / name).to_pandas()
+        for column in expected.dtype.names:
+            np.testing.assert_array_equal(table[column], expected[column])
+        for number, file in enumerate(table.get("file_name", ()), start=1):
+            source = run / Path(place).parent.parent / f"images/{number:06d}.jpg"
+            assert (folder / file).read_bytes() == source.read_bytes()
+
+
 def test_kitti_projects_a_point_where_the_camera_sees_it(random_release, exported, tmp_path):
     """A point ahead of the robot, by P0 and Tr of the file, beside OpenCV's projection by our camera's model."""
     release = random_release(1)

@@ -96,3 +96,25 @@ def test_the_card_tells_licence_and_units(random_release, exported, tmp_path):
     ]
     assert "| w | rad/s |\n" in body
     assert "| current_r | A |\n" in body
+
+
+def test_each_further_camera_and_sensor_has_its_own_table(sensing_release, exported, tmp_path, opened):
+    out = exported(sensing_release, tmp_path / "out", "huggingface") / "huggingface"
+    run = sensing_release / "CW/test_1"
+    for name, coefficients in (("left", 5), ("rear", 4)):
+        images = opened(out, name)
+        assert images["run"][:] == ["CW/test_1"] * len(images)
+        as_files = images.cast_column("image", datasets.Image(decode=False))["image"]
+        assert [one["bytes"] for one in as_files] == [
+            path.read_bytes() for path in sorted((run / f"cameras/{name}/images").iterdir())
+        ]
+        assert {len(one) for one in images["D"]} == {coefficients}
+        table = np.genfromtxt(run / f"cameras/{name}/side/camera.csv", delimiter=",", names=True)
+        np.testing.assert_array_equal(np.array(images["X_WC"][:])[:, 0, 3], table["p_x"])
+        assert images["t"][:] == table["t"].tolist()
+    imu = np.genfromtxt(run / "side/imu.csv", delimiter=",", names=True)
+    assert opened(out, "imu")["gyro_z"][:] == imu["gyro_z"].tolist()
+    card = yaml.safe_load((out / "README.md").read_text().split("---")[1])
+    assert {"left", "right", "rear", "imu", "lidar", "images", "rows"} <= {
+        one["config_name"] for one in card["configs"]
+    }

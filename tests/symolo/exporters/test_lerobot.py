@@ -144,3 +144,33 @@ def test_pictures_are_decoded_from_the_folder_alone(random_release, exported, tm
     assert (first.mode, first.size) == ("RGB", (40, 24))
     card = datasets.load_dataset(str(folder), split="train", cache_dir=str(tmp_path / "cache"))
     assert isinstance(card.features["observation.images.front"], datasets.Image)
+
+
+def test_frames_hold_the_newest_image_of_each_camera_and_the_newest_sample_of_each_sensor(
+    sensing_release, exported, tmp_path
+):
+    folder = exported(sensing_release, tmp_path / "out", "lerobot") / "lerobot"
+    info, frames = read_info(folder), read_frames(folder, tmp_path / "cache")
+    run = sensing_release / "CW/test_1"
+    t_ms = np.arange(4) * 200
+    # The camera at the rear takes an image each 300 ms, which is there 50 ms later.
+    newest = {"left": [1, 2, 3, 4], "right": [1, 2, 3, 4], "rear": [1, 1, 2, 2]}
+    for name, numbers in newest.items():
+        feature = f"observation.images.{name}"
+        assert info["features"][feature]["shape"] == [24, 32, 3]
+        files = [(run / f"cameras/{name}/images/{number:06d}.jpg").read_bytes() for number in numbers]
+        assert [one["bytes"] for one in frames[feature]] == files
+        pixels = [cv2.imdecode(np.frombuffer(file, np.uint8), cv2.IMREAD_COLOR)[..., ::-1] for file in files]
+        whole = json.loads((folder / "meta/stats.json").read_text())
+        stats_differ(whole[feature], np.array(pixels).reshape(-1, 3))
+    names = info["features"]["observation.state"]["names"]
+    assert names[: len(STATE)] == STATE
+    state = dict(zip(names, np.array(frames["observation.state"][:]).T, strict=True))
+    delays_ms = {"imu.gyro_z": 0, "lidar.range_35": 20, "coder.counts": 4, "bumper.pressed_2": 0, "sonar.range": 0}
+    for name, delay_ms in delays_ms.items():
+        sensor, column = name.split(".")
+        table = np.genfromtxt(run / f"side/{sensor}.csv", delimiter=",", names=True)
+        # Of the samples that were delivered by then the last one; before the first delivery the first sample.
+        at = [max((table["t"] + delay_ms <= one + 1e-6).sum() - 1, 0) for one in t_ms]
+        np.testing.assert_array_equal(state[name], table[column][at].astype(np.float32))
+    assert info["features"]["observation.state"]["shape"] == [len(names)]
