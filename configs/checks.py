@@ -15,13 +15,13 @@ from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.base import Section
 from configs.schema.look import LookConfig
 from configs.schema.robot import Camera, RobotConfig
-from configs.schema.scenario import Rates, Render, Route, Scenario
+from configs.schema.scenario import Rates, Render, Route, Scenario, SceneSpec
 from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.distributions import Choice
 from symolo.core.errors import InputError, together
 from symolo.core.geometry.lens import lens_problem
-from symolo.core.yaml.tree import FieldPath, Node, dotted
+from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 from symolo.dataset.documents.camera_specification import KIND as CAMERA
 from symolo.dataset.documents.camera_specification import further_cameras, specification_of
 from symolo.dataset.splits import SplitMember, check
@@ -86,6 +86,16 @@ def check_robot(robot: RobotConfig, root: Node) -> None:
 
 def check_look(look: LookConfig, root: Node) -> None:
     _refuse(_look_faults(look), root)
+
+
+def check_cameras(spec: SceneSpec) -> None:
+    """Refuse a camera of a run that cannot take images.
+
+    Raises:
+        InputError: For each contradiction between its lens and the size and rendering of its images.
+    """
+    content = node_of(spec.model_dump(mode="json"), "")
+    _refuse((*_lens_faults(spec), *_camera_faults(spec)), content)
 
 
 def _refuse(faults: Iterable[ConfigFault], root: Node, note: str = "") -> None:
@@ -265,7 +275,7 @@ def _below(place: FieldPath, faults: Iterable[ConfigFault]) -> Iterator[ConfigFa
         yield replace(fault, path=(*place, *fault.path), against=against)
 
 
-def _lens_faults(scenario: Scenario) -> Iterator[ConfigFault]:
+def _lens_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
     camera, render = scenario.robot.camera, scenario.render
     if camera.fisheye is not None:
         cure = "describe it as a further camera, for example robot.sensors.rear: {kind: camera, fisheye: {}}"
@@ -276,7 +286,7 @@ def _lens_faults(scenario: Scenario) -> Iterator[ConfigFault]:
         yield ConfigFault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
 
 
-def _camera_faults(scenario: Scenario) -> Iterator[ConfigFault]:
+def _camera_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
     """Yield what is wrong with a further camera where it takes the place of that of data.csv."""
     content = scenario.model_dump(mode="json")
     for name in further_cameras(content):

@@ -194,13 +194,13 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), op
     )
 
 
-def section_of(kind: str, settings: Mapping[str, Any], where: str) -> LoadedSection:
+def section_of(kind: str, settings: Mapping[str, Any], where: str, overrides: Sequence[str] = ()) -> LoadedSection:
     """Return an arena, a robot or a look with these settings, as if a file had them; `where` is its place in messages.
 
     Raises:
         InputError: A setting is wrong.
     """
-    return _section(kind, resolve(kind, node_of(dict(settings), where), Path(), prefix=(kind,)))
+    return _section(kind, resolve(kind, node_of(dict(settings), where), Path(), prefix=(kind,)), overrides)
 
 
 def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSection:

@@ -55,7 +55,7 @@ def rendered(run: Path, name: str, folder: Path, quality: str, workers: int) -> 
     options += ["--set", f"render.quality={quality}"]
     command = "import sys; from pipeline.cli import main; sys.exit(main(sys.argv[1:]))"
     subprocess.run([sys.executable, "-c", command, *options], check=True)
-    return out
+    return out / run.parent.name / run.name
 
 
 def main() -> None:

@@ -92,7 +92,7 @@ def strip(workspace: Path) -> None:
         settings = ("--set", "render.width_px=320", "--set", "render.height_px=240")
         robot = workspace / "robot.yaml"
         _command("rerender", source, "--look", look, "--robot", robot, "--camera-hz", 5, "--out", folder, *settings)
-        tiles.append(cv2.imread(str(folder / "images/000001.jpg")))
+        tiles.append(cv2.imread(str(folder / "imported/test_1/images/000001.jpg")))
     _save_jpeg("looks.jpg", np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])]))
 
 

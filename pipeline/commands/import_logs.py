@@ -200,7 +200,7 @@ def describe_logs(dataset: "ImportedDataset", *, yes: bool) -> None:
         seconds = run.rows.t_ms[-1] / 1000
         typer.echo(f"{log.title}: {log.origin.format}, {plural(len(run.rows.t_ms), 'pose')}, {seconds:.1f} s")
         for quantity, source in log.origin.quantities.items():
-            typer.echo(f"  {quantity:12}from {source}")
+            typer.echo(f"  {quantity:16} from {source}")
         for change in (run.spec.origin and run.spec.origin.log and run.spec.origin.log.changes) or ():
             typer.echo(f"  note: {change}")
         for guess in log.trajectory.guesses:

@@ -1,16 +1,30 @@
-"""The command `symolo rerender`: a stored trajectory under other looks."""
+"""The command `symolo rerender`: new images for existing trajectories, as a release."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from pipeline.commands.import_logs import (
+    Forward,
+    HeadingFromPath,
+    LogFormat,
+    Mapping,
+    PoseHz,
+    RowHz,
+    Topics,
+    Up,
+    Yes,
+    checked_name,
+    describe_logs,
+    read_settings,
+)
 from pipeline.commands.options import (
     OnDevice,
     Settings,
     WorkerMemory,
     Workers,
-    checked_input,
+    checked_inputs,
     checked_new_folder,
     if_given,
     names,
@@ -21,22 +35,24 @@ from symolo.core.errors import InputError
 
 
 def rerender(
-    source: Annotated[
-        Path,
+    sources: Annotated[
+        list[Path],
         typer.Argument(
-            metavar="RUN", callback=checked_input, help="Run folder of a dataset or of .stages, or a data.csv."
+            metavar="SOURCE...",
+            callback=checked_inputs,
+            help="A dataset, or a run folder of one; or logs of other programs, each with one run or several.",
         ),
     ],
     *,
     look: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; the images are written into DIR."),
+        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; runs keep their names."),
     ] = None,
     looks: Annotated[
         str | None,
         typer.Option(
             metavar="NAME,...",
-            help="Several looks; the images of draw k of a look are written into DIR/LOOK_k, with k from 1.",
+            help="Several looks; the runs of draw k of a look are in the folder ROUTE-LOOK_k, with k from 1.",
         ),
     ] = None,
     draws: Annotated[
@@ -55,54 +71,82 @@ def rerender(
         typer.Option(
             metavar="DIR",
             callback=if_given(checked_new_folder),
-            help="Output folder: new, empty, or one that symolo made before; by default a folder named after run and "
-            "looks, such as CW-test_1-classroom-night.",
+            help="Output folder: new, empty, or one that symolo made before; by default a folder named after the "
+            "source and the looks, such as CW-test_1-classroom-night.",
         ),
+    ] = None,
+    runs: Annotated[
+        str | None,
+        typer.Option(metavar="PATTERN", help="Only these runs of a dataset, such as 'CW/*'; by default all."),
     ] = None,
     arena: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Shipped arena, or a YAML file; by default the arena of the run, or symolo."),
+        typer.Option(
+            metavar="NAME",
+            help="Shipped arena, or a YAML file; by default that of the run, for a log an empty floor that fits its "
+            "path.",
+        ),
     ] = None,
     robot: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="Shipped robot, or a YAML file; by default the robot of the run, or nominal."
+            metavar="NAME",
+            help="Shipped robot, or a YAML file, whose camera takes the images; by default that of the run, for a log "
+            "nominal.",
         ),
     ] = None,
     camera_hz: Annotated[
         float | None,
-        typer.Option(
-            min=0.001, max=1000, metavar="HZ", help="Image rate; by default the column img of data.csv decides."
-        ),
+        typer.Option(min=0.001, max=1000, metavar="HZ", help="Image rate; by default that of the run, for a log 5 Hz."),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(min=0, max=2**63 - 1, metavar="N", help="Seed of the look; by default that of the run."),
+        typer.Option(min=0, max=2**63 - 1, metavar="N", help="Seed of the look; by default that of each run."),
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Name of the new dataset; by default of the source and looks.")
     ] = None,
     settings: Settings = None,
+    form: LogFormat = None,
+    mapping: Mapping = None,
+    yes: Yes = False,
+    up: Up = None,
+    forward: Forward = None,
+    heading_from_path: HeadingFromPath = False,
+    pose_hz: PoseHz = None,
+    row_hz: RowHz = None,
+    topic: Topics = None,
+    licence: Annotated[
+        str, typer.Option(metavar="SPDX", help="Licence of the logs, such as CC-BY-4.0; a dataset keeps its own.")
+    ] = "NOASSERTION",
     workers: Workers = None,
     device: OnDevice = None,
     memory: WorkerMemory = None,
 ) -> int:
-    """Render a stored trajectory again under other looks, without simulating.
+    """Render images of existing trajectories under other looks, without simulating.
 
-    Example: symolo rerender data/CW/test_1 --look lab --out lab
+    The output is a dataset as `release` makes it: `verify`, `report`, `export` and `diagnose` take it. Its metadata
+    say where the trajectories come from.
 
-    Ten draws of each of two looks: symolo rerender data/CW/test_1 --looks classroom,night --draws 10
+    Example: symolo rerender data --look lab --out lab
 
-    A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out images
+    Ten draws of each of two looks, of one run: symolo rerender data/CW/test_1 --looks classroom,night --draws 10
 
-    The first draw of a look is the same as with --look; the others have different seeds, which are in look.json.
+    A log of another program: symolo rerender groundtruth.txt --looks classroom,lab,night --out images
+
+    The first draw of a look is the same as with --look; the others have different seeds, which are in metadata.json.
     """
     from pipeline.executors.local import Local
+    from pipeline.importing.imported_runs import ImportRequest
     from pipeline.rerendering.rerender import (
         RerenderRequest,
-        check_same,
+        check_overrides,
+        check_place,
         folder_name,
-        open_folders,
+        make_release,
         prepare,
-        render_source,
     )
+    from pipeline.rerendering.sources import read_sources
     from symolo.core.progress import report_here
 
     option = "--look" if looks is None else "--looks"
@@ -110,14 +154,21 @@ def rerender(
         raise InputError(option, allowed="one look with --look, or several looks with --looks")
     if looks is None and draws is not None:
         raise InputError("--draws", got=draws, cure="name the looks with --looks")
+    if name is not None:
+        checked_name("--name", name)
     chosen = names(looks, "--looks") if looks is not None else (str(look),)
-    request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
-    trajectory, drawn = prepare(source, request)
-    in_subfolders = looks is not None
-    where = out or checked_new_folder(Path(folder_name(trajectory, drawn)))
-    if out is None:
-        check_same(trajectory, drawn, where, in_subfolders=in_subfolders)
-    with open_folders(trajectory, drawn, where, in_subfolders=in_subfolders) as folders:
-        executor = Local.of(workers, memory).on(drawn[0].appearance.device)
-        failures = render_source(trajectory, drawn, folders, executor, report_here())
-    return conclude(failures, len(drawn), "rerender", where, "draw")
+    overrides = with_device(settings, device)
+    request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, overrides, option, name)
+    check_overrides(request)
+    reading = read_settings(mapping, up, forward, pose_hz, topic, heading_from_path=heading_from_path)
+    read = read_sources(
+        sources, runs, ImportRequest(tuple(sources), form, reading, row_hz, arena, robot, licence=licence)
+    )
+    rerendering = prepare(read, request)
+    where = out or checked_new_folder(Path(folder_name(read, request)))
+    check_place(rerendering, where, is_default=out is None)
+    if read.imported is not None:
+        describe_logs(read.imported, yes=yes)
+    executor = Local.of(workers, memory).on(rerendering.device)
+    failures = make_release(rerendering, where, executor, report_here())
+    return conclude(failures, len(rerendering.runs), "rerender", where)

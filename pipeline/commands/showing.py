@@ -12,7 +12,7 @@ Shown = Annotated[
     typer.Argument(
         metavar="DIR",
         callback=checked_input,
-        help="Dataset, run folder, output folder of simulate or rerender, or a data.csv.",
+        help="Dataset, run folder, output folder of simulate, or a data.csv.",
     ),
 ]
 

@@ -5,17 +5,18 @@ from pathlib import Path
 
 import numpy as np
 
+from configs.schema.scenario import SceneSpec
 from diagnosis.camera.case import HELD_OUT_EACH, CameraCase, CameraFrame, ImagePixels, PoseErrors
-from pipeline.rerendering.rerender import StoredTrajectory, read_source
 from pipeline.run_folder.stored_runs import run_name
+from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.robot_path import RobotPath
-from symolo.dataset.layout import DATA, frame_name
+from symolo.dataset.layout import DATA, SIDE, SPEC, frame_name
 from symolo.dataset.pixels import decoded_bytes
-from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.rows import Rows, read_rows
 
 MAX_FRAMES = 60
 """Largest number of images of a run, evenly spread; more add little information."""
@@ -27,7 +28,8 @@ SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
 @dataclass(frozen=True)
 class _RunImages:
     folder: Path
-    source: StoredTrajectory
+    rows: Rows
+    spec: SceneSpec | None
 
 
 def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors) -> CameraCase:
@@ -44,14 +46,14 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
     """
     real = _run(run)
     nominal = real if simulated is None else _run(simulated)
-    spec = nominal.source.spec
+    spec = nominal.spec
     if spec is None:
         raise InputError(
             "has no side/spec.json, which describes the nominal camera, look and arena",
             where=str(nominal.folder),
             cure="name a run of a dataset by --simulated",
         )
-    rows = real.source.rows
+    rows = real.rows
     poses = frame_poses(rows)
     if len(poses) < MIN_FRAMES:
         raise InputError(
@@ -96,10 +98,10 @@ def _run(path: Path) -> _RunImages:
     folder = path.parent if path.name == DATA else path
     if not folder.is_dir():
         raise InputError("no such folder", where=str(path), cure="name a run folder, with data.csv and images")
-    source = read_source(folder)
     if not (folder / IMAGES).is_dir():
         raise InputError(f"has no folder {IMAGES}", where=str(folder), cure="name a run whose images are rendered")
-    return _RunImages(folder, source)
+    spec = folder / SIDE / SPEC
+    return _RunImages(folder, read_rows(folder / DATA), read_spec(spec) if spec.is_file() else None)
 
 
 def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
@@ -108,7 +110,7 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
     Raises:
         InputError: None is.
     """
-    theirs = frame_poses(nominal.source.rows)
+    theirs = frame_poses(nominal.rows)
     places = np.array([(p.x_m, p.y_m) for p in theirs]).reshape(-1, 2)
     yaws = np.array([p.yaw_rad for p in theirs])
     matches: dict[int, int] = {}

@@ -52,6 +52,8 @@ class ImportRequest:
     name: str | None = None
     licence: str = UNKNOWN_LICENCE
     seed: int = 1
+    with_images: bool = False
+    """Whether the column `img` of a data.csv says at which rows images are to be taken."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,9 @@ def _placed(
     for log in logs:
         with faults.noted():
             _check_possible(log)
-            imported = imported_rows(log.trajectory, log.title, no_target_m, request.row_hz)
+            imported = imported_rows(
+                log.trajectory, log.title, no_target_m, request.row_hz, with_images=request.with_images
+            )
             placed.append(_Placed(log, imported, (*log.origin.changes, *imported.changes)))
     faults.check()
     is_symolo = all(log.origin.format == "symolo" for log in logs)
@@ -238,9 +242,7 @@ def _start(rows: Rows) -> StartPose:
 def _taken(spec: SceneSpec, each: _Placed) -> TakenRun:
     rows, trajectory = each.imported.rows, each.log.trajectory
     warnings = (*trajectory.warnings, *trajectory_warnings(trajectory.t_s, trajectory.pose))
-    outcome = RunOutcome(
-        finished=True, problems=(), lap_time_s=None, rows=len(rows.t_ms), images=0, suspicions=warnings
-    )
+    outcome = RunOutcome.of_rows(rows, suspicions=warnings)
     side = {f"{SIDE}/{table.file}": table.to_csv(numbers) for table, numbers in each.imported.tables}
     return TakenRun(spec, rows, side, outcome)
 

@@ -6,9 +6,10 @@ from pydantic import ValidationError
 
 from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_resolved
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import SceneSpec
 from pipeline.assembly.description import markdown
 from pipeline.repair.repair_state import RepairState, with_one_bit_flipped
+from pipeline.run_folder.stored_spec import parse_spec
 from pipeline.stages.annotate import processors
 from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 from pipeline.work.processors import cpu_class
@@ -17,6 +18,9 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION, SIDE
+
+TAKEN = "its trajectory was not simulated here; the command that took it, with the same files, makes it again"
+"""Reason why a file of a run that was imported or rendered again cannot be restored."""
 
 
 def flip_back(state: RepairState, names: Iterable[str]) -> None:
@@ -41,13 +45,16 @@ def read_metadata(state: RepairState) -> Metadata | None:
         return None
 
 
-def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str]) -> dict[str, RunSpec]:
+def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str]) -> dict[str, SceneSpec]:
     """Return the specifications of these runs; draw the damaged ones again and restore them."""
-    specs: dict[str, RunSpec] = {}
+    specs: dict[str, SceneSpec] = {}
     scenario: LoadedScenario | None = None
+    taken = {record.run for record in metadata.runs if record.origin} if metadata else set()
     for run in dict.fromkeys(runs):
         name = f"{run}/{SIDE}/{SPEC}"
-        if name in state.wanted and metadata is not None:
+        if name in state.wanted and run in taken:
+            state.tried[name] = TAKEN
+        elif name in state.wanted and metadata is not None:
             try:
                 scenario = scenario or load_resolved(metadata.scenario, METADATA)
                 route, _, number = run.partition("/test_")
@@ -63,7 +70,7 @@ def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str
             flip_back(state, (name,))
         if (data := state.read(name)) is not None:
             try:
-                specs[run] = RunSpec.model_validate_json(data)
+                specs[run] = parse_spec(data)
             except ValidationError:
                 state.tried[name] = "has the format of a different version"
     return specs

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, record_file
 from blender_scenes.annotations.record import FrameRecord
-from configs.schema.scenario import RunSpec, SceneSpec
+from configs.schema.scenario import SceneSpec
 from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.run_folder.workspace import Workspace
@@ -39,7 +39,7 @@ class _Work:
     """Paths of the needed files in that folder."""
 
 
-def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairTools) -> None:
+def render_frames(state: RepairState, specs: Mapping[str, SceneSpec], tools: RepairTools) -> None:
     """Restore images and annotations of damaged frames, of the runs whose specifications are known.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Tables of a run, from the stored trajectory or from a new simulation."""
+"""Tables of a run, from its first stage or from a new simulation."""
 
 import contextlib
 from collections.abc import Mapping, Sequence
@@ -6,35 +6,36 @@ from functools import partial
 from pathlib import Path
 from zipfile import BadZipFile
 
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.executors.local import Local
+from pipeline.repair.descriptions import TAKEN
 from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.stages.render import IMAGES
-from pipeline.stages.run_tables import tables
-from pipeline.stages.simulate_runs import read_recording, simulation_key
+from pipeline.stages.run_tables import stage_tables
+from pipeline.stages.simulate_runs import simulation_key
 from pipeline.work.unit_progress import report_event
 from pipeline.work.units import SimulateUnit
-from symolo.core.time_series import Recording
 from symolo.dataset.layout import ANNOTATIONS, camera_and_file
 
 BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
 
 
-def make_tables(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairTools) -> None:
+def make_tables(state: RepairState, specs: Mapping[str, SceneSpec], tools: RepairTools) -> None:
     """Restore data.csv, positions and side tables of the runs whose specifications are known."""
     for run, spec in specs.items():
         if _damaged_tables(state, run):
             with contextlib.suppress(OSError, ValueError, KeyError, BadZipFile):
-                _put(state, spec, read_recording(state.workspace.simulate(run).path), "from the trajectory", "")
+                _put(state, spec, state.workspace.simulate(run).path, "from the trajectory", "")
     lost = [spec for run, spec in specs.items() if _damaged_tables(state, run)]
-    for spec, folder in zip(lost, _simulate(lost, tools), strict=True):
+    for spec in lost:
+        if spec.origin:
+            _explain(state, spec, TAKEN)
+    simulated = [spec for spec in lost if isinstance(spec, RunSpec) and not spec.origin]
+    for spec, folder in zip(simulated, _simulate(simulated, tools), strict=True):
         try:
-            recording = read_recording(folder)
+            _put(state, spec, folder, "simulated again", tools.excuse(spec.key))
         except OSError:
-            for inner in _damaged_tables(state, spec.key):
-                state.tried[f"{spec.key}/{inner}"] = "the run cannot be simulated again"
-        else:
-            _put(state, spec, recording, "simulated again", tools.excuse(spec.key))
+            _explain(state, spec, "the run cannot be simulated again")
 
 
 def _damaged_tables(state: RepairState, run: str) -> set[str]:
@@ -42,8 +43,15 @@ def _damaged_tables(state: RepairState, run: str) -> set[str]:
     return {inner for inner in state.runs().get(run, set()) if not camera_and_file(inner)[1].startswith(BY_FRAME)}
 
 
-def _put(state: RepairState, spec: RunSpec, recording: Recording, how: str, excuse: str) -> None:
-    for inner, data in tables(spec, recording):
+def _explain(state: RepairState, spec: SceneSpec, reason: str) -> None:
+    """Note why the damaged tables of a run are not restored."""
+    for inner in _damaged_tables(state, spec.key):
+        state.tried[f"{spec.key}/{inner}"] = reason
+
+
+def _put(state: RepairState, spec: SceneSpec, folder: Path, how: str, excuse: str) -> None:
+    """Restore tables from the folder of a run's first stage."""
+    for inner, data in stage_tables(spec, folder):
         state.put(f"{spec.key}/{inner}", data, how, excuse)
 
 

@@ -11,8 +11,7 @@ NEW_OR_EMPTY = "name a folder that is new or empty"
 MADE_BY = {
     Kind.DATASET: "release",
     Kind.IMPORTED: "import",
-    Kind.PICTURES: "rerender --look",
-    Kind.LOOKS: "rerender --looks",
+    Kind.RERENDERED: "rerender",
     Kind.VALIDATION: "validate",
     Kind.DIAGNOSIS: "diagnose",
     Kind.CAMERA_IDENTIFICATION: "identify-camera",
@@ -20,21 +19,17 @@ MADE_BY = {
 """Command of symolo that makes each kind of folder."""
 
 
-def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
+def check_out(out: Path, kind: Kind) -> None:
     """Refuse a folder that cannot or should not be written to, before any work starts.
 
-    `within_looks` allows one of the draws of `rerender --looks`, which only that command may touch.
-
     Raises:
-        InputError: It is a file, foreign and not empty, of another kind, one of many draws, or not writable.
+        InputError: It is a file, foreign and not empty, of another kind, or not writable.
     """
     where = f"--out {out}"
     if out.exists() and not out.is_dir():
         raise InputError("is a file, not a folder", where=where, cure=NEW_OR_EMPTY)
     if out.is_dir():
         _check_kind(out, kind, where)
-    if kind_of(out.absolute().parent) is Kind.LOOKS and not within_looks:
-        raise InputError(f"belongs to the output of `symolo {MADE_BY[Kind.LOOKS]}`", where=where, cure=NEW_OR_EMPTY)
     nearest = nearest_existing(out)
     if not nearest.is_dir():
         raise InputError(f"is below the file {nearest}", where=where, cure=NEW_OR_EMPTY)

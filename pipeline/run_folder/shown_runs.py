@@ -1,4 +1,4 @@
-"""The runs of a folder that people look at: released, rendered again, or simulated and not released yet."""
+"""The runs of a folder that people look at: released, or simulated and not released yet."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,8 +19,8 @@ def shown_runs(path: Path, pattern: str | None = None) -> Iterator[Dataset]:
     """Yield the runs of a folder, or only those whose name matches a pattern.
 
     Args:
-        path: A release, a run of it, an output folder of `simulate` or `render`, a run in its `.stages`, an output of
-            `rerender` with one draw or several, another folder with runs, or a data.csv. Checksums are not verified.
+        path: A release, a run of it, an output folder of `simulate` or `render`, a run in its `.stages`,
+            another folder with runs, or a data.csv. Checksums are not verified.
         pattern: A pattern of names such as `CW/*`.
 
     Raises:
@@ -68,7 +68,7 @@ def _unreleased(root: Path, pattern: str | None) -> Iterator[Dataset]:
 
 
 def _several(root: Path) -> tuple[Run, ...]:
-    """Return the runs below a folder without metadata, such as draws of `rerender` or a dataset of somebody else."""
+    """Return the runs below a folder without metadata, such as a dataset of somebody else."""
     if not root.is_dir() or any((root / name).exists() for name in (DATA, METADATA, DECLARATION)):
         return ()
     names = sorted(path.parent.relative_to(root).as_posix() for path in root.rglob(DATA))

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import BadZipFile
 
 from pydantic import ValidationError
 
@@ -16,8 +17,9 @@ from pipeline.run_folder.changes import changes, first_changes
 from pipeline.run_folder.stored_spec import parse_spec
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
-from pipeline.stages.cameras import cameras_of
+from pipeline.stages.cameras import RunCamera, cameras_of
 from pipeline.stages.render import IMAGES, JOB, journal
+from pipeline.stages.run_tables import stage_rows
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
 from symolo.core.errors import InputError, one_line
 from symolo.core.files.atomic_files import place_of
@@ -27,7 +29,7 @@ from symolo.core.files.plain_files import FileKind, check_tree, is_plain_file, r
 from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
-from symolo.dataset.folder_kind import DATASETS, kind_of
+from symolo.dataset.folder_kind import DATASETS, check_is_whole, kind_of
 from symolo.dataset.layout import ANNOTATIONS, CAMERAS, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 from symolo.verification.inventory import Inventory
@@ -117,6 +119,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     """
     if not out.is_dir():
         raise InputError("no such folder", where=str(out), cure="name the folder that --out named")
+    check_is_whole(out, "symolo status")
     if (kind := kind_of(out)) not in DATASETS:
         what = f"contains the output of a command for {kind}" if kind else "is not an output folder of a release"
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
@@ -183,10 +186,17 @@ def _cameras(
         return
     for camera in cameras_of(known):
         images = "?" if outcome is None else str(outcome.images)
-        if outcome is not None and camera.name and isinstance(known, RunSpec):
-            duration_s = (outcome.rows - 1) / known.rates.control_hz
-            images = str(int(duration_s / camera.period_s + 1e-9) + 1)
+        if outcome is not None and camera.name:
+            images = _images_of(camera, workspace.simulate(run).path)
         yield camera.name, images, bool(spec is not None and camera.spec.render.annotations)
+
+
+def _images_of(camera: RunCamera, stage: Path) -> str:
+    """Return the number of images of a further camera; `stage` is the first stage of the run."""
+    try:
+        return str(len(camera.rows(stage_rows(stage)).t_ms))
+    except (OSError, ValueError, KeyError, BadZipFile, InputError):  # damaged or gone
+        return "?"
 
 
 def image_changes(workspace: Workspace, run: str, spec: RunSpec) -> list[str]:

@@ -32,20 +32,17 @@ class RunCamera:
 
 
 def cameras_of(spec: SceneSpec) -> tuple[RunCamera, ...]:
-    """Return the cameras of a run, that of data.csv first.
-
-    A trajectory from elsewhere has the images of that camera alone.
-    """
+    """Return the cameras of a run, that of data.csv first."""
     nominal = RunCamera("", spec, 0.0)
-    if spec.origin is not None or KIND not in spec.robot.sensors.kinds:
+    if KIND not in spec.robot.sensors.kinds:
         return (nominal,)
     content = spec.model_dump(mode="json")
-    return (nominal, *(_further(content, name) for name in further_cameras(content)))
+    return (nominal, *(_further(spec, content, name) for name in further_cameras(content)))
 
 
-def _further(content: dict, name: str) -> RunCamera:
-    spec = RunSpec.model_validate_json(json.dumps(specification_of(content, name)))
-    return RunCamera(name, spec, content["robot"]["sensors"][name]["period_s"])
+def _further(spec: SceneSpec, content: dict, name: str) -> RunCamera:
+    swapped = type(spec).model_validate_json(json.dumps(specification_of(content, name)))
+    return RunCamera(name, swapped, content["robot"]["sensors"][name]["period_s"])
 
 
 def without_further_cameras(spec: RunSpec) -> RunSpec:

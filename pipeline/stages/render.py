@@ -180,15 +180,6 @@ class RenderTask(FrameTask):
     STAGE, FILES, WORK = "render", IMAGES, "images"
 
     @classmethod
-    def of(
-        cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, user_files: Path | None = None
-    ) -> Order:
-        """Return the order for the images of the camera of data.csv, whose rows these are."""
-        frames = frame_poses(rows)
-        job = appearance.job(Arena.from_config(appearance.arena), frames, path_of(rows))
-        return cls.order(run, folder, job, frames, user_files)
-
-    @classmethod
     def of_camera(
         cls,
         camera: RunCamera,

@@ -110,11 +110,6 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
     yield from _of_images(spec, rows)
-    for camera in cameras_of(spec)[1:]:
-        at_images = camera.rows(rows)
-        yield camera.inner(POSITIONS), image_positions(at_images)
-        for name, data in camera_files(camera.spec, at_images):
-            yield camera.inner(name), data
     yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 
@@ -134,7 +129,10 @@ def _taken_tables(spec: SceneSpec, folder: Path) -> Iterator[tuple[str, bytes]]:
 
 
 def _of_images(spec: SceneSpec, rows: Rows) -> Iterator[tuple[str, bytes]]:
-    """Yield the files that describe the images of a run."""
-    yield POSITIONS, image_positions(rows)
-    yield from camera_files(spec, rows)
+    """Yield the files that describe the images of all cameras of a run."""
+    for camera in cameras_of(spec):
+        at_images = camera.rows(rows)
+        yield camera.inner(POSITIONS), image_positions(at_images)
+        for name, data in camera_files(camera.spec, at_images):
+            yield camera.inner(name), data
     yield scene_file(spec.arena, spec.look, image_seed(spec.seed, *spec.drawn_as))

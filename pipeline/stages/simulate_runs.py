@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from configs.schema.board import Board
@@ -33,6 +34,7 @@ from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.documents.run_records import BoardRecord, ControllerRecord
 from symolo.dataset.layout import SPEC
+from symolo.dataset.tables.rows import Rows
 
 if TYPE_CHECKING:
     from pipeline.stages.simulate import Outcome, Watch
@@ -68,6 +70,28 @@ class RunOutcome(BaseModel):
     """Warnings about effects outside the range in which they were observed."""
     suspicions: tuple[str, ...] = Field(default=(), exclude_if=lambda texts: not texts)
     """Reasons why the run is probably not what the scenario was meant to make."""
+
+    @classmethod
+    def of_rows(
+        cls,
+        rows: Rows,
+        lap_time_s: float | None = None,
+        board: BoardRecord | None = None,
+        controller: ControllerRecord | None = None,
+        suspicions: Sequence[str] = (),
+    ) -> "RunOutcome":
+        """Return the outcome of a run whose trajectory was not simulated here."""
+        images = int(np.count_nonzero(rows.image))
+        return cls(
+            finished=True,
+            problems=(),
+            lap_time_s=lap_time_s,
+            rows=len(rows.t_ms),
+            images=images,
+            board=board,
+            controller=controller,
+            suspicions=tuple(suspicions),
+        )
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import release_run
 from pipeline.stages.simulate_runs import spec_text
@@ -103,7 +103,7 @@ class Along:
         self._known: dict[str, str] = {}
         self._sent = 0
 
-    def run_done(self, spec: RunSpec) -> None:
+    def run_done(self, spec: SceneSpec) -> None:
         """Assemble and send a run that has all its files, while other runs are made."""
         # A finished release there is compared at the end; nothing of it is replaced before.
         if not self._sizes.keys() & {*LISTS}:
@@ -142,7 +142,7 @@ class Along:
         self._assembling.shutdown(wait=True, cancel_futures=True)
         self._sending.shutdown(wait=True, cancel_futures=True)
 
-    def _assemble(self, spec: RunSpec) -> None:
+    def _assemble(self, spec: SceneSpec) -> None:
         # An error here occurs again, and is reported, when the release is assembled.
         hashes = release_run(self._workspace, spec)
         out = self._workspace.out

@@ -1,30 +1,28 @@
 """A scenario and an output folder: does the stages of all runs and collects the failures."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.render.devices import DeviceKind, device_for
 from configs.loader import LoadedScenario, load_scenario
-from configs.schema.scenario import RunSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.executors.base import Executor
 from pipeline.planning.drawing import draw_reported
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
-from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
-from pipeline.stages.cameras import cameras_of
-from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
-from pipeline.stages.simulate_runs import problems_of, read_recording, simulate_runs, simulation_key
+from pipeline.stages.render import FrameTask, Order
+from pipeline.stages.render_specs import annotation_orders, noted, render_orders, render_specs
+from pipeline.stages.simulate_runs import problems_of, simulate_runs, simulation_key
 from pipeline.work.supervisor import cores
 from symolo.core.errors import InputError
 from symolo.core.files.disk_space import check_disk
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.folder_kind import Kind
-from symolo.dataset.tables.rows import Rows
 
 
 @dataclass(frozen=True)
@@ -88,26 +86,18 @@ class Batch:
         self,
         failures: Sequence[FailedRun],
         report: Report,
-        on_complete: Callable[[RunSpec], None] = lambda _spec: None,
+        on_complete: Callable[[SceneSpec], None] = lambda _spec: None,
     ) -> list[FailedRun]:
         """Render all images and then their annotations; call `on_complete` with each run that is complete."""
-        specs = {spec.key: spec for spec in self.specs}
-        cameras = {run: cameras_of(spec) for run, spec in specs.items()}
-        left = {run: sum(1 + bool(c.spec.render.annotations) for c in of_run) for run, of_run in cameras.items()}
-        tasks: dict[str, FrameTask] = {}
-
-        def on_task(name: str) -> None:
-            run = tasks[name].run
-            left[run] -= 1
-            if not left[run]:
-                on_complete(specs[run])
-
-        orders = _noted(self._render_orders(failures), tasks)
-        failed = render_runs(orders, self.executor, report, on_complete=on_task)
-        if any(camera.spec.render.annotations for of_run in cameras.values() for camera in of_run):
-            orders = self._annotation_orders(tasks.values(), failed)
-            failed += render_runs(orders, self.executor, report, "annotate", on_task)
-        return failed
+        return render_specs(
+            self.workspace,
+            self.specs,
+            self.executor,
+            self.device,
+            failures=failures,
+            report=report,
+            on_complete=on_complete,
+        )
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
         """Return the problems of runs that were rendered before.
@@ -116,34 +106,13 @@ class Batch:
             InputError: A good run is not rendered or annotated yet, or from other inputs.
         """
         tasks: dict[str, FrameTask] = {}
-        failed = self._problems(_noted(self._render_orders(failures), tasks))
-        return failed + self._problems(self._annotation_orders(tasks.values(), failed))
+        orders = render_orders(self.workspace, self.specs, self.device, failures)
+        failed = self._problems(noted(orders, tasks))
+        annotations = annotation_orders(self.workspace, self.specs, self.device, tasks.values(), failed)
+        return failed + self._problems(annotations)
 
     def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
         assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
-
-    def _render_orders(self, failures: Sequence[FailedRun]) -> Iterator[Order]:
-        failed = {failure.run for failure in failures}
-        for spec in self.specs:
-            if spec.key not in failed:
-                rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
-                for camera in cameras_of(spec):
-                    folder, user_files = self.workspace.render(spec.key, camera.name), self.workspace.user_files
-                    yield RenderTask.of_camera(camera, rows, folder, user_files, self.device)
-
-    def _annotation_orders(self, images: Iterable[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
-        """Yield the annotation orders; none where the scenario asks for no annotations."""
-        failed = {failure.run for failure in failures}
-        appearances = {
-            (spec.key, camera.name): Appearance.of(camera.spec, self.device, camera.name)
-            for spec in self.specs
-            for camera in cameras_of(spec)
-            if camera.spec.render.annotations
-        }
-        for task in images:
-            appearance = appearances.get((task.run, task.camera))
-            if appearance is not None and task.run not in failed:
-                yield AnnotationTask.of(task, appearance, self.workspace.annotate(task.run, task.camera))
 
     def _problems(self, orders: Iterable[Order]) -> list[FailedRun]:
         failed = []
@@ -160,10 +129,3 @@ class Batch:
             where=f"--out {self.workspace.out}",
             cure=f"run `symolo {stage}` with the same scenario first, or `symolo release` for all stages",
         )
-
-
-def _noted(orders: Iterable[Order], tasks: dict[str, FrameTask]) -> Iterator[Order]:
-    """Yield the orders and note their tasks in `tasks` by name; their long jobs are not kept."""
-    for order in orders:
-        tasks[order.task.name] = order.task
-        yield order

@@ -9,7 +9,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import DECLARATION
-from symolo.dataset.documents.metadata import read_metadata
+from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST
 
@@ -23,10 +23,8 @@ class Kind(TextEnum):
     DATASET = "dataset"
     IMPORTED = "imported"
     """Output of `symolo import`: a dataset whose trajectories were imported."""
-    PICTURES = "pictures"
-    """Output of `symolo rerender --look`."""
-    LOOKS = "looks"
-    """Output of `symolo rerender --looks`: a folder of images for each draw."""
+    RERENDERED = "rerendered"
+    """Output of `symolo rerender`: a dataset with trajectories from elsewhere and new images."""
     VALIDATION = "validation"
     """Output of `symolo validate`."""
     DIAGNOSIS = "diagnosis"
@@ -35,7 +33,7 @@ class Kind(TextEnum):
     """Output of `symolo identify-camera`."""
 
 
-DATASETS = frozenset({Kind.DATASET, Kind.IMPORTED})
+DATASETS = frozenset({Kind.DATASET, Kind.IMPORTED, Kind.RERENDERED})
 """Kinds of folders that hold a dataset with checksums."""
 
 
@@ -60,7 +58,7 @@ def kind_of(out: Path) -> Kind | None:
     except (*NOT_THERE, ValueError):
         metadata = read_metadata(out) if (out / MANIFEST).is_file() else None
         if metadata is not None and metadata.runs[0].origin is not None:
-            return Kind.IMPORTED
+            return Kind.RERENDERED if any(run.images for run in metadata.runs) else Kind.IMPORTED
         return Kind.DATASET if metadata is not None or (out / STAGES / "simulate").is_dir() else None
 
 
@@ -83,3 +81,24 @@ def check_outside(out: Path, where: str = "") -> None:
             continue
         problem = f"lies within the {what} {folder}"
         raise InputError(problem, where=where or f"--out {out}", cure="name a place outside of it")
+
+
+def check_is_whole(root: Path, command: str) -> None:
+    """Refuse a folder inside a dataset, such as that of one run, where a command takes the whole dataset.
+
+    Args:
+        root: The folder.
+        command: What the user is to type before the name of the dataset, such as `symolo verify`.
+
+    Raises:
+        InputError: The folder is inside a dataset.
+    """
+    is_whole = any((root / name).is_file() for name in (METADATA, MANIFEST, DECLARATION))
+    if not is_whole and (whole := dataset_above(root)) is not None:
+        raise InputError("is a part of a dataset", where=str(root), cure=f"name all of it: `{command} {whole}`")
+
+
+def dataset_above(folder: Path) -> Path | None:
+    """Return the dataset in which a folder lies, as the user would type it; None if there is none."""
+    parents = (*folder.parents, *folder.absolute().parents)
+    return next((each for each in parents if (each / METADATA).is_file() and kind_of(each) in DATASETS), None)

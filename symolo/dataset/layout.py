@@ -4,13 +4,14 @@ DESCRIPTION = "README.md"
 DATA, POSITIONS, SIDE, IMAGES, ANNOTATIONS = "data.csv", "image_positions.txt", "side", "images", "annotations"
 SPEC = "spec.json"
 """Run specification, in `side/` and in the folder of the first stage."""
-JOB, LOOK = "job.json", "look.json"
-"""In the folder of the images of `rerender`: the input of the renderer, and the values that were drawn."""
+JOB = "job.json"
+"""In the folder of a stage that renders: the input of the renderer."""
 STAGES, DONE = ".stages", "done.json"
 """Hidden folder of an output folder with the results of each stage, and the last file that a finished stage writes."""
 CAMERAS = "cameras"
 """Folder of a run with a folder for each further camera, which has images/, side/ and annotations/ as the run has."""
-NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
+MAX_NAME = 64
+NAME_PATTERN = rf"^[A-Za-z0-9][A-Za-z0-9_-]{{0,{MAX_NAME - 1}}}$"
 """Pattern of names that become names of files and folders: of a dataset, a route, a part of an arena."""
 
 

@@ -11,6 +11,7 @@ from symolo.core.files.file_hashes import canonical_json, sha256_of
 from symolo.core.files.new_folder import check_new, new_folder
 from symolo.core.progress import Report
 from symolo.core.versions import versions
+from symolo.dataset.folder_kind import dataset_above
 from symolo.dataset.manifest import MANIFEST
 from symolo.exporters import EXPORTERS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
@@ -52,11 +53,9 @@ def open_release(root: Path, runs: str | None) -> Dataset:
         InputError: It is not a release, it is damaged, or no run matches.
     """
     data = load(root)
-    if data.metadata is None and data.runs[0].is_rerendered:
-        what = "is the output of `symolo rerender` and not a release: it has no specification and no checksums"
-        raise InputError(what, where=str(root), cure="export the release whose run was rendered")
     if data.metadata is None:
-        cure = "name the folder of the release, and choose the run with --runs"
+        whole = dataset_above(root) or "the folder of the release"
+        cure = f"name {whole}, and choose the run with --runs '{data.runs[0].name}'"
         raise InputError("is a single run, which has no checksums", where=str(root), cure=cure)
     Inventory.of_whole(data.root)
     return data.matching(runs)

@@ -109,7 +109,7 @@ class Playback:
     state: Ints
     """(N,), state of the controller."""
     arena: Arena | None
-    """None for a run whose arena is not known, such as one that `rerender` made."""
+    """None for a run whose arena is not known, such as one of somebody else."""
     robot: RobotOutline
     beams: tuple[Beam, ...]
     scans: tuple[Scan, ...]

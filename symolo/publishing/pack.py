@@ -16,6 +16,7 @@ from symolo.core.files.new_folder import check_new, new_folder
 from symolo.core.files.tar_files import tar_chunks
 from symolo.core.progress import Report, StageReport
 from symolo.dataset.documents.metadata import METADATA, Metadata
+from symolo.dataset.folder_kind import check_is_whole
 from symolo.dataset.layout import NAME_PATTERN
 from symolo.dataset.manifest import manifest
 from symolo.publishing.about import About
@@ -54,6 +55,7 @@ def plan(root: Path, about: About, shard_bytes: int) -> Plan:
     Raises:
         InputError: It is no release, or a damaged one.
     """
+    check_is_whole(root, "symolo pack")
     data = load(root)
     inventory = Inventory.of_whole(data.root)
     if data.metadata is None:

@@ -1,4 +1,4 @@
-"""A released dataset, one run of it or the output of `symolo rerender`, for users and exporters."""
+"""A released dataset or one run of it, for users and exporters."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
 from symolo.dataset.documents.splits_record import SplitsRecord
-from symolo.dataset.layout import DATA, LOOK
+from symolo.dataset.layout import DATA
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
 from symolo.reader.run import Run
@@ -129,10 +129,9 @@ class Dataset:
 
 
 def load(path: str | Path) -> Dataset:
-    """Load a release, a bag that holds one, the folder of one run, or the output of `symolo rerender`.
+    """Load a release, a bag that holds one, or the folder of one run.
 
-    Each file is read when it is needed, and is checked strictly; `symolo verify` checks the checksums. Of several draws
-    that `rerender` made, load each folder separately.
+    Each file is read when it is needed, and is checked strictly; `symolo verify` checks the checksums.
 
     Raises:
         InputError: `path` is none of these, metadata.json is damaged, or a run that it names is missing.
@@ -156,10 +155,6 @@ def load(path: str | Path) -> Dataset:
         release = read_metadata(absolute.parents[1])
         is_released = release is not None and any(record.run == name for record in release.runs)
         return Dataset(root, None, (Run(root, name, release.sensor_tables if release and is_released else ()),))
-    draws = sorted(folder.name for folder in root.iterdir() if (folder / LOOK).is_file() and (folder / DATA).is_file())
-    if draws:
-        cure = f"name the folder of one, such as {draws[0]}"
-        raise InputError("holds draws of `symolo rerender`", where=str(root), cure=cure)
     what = f"is neither a release nor a run: there is no {METADATA} and no {DATA} in it"
     raise InputError(what, where=str(root), cure="name a folder that `symolo release` made, or a run's within it")
 

@@ -37,7 +37,7 @@ class Run(RunFolder):
         Raises:
             InputError: spec.json is missing or damaged.
         """
-        names = () if self.is_rerendered else further_cameras(self.specification)
+        names = further_cameras(self.specification)
         folders = {name: camera_folder(name) for name in names}
         return {
             name: CameraRun(self.folder / folder, f"{self.name}/{folder}", whole=self, camera_name=name)

@@ -20,14 +20,13 @@ from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, read_camera_document
 from symolo.dataset.documents.metadata import side_tables
 from symolo.dataset.documents.run_document import RunDocument
-from symolo.dataset.layout import ANNOTATIONS, DATA, IMAGES, LOOK, SIDE, SPEC, frame_name
+from symolo.dataset.layout import ANNOTATIONS, DATA, IMAGES, SIDE, SPEC, frame_name
 from symolo.dataset.pixels import decoded
 from symolo.dataset.tables.rows import RANGES, Rows, read_rows
 from symolo.dataset.tables.side_reading import first_fault, read_side
 from symolo.dataset.tables.side_tables import CAMERA, TOF, SideTable
 from symolo.reader.tables import frame, rows_frame
 
-OF_THE_RUN = "take those of the run that the images were made from"
 _IMAGE_KINDS = ENCODINGS.keys() - set(RECORD_KINDS)
 
 Pixels = NDArray[np.uint8]
@@ -190,9 +189,6 @@ class RunFolder:
         Raises:
             InputError: The file is missing or damaged.
         """
-        if self.is_rerendered:
-            what = "holds images of `symolo rerender`, which have no specification"
-            raise InputError(what, where=str(self.folder), cure=OF_THE_RUN)
         path = self.folder / SIDE / SPEC
         try:
             return json.loads(read_file(path, FileKind.DOCUMENT))
@@ -208,9 +204,7 @@ class RunFolder:
 
     @property
     def _side_tables(self) -> tuple[SideTable, ...]:
-        if not self.is_rerendered:
-            return (*side_tables(self.spec, has_images=bool(self.numbers)), *self.sensor_tables)
-        return (CAMERA,)
+        return (*side_tables(self.spec, has_images=bool(self.numbers)), *self.sensor_tables)
 
     def side(self, name: str) -> pd.DataFrame:
         """A table below `side/`, such as `wheels`: at the rows of `rows`, of `image_rows` for `camera`, or of the
@@ -222,9 +216,7 @@ class RunFolder:
         table = next((table for table in self._side_tables if table.name == name), None)
         if table is None:
             allowed, hint = ", ".join(self.side_names), nearest(name, self.side_names)
-            cure = OF_THE_RUN if self.is_rerendered else ""
-            what = f"has no side table {name}"
-            raise InputError(what, where=str(self.folder), allowed=allowed, nearest=hint, cure=cure)
+            raise InputError(f"has no side table {name}", where=str(self.folder), allowed=allowed, nearest=hint)
         return frame(table.cells, self._side(table))
 
     @cached_property
@@ -340,11 +332,6 @@ class RunFolder:
     @property
     def _annotation_folder(self) -> Path:
         return self.folder / ANNOTATIONS
-
-    @property
-    def is_rerendered(self) -> bool:
-        """Whether this is an output of `rerender`, which has no specification and only one side table."""
-        return (self.folder / LOOK).is_file() and not (self.folder / SIDE / SPEC).exists()
 
     def _side(self, table: SideTable) -> Array:
         return read_side(self.folder / SIDE / table.file, table, self.table)

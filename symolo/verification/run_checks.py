@@ -13,7 +13,6 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
-from symolo.dataset.documents.camera_specification import KIND as CAMERA_KIND
 from symolo.dataset.documents.camera_specification import specification_of
 from symolo.dataset.documents.metadata import METADATA, RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
@@ -89,9 +88,7 @@ def _listed(  # noqa: PLR0917 - everything that the cameras of a run depend on
 ) -> Iterator[Finding]:
     """Check that metadata.json has the sensors of spec.json, and check the further cameras."""
     listed = tables | {*record.cameras}
-    # The robot of a trajectory from elsewhere may have cameras that took no images there.
-    expected = {n for n, one in spec.robot.sensors.items() if spec.origin is None or one.kind != CAMERA_KIND}
-    if expected != listed:
+    if {*spec.robot.sensors} != listed:
         names = ", ".join(sorted(listed)) or "none"
         yield Finding(f"{record.run}/side/spec.json", f"robot.sensors are not those of metadata.json, {names}")
         return

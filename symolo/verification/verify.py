@@ -10,6 +10,7 @@ from symolo.core.files.paths import folders_of
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
+from symolo.dataset.folder_kind import check_is_whole
 from symolo.dataset.layout import DESCRIPTION
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
@@ -41,6 +42,7 @@ def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None =
     """
     if not root.is_dir():
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
+    check_is_whole(root, "symolo verify")
     if (root / DECLARATION).is_file():
         payload = [] if (root / PAYLOAD).is_symlink() else _dataset_findings(root / PAYLOAD, check_spec, key)
         findings = [Finding(f"{PAYLOAD}/{finding.file}", finding.what) for finding in payload]

@@ -22,7 +22,8 @@ from configs.loader import load_scenario
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
-from pipeline.stages.render import JOB, Appearance, RenderTask
+from pipeline.stages.cameras import cameras_of
+from pipeline.stages.render import JOB, RenderTask
 from pipeline.stages.simulate_runs import read_recording, simulate_into, simulation_key
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import sha256_of
@@ -182,7 +183,7 @@ def release(tmp_path_factory: pytest.TempPathFactory) -> Path:
             path = workspace.simulate(spec.key).path
             simulate_into(spec.model_dump_json(), path, simulation_key(spec), lambda _share: None)
             rows = Rows.from_recording(read_recording(path))
-            order = RenderTask.of(spec.key, Appearance.of(spec), rows, workspace.render(spec.key))
+            order = RenderTask.of_camera(cameras_of(spec)[0], rows, workspace.render(spec.key))
             make_folder(order.task.files)
             write_file(order.task.folder.path / JOB, order.job_text.encode())
             hashes = {}

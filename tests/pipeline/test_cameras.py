@@ -111,6 +111,50 @@ def test_repair_makes_files_of_a_camera_again(made, copy_of, release_of, symolo)
     assert release_of(root) == release_of(made)
 
 
+def test_a_release_that_is_rendered_again_has_the_images_of_all_cameras(made, tmp_path, release_of, symolo):
+    ended = symolo(
+        "rerender", made, "--look", "lab", "--set", "robot.sensors.rear.period_s=0.2", "--out", tmp_path / "lab"
+    )
+    assert ended.code == 0, ended.err
+    run = library.load(tmp_path / "lab")[RUN]
+    assert {"": len(run.numbers), **{name: len(camera) for name, camera in run.cameras.items()}} == {
+        **IMAGES,
+        "rear": 4,
+    }
+    assert symolo("verify", tmp_path / "lab").code == 0
+    stages = symolo("status", tmp_path / "lab").out
+    assert "render left done, 5 images; render rear done, 4 images" in stages
+    for name, before in library.load(made)[RUN].cameras.items():
+        if name != "rear":
+            np.testing.assert_array_equal(run.cameras[name].X_WC, before.X_WC)
+    files = release_of(tmp_path / "lab")
+    shutil.rmtree(tmp_path / "lab" / RUN / "cameras/left")
+    assert symolo("repair", tmp_path / "lab").code == 0
+    assert release_of(tmp_path / "lab") == files
+
+
+def test_the_cameras_of_a_robot_see_what_a_log_recorded(tmp_path, symolo):
+    robot, log = tmp_path / "pair.yaml", tmp_path / "log.csv"
+    robot.write_text(
+        "extends: nominal\nname: pair\nsensors:\n  imu: {}\n" + "".join(f"  {n}: {s}\n" for n, s in CAMERAS.items())
+    )
+    # A circle with a radius of 0.5 m at 1 rad/s, of which only places are known.
+    angles = np.arange(0.0, 1.01, 0.1)
+    rows = [f"{a:.1f},{0.5 * np.cos(a):.6f},{0.5 * np.sin(a):.6f},{a + np.pi / 2:.6f},7.4" for a in angles]
+    log.write_text("t [s],x [m],y [m],theta [rad],battery [V]\n" + "\n".join(rows) + "\n")
+    size = ("--set", "render.width_px=32", "--set", "render.height_px=24")
+    ended = symolo("rerender", log, "--yes", "--robot", robot, "--look", "lab", *size, "--out", tmp_path / "out")
+    assert ended.code == 0, ended.err
+    assert symolo("verify", tmp_path / "out").code == 0
+    (run,) = library.load(tmp_path / "out")
+    assert {name: len(camera) for name, camera in run.cameras.items()} == {"left": 9, "rear": 4, "right": 9}
+    (logged,) = run.sensors.values()  # the readings are those of the log, not of the robot
+    assert set(logged.samples.iloc[:, -1]) == {7.4}
+    for camera in run.cameras.values():
+        truth = np.array([[0.5 * np.cos(t), 0.5 * np.sin(t), t + np.pi / 2] for t in camera.t_s])
+        np.testing.assert_allclose(camera.table.pose, truth, atol=1e-3)
+
+
 def test_only_a_camera_that_changed_is_rendered_again_and_the_rest_depends_on_no_camera(
     made, hands_of_module, copy_of, release_of, symolo, monkeypatch
 ):

@@ -73,8 +73,8 @@ BAD = {
     "assemble before render": (["assemble", "smoke", "--out", "OUT"], "symolo simulate"),
     "verify what is not there": (["verify", "OUT"], "no such folder"),
     "verify a file": (["verify", "HERE/data.csv"], "no such folder"),
-    "rerender what is not there": (["rerender", "OUT", "--look", "lab", "--out", "OUT2"], "neither a run folder"),
-    "rerender an empty folder": (["rerender", "HERE/empty", "--look", "lab", "--out", "OUT"], "neither a run folder"),
+    "rerender what is not there": (["rerender", "OUT", "--look", "lab", "--out", "OUT2"], "no such file or folder"),
+    "rerender an empty folder": (["rerender", "HERE/empty", "--look", "lab", "--out", "OUT"], "is an empty folder"),
     "rerender without a look": (["rerender", "HERE/data.csv", "--out", "OUT"], "--look"),
     "rerender under no such look": (
         ["rerender", "HERE/data.csv", "--look", "labb", "--out", "OUT"],
@@ -92,12 +92,11 @@ BAD = {
         ["rerender", "HERE/data.csv", "--look", "lab", "--set", "render.width_px=1", "--out", "OUT"],
         "render.width_px",
     ),
-    "rerender without images": (["rerender", "HERE/no_images.csv", "--look", "lab", "--out", "OUT"], "--camera-hz 5"),
     "rerender at no rate": (
         ["rerender", "HERE/no_images.csv", "--look", "lab", "--camera-hz", "0", "--out", "OUT"],
         "--camera-hz",
     ),
-    "rerender a text": (["rerender", "HERE/bad.yaml", "--look", "lab", "--out", "OUT"], "bad.yaml:1"),
+    "rerender a text": (["rerender", "HERE/bad.yaml", "--look", "lab", "--out", "OUT"], "bad.yaml: is not a log"),
     "rerender into its source": (["rerender", "HERE/data.csv", "--look", "lab", "--out", "HERE"], "did not make"),
     "rerender under one look and several": (
         ["rerender", "HERE/data.csv", "--look", "lab", "--looks", "lab,classroom", "--out", "OUT"],

@@ -22,8 +22,9 @@ SECONDS = 60
 """Within which each case ends, also on a busy machine; most take a tenth of one."""
 THEIRS = "the stranger must not read this"
 SCENARIO = "extends: smoke\nname: hostile\n"
-DATA_HEADER = "t (ms),x (m),y (m),theta (rad)"
-ROWS = "".join(f"{50 * k},0.5{k % 10},0.2,1.57\n" for k in range(30))
+DATA_HEADER = "t,x,y,theta,img"
+ROWS = "".join(f"{50 * k},0.5{k % 10},0.2,1.57,0\n" for k in range(30))
+TABLE = "t_ms,x_m,y_m,theta_rad,n\n" + ROWS
 
 Trap = Callable[[Path], list[str]]
 """Lays a case in a folder; the arguments that step into it, where OUT is a folder to be made."""
@@ -188,15 +189,18 @@ REFUSED: dict[str, Trap] = {
     ),
     "a trajectory with nulls": trajectory(f"{DATA_HEADER}\n{ROWS}".replace("0.53", "0.5\x003")),
     "a trajectory without columns": trajectory("a,b\n1,2\n"),
-    "a trajectory with a column twice": trajectory(f"{DATA_HEADER},x (m)\n" + ROWS.replace("\n", ",1\n")),
+    "a trajectory with a column twice": trajectory(
+        f"{DATA_HEADER},x\n" + ROWS.replace("\n", ",1\n"), "--format", "symolo"
+    ),
     "times that go back": trajectory(f"{DATA_HEADER}\n{ROWS}".replace("\n500,", "\n100,")),
     "places that are no numbers": trajectory(f"{DATA_HEADER}\n{ROWS}".replace("0.53", "nan", 1)),
     "places without end": trajectory(f"{DATA_HEADER}\n{ROWS}".replace("0.53", "inf", 1)),
     "places beyond the sky": trajectory(f"{DATA_HEADER}\n{ROWS}".replace("0.53", "1e308", 1)),
+    "places beyond the sky in a table": trajectory(TABLE.replace("0.53", "1e308", 1)),
     "a formula for a spreadsheet": trajectory(f"{DATA_HEADER}\n{ROWS}".replace("0.53", "=cmd|' /C calc'!A0", 1)),
     "quotes that never close": trajectory(f'{DATA_HEADER}\n"{ROWS}'),
     "a line of ten million characters": trajectory(f"{DATA_HEADER}\n" + "1" * 10_000_000 + "\n"),
-    "a picture number of 10^18": trajectory(f"{DATA_HEADER},img\n" + ROWS.replace("\n", ",1000000000000000000\n")),
+    "a picture number of 10^18": trajectory(f"{DATA_HEADER}\n" + ROWS.replace(",0\n", ",1000000000000000000\n")),
     "a bench with nulls": bench(lambda text: text.replace("\n5,1", "\n5\x00,1")),
     "a bench with rows cut off": bench(lambda text: text[: len(text) // 2].rsplit(",", 1)[0]),
     "a bench in UTF-16": bench(lambda text: text.encode("utf-16")),

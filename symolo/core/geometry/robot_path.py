@@ -20,14 +20,13 @@ class RobotPath:
     pose: Array
     """(N, 3), x [m], y [m], yaw [rad, wrapped or not] in W."""
     twist: Array
-    """(N, 2), forward speed [m/s], yaw rate [rad/s]."""
+    """(N, 2), forward speed [m/s], yaw rate [rad/s]; NaN where unknown: it then follows from the poses."""
 
     def poses_at(self, t_s: Array) -> Array:
         """Return (M, 3), x [m], y [m], yaw [rad, unwrapped] at times (M,) [s]; outside the rows at the end's speed."""
         pose = self.pose.copy()
         pose[:, 2] = np.unwrap(pose[:, 2])
-        v, w = self.twist.T
-        rate = np.stack([v * np.cos(pose[:, 2]), v * np.sin(pose[:, 2]), w], axis=1)
+        rate = self._rates(pose)
         inside = np.clip(t_s, self.t_s[0], self.t_s[-1])
         i = np.clip(np.searchsorted(self.t_s, inside, side="right") - 1, 0, max(0, len(self.t_s) - 2))
         j = np.minimum(i + 1, len(self.t_s) - 1)
@@ -37,3 +36,12 @@ class RobotPath:
         between += step * s * (1 - s) * ((1 - s) * rate[i] - s * rate[j])
         nearest = np.where(t_s < self.t_s[0], 0, len(self.t_s) - 1)
         return between + (t_s - inside)[:, None] * rate[nearest]
+
+    def _rates(self, pose: Array) -> Array:
+        """Return (N, 3), the rates of change of x, y and the unwrapped yaw at the rows."""
+        v, w = self.twist.T
+        rate = np.stack([v * np.cos(pose[:, 2]), v * np.sin(pose[:, 2]), w], axis=1)
+        if np.isfinite(rate).all():
+            return rate
+        slopes = np.gradient(pose, self.t_s, axis=0) if len(pose) > 1 else np.zeros_like(pose)
+        return np.where(np.isfinite(rate), rate, slopes)

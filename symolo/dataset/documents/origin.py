@@ -45,5 +45,5 @@ class Origin(_Part):
         if self.log:
             parts.append(f"imported from {self.log.file} ({self.log.format})")
         if self.release:
-            parts.append(f"trajectory of {self.release.run} of {self.release.name}")
+            parts.append(f"taken from {self.release.run} of {self.release.name}")
         return ", ".join(parts)

@@ -271,7 +271,7 @@ def test_images_are_rendered_for_an_imported_run(imported, tmp_path, symolo):
     images = sorted(out.rglob("*.jpg"))
     assert len([path for path in images if ".stages" not in path.parts]) == 5
     assert cv2.imread(str(images[0])).shape == (24, 32, 3)
-    numbers = np.genfromtxt(out / "data.csv", delimiter=",", names=True)["img"]
+    numbers = np.genfromtxt(out / "imported/test_1/data.csv", delimiter=",", names=True)["img"]
     assert numbers[numbers > 0].tolist() == [1, 2, 3, 4, 5]
     assert symolo("contact-sheet", out, "--out", tmp_path / "sheet.png", "--width-px", 32).code == 0
 

@@ -8,7 +8,7 @@ import pytest
 from blender_scenes.scene.run_scene import arena_bounds
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
-from pipeline.rerendering.rerender import RerenderRequest, prepare
+from pipeline.rerendering.rerender import RerenderRequest
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.dataset.tables.rows import Rows
@@ -51,39 +51,39 @@ def with_noise(pose):
 LOOK = RerenderRequest(("lab",))
 
 
-@pytest.mark.parametrize(
-    ("pose", "where"),
-    [(circle() * [1000.0, 1000.0, 1.0], "x = 300, y = 0 m"), (moved(circle(), 1e6), "x = 1e+06, y = 0 m")],
-    ids=["millimetres", "1,000 km away"],
-)
-def test_places_outside_the_room_are_one_clear_line(pose, where, tmp_path, symolo):
-    path = written(tmp_path / "elsewhere.csv", pose)
+def test_places_in_millimetres_are_one_clear_line(tmp_path, symolo):
+    path = written(tmp_path / "elsewhere.csv", circle() * [1000.0, 1000.0, 1.0])
     ended = symolo("rerender", path, "--look", "lab", "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert f"{path}:2: {where} is outside the room" in ended.err
-    assert "floor extends from x = " in ended.err
-    assert "in metres" in ended.err
-    assert "--arena" in ended.err
+    assert f"{path}:2: column x: the robot moves at 189 m/s" in ended.err
+    assert "give x and y in metres; this looks like millimetres" in ended.err
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_the_first_image_outside_is_named_and_rows_without_one_may_be_anywhere(tmp_path):
+def test_a_path_far_away_is_moved_to_a_floor_that_fits_it(tmp_path, prepared):
+    (run,) = prepared(written(tmp_path / "elsewhere.csv", moved(circle(), 1e6)), LOOK)
+    assert np.abs(run.rows.pose[:, :2]).max() == pytest.approx(0.3, abs=1e-3)
+    assert run.spec.arena.name == "floor"
+    assert any("are moved by (-1e+06, 0) m" in text for text in run.spec.origin.log.changes)
+
+
+def test_the_first_image_outside_is_named_and_rows_without_one_may_be_anywhere(tmp_path, prepared):
     pose = circle()
-    pose[3 * EVERY + 1, 0] = 50.0
-    prepare(written(tmp_path / "data.csv", pose), LOOK)
-    pose[[4 * EVERY, 5 * EVERY], 1] = -50.0
-    with pytest.raises(InputError, match=rf"data\.csv:{4 * EVERY + 2}: x = .*, y = -50 m is outside"):
-        prepare(written(tmp_path / "data.csv", pose), LOOK)
+    pose[3 * EVERY + 1, 0] = 20.0
+    prepared(written(tmp_path / "data.csv", pose), LOOK)
+    pose[[4 * EVERY, 5 * EVERY], 1] = -20.0
+    with pytest.raises(InputError, match=rf"data\.csv:{4 * EVERY + 2}: x = .*, y = -20 m is outside"):
+        prepared(written(tmp_path / "data.csv", pose), LOOK)
 
 
-def test_the_room_and_not_the_arena_is_what_counts(tmp_path):
+def test_the_room_and_not_the_arena_is_what_counts(tmp_path, prepared):
     """Its floor ends so far east of all that stands in the arena as the look says."""
     arena = Arena.from_config(ArenaConfig.model_validate(load_section("arena", "symolo").tree))
     _, (east_m, _) = arena_bounds(arena)
     request = RerenderRequest(("lab",), overrides=("look.room.margin_east_m=1.5",))
-    prepare(written(tmp_path / "in.csv", moved(circle(), east_m + 1.49 - 0.3)), request)
+    prepared(written(tmp_path / "in.csv", moved(circle(), east_m + 1.49 - 0.3)), request)
     with pytest.raises(InputError, match="is outside the room"):
-        prepare(written(tmp_path / "out.csv", moved(circle(), east_m + 1.51 - 0.3)), request)
+        prepared(written(tmp_path / "out.csv", moved(circle(), east_m + 1.51 - 0.3)), request)
 
 
 @pytest.mark.parametrize(
@@ -113,8 +113,8 @@ def test_headings_in_degrees_are_one_clear_line(pose, tmp_path, symolo):
     ],
     ids=["unwrapped", "with noise", "backwards", "clockwise yaw", "on the spot", "east", "north-east", "many turns"],
 )
-def test_headings_that_degrees_do_not_explain_are_left_alone(pose, tmp_path):
-    prepare(written(tmp_path / "data.csv", pose), LOOK)
+def test_headings_that_degrees_do_not_explain_are_left_alone(pose, tmp_path, prepared):
+    prepared(written(tmp_path / "data.csv", pose), LOOK)
 
 
 def test_times_in_seconds_make_a_speed_that_no_small_robot_has(tmp_path, symolo):
@@ -128,8 +128,8 @@ def test_times_in_seconds_make_a_speed_that_no_small_robot_has(tmp_path, symolo)
 
 
 @pytest.mark.parametrize("period_ms", [4, 50, 60_000])
-def test_slow_and_quick_drives_are_left_alone(period_ms, tmp_path):
-    prepare(written(tmp_path / "data.csv", circle(), period_ms), LOOK)
+def test_slow_and_quick_drives_are_left_alone(period_ms, tmp_path, prepared):
+    prepared(written(tmp_path / "data.csv", circle(), period_ms), LOOK)
 
 
 def test_times_in_fractions_of_a_second_are_one_clear_line(tmp_path, symolo):

@@ -1,4 +1,4 @@
-"""Images for a stored trajectory: the same ones again, other looks, and a SyMoLo data.csv with nothing beside it."""
+"""Images for existing trajectories: the same ones again, other looks, all runs of a dataset, and foreign files."""
 
 import json
 import re
@@ -11,14 +11,15 @@ import pytest
 
 import symolo as symolo_reader
 from pipeline.cli import main
-from pipeline.rerendering.rerender import RerenderRequest, prepare
+from pipeline.rerendering.rerender import RerenderRequest
 from pipeline.run_folder.workspace import Workspace
 from symolo.dataset.folder_kind import Kind
 
-RUN = "CW/test_1"
-OUTPUT = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json"}
+RUN, OTHER = "CW/test_1", "CCW/test_1"
+TOP = {"README.md", "bag-info.txt", "manifest-sha256.txt", "metadata.json", "tagmanifest-sha256.txt"}
 SIDE = ("side/camera.csv", "side/intrinsics.json", "side/scene.json")
-"""Of the images themselves; the same files as a release has."""
+"""Of the images themselves."""
+SMALL = ("--set", "render.width_px=32", "--set", "render.height_px=24", "--set", "render.samples=1")
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -43,16 +44,15 @@ def again(dataset, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def elsewhere(dataset, tmp_path_factory, tiny):
-    """CW/test_1 under another look, read only; made where folders have the names of the program's packages."""
+def elsewhere(dataset, tmp_path_factory):
+    """Both runs under another look, read only; made where folders have the names of the program's packages."""
     here = tmp_path_factory.mktemp("a folder of the user")
     for package in ("configs", "blender_scenes", "pipeline"):
         (here / package).mkdir(parents=True)
         (here / package / "__init__.py").write_text("raise SystemExit('not ours')\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(here)
-        small = [setting for setting in tiny if "render" in setting]
-        assert main(["rerender", str(dataset / RUN / "data.csv"), "--look", "lab", "--out", "out", *small]) == 0
+        assert main(["rerender", str(dataset), "--look", "lab", "--out", "out", *SMALL]) == 0
     return here / "out"
 
 
@@ -60,58 +60,89 @@ def made(out):
     return {path.name for path in out.iterdir() if not path.name.startswith(".")}
 
 
-def test_the_same_look_gives_the_same_images_and_another_one_others(dataset, again, tmp_path, symolo):
-    run, other = dataset / RUN, tmp_path / "other"
-    assert made(again) == OUTPUT
-    for name in ("data.csv", "image_positions.txt", *SIDE, *(f"images/{i:06d}.jpg" for i in range(1, 7))):
-        assert (again / name).read_bytes() == (run / name).read_bytes(), name
-    arguments = ("--look", "lab", "--set", "render.width_px=48", "--set", "render.height_px=36", "--workers", 1)
-    arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", *arguments, "--out", other)
+def test_the_same_look_gives_the_same_run_again(dataset, again, symolo):
+    """Every file of the run, but for its specification, which says where the trajectory comes from."""
+    assert made(again) == TOP | {"CW"}
+    files = {path.relative_to(dataset / RUN) for path in (dataset / RUN).rglob("*") if path.is_file()}
+    assert files == {path.relative_to(again / RUN) for path in (again / RUN).rglob("*") if path.is_file()}
+    for name in files:
+        if name.as_posix() != "side/spec.json":
+            assert (again / RUN / name).read_bytes() == (dataset / RUN / name).read_bytes(), name
+    assert symolo("verify", again).code == 0
+    old, new = (json.loads((root / RUN / "side/spec.json").read_text()) for root in (dataset, again))
+    origin = new.pop("origin")["release"]
+    assert (origin["name"], origin["run"], len(origin["manifest_sha256"])) == ("smoke", RUN, 64)
+    assert {key for key in old if old[key] != new[key]} == {"scenario"}
+
+
+def test_all_runs_of_a_dataset_become_a_release_like_any_other(dataset, elsewhere, tmp_path, symolo):
+    assert made(elsewhere) == TOP | {"CW", "CCW"}
+    assert symolo("verify", elsewhere).code == 0
+    data, source = symolo_reader.load(elsewhere), symolo_reader.load(dataset)
+    assert {run.name for run in data} == {RUN, OTHER}
+    for run in data:
+        np.testing.assert_array_equal(run.rows.to_numpy(), source[run.name].rows.to_numpy())
+        assert run.side("wheels").equals(source[run.name].side("wheels"))
+        assert run.images[0].pixels().shape == (24, 32, 3)
+        assert run.spec.origin.text == f"taken from {run.name} of smoke"
+    metadata = json.loads((elsewhere / "metadata.json").read_text())
+    assert (metadata["name"], metadata["licence"]) == ("smoke-lab", "CC-BY-4.0")
+    assert {record["origin"]["release"]["run"] for record in metadata["runs"]} == {RUN, OTHER}
+    assert symolo("report", elsewhere, "--out", tmp_path / "report.html").code == 0
+    assert f"taken from {RUN} of smoke" in (tmp_path / "report.html").read_text()
+    assert symolo("export", elsewhere, "--format", "kitti,parquet", "--out", tmp_path / "exported").code == 0
+    assert f"{RUN}: trajectory taken from {RUN} of smoke" in symolo("status", elsewhere).out
+
+
+def test_a_part_of_the_runs_is_chosen_by_a_pattern(dataset, prepared):
+    (one,) = prepared(dataset, RerenderRequest(("lab",)), "CCW/*")
+    assert one.spec.key == OTHER
+
+
+def test_a_run_that_is_simulated_only_is_rendered(dataset, tmp_path, symolo):
+    out = tmp_path / "other"
+    arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", "--look", "lab", *SMALL, "--workers", 1)
+    arguments = (*arguments, "--out", out)
     assert symolo(*arguments, "--set", "render.annotations=[semantic]").code == 0
-    assert made(other) == OUTPUT | {"annotations"}
-    assert cv2.imread(str(other / "annotations/semantic/000006.png")).shape == (36, 48, 3)
-    assert cv2.imread(str(other / "images/000001.jpg")).shape == (36, 48, 3)
-    assert (other / "data.csv").read_bytes() == (run / "data.csv").read_bytes()
-    pictures = {path: path.stat().st_mtime_ns for path in (other / ".stages").rglob("*.jpg")}
+    assert symolo("verify", out).code == 0
+    assert cv2.imread(str(out / RUN / "annotations/semantic/000006.png")).shape == (24, 32, 3)
+    assert (out / RUN / "data.csv").read_bytes() == (dataset / RUN / "data.csv").read_bytes()
+    images = {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")}
     assert symolo(*arguments).code == 0
-    assert made(other) == OUTPUT
-    assert {path: path.stat().st_mtime_ns for path in (other / ".stages").rglob("*.jpg")} == pictures
+    assert not (out / RUN / "annotations").exists()
+    assert {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")} == images
 
 
-@pytest.mark.parametrize("name", ["CW/test_1", "CCW/test_1/data.csv"])
-def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(dataset, name):
-    _, (draw,) = prepare(dataset / name, RerenderRequest(("lab",), arena="random"))
-    first = draw.appearance.arena.line.pieces[0]
+@pytest.mark.parametrize("name", [RUN, f"{OTHER}/data.csv"])
+def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(dataset, name, prepared):
+    (run,) = prepared(dataset / name, RerenderRequest(("lab",), arena="random"))
+    first = run.spec.arena.line.pieces[0]
     yaw_deg = -90 if name.startswith("CW/") else 90
     along = np.subtract(first.end, first.start)
     assert np.degrees(np.arctan2(along[1], along[0])) == pytest.approx(yaw_deg, abs=1.0)
     start = np.genfromtxt(dataset / "/".join(name.split("/")[:2]) / "data.csv", delimiter=",", names=True)[0]
     to_start = np.subtract((start["x"], start["y"]), first.start)
     assert along[0] * to_start[1] - along[1] * to_start[0] == pytest.approx(0, abs=1e-6)
+    assert any("the readings are those of the arena symolo" in text for text in run.outcome.suspicions)
 
 
-def test_packages_of_the_same_name_where_the_user_stands_are_not_ours(elsewhere):
-    """A folder `configs` is nothing unusual; no child process may take it for the program's."""
-    assert made(elsewhere) == OUTPUT
-
-
-def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo, tiny):
+def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo):
     """No image is numbered in it, times jitter, digits are others; the last row is beyond the third period."""
-    header, *rows = (dataset / "CCW/test_1/data.csv").read_text().splitlines()
+    header, *rows = (dataset / OTHER / "data.csv").read_text().splitlines()
     cells = [row.split(",") for row in rows[:10]]
     for i, row in enumerate(cells):
         row[0], row[1], row[-1] = str(50 * i + i % 3), f"{float(row[1]):.9f}", "0"
     foreign = tmp_path / "elsewhere.csv"
     foreign.write_text("\n".join([header, *(",".join(row) for row in cells)]) + "\n")
     out = tmp_path / "out"
-    small = [setting for setting in tiny if "render" in setting]
-    arguments = ("rerender", foreign, "--look", "classroom", "--camera-hz", 5, "--out", out, *small)
+    arguments = ("rerender", foreign, "--look", "classroom", "--camera-hz", 5, "--out", out, *SMALL)
     assert symolo(*arguments).code == 0
-    assert made(out) == OUTPUT
-    assert sorted(path.name for path in (out / "images").iterdir()) == ["000001.jpg", "000002.jpg", "000003.jpg"]
-    table = np.genfromtxt(out / "data.csv", delimiter=",", names=True)
+    assert symolo("verify", out).code == 0
+    run = out / "imported/test_1"
+    assert sorted(path.name for path in (run / "images").iterdir()) == ["000001.jpg", "000002.jpg", "000003.jpg"]
+    table = np.genfromtxt(run / "data.csv", delimiter=",", names=True)
     np.testing.assert_array_equal(table["img"], [1, 0, 0, 0, 2, 0, 0, 0, 3, 0])
-    positions = np.genfromtxt(out / "image_positions.txt", names=True)
+    positions = np.genfromtxt(run / "image_positions.txt", names=True)
     np.testing.assert_array_equal(positions["img"], [1, 2, 3])
     taken = table[table["img"] > 0]
     for name in ("x", "y", "theta"):
@@ -121,12 +152,34 @@ def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo, tiny):
     assert {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")} == before
 
 
+def test_a_log_of_another_program_is_rendered_without_an_import_before(tmp_path, prepared):
+    """Poses on a circle in the format of TUM: 6 s of them, so 30 images at the default 5 Hz."""
+    t_s = 0.1 * np.arange(60)
+    yaw = 0.5 * t_s + 0.5 * np.pi
+    none = np.zeros_like(t_s)
+    place = 0.6 * np.stack([np.sin(yaw), -np.cos(yaw)])
+    np.savetxt(tmp_path / "log.txt", np.column_stack([t_s, *place, none, none, none, np.sin(yaw / 2), np.cos(yaw / 2)]))
+    runs = prepared(tmp_path / "log.txt", RerenderRequest(("classroom", "lab"), option="--looks"))
+    assert [run.spec.key for run in runs] == ["imported-classroom_1/test_1", "imported-lab_1/test_1"]
+    assert [int(np.count_nonzero(run.rows.image)) for run in runs] == [30, 30]
+    assert {run.spec.origin.log.format for run in runs} == {"tum"}
+
+
 def test_a_damaged_trajectory_is_one_clear_line(dataset, copy_of, tmp_path, symolo):
     run = copy_of(dataset, stages=True) / ".stages/simulate/CW/test_1"
     (run / "trajectory.npz").write_bytes((run / "trajectory.npz").read_bytes()[:500])
     ended = symolo("rerender", run, "--look", "lab", "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert "trajectory.npz: cannot be read" in ended.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_damaged_dataset_is_refused_before_anything_is_made(dataset, copy_of, tmp_path, symolo):
+    root = copy_of(dataset)
+    data = root / RUN / "data.csv"
+    data.write_bytes(data.read_bytes().replace(b"\n50,", b"\n51,", 1))
+    ended = symolo("rerender", root, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n"), "data.csv" in ended.err) == (2, 1, True), ended.err
     assert not (tmp_path / "out").exists()
 
 
@@ -175,45 +228,37 @@ def test_a_damaged_specification_is_reported_by_its_field(dataset, copy_of, tmp_
 def test_a_dataset_is_no_place_for_re_rendered_images(dataset, copy_of, symolo, stages):
     out = copy_of(dataset, stages=stages)
     before = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
-    ended = symolo("rerender", dataset / "CW/test_1", "--look", "lab", "--out", out)
+    ended = symolo("rerender", dataset / RUN, "--look", "lab", "--out", out)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert "holds the output of `symolo release`" in ended.err
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == before
 
 
 def test_re_rendered_images_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
-    out = tmp_path / "pictures"
-    with Workspace(out, Kind.PICTURES).locked():
+    out = tmp_path / "images"
+    with Workspace(out, Kind.RERENDERED).locked():
         pass
     ended = symolo("release", "smoke", "--out", out, *tiny)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert "holds the output of `symolo rerender --look`" in ended.err
+    assert "holds the output of `symolo rerender`" in ended.err
 
 
-def test_an_interrupted_change_of_the_images_is_not_taken_for_finished(
-    dataset, again, elsewhere, copy_of, symolo, release_of, monkeypatch
-):
-    """frames.json, the list of the images, comes last; the old one goes before the first image does."""
-    out = copy_of(again, stages=True)
-    shutil.rmtree(out / ".stages/render")  # rendered already are those of the other look
-    shutil.copytree(elsewhere / ".stages/render", out / ".stages/render")
-    arguments = ("rerender", dataset / RUN, "--look", "lab", "--out", out)
-
-    def killed(_new, _path):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("pipeline.rerendering.rerender.replace_folder", killed)
-    assert symolo(*arguments).code == 130
-    monkeypatch.undo()
-    assert not (out / "frames.json").exists()
-    assert symolo(*arguments).code == 0
-    assert release_of(out) == release_of(elsewhere)
+@pytest.mark.parametrize(
+    ("part", "command"), [(RUN, "verify"), ("CW", "verify"), (f"{RUN}/images", "verify"), (RUN, "export")]
+)
+def test_a_part_of_a_dataset_is_answered_by_what_to_type(dataset, tmp_path, symolo, part, command):
+    rest = ("--format", "tum", "--out", tmp_path / "out") if command == "export" else ()
+    ended = symolo(command, dataset / part, *rest)
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    cure = f"name {dataset}, and choose the run with --runs 'CW/test_1'" if rest else f"`symolo verify {dataset}`"
+    assert cure in ended.err
 
 
 def test_every_piece_of_furniture_is_recorded_as_it_was_rendered(dataset, again):
     """side/scene.json against the meshes of the job; what furniture there can be by the look's own fields."""
-    scene = json.loads((again / "side/scene.json").read_text())
-    meshes = {mesh["name"]: mesh for mesh in json.loads((again / "job.json").read_text())["scene"]["meshes"]}
+    scene = json.loads((again / RUN / "side/scene.json").read_text())
+    job = json.loads((again / ".stages/render" / RUN / "job.json").read_text())
+    meshes = {mesh["name"]: mesh for mesh in job["scene"]["meshes"]}
     sides = "east|north|west|south|window"
     of_the_room = rf"(?:blinds|ceiling|floor|(?:{sides}|desk_lamp|lamp|tape|paint|wall|obstacle)_.*)"
     names = [piece["name"] for piece in scene["furniture"]]
@@ -228,7 +273,7 @@ def test_every_piece_of_furniture_is_recorded_as_it_was_rendered(dataset, again)
     table = next(piece for piece in scene["furniture"] if piece["name"] == "table_0")
     assert table["numbers"]["size_m"] == pytest.approx([*table["size_m"], table["z_m"][1]], abs=1e-6)
     assert table["numbers"]["top"].keys() == {"reflectance", "hue_deg", "saturation"}
-    others = [(dataset / run / "side/scene.json").read_bytes() for run in (RUN, "CCW/test_1")]
+    others = [(dataset / run / "side/scene.json").read_bytes() for run in (RUN, OTHER)]
     assert others[0] != others[1]
 
 
@@ -240,11 +285,11 @@ def test_the_camera_is_recorded_as_in_a_release(dataset, tmp_path, symolo):
     chosen = ("--look", "lab", "--robot", "nominal", *(f"--set={setting}" for setting in settings))
     out = tmp_path / "out"
     assert symolo("rerender", dataset / RUN, *chosen, "--out", out).code == 0
-    model = json.loads((out / "side/intrinsics.json").read_text())
+    model = json.loads((out / RUN / "side/intrinsics.json").read_text())
     assert (model["width_px"], model["height_px"], model["exposure_s"], model["read_out_s"]) == (32, 24, 0.008, 0.016)
     assert [row[2] for row in model["K"]] == [15.5, 11.5, 1.0]
-    cameras = np.genfromtxt(out / "side/camera.csv", delimiter=",", names=True)
-    positions = np.genfromtxt(out / "image_positions.txt", names=True)
+    cameras = np.genfromtxt(out / RUN / "side/camera.csv", delimiter=",", names=True)
+    positions = np.genfromtxt(out / RUN / "image_positions.txt", names=True)
     np.testing.assert_array_equal(cameras["img"], positions["img"])
     yaw, pitch = positions["theta"], np.radians(25)
     # The axis, third column of X_WC: ahead by the heading, down by the pitch.
@@ -257,75 +302,74 @@ def test_the_camera_is_recorded_as_in_a_release(dataset, tmp_path, symolo):
     np.testing.assert_allclose(cameras["exposure_start"], cameras["t"] - 4 - 8 + 8 / 24, rtol=0, atol=1e-3)
 
 
-def test_a_folder_of_a_version_without_side_is_filled_again_and_nothing_is_rendered(
-    again, dataset, copy_of, symolo, release_of
-):
-    out = copy_of(again, stages=True)
-    shutil.rmtree(out / "side")
-    marker = out / ".stages/assemble/rerender/done.json"
-    done = json.loads(marker.read_text())
-    files = {name: digest for name, digest in done["files"].items() if name not in SIDE}
-    assert len(files) == len(done["files"]) - len(SIDE)
-    marker.write_text(json.dumps({"key": "of another version", "files": files}))
-    rendered = {path: path.stat().st_mtime_ns for path in (out / ".stages/render").rglob("*")}
-    assert symolo("rerender", dataset / RUN, "--look", "classroom", "--out", out).code == 0
-    assert release_of(out) == release_of(again)
-    assert {path: path.stat().st_mtime_ns for path in (out / ".stages/render").rglob("*")} == rendered
+def test_the_robot_of_a_simulation_keeps_what_its_readings_came_from(dataset, prepared):
+    """Only the camera and the body may be other ones; the option for all others says what to do."""
+    request = RerenderRequest(("lab",), overrides=("robot.camera.pitch_down_deg=25",))
+    (run,) = prepared(dataset / RUN, request)
+    own = json.loads((dataset / RUN / "side/spec.json").read_text())["robot"]
+    robot = json.loads(run.spec.robot.model_dump_json())
+    assert (robot["camera"]["pitch_down_deg"], robot["motor"], robot["tof"]) == (25, own["motor"], own["tof"])
+    (run,) = prepared(dataset / RUN, RerenderRequest(("lab",), robot="classroom"))
+    robot = json.loads(run.spec.robot.model_dump_json())
+    assert (robot["name"], robot["motor"], robot["controller"]) == ("classroom", own["motor"], own["controller"])
+    for setting in ("robot.tof.max_range_m=1", "robot.drive.wheel_radius_m=0.02"):
+        with pytest.raises(symolo_reader.InputError, match="to change these, simulate again"):
+            prepared(dataset / RUN, RerenderRequest(("lab",), overrides=(setting,)))
+
+
+def test_other_rates_of_the_images_divide_the_rate_of_the_rows(dataset, prepared):
+    """Rows come 20 times per second."""
+    (run,) = prepared(dataset / RUN, RerenderRequest(("lab",), camera_hz=10))
+    assert np.flatnonzero(run.rows.image)[:3].tolist() == [0, 2, 4]
+    assert run.spec.rates.camera_hz == 10
+    with pytest.raises(symolo_reader.InputError, match=r"--camera-hz: got 3.*allowed: 20, 10, 5, 4, 2, 1"):
+        prepared(dataset / RUN, RerenderRequest(("lab",), camera_hz=3))
 
 
 def test_finished_images_are_left_alone_and_damaged_ones_put_back(dataset, again, copy_of, symolo, release_of):
     out = copy_of(again, stages=True)
     arguments = ("rerender", dataset / RUN, "--look", "classroom", "--out", out)
-    times = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
+    times = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     assert symolo(*arguments).code == 0
-    assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == times
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()} == times
     before = release_of(out)
     for name in ("images/000002.jpg", *SIDE):
-        (out / name).write_bytes(b"damaged")
+        (out / RUN / name).write_bytes(b"damaged")
         assert symolo(*arguments).code == 0
         assert release_of(out) == before
 
 
-def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
+def test_render_settings_are_drawn_with_the_key_of_the_request(dataset, prepared):
     """As a look's values are: others for another run or another seed, the same ones for the same."""
 
     def samples(run, **options):
         request = RerenderRequest(("lab",), overrides=("render.samples={uniform: [1, 4096]}",), **options)
-        _, (draw,) = prepare(dataset / run, request)
-        return draw.appearance.render.samples
+        (one,) = prepared(dataset / run, request)
+        return one.spec.render.samples
 
-    assert samples("CW/test_1") == samples("CW/test_1")
-    assert len({samples("CW/test_1"), samples("CCW/test_1"), samples("CW/test_1", seed=7)}) == 3
-
-
-def test_the_reader_takes_the_images_with_the_poses_and_camera_of_the_run(dataset, again):
-    run, pictures = symolo_reader.load(dataset)[RUN], symolo_reader.load(again).runs[0]
-    np.testing.assert_allclose(pictures.X_WC, run.X_WC, rtol=0, atol=1e-6)
-    told, true = pictures.camera, run.camera
-    for name in ("K", "D", "X_RC", "X_CB"):
-        np.testing.assert_allclose(getattr(told, name), getattr(true, name), rtol=0, atol=1e-8)
-    sizes = [(one.width_px, one.height_px, one.exposure_s, one.read_out_s) for one in (told, true)]
-    assert sizes[0] == sizes[1]
-    for one, other in zip(pictures, run, strict=True):
-        np.testing.assert_array_equal(one.pixels(), other.pixels())
-        assert (one.t_s, one.pose.tolist()) == (other.t_s, other.pose.tolist())
+    assert samples(RUN) == samples(RUN)
+    assert len({samples(RUN), samples(OTHER), samples(RUN, seed=7)}) == 3
 
 
-def test_what_re_rendered_images_lack_is_named_with_where_it_is(again, tmp_path, symolo, copy_of):
-    pictures = symolo_reader.load(again).runs[0]
-    assert pictures.side_names == ("camera",)
-    assert pictures.side("camera")["img"].tolist() == [*pictures.numbers]
-    for ask in (lambda: pictures.side("wheels"), lambda: pictures.spec):
-        with pytest.raises(symolo_reader.InputError, match="those of the run that the images were made from"):
-            ask()
-    refused = symolo("export", again, "--format", "kitti", "--out", tmp_path / "out")
-    assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "export the release whose run was rendered" in refused.err
-    draws = tmp_path / "draws"
-    shutil.copytree(again, draws / "classroom_1", ignore=shutil.ignore_patterns(".stages"))
-    with pytest.raises(symolo_reader.InputError, match=r"holds draws of .*name the folder of one, such as classroom_1"):
-        symolo_reader.load(draws)
-    damaged = copy_of(again)
-    (damaged / "side/intrinsics.json").write_text("{}")
-    with pytest.raises(symolo_reader.InputError, match=r"intrinsics\.json: is damaged"):
-        _ = symolo_reader.load(damaged).runs[0].camera
+def test_a_rerendered_dataset_is_rendered_again_and_keeps_its_first_origin(dataset, elsewhere, prepared):
+    (run,) = prepared(elsewhere, RerenderRequest(("night",)), "CW/*")
+    assert run.spec.origin.release.name == "smoke"
+    assert (run.rows.to_csv(), set(run.side)) == (
+        (dataset / RUN / "data.csv").read_bytes(),
+        {"side/wheels.csv", "side/tof.csv"},
+    )
+
+
+def test_a_run_that_was_taken_from_elsewhere_is_repaired_as_far_as_it_can_be(again, copy_of, symolo, release_of):
+    """From its stages wholly; without them, the readings cannot be simulated again, which is said."""
+    out = copy_of(again, stages=True)
+    before = release_of(out)
+    (out / RUN / "images/000003.jpg").unlink()
+    (out / RUN / "side/wheels.csv").write_text("")
+    ended = symolo("repair", out)
+    assert (ended.code, release_of(out) == before) == (0, True), ended.out + ended.err
+    shutil.rmtree(out / ".stages")
+    (out / RUN / "side/wheels.csv").write_text("")
+    ended = symolo("repair", out)
+    assert ended.code == 4
+    assert "was not simulated here" in ended.out + ended.err

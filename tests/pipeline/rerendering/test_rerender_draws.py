@@ -1,13 +1,18 @@
-"""Several draws of several looks for one stored trajectory."""
+"""Several draws of several looks for existing trajectories."""
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import pytest
 
+from configs.schema.splits import Splits
+from pipeline.importing.imported_runs import ImportRequest
 from pipeline.rerendering.rerender import RerenderRequest, draw_seed, prepare
+from pipeline.rerendering.sources import read_sources
+from symolo.core.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -15,56 +20,43 @@ def run(dataset):
     return dataset / "CW/test_1"
 
 
-def test_the_first_draw_is_the_runs_own_and_every_draw_a_folder_like_a_single_one(run, tmp_path, symolo):
+def test_the_first_draw_is_the_runs_own_and_each_draw_has_a_route(run, tmp_path, symolo):
     out = tmp_path / "looks"
     arguments = ("rerender", run, "--looks", "classroom", "--draws", 2, "--out", out)
     ended = symolo(*arguments)
     assert ended.code == 0
-    assert f"rerender: 2 of 2 draws, in {out}" in ended.out
-    assert sorted(path.name for path in out.iterdir()) == [".stages", "classroom_1", "classroom_2"]
-    first, second = out / "classroom_1", out / "classroom_2"
+    assert f"rerender: 2 of 2 runs, in {out}" in ended.out
+    assert symolo("verify", out).code == 0
+    first, second = out / "CW-classroom_1/test_1", out / "CW-classroom_2/test_1"
     for image in sorted((run / "images").iterdir()):
         assert (first / "images" / image.name).read_bytes() == image.read_bytes()
         assert (second / "images" / image.name).read_bytes() != image.read_bytes()
-    names = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json", ".stages"}
-    assert {path.name for path in first.iterdir()} == {path.name for path in second.iterdir()} == names
-    records = [json.loads((folder / "look.json").read_text()) for folder in (first, second)]
-    own = json.loads((run / "side/spec.json").read_text())
-    drawn = {path: value for path, value in own["drawn"].items() if path.startswith("look.")}
-    assert (records[0]["draw"], records[0]["seed"], records[0]["drawn"]) == (1, own["seed"], drawn)
-    assert (records[1]["draw"], records[1]["seed"]) == (2, draw_seed(own["seed"], 2))
-    assert records[1]["drawn"].keys() == drawn.keys()
-    assert records[1]["look"]["room"]["height_m"] == records[1]["drawn"]["look.room.height_m"]
+    own, *specs = (json.loads((folder / "side/spec.json").read_text()) for folder in (run, first, second))
+    drawn = [{key: value for key, value in spec["drawn"].items() if key.startswith("look.")} for spec in (own, *specs)]
+    assert (specs[0]["seed"], drawn[1]) == (own["seed"], drawn[0])
+    assert specs[1]["seed"] == draw_seed(own["seed"], 2)
+    assert drawn[2].keys() == drawn[0].keys()
+    assert specs[1]["look"]["room"]["height_m"] == drawn[2]["look.room.height_m"]
+    records = json.loads((out / "metadata.json").read_text())["runs"]
+    assert [record["origin"]["release"]["run"] for record in records] == ["CW/test_1", "CW/test_1"]
     _continues_and_is_looked_at(out, arguments, symolo, tmp_path / "sheet.png")
 
 
 def _continues_and_is_looked_at(out, arguments, symolo, sheet):
+    images = "CW-classroom_2/test_1/images"
     times = {path: path.stat().st_mtime_ns for path in out.rglob("*.jpg")}
-    (out / "classroom_2/images/000002.jpg").write_bytes(b"damaged")
+    (out / images / "000002.jpg").write_bytes(b"damaged")
     assert symolo(*arguments).code == 0
-    kept = {path: path.stat().st_mtime_ns for path in out.rglob("*.jpg") if path.parent != out / "classroom_2/images"}
+    kept = {path: path.stat().st_mtime_ns for path in out.rglob("*.jpg") if path.parent != out / images}
     assert kept.items() <= times.items()
-    assert cv2.imread(str(out / "classroom_2/images/000002.jpg")).shape == (24, 32, 3)
+    assert cv2.imread(str(out / images / "000002.jpg")).shape == (24, 32, 3)
     assert symolo("contact-sheet", out, "--out", sheet, "--per-run", 3, "--width-px", 32).code == 0
     assert cv2.imread(str(sheet)).shape == (2 * (24 + 18), 3 * 32, 3)
-    refused = symolo("rerender", *arguments[1:2], "--look", "classroom", "--out", out)
-    assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "holds the output of `symolo rerender --looks`" in refused.err
-
-
-def test_no_other_command_works_in_the_folder_of_a_draw(run, tmp_path, symolo):
-    kind = tmp_path / "looks/.stages/kind"
-    kind.parent.mkdir(parents=True)
-    kind.write_text("looks\n")
-    refused = symolo("rerender", run, "--look", "classroom", "--out", tmp_path / "looks/classroom_1")
-    assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "belongs to the output of `symolo rerender --looks`" in refused.err
-    assert not (tmp_path / "looks/classroom_1").exists()
 
 
 @pytest.mark.usefixtures("hands")
-def test_without_out_the_folder_is_named_by_run_and_looks(run, tmp_path, symolo, monkeypatch):
-    """As the project describes its use; one of our runs by route and number, what comes from elsewhere by its file."""
+def test_without_out_the_folder_is_named_by_run_and_looks(dataset, run, tmp_path, symolo, monkeypatch):
+    """A run by route and number, a dataset by its name, what comes from elsewhere by its file or folder."""
     foreign = tmp_path / "elsewhere/data.csv"
     foreign.parent.mkdir()
     foreign.write_bytes((run / "data.csv").read_bytes())
@@ -75,12 +67,12 @@ def test_without_out_the_folder_is_named_by_run_and_looks(run, tmp_path, symolo,
     for source, looks, name in (
         (run, ("--looks", "classroom,night", "--draws", 2), "CW-test_1-classroom-night"),
         (run / "data.csv", ("--look", "lab"), "CW-test_1-lab"),
+        (dataset, ("--look", "lab"), "smoke-lab"),
         (foreign, ("--look", "lab"), "elsewhere-lab"),
-        ("../elsewhere", ("--look", "classroom"), "elsewhere-classroom"),
         ("../drive.csv", ("--look", "lab"), "drive-lab"),
     ):
         ended = symolo("rerender", source, *looks, *small)
-        assert (ended.code, ended.out.split(", in ")[-1]) == (0, f"{name}\n")
+        assert (ended.code, ended.out.splitlines()[-1].split(", in ")[-1]) == (0, name), ended.err
         assert Path(name).is_dir()
         shutil.rmtree(name)
     assert list(Path().iterdir()) == []
@@ -107,41 +99,62 @@ def test_a_folder_without_out_is_continued_but_not_replaced(run, tmp_path, symol
     assert before == {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
 
 
-def test_fields_of_a_look_may_be_set_all_at_once(run):
+def test_fields_of_a_look_may_be_set_all_at_once(run, prepared):
     """As a mapping that is laid over it; only another name or `extends` would be another look."""
-    _, (draw,) = prepare(run, RerenderRequest(("lab",), overrides=("look={sun: {elevation_deg: 31}}",)))
-    assert (draw.name, draw.appearance.look.sun.elevation_deg) == ("lab_1", 31)
+    (one,) = prepared(run, RerenderRequest(("lab",), overrides=("look={sun: {elevation_deg: 31}}",)))
+    assert (one.spec.key, one.spec.look.sun.elevation_deg) == ("CW/test_1", 31)
 
 
-def test_a_draws_seed_gives_it_again_alone(run):
-    """What look.json says is enough: the same look, light, stains and noise by --look and --seed."""
-    _, draws = prepare(run, RerenderRequest(("classroom", "lab"), 2))
-    assert [draw.name for draw in draws] == [f"{look}_{k}" for look in ("classroom", "lab") for k in (1, 2)]
+def test_a_draws_seed_gives_it_again_alone(run, prepared):
+    """What metadata.json says is enough: the same look, light, stains and noise by --look and --seed."""
+    draws = prepared(run, RerenderRequest(("classroom", "lab"), 2, option="--looks"))
+    assert [draw.spec.route for draw in draws] == [f"CW-{look}_{k}" for look in ("classroom", "lab") for k in (1, 2)]
     for draw in draws:
-        look, seed = draw.name.rpartition("_")[0], json.loads(draw.record)["seed"]
-        _, (alone,) = prepare(run, RerenderRequest((look,), seed=seed))
-        assert alone.appearance == draw.appearance
+        (alone,) = prepared(run, RerenderRequest((draw.spec.look.name,), seed=draw.spec.seed))
+        assert alone.spec.look == draw.spec.look
+        assert alone.spec.seed == draw.spec.seed
 
 
-def test_draws_differ_in_their_looks_alone(run):
-    _, draws = prepare(run, RerenderRequest(("classroom",), 20))
-    assert len({draw.appearance.look.sun.elevation_deg for draw in draws}) == 20
-    assert len({draw.appearance.seed for draw in draws}) == 20
-    assert len({draw.appearance.look.floor.material for draw in draws}) > 3
-    first = draws[0].appearance
+def test_draws_differ_in_their_looks_alone(run, prepared):
+    draws = prepared(run, RerenderRequest(("classroom",), 20, option="--looks"))
+    assert len({draw.spec.look.sun.elevation_deg for draw in draws}) == 20
+    assert len({draw.spec.seed for draw in draws}) == 20
+    assert len({draw.spec.look.floor.material for draw in draws}) > 3
+    first = draws[0].spec
     for draw in draws:
-        same = draw.appearance
+        same = draw.spec
         assert (same.arena, same.robot, same.render) == (first.arena, first.robot, first.render)
 
 
-def test_a_foreign_trajectory_has_one_arena_in_all_draws(run):
+def test_a_foreign_trajectory_has_one_arena_in_all_draws(run, tmp_path, prepared):
     """Though it is drawn itself, for which the seed of a look is not asked."""
-    arguments = {"arena": "random", "camera_hz": 1.0}
-    _, draws = prepare(run / "data.csv", RerenderRequest(("lab",), 3, **arguments))
-    assert len({draw.appearance.arena for draw in draws}) == 1  # pyright: ignore[reportUnhashable] - it is frozen
+    shutil.copy(run / "data.csv", tmp_path / "data.csv")
+    request = RerenderRequest(("lab",), 3, arena="random", camera_hz=1.0, option="--looks")
+    draws = prepared(tmp_path / "data.csv", request)
+    assert len({draw.spec.arena for draw in draws}) == 1  # pyright: ignore[reportUnhashable] - it is frozen
 
 
-def test_more_draws_leave_the_first_ones_as_they_are(run):
-    _, few = prepare(run, RerenderRequest(("classroom",), 2))
-    _, more = prepare(run, RerenderRequest(("classroom",), 5))
-    assert few == more[:2]
+def test_more_draws_leave_the_first_ones_as_they_are(run, prepared):
+    few = prepared(run, RerenderRequest(("classroom",), 2, option="--looks"))
+    more = prepared(run, RerenderRequest(("classroom",), 5, option="--looks"))
+    assert [each.spec for each in few] == [each.spec for each in more[:2]]
+
+
+def test_a_route_of_too_long_a_name_is_refused(run, tmp_path, prepared):
+    look = tmp_path / "look.yaml"
+    look.write_text(f"extends: lab\nname: {'l' * 62}\n")
+    with pytest.raises(InputError, match="shorten the name of the look"):
+        prepared(run, RerenderRequest((str(look),), option="--looks"))
+
+
+def test_each_trajectory_stays_in_its_split_under_all_looks(dataset):
+    request = RerenderRequest(("lab", "night"), 2, option="--looks")
+    sources = read_sources((dataset,), None, ImportRequest((dataset,)))
+    assert "splits" not in prepare(sources, request).tree
+    split_of = {"CW/test_1": "train", "CCW/test_1": "test"}
+    runs = prepare(replace(sources, split_of=split_of), request).tree["splits"]["runs"]
+    assert runs == {
+        "train": ["CW-lab_1/test_1", "CW-lab_2/test_1", "CW-night_1/test_1", "CW-night_2/test_1"],
+        "test": ["CCW-lab_1/test_1", "CCW-lab_2/test_1", "CCW-night_1/test_1", "CCW-night_2/test_1"],
+    }
+    assert Splits.model_validate({"runs": runs}).runs is not None

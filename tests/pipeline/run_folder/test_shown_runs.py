@@ -1,4 +1,4 @@
-"""What can be looked at: releases, runs, outputs of `rerender`, and runs that are simulated only."""
+"""What can be looked at: releases, runs, folders with several runs, and runs that are simulated only."""
 
 import json
 import shutil
@@ -33,7 +33,6 @@ def test_each_kind_of_folder_has_its_runs(dataset, simulated, tmp_path):
     assert names(dataset, "CCW/*") == names(simulated, "CCW/*") == ["CCW/test_1"]
     for draw in ("lab_1", "lab_2"):
         shutil.copytree(dataset / "CW/test_1", tmp_path / "looks" / draw)
-        (tmp_path / "looks" / draw / "look.json").write_text("{}")
     assert names(tmp_path / "looks") == ["lab_1", "lab_2"]
 
 

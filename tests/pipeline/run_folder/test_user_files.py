@@ -12,9 +12,13 @@ import pytest
 from configs.draw import draw_look
 from configs.loader import load_section
 from pipeline.executors.local import Local
-from pipeline.rerendering.rerender import RerenderRequest, prepare, render_source
+from pipeline.importing.imported_runs import ImportRequest
+from pipeline.rerendering.rerender import Rerendering, RerenderRequest, make_release, prepare
+from pipeline.rerendering.sources import read_sources
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder, Workspace
+from pipeline.stages import render_specs
+from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import RenderTask
 from pipeline.work import batch
 from symolo.core.errors import InputError
@@ -47,30 +51,39 @@ def own(tmp_path: Path) -> Path:
     return tmp_path / "own.yaml"
 
 
+def rendering(run: Path, look: Path, camera_hz: float | None = None) -> Rerendering:
+    return prepare(
+        read_sources((run,), None, ImportRequest((run,))), RerenderRequest((str(look),), camera_hz=camera_hz)
+    )
+
+
 def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tmp_path):
     """As after an interruption: from the copies alone."""
-    source, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),), camera_hz=0.5))
-    workspace = Workspace(tmp_path / "out", Kind.PICTURES)
-    kept, look = workspace.user_files, draws[0].appearance.look
-    keep_user_files((look,), draws[0].assets, kept)
+    begun = rendering(dataset / "CW/test_1", own, camera_hz=1)
+    workspace = Workspace(tmp_path / "out", Kind.RERENDERED)
+    kept, look = workspace.user_files, begun.runs[0].spec.look
+    keep_user_files((look,), begun.assets, kept)
     assert {path.name: path.read_bytes() for path in kept.iterdir()} == {sha256(RED): RED, sha256(HALL): HALL}
     written = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
     shutil.rmtree(tmp_path / "photos")
-    assert render_source(source, draws, [workspace], Local(1), LineReport()) == []
+    assert make_release(begun, workspace.out, Local(1), LineReport()) == []
     assert {path: path.stat().st_mtime_ns for path in kept.iterdir()} == written
-    blue, _, red = cv2.imread(str(workspace.out / "images/000001.jpg")).astype(float).mean(axis=(0, 1)).tolist()
+    blue, _, red = (
+        cv2.imread(str(workspace.out / "CW/test_1/images/000001.jpg")).astype(float).mean(axis=(0, 1)).tolist()
+    )
     assert red > 1.5 * blue
-    told = json.loads((workspace.out / "look.json").read_text())["look"]["floor"]["image"]["file"]
+    spec = json.loads((workspace.out / "CW/test_1/side/spec.json").read_text())
+    told = spec["look"]["floor"]["image"]["file"]
     assert (told["name"], told["sha256"]) == ("floor.png", sha256(RED))
-    for name in ("look.json", "job.json"):
+    for name in ("metadata.json", "CW/test_1/side/spec.json", ".stages/render/CW/test_1/job.json"):
         assert str(tmp_path) not in (workspace.out / name).read_text()
 
 
 def test_a_changed_picture_is_another_job_and_a_renamed_one_is_not(dataset, own, tmp_path):
     def key() -> str:
-        source, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),)))
-        folder = StageFolder(tmp_path / "out")
-        return RenderTask.of("run", draws[0].appearance, source.rows, folder).task.key
+        rerendering = rendering(dataset / "CW/test_1", own)
+        (run,), folder = rerendering.runs, StageFolder(tmp_path / "out")
+        return RenderTask.of_camera(cameras_of(run.spec)[0], run.rows, folder).task.key
 
     before = key()
     (tmp_path / "photos/floor.png").rename(tmp_path / "photos/parquet.png")
@@ -90,7 +103,7 @@ def test_a_folder_that_is_gone_is_told_before_anything_is_made(dataset, own, tmp
 
 def test_a_release_hands_its_renderers_the_copies(copy_of, dataset, own, tiny, symolo, monkeypatch):
     seen = []
-    monkeypatch.setattr(batch, "render_runs", lambda orders, *_, **__: seen.extend(orders) or [])
+    monkeypatch.setattr(render_specs, "render_runs", lambda orders, *_, **__: seen.extend(orders) or [])
     out = copy_of(dataset, stages=True)
     assert symolo("render", "smoke", "--out", out, *tiny, "--set", f"look={own}").code == 0
     assert len(seen) == 2
@@ -131,10 +144,13 @@ def test_a_damaged_copy_is_made_again_and_a_file_that_changes_meanwhile_is_refus
 def test_draws_of_a_choice_take_different_pictures(dataset, own, tmp_path):
     (tmp_path / "photos/blue.png").write_bytes(BLUE)
     choice = "look.floor.image.file={choice: [floor.png, blue.png]}"
-    _, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),), 12, overrides=(choice,)))
-    images = [draw.appearance.look.floor.image for draw in draws]
+    request = RerenderRequest((str(own),), 12, overrides=(choice,), option="--looks")
+    run = dataset / "CW/test_1"
+    drawn = prepare(read_sources((run,), None, ImportRequest((run,))), request)
+    looks = [each.spec.look for each in drawn.runs]
+    images = [look.floor.image for look in looks]
     assert {image.file.sha256 for image in images if image.file} == {sha256(RED), sha256(BLUE)}
-    assert all({file.sha256 for file in draw.appearance.look.files} <= set(draw.assets) for draw in draws)
+    assert all({file.sha256 for file in look.files} <= set(drawn.assets) for look in looks)
 
 
 def test_a_flat_preview_shows_them(own, tmp_path, symolo):

@@ -96,8 +96,10 @@ def test_rerender_puts_the_obstacles_where_they_were_with_more_workers_too(movin
     assert symolo("rerender", run, "--look", "classroom", "--out", out, "--workers", 2).code == 0
     for number in range(1, 7):
         name = f"images/{number:06d}.jpg"
-        assert (out / name).read_bytes() == (run / name).read_bytes(), name
-    frames = json.loads((out / "job.json").read_text())["frames"]
+        assert (out / "CW/test_1" / name).read_bytes() == (run / name).read_bytes(), name
+    assert (out / TABLE).read_bytes() == (moving / TABLE).read_bytes()
+    assert list(verify(out)) == []
+    frames = json.loads((out / ".stages/render/CW/test_1/job.json").read_text())["frames"]
     np.testing.assert_allclose([frame["moving"][0][0] for frame in frames], 0.95 - 0.5 * 0.2 * np.arange(6))
 
 

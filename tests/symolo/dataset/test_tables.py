@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.rerendering.rerender import image_numbers
+from pipeline.rerendering.image_rows import image_numbers
 from symolo.core.errors import InputError
 from symolo.core.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import State
