@@ -34,7 +34,7 @@ def with_splits(data: Dataset, text: str | None) -> Dataset:
 
 
 def _splits(text: str) -> Splits:
-    """Return the settings in a YAML text, or in a YAML file."""
+    """Return the settings in a YAML text or file, which may have them under the key `splits` as a scenario does."""
     if text.lstrip().startswith("{"):
         node = parse_yaml(text, OPTION, with_lines=False)
     else:
@@ -44,7 +44,7 @@ def _splits(text: str) -> Splits:
             allowed = f"a YAML file, a text such as '{{by: run}}', or {_NONE}"
             raise InputError(OPTION, got=text, allowed=allowed, cure="there is no such file")
         node = read_yaml(path).root
-    root = Node({"splits": node}, node.where)
+    root = Node({"splits": node.child("splits") or node}, node.where)
     distributions_of(root, SplitsAlone)
     return validated(root, SplitsAlone, {}).splits
 

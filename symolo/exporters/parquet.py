@@ -3,13 +3,12 @@
 Each column has its unit in the metadata of its field, under `unit` (https://parquet.apache.org/docs/file-format/).
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import pandas as pd
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
-from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
 from symolo.exporters.features import stacked_bytes
 from symolo.reader.dataset import Dataset
@@ -36,9 +35,13 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     if data.images:
         readers["images"] = _images
     readers |= {f"cameras/{name}": lambda run, name=name: _images(run.cameras[name]) for name in cameras}
-    if (splits := data.splits) is not None:
-        for name in ("images",) if splits.by == "image" else tuple(readers):
-            readers[name] = lambda run, read=readers[name]: _with_split(read(run), run, splits)
+    if data.splits is not None and data.splits.by == "image":
+        of_images = data.splits.of_images
+        readers["images"] = lambda run: _with_split(_images(run), [of_images[run.name, n] for n in run.numbers])
+    elif data.splits is not None:
+        of_runs = data.splits.of_runs
+        for name, read in tuple(readers.items()):
+            readers[name] = lambda run, read=read: _with_split(read(run), of_runs[run.name])
     for name, read in readers.items():
         yield ExportedFile(f"{name}.parquet", lambda read=read: stacked_bytes(data, read))
     further = (image for run in data.runs for camera in run.cameras.values() for image in camera)
@@ -46,13 +49,8 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
         yield copied_file(_file_name(image), image.path)
 
 
-def _with_split(table: pd.DataFrame, run: Run, splits: SplitsRecord) -> pd.DataFrame:
+def _with_split(table: pd.DataFrame, names: str | Sequence[str]) -> pd.DataFrame:
     """Return a table of a run with its split, or the split of each image, in the first column."""
-    if splits.by == "image":
-        of_images = splits.of_images
-        names = [of_images.get((run.name, number), "") for number in run.numbers]
-    else:
-        names = [splits.of_runs[run.name]] * len(table)
     table.insert(0, SPLIT, names)
     table.attrs[UNITS] = table.attrs[UNITS] | {SPLIT: "-"}
     return table

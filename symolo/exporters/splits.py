@@ -20,7 +20,7 @@ def divided(data: Dataset, rule: SplitRule | None) -> Dataset:
     """
     splits = None
     if rule is not None:
-        members = [_member(run) for run in data.runs]
+        members = [_member(run, has_images=rule.by == "image") for run in data.runs]
         splits = assign(rule, members, OPTION)
     return _with_splits(data, splits)
 
@@ -43,9 +43,10 @@ def check_splits(data: Dataset) -> Dataset:
     return _with_splits(data, splits)
 
 
-def _member(run: Run) -> SplitMember:
-    spec = run.spec
-    return SplitMember(run.name, spec.look.name, spec.robot.name, spec.seed, spec.origin, run.numbers)
+def _member(run: Run, *, has_images: bool) -> SplitMember:
+    """Return the properties of a run; data.csv is read only for the numbers of its images."""
+    spec, numbers = run.spec, run.numbers if has_images else ()
+    return SplitMember(run.name, spec.look.name, spec.robot.name, spec.seed, spec.origin, numbers)
 
 
 def _with_splits(data: Dataset, splits: SplitsRecord | None) -> Dataset:

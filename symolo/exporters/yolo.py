@@ -5,6 +5,7 @@ of its box, as shares of the width and height of the image.
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import groupby
 
 import yaml
 
@@ -33,14 +34,12 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     splits = images_of_splits(data)
     yield ExportedFile("data.yaml", lambda: _description([_FOLDERS[split] for split, _ in splits]))
     for split, images in splits:
-        labels: dict[str, _Labels] = {}
-        for image in images:
-            run = data[image.run.name]
-            if run.name not in labels:
-                labels[run.name] = _Labels(run)
-            name, of_run = f"{_FOLDERS[split]}/{_file_name(image)}", labels[run.name]
-            yield copied_file(f"images/{name}{image.path.suffix}", image.path)
-            yield ExportedFile(f"labels/{name}.txt", lambda of_run=of_run, image=image: of_run.text(image))
+        for run_name, of_run in groupby(images, lambda image: image.run.name):
+            labels = _Labels(data[run_name])
+            for image in of_run:
+                name = f"{_FOLDERS[split]}/{_file_name(image)}"
+                yield copied_file(f"images/{name}{image.path.suffix}", image.path)
+                yield ExportedFile(f"labels/{name}.txt", lambda labels=labels, image=image: labels.text(image))
 
 
 def _file_name(image: Image) -> str:

@@ -82,7 +82,8 @@ class Dataset:
         if splits.by == "image":
             what, cure = "is divided by image, so its runs are in no split", "take `split_images`"
             raise InputError(what, where=str(self.root), cure=cure)
-        runs = tuple(run for run in self.runs if splits.of_runs.get(run.name) == name)
+        of_runs = splits.of_runs
+        runs = tuple(run for run in self.runs if of_runs.get(run.name) == name)
         if not runs:
             raise InputError(f"split {name} has no runs", where=str(self.root), cure="choose another split")
         return replace(self, runs=runs)

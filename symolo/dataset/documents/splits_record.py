@@ -1,5 +1,6 @@
 """Splits of a dataset in metadata.json: the runs or images of training, validation and test."""
 
+from collections import Counter
 from collections.abc import Collection, Iterator
 from typing import Literal, get_args
 
@@ -12,7 +13,6 @@ SPLIT_NAMES: tuple[SplitName, ...] = get_args(SplitName)
 """Splits in the order in which every output lists them."""
 Grouping = Literal["run", "route", "look", "robot", "seed", "image"]
 """Properties by which runs are grouped; `image` divides runs."""
-GROUPINGS: tuple[Grouping, ...] = get_args(Grouping)
 NEIGHBOURS_WARNING = (
     "splits by image: neighbouring images of a run are nearly alike, so results for validation and test are better than"
     " those for new runs; divide by run instead"
@@ -68,7 +68,7 @@ class SplitsRecord(Record):
         """Yield what is wrong with the assignment of runs with these names."""
         if bool(self.images) != (self.by == "image") or bool(self.runs) == bool(self.images):
             yield "splits: by image has the key images, every other grouping the key runs"
-        listed = [run for runs in self.runs.values() for run in runs]
-        yield from (f"splits: {run} is in several splits" for run in sorted({r for r in listed if listed.count(r) > 1}))
+        listed = Counter(run for runs in self.runs.values() for run in runs)
+        yield from (f"splits: {run} is in several splits" for run, count in sorted(listed.items()) if count > 1)
         named = {*listed, *(run for runs in self.images.values() for run in runs)}
         yield from (f"splits: there is no run {run}" for run in sorted(named - known))

@@ -111,7 +111,7 @@ def test_export_names_the_splits_and_how_many_images_they_have(divided, symolo, 
 def test_splits_by_image_are_warned_about_and_have_every_image_once(random_release, symolo, tmp_path):
     release, out = random_release(2, annotated=True), tmp_path / "out"
     rule = tmp_path / "rule.yaml"
-    rule.write_text("by: image\nshares: {train: 0.5, test: 0.5}\n")
+    rule.write_text("splits:  # as in a scenario\n  by: image\n  shares: {train: 0.5, test: 0.5}\n")
     formats = "coco,webdataset,parquet,hdf5,huggingface"
     ended = symolo("export", release.root, "--format", formats, "--splits", rule, "--out", out)
     assert ended.code == 0
