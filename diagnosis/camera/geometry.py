@@ -17,6 +17,7 @@ from diagnosis.camera.model import CameraModel
 from diagnosis.camera.views import GEOMETRY, CameraView
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.progress import plural
 
 REACHES = (0.1, 0.05, 0.03, 0.02)
 """Distance up to which edges are searched in each round, as shares of the image's width."""
@@ -82,7 +83,7 @@ def _measured(view: CameraView, candidates: tuple[Array, Array, Ints], light: li
     images = len(np.unique(model.frame[model.fit]))
     if len(model.edges) < MIN_POINTS or images < MIN_IMAGES:
         raise InputError(
-            f"the line's edges are found at {len(model.edges)} points of {images} images",
+            f"the line's edges are found at {plural(len(model.edges), 'point')} of {plural(images, 'image')}",
             where=case.name,
             allowed=f"at least {MIN_POINTS} points of {MIN_IMAGES} images",
             cure="give images that show the line, with poses on the map of the nominal run (--simulated)",

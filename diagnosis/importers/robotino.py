@@ -19,6 +19,7 @@ from logs.recognition import first_line, is_folder
 from logs.scale import Reach
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
+from symolo.core.progress import plural
 from symolo.core.table import cells_of, check_header
 
 HEADER_ROWS = 3
@@ -103,7 +104,9 @@ def _read(path: Path) -> Measurement:
 def _log(path: Path) -> tuple[Trial, tuple[str, ...]]:
     text = read_text(path)
     if len(text.lines) < HEADER_ROWS:
-        raise InputError(f"has {len(text.lines)} rows", where=str(path), allowed="3 header rows: name, unit, symbol")
+        raise InputError(
+            f"has {plural(len(text.lines), 'row')}", where=str(path), allowed="3 header rows: name, unit, symbol"
+        )
     _, units, symbols = (cells_of(line.rstrip(_SEPARATOR), _SEPARATOR) for line in text.lines[:HEADER_ROWS])
     form = next((form for form in FORMS if len(form) + 1 == len(symbols)), _TRACKED)
     columns = (_TIME, *form)

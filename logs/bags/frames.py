@@ -8,6 +8,7 @@ import numpy as np
 from logs.bags.bag import Topic
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import quaternions, rotations
+from symolo.core.progress import plural
 
 _ROBOT = ("base_footprint", "base_link", "base", "robot")
 """Frames of a robot, of which the first that there is gives the pose (REP 105)."""
@@ -34,7 +35,7 @@ class Track:
         """Return the poses of a topic that are `good` (N,)."""
         stream = topic.stream
         name = topic.frames if stream.type.endswith(("/TFMessage", "/tfMessage")) else stream.topic
-        left = f"{np.count_nonzero(~good)} messages of {name} without a pose are left out"
+        left = f"left out: {plural(np.count_nonzero(~good), 'message')} of {name} without a pose"
         changes = () if good.all() else (left,)
         return cls(name, stream.parent, stream.child, topic.t_s[good], topic.values[good], changes)
 

@@ -19,6 +19,7 @@ from logs.trajectories.table import LOG_TABLE
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.geometry.poses import rotations
+from symolo.core.progress import plural
 
 _MAGIC = (b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\x00")
 _ENDINGS = (".bag", ".mcap", ".db3")
@@ -104,7 +105,7 @@ def _trajectory(bag: Bag, track: Track, settings: ReadSettings, guesses: tuple[s
     t_s, values = track.t_s[new], track.values[new]
     changes = [*track.changes]
     if not new.all():
-        changes.append(f"{np.count_nonzero(~new)} poses with the time of another one are left out")
+        changes.append(f"left out: {plural(np.count_nonzero(~new), 'pose')} with the time of another one")
     floor = on_floor(values[:, :3], rotations(values[:, 3:7]), where, up=settings.up, forward=settings.forward)
     quantities = {"t": "stamps of the messages, in ns", **floor.quantities, "pose": track.name}
     readings: dict[str, Array] = {}

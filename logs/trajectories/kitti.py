@@ -15,6 +15,7 @@ from logs.trajectories.planar import on_floor
 from logs.trajectories.pose_lines import check_times, numbers_in_first_line, read_pose_lines
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.progress import plural
 
 NAMES = tuple(f"{name}" for row in "123" for name in (f"r{row}1", f"r{row}2", f"r{row}3", f"t{row}"))
 TIMES = "times.txt"
@@ -46,7 +47,11 @@ def _times(path: Path, count: int, pose_hz: float | None) -> tuple[Array, str]:
         raise InputError(f"has no times, and there is no {TIMES} beside it", where=str(path), cure=cure)
     times, _ = read_pose_lines(file, ("t",))
     if len(times) != count:
-        raise InputError(f"{len(times)} times for {count} poses", where=str(file), cure=f"give those of {path.name}")
+        raise InputError(
+            f"{plural(len(times), 'time')} for {plural(count, 'pose')}",
+            where=str(file),
+            cure=f"give those of {path.name}",
+        )
     return times[:, 0], f"{TIMES}, in s"
 
 

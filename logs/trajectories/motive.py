@@ -16,6 +16,7 @@ from logs.trajectories.planar import on_floor
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.text_file import TextFile, read_text
 from symolo.core.geometry.poses import rotations
+from symolo.core.progress import plural
 from symolo.core.table import number
 
 _PER_M = {"Meters": 1.0, "Centimeters": 100.0, "Millimeters": 1000.0}
@@ -99,7 +100,7 @@ def _trajectory(text: TextFile, start: int, body: _Body, settings: ReadSettings)
     up = settings.up or Axis.Y
     floor = on_floor(p_OB, rotations(quaternion), str(text.path), up=up, forward=settings.forward)
     quantities = {"t": "Time (Seconds)", **floor.quantities, "body": f"{body.name}, in {body.unit}"}
-    changes = [f"{lost} rows in which {body.name} was not tracked are left out"] if lost else []
+    changes = [f"left out: {plural(lost, 'row')} in which {body.name} was not tracked"] if lost else []
     return LoggedTrajectory(
         t_s.copy(),
         floor.pose,

@@ -22,6 +22,7 @@ from logs.units import factor_to, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.geometry.poses import rotations
+from symolo.core.progress import plural
 
 PATH_LENGTH_M = 0.05
 """Distance over which the direction of a path is its heading."""
@@ -156,7 +157,7 @@ def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.n
         raise InputError("no row has a time and a pose", where=str(table.log.path))
     changes = []
     if len(rows) < len(complete):
-        changes.append(f"{len(complete) - len(rows)} rows without a time or a pose are left out")
+        changes.append(f"left out: {plural(len(complete) - len(rows), 'row')} without a time or a pose")
     steps = np.diff(values["t_s"][rows])
     back = np.flatnonzero(steps < 0.0)
     if len(back):
@@ -165,7 +166,7 @@ def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.n
         raise InputError(f"the time goes back by {-steps[back[0]]:.4g} s", where=where, cure=cure)
     repeated = np.concatenate(([False], steps == 0.0))
     if repeated.any():
-        changes.append(f"{np.count_nonzero(repeated)} rows repeat the time of the row above and are left out")
+        changes.append(f"left out: {plural(np.count_nonzero(repeated), 'row')} with the time of the row above")
     return rows[~repeated], changes
 
 

@@ -7,6 +7,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import SceneSpec
 from pipeline.stages.cameras import cameras_of
 from symolo.core.geometry.lens import coefficients
+from symolo.core.progress import plural
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.documents.camera_model import INTRINSICS
 from symolo.dataset.documents.description import (
@@ -186,7 +187,7 @@ def _arena(metadata: Metadata, spec: SceneSpec) -> str:
     ]
     return (
         f"## Arena\n\n{plain_text(arena.name)}: {plain_text(arena.description.rstrip('.'))}. {whose}"
-        f" Line {arena.line.width_m:g} m wide in {len(arena.line.pieces)} pieces ({pieces_at})."
+        f" Line {arena.line.width_m:g} m wide in {plural(len(arena.line.pieces), 'piece')} ({pieces_at})."
         " Positions in W [m].\n\n"
         f"{markdown_table(('name', 'kind', 'position', 'size', 'surface'), rows)}"
     )

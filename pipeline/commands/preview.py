@@ -76,7 +76,7 @@ def preview(
     from pipeline.preview.views import views
     from pipeline.work.supervisor import cores
     from symolo.core.errors import RunFailed
-    from symolo.core.progress import report_here
+    from symolo.core.progress import plural, report_here
     from symolo.pages.sheet import save
 
     looks = look_names(look) if look is not None else ()
@@ -91,5 +91,5 @@ def preview(
     if not images:
         raise RunFailed("preview: no image could be made")
     save(sheet(chosen, images, columns), sheet_file)
-    typer.echo(f"{sheet_file}: {len(images)} of {count} images")
+    typer.echo(f"{sheet_file}: {len(images)} of {plural(count, 'image')}")
     return RUN_FAILED if failures else 0

@@ -14,6 +14,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.robot_path import RobotPath
+from symolo.core.progress import plural
 from symolo.dataset.layout import DATA, SIDE, SPEC, frame_name
 from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import Rows, read_rows
@@ -59,7 +60,7 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
         raise InputError(
             "data.csv",
             where=str(real.folder),
-            got=f"{len(poses)} rows with an image",
+            got=f"{plural(len(poses), 'row')} with an image",
             allowed=f"at least {MIN_FRAMES}",
             cure="give a longer run",
         )

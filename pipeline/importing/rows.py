@@ -10,6 +10,7 @@ from logs.times import usual
 from logs.trajectories.base import LoggedTable, LoggedTrajectory
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.progress import plural
 from symolo.dataset.tables.column import Column
 from symolo.dataset.tables.rows import COLUMNS, HEADER, MAY_BE_EMPTY, RANGES, REQUIRED, Rows, heading, rounded
 from symolo.dataset.tables.sensor_tables import sensor_table
@@ -67,7 +68,7 @@ def imported_rows(
     t_ms = np.rint(1000.0 * since_s)
     chosen = np.flatnonzero(np.concatenate(([True], np.diff(t_ms) > 0.0)))
     if len(chosen) < len(t_ms):
-        changes.append(f"{len(t_ms) - len(chosen)} rows within a millisecond of the row above are left out")
+        changes.append(f"left out: {plural(len(t_ms) - len(chosen), 'row')} within a millisecond of the row above")
     if not 2 <= len(chosen) <= MAX_ROWS:
         cure = "" if len(chosen) < 2 else "sample it again with --row-hz"
         raise InputError("rows", where=where, got=len(chosen), allowed=f"2 to {MAX_ROWS}", cure=cure)

@@ -235,13 +235,18 @@ def _framed(folder: StageFolder, stage: str, total: str, *, check: bool) -> Stag
     if done is not None:
         if check and not holds(folder.path, done.files):
             return StageStatus(stage, "damaged", "files of it are damaged or missing")
-        return StageStatus(stage, f"done, {total} images")
+        return StageStatus(stage, f"done, {_images(total)}")
     if (folder.path / FAILED).exists():
         return StageStatus(stage, f"failed: {one_line(folder.problem()) or 'for an unknown reason'}")
     if not files.is_dir():
         return StageStatus(stage, "not begun", "it was never begun")
     there = _frames(files)
-    return StageStatus(stage, f"{there} of {total} images", "it was interrupted or failed")
+    return StageStatus(stage, f"{there} of {_images(total)}", "it was interrupted or failed")
+
+
+def _images(count: str) -> str:
+    """Return a number of images, which may be unknown, with its noun."""
+    return plural(int(count), "image") if count.isdigit() else f"{count} images"
 
 
 def _frames(files: Path) -> int:

@@ -99,4 +99,4 @@ def _first_line(a: bytes, b: bytes) -> str:
             return f"line {number} differs"
     if len(lines_a) == len(lines_b):
         return "line ends differ"
-    return f"{len(lines_a)} lines in A, {len(lines_b)} in B"
+    return f"{plural(len(lines_a), 'line')} in A, {len(lines_b)} in B"

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest, shown
 from symolo.core.files.text_file import LineFault, TextFile
+from symolo.core.progress import plural
 
 NO_NUMBER = re.compile(r"[-+]?(nan|inf(inity)?)|null|none|na|n/a|-|#n/a", re.IGNORECASE)
 """Words by which loggers mark a sample that is missing."""
@@ -224,7 +225,7 @@ def _cell_faults(
 
 def _width_fault(row: int, count: int, width: int) -> LineFault:
     cut_off, surplus = "the row is cut off: remove it", "remove the surplus cells; decimals take a point"
-    return LineFault(row, f"{count} columns; allowed: {width}", cut_off if count < width else surplus)
+    return LineFault(row, f"{plural(count, 'column')}; allowed: {width}", cut_off if count < width else surplus)
 
 
 def _loose_end(cells: list[str], numbers: Sequence[tuple[NumberColumn, int]], text: TextFile) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 
 from symolo.core.files.image_headers import image_size
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.layout import frame_name
 from symolo.dataset.pixels import MAX_PIXELS, decoded_contents
@@ -28,7 +29,7 @@ def check_images(folder: Path, name: str, rows: Rows, record: RunRecord, source:
     """
     numbers = [int(number) for number in rows.image if number > 0]
     if len(numbers) != record.images:
-        yield Finding(name, f"{source} names {len(numbers)} images, metadata.json says {record.images}")
+        yield Finding(name, f"{source} names {plural(len(numbers), 'image')}, metadata.json says {record.images}")
     expected = {frame_name(number) for number in numbers}
     there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     yield from limited(name, [f"{file} is missing" for file in sorted(expected - there)])

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.core.progress import plural
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
 from symolo.dataset.documents.camera_specification import specification_of
 from symolo.dataset.documents.metadata import METADATA, RunRecord
@@ -130,7 +131,7 @@ def _camera_times(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
 
 def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     if len(rows.t_ms) != record.rows:
-        yield Finding(name, f"{len(rows.t_ms)} rows, metadata.json says {record.rows}")
+        yield Finding(name, f"{plural(len(rows.t_ms), 'row')}, metadata.json says {record.rows}")
     if record.rates:
         yield from _rates(name, rows, record.rates)
     start = np.array([record.start.x_m, record.start.y_m])
@@ -205,7 +206,7 @@ def _positions(path: Path, name: str, rows: Rows, source: str = "data.csv") -> I
     if len(table) == 0:
         return
     if len(table) != len(expected):
-        yield Finding(name, f"{len(table)} positions for {len(expected)} images in {source}")
+        yield Finding(name, f"{plural(len(table), 'position')} for {plural(len(expected), 'image')} in {source}")
         return
     differ = np.flatnonzero(np.any(table != expected, axis=1))
     yield from limited(
@@ -297,7 +298,7 @@ def _camera_poses(path: Path, name: str, rows: Rows, spec: RunDocument) -> Itera
     if not len(table):
         return
     if table.shape != expected.shape:
-        yield Finding(name, f"{len(table)} poses for {len(expected)} images in data.csv")
+        yield Finding(name, f"{plural(len(table), 'pose')} for {plural(len(expected), 'image')} in data.csv")
         return
     wrong = np.abs(table - expected) > [1.1 * 10.0**-column.decimals for column in CAMERA.columns]
     for i, column in zip(*np.nonzero(wrong), strict=True):

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform
+from symolo.core.progress import plural
 
 _WIDTH, _HEIGHT, _MARGIN = 220, 20, 5.0
 _FOOT = _HEIGHT - 6.0
@@ -79,7 +80,7 @@ def strip(values: Sequence[float], distribution: Distribution | None) -> Strip:
         parts += [SvgRectangle(at(value) - 1, 2, 2, _FOOT - 3, "mark") for value in sorted(values)]
     else:
         parts += _bars([at(value) for value in values])
-    return Strip(f"{len(values)} values from {min(values):.4g} to {max(values):.4g}", tuple(parts))
+    return Strip(f"{plural(len(values), 'value')} from {min(values):.4g} to {max(values):.4g}", tuple(parts))
 
 
 def _band(distribution: Distribution | None) -> tuple[float, ...]:

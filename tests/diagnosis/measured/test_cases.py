@@ -159,7 +159,7 @@ BAD_STEPS = {
     "time goes back": (changed(4, 4, "0.007"), "row 4: column t_s: 0.007 goes back from 0.01 of the row above"),
     "session goes back": (changed(5, 3, "0.001"), "row 5: column session_time_s"),
     "row cut off": (lambda text: text[: text.rindex(",")], "row 6: 6 columns; allowed: 7.*cut off"),
-    "blank row": (lambda text: text.replace("1,fit,0.010", "\n1,fit,0.010"), "row 3: 1 columns; allowed: 7"),
+    "blank row": (lambda text: text.replace("1,fit,0.010", "\n1,fit,0.010"), "row 3: 1 column; allowed: 7"),
     "empty file": (lambda _: "", "data.csv: is empty"),
     "header alone": (lambda text: text.partition("\n")[0] + "\n", "has no rows below the header"),
     "no text": (lambda _: b"\xff\xfa\x00\n", "row 1: is no UTF-8 text"),

@@ -164,7 +164,7 @@ def test_every_state_of_the_controller_is_known_to_the_tables_and_has_a_meaning(
         (table(row(), header=HEADER_LINE.replace("x,y", "y,x")), ":1", "columns in another order"),
         (table(row(), row(t=50)[:-5]), ":3", "18 columns; allowed: 19"),
         (table(row(), row(t=50) + ",1"), ":3", "20 columns; allowed: 19"),
-        (table(row(), ""), ":3", "1 columns; allowed: 19"),
+        (table(row(), ""), ":3", "1 column; allowed: 19"),
         (table(row(), row(t=50, L4="NaN")), ":3", "column L4: got 'NaN'"),
         (table(row(), row(t=50, y="")), ":3", "column y: got ''"),
         (table(row(), row(t=50, img="")), ":3", "column img: got ''"),
