@@ -6,7 +6,7 @@ from configs.assets.folder import anchored
 from configs.references import SECTIONS, resolve_section
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
-from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
+from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, dotted, merge
 
 
 def apply_override(root: Node, text: str) -> Node:
@@ -50,7 +50,8 @@ def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) 
     if isinstance(node.value, dict):
         fresh = Node({} if len(rest) > 1 else None, where)
         inner = _set(node.value.get(rest[0], fresh), rest[1:], (*path, rest[0]), value, where)
-        return Node({**node.value, rest[0]: inner}, node.where)
+        others = {key: child for key, child in node.value.items() if ALTERNATIVES.get(key) != rest[0]}
+        return Node({**others, rest[0]: inner}, node.where)
     if isinstance(node.value, tuple):
         index = _index(node.value, rest[0], path, where)
         items = list(node.value)

@@ -14,7 +14,7 @@ from configs.effects.registry import effects_section
 from configs.robot_controller import controllers_section
 from configs.robot_sensors import sensors_section
 from configs.schema.base import FILE_KEY, FIXED_KEY, Section
-from symolo.core.yaml.tree import FieldPath, Node, merge, node_of
+from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 _PLAIN_WORDS = {"boolean": "true or false", "string": "text", "null": "nothing", "array": "a list"}
@@ -191,7 +191,7 @@ def with_defaults(node: Node, shape: Shape) -> Node:
         inner = shape.child(key, node)
         if inner is None:
             continue
-        if key not in fields and "default" in inner.schema:
+        if key not in fields and "default" in inner.schema and ALTERNATIVES.get(key) not in fields:
             fields[key] = node_of(inner.schema["default"], node.where)
         elif isinstance(fields.get(key, node).value, dict) and isinstance(inner.schema.get("default"), dict):
             fields[key] = merge(node_of(inner.schema["default"], node.where), fields[key])

@@ -3,11 +3,12 @@
 from collections.abc import Iterator
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings
 from configs.schema.base import PLANNED, FromList, absent
+from configs.schema.field_of_view import SENSOR_WIDTH_MM, with_focal_length
 from configs.schema.robot import FisheyeLens, LensDistortion
 from configs.schema.scenario import RenderQuality
 from sensors.base import Reading, Sensor, World
@@ -29,7 +30,9 @@ class CameraSettings(MountedSettings):
     """Height of the images [px]."""
     focal_length_mm: float = Field(default=30.0, ge=1, le=500)
     """Focal length of the lens; a fisheye lens has its field of view in its place."""
-    sensor_width_mm: float = Field(default=42.33, ge=1, le=100)
+    field_of_view_deg: float | None = Field(default_factory=absent, gt=0, lt=180, exclude=True)
+    """Horizontal field of view in the place of `focal_length_mm`, which follows from it and from `sensor_width_mm`."""
+    sensor_width_mm: float = Field(default=SENSOR_WIDTH_MM, ge=1, le=100)
     """Width of the image sensor [mm]."""
     principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)
     """Offset of the optical axis from the middle of the sensor, to the right in the image."""
@@ -50,6 +53,8 @@ class CameraSettings(MountedSettings):
         default_factory=absent, exclude_if=lambda kinds: kinds is None
     )
     """Annotations of its images; without them, those of `render`."""
+
+    _focal_length = model_validator(mode="before")(with_focal_length)
 
     def faults(self) -> Iterator[ConfigFault]:
         milliseconds = 1000 * self.period_s

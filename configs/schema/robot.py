@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from configs.effects.base import Effect
 from configs.effects.robot_effects import RobotEffects
@@ -11,6 +11,7 @@ from configs.robot_sensors import RobotSensors
 from configs.schema.base import FromList, Section, Slug, absent
 from configs.schema.controller import Controller
 from configs.schema.effect_range import EffectRange
+from configs.schema.field_of_view import with_focal_length
 from configs.schema.mesh import MeshFile
 
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -266,6 +267,8 @@ class Camera(Section):
     focal_length_mm: float = Field(ge=1, le=500)
     """Focal length of the lens; with `sensor_width_mm` it gives the horizontal field of view, 2 atan(sensor width /
     (2 focal length))."""
+    field_of_view_deg: float | None = Field(default_factory=absent, gt=0, lt=180, exclude=True)
+    """Horizontal field of view in the place of `focal_length_mm`, which follows from it and from `sensor_width_mm`."""
     sensor_width_mm: float = Field(ge=1, le=100)
     """Width of the image sensor [mm]."""
     principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)
@@ -279,6 +282,8 @@ class Camera(Section):
     """Rolling shutter: delay of the exposure of the image's bottom after its top; 0 is a global shutter."""
     sees_robot: bool = Field(default=False, exclude_if=lambda sees: not sees)
     """Whether images show the robot's body, without the camera; they always show its shadow."""
+
+    _focal_length = model_validator(mode="before")(with_focal_length)
 
 
 class RobotBody(Section):

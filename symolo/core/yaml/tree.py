@@ -88,6 +88,10 @@ def node_of(value: Any, where: str) -> Node:  # noqa: ANN401 - whatever JSON hol
     return Node(value, where)
 
 
+ALTERNATIVES = {"field_of_view_deg": "focal_length_mm", "focal_length_mm": "field_of_view_deg"}
+"""Pairs of fields of which a mapping has one: a field that is written replaces the other one of what it extends."""
+
+
 def merge(base: Node, over: Node) -> Node:
     """Mappings are merged deeply; lists, scalars, distributions and mappings of another `kind` replace."""
     if not isinstance(base.value, dict) or not isinstance(over.value, dict):
@@ -95,7 +99,7 @@ def merge(base: Node, over: Node) -> Node:
     kinds = [kind.value for kind in (base.child("kind"), over.child("kind")) if kind]
     if base.is_distribution or over.is_distribution or kinds[:1] != kinds[-1:]:
         return over
-    merged = dict(base.value)
+    merged = {key: node for key, node in base.value.items() if ALTERNATIVES.get(key) not in over.value}
     for key, node in over.value.items():
         merged[key] = merge(merged[key], node) if key in merged else node
     return Node(merged, over.where)
