@@ -76,3 +76,24 @@ def test_video_is_refused_for_other_formats(random_release, symolo, tmp_path):
     refused = symolo("export", random_release(1).root, "--format", "tum", "--video", "--out", tmp_path / "out")
     assert (refused.code, refused.err.count("\n")) == (2, 1)
     assert "--video: got 'tum', allowed: --format lerobot" in refused.err
+
+
+def test_each_further_camera_has_a_video_of_its_own(sensing_release, symolo, tmp_path):
+    out = tmp_path / "out"
+    assert symolo("export", sensing_release, "--format", "lerobot", "--video", "--out", out).code == 0
+    folder = out / "lerobot"
+    info = json.loads((folder / "meta/info.json").read_text())
+    (episode,) = pd.read_parquet(folder / "meta/episodes/chunk-000/file-000.parquet").to_dict("records")
+    # At 0, 0.2, 0.4 and 0.6 s; the camera at the rear takes an image each 0.3 s, which is there 0.05 s later.
+    newest = {"left": [1, 2, 3, 4], "rear": [1, 1, 2, 2]}
+    for name, numbers in newest.items():
+        key = f"observation.images.{name}"
+        assert info["features"][key]["dtype"] == "video"
+        place = {one: episode[f"videos/{key}/{one}"] for one in ("chunk_index", "file_index")}
+        found, _ = decoded(folder / info["video_path"].format(video_key=key, **place))
+        assert [*found] == pytest.approx([0, 0.2, 0.4, 0.6])
+        files = sorted((sensing_release / f"CW/test_1/cameras/{name}/images").iterdir())
+        greys = [cv2.imread(str(file), cv2.IMREAD_GRAYSCALE).ravel() for file in files]
+        for luma, number in zip(found.values(), numbers, strict=True):
+            likeness = [np.corrcoef(luma.ravel(), grey)[0, 1] for grey in greys]
+            assert int(np.argmax(likeness)) == number - 1
