@@ -1,13 +1,13 @@
 """A further camera: its place, lens, size, rate and shutter. Its images are rendered after the simulation."""
 
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
 from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings
-from configs.schema.base import PLANNED, FromList, absent
+from configs.schema.base import PLANNED, FromList, absent, disagreement
 from configs.schema.field_of_view import SENSOR_WIDTH_MM, with_focal_length
 from configs.schema.robot import FisheyeLens, LensDistortion
 from configs.schema.scenario import RenderQuality
@@ -17,11 +17,24 @@ from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.camera_specification import KIND
 
 
+def _with_period(settings: Any) -> Any:  # noqa: ANN401 - whatever a file holds; pydantic checks it afterwards
+    """Return the settings with the period that follows from the rate, if they have one."""
+    if not isinstance(settings, dict) or (rate_hz := settings.get("rate_hz")) is None:
+        return settings
+    if "period_s" in settings:
+        raise disagreement("rate_hz", rate_hz, "either rate_hz or period_s")
+    if not isinstance(rate_hz, int | float) or isinstance(rate_hz, bool) or not 0.1 <= rate_hz <= 1000:
+        return settings  # the field says what is allowed
+    return {**{name: value for name, value in settings.items() if name != "rate_hz"}, "period_s": 1 / rate_hz}
+
+
 class CameraSettings(MountedSettings):
     """Place, lens, size, rate and shutter of a further camera; it looks along its x axis."""
 
-    period_s: Annotated[float, PLANNED] = Field(default=0.2, gt=0, le=10)
-    """Time between two images, a whole number of milliseconds."""
+    period_s: Annotated[float, PLANNED] = Field(default=0.2, ge=0.001, le=10)
+    """Time between two images; the times themselves are in whole milliseconds."""
+    rate_hz: Annotated[float | None, PLANNED] = Field(default_factory=absent, ge=0.1, le=1000, exclude=True)
+    """Number of images per second in the place of `period_s`."""
     z_m: float = Field(default=0.12, ge=0, le=2)
     """Height of the lens above the floor [m]."""
     width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
@@ -55,12 +68,9 @@ class CameraSettings(MountedSettings):
     """Annotations of its images; without them, those of `render`."""
 
     _focal_length = model_validator(mode="before")(with_focal_length)
+    _period = model_validator(mode="before")(_with_period)
 
     def faults(self) -> Iterator[ConfigFault]:
-        milliseconds = 1000 * self.period_s
-        if abs(milliseconds - round(milliseconds)) > 1e-9:
-            near = max(1, round(milliseconds)) / 1000
-            yield ConfigFault(("period_s",), got=self.period_s, allowed="whole milliseconds", cure=f"write {near:g}")
         if self.fisheye is not None and any(value for _, value in self.distortion):
             cure = "the coefficients of a fisheye lens are fisheye.k1 to fisheye.k4"
             problem = "it is that of a pinhole camera, but the camera has a fisheye lens"

@@ -16,6 +16,7 @@ from pipeline.stages.cameras import cameras_of
 from symolo.core.errors import InputError
 from symolo.core.geometry.pinhole import pose_X_RC
 from symolo.core.geometry.poses import pose_X_WR
+from symolo.dataset.tables.rows import Rows
 from symolo.playback.from_run import playback_of
 
 SMALL = "width_px: 32, height_px: 24"
@@ -186,10 +187,21 @@ def test_a_further_camera_is_rendered_at_the_place_of_its_settings():
     assert (rear.spec.render.method, rear.spec.robot.camera.fisheye.field_of_view_deg) == ("full", 185.0)
 
 
+def test_a_camera_has_any_rate_at_times_in_whole_milliseconds():
+    """30 Hz: images after 0, 33.3, 66.7 and 100 ms."""
+    spec = drawn("robot.sensors.rear.rate_hz=30")
+    rear = next(camera for camera in cameras_of(spec) if camera.name == "rear")
+    assert rear.period_s == pytest.approx(1 / 30)
+    t_ms = np.array([0, 50, 100])
+    still = Rows.from_table(np.column_stack((t_ms, np.zeros((3, 3)))), ("t", "x", "y", "theta"))
+    assert rear.rows(still).t_ms.tolist() == [0, 33, 67, 100]
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ("{kind: camera, period_s: 0.0333}", r"rear\.period_s: got 0\.0333, allowed: whole milliseconds.*write 0\.033"),
+        ("{kind: camera, period_s: 0.1, rate_hz: 10}", "rear.rate_hz: got 10, allowed: either rate_hz or period_s"),
+        ("{kind: camera, rate_hz: 2000}", "rear.rate_hz: got 2000, allowed: number >= 0.1 and <= 1000"),
         ("{kind: camera, fisheye: {k1: -1}}", r"sensors\.rear\.fisheye: the lens folds the image back"),
         ("{kind: camera, fisheye: null, distortion: {k1: -1}}", r"sensors\.rear\.distortion: the lens folds"),
         ("{kind: camera, fisheye: {}, distortion: {k1: 0.1}}", r"rear\.distortion: it is that of a pinhole camera"),

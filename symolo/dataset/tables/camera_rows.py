@@ -14,13 +14,14 @@ def path_of(rows: Rows) -> RobotPath:
 
 
 def rows_at_images(rows: Rows, period_s: float) -> Rows:
-    """Return a row for each image of a camera with a period of whole milliseconds, from the start of the run on.
+    """Return a row for each image of a camera, from the start of the run on; times are in whole milliseconds.
 
     Pose and speeds are those of the path at the time of the image, rounded to the digits of data.csv. Everything else
     is that of the last row before it. Images are numbered from 1.
     """
-    period_ms = round(1000 * period_s)
-    t_ms = np.arange(rows.t_ms[0], rows.t_ms[-1] + 1, period_ms)
+    duration_ms = rows.t_ms[-1] - rows.t_ms[0]
+    periods = np.arange(int(duration_ms / (1000 * period_s) + 1e-9) + 1)
+    t_ms = rows.t_ms[0] + np.rint(1000 * period_s * periods).astype(np.int64)
     before = np.searchsorted(rows.t_ms, t_ms, side="right") - 1
     pose = path_of(rows).poses_at(t_ms / 1000)
     pose[:, 2] = heading(pose[:, 2], _DECIMALS["theta"])
