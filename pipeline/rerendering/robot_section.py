@@ -43,6 +43,7 @@ def robot_of_images(
         else load_section("robot", name, overrides)
     )
     robot, new_drawn = draw_robot(section, seed, *spec.drawn_as)
+    _check_are_cameras(robot, overrides)
     sensors = RobotSensors(tuple(sorted([*_others(spec), *_without_clash(spec, robot)], key=lambda member: member[0])))
     if spec.is_imported:
         return robot.model_copy(update={"sensors": sensors}), dict(new_drawn)
@@ -64,6 +65,16 @@ def _check_seen(spec: SceneSpec, text: str) -> None:
             raise InputError("--set", got=text, allowed=_ALLOWED, cure=cure)
     elif part and part not in NEW and not spec.is_imported:
         raise InputError("--set", got=text, allowed=_ALLOWED, cure=_SIMULATE)
+
+
+def _check_are_cameras(robot: RobotConfig, overrides: Sequence[str]) -> None:
+    """Refuse a setting of a new sensor of another kind, which has no readings in the dataset."""
+    others = [member[0] for member in robot.sensors if not _is_camera(member)]
+    for text in overrides:
+        for name in others:
+            if text.strip().startswith((f"robot.sensors.{name}.", f"robot.sensors.{name}=")):
+                cure = "it has no readings in the dataset; to get them, simulate again"
+                raise InputError("--set", got=text, allowed=_ALLOWED, cure=cure)
 
 
 def _without_clash(spec: SceneSpec, robot: RobotConfig) -> RobotSensors:

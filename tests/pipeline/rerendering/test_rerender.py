@@ -312,8 +312,8 @@ def test_the_robot_of_a_simulation_keeps_what_its_readings_came_from(dataset, pr
     (run,) = prepared(dataset / RUN, RerenderRequest(("lab",), robot="classroom"))
     robot = json.loads(run.spec.robot.model_dump_json())
     assert (robot["name"], robot["motor"], robot["controller"]) == ("classroom", own["motor"], own["controller"])
-    for setting in ("robot.tof.max_range_m=1", "robot.drive.wheel_radius_m=0.02"):
-        with pytest.raises(symolo_reader.InputError, match="to change these, simulate again"):
+    for setting in ("robot.tof.max_range_m=1", "robot.drive.wheel_radius_m=0.02", "robot.sensors.imu={}"):
+        with pytest.raises(symolo_reader.InputError, match="simulate again"):
             prepared(dataset / RUN, RerenderRequest(("lab",), overrides=(setting,)))
 
 
