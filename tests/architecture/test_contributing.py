@@ -113,6 +113,7 @@ def walk(copy):
     return follow
 
 
+@pytest.mark.documents
 def test_an_effect_acts_and_is_looked_for(walk):
     effect = walk("An effect")
     effect.type_commands()
@@ -133,6 +134,7 @@ def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
     EFFECTS.unload(path)
 
 
+@pytest.mark.documents
 def test_a_sensor_is_recorded_released_and_verified(walk, tiny):
     sensor = walk("A sensor")
     release, verify = sensor.commands
@@ -148,6 +150,7 @@ def test_a_sensor_is_recorded_released_and_verified(walk, tiny):
     assert 0.0 < np.abs(error_rad).max() < np.radians(5 * 2.0)  # five standard deviations
 
 
+@pytest.mark.documents
 def test_a_material_is_described_previewed_and_rendered(walk):
     material = walk("A material")
     material.type_commands("--width-px", "32")
@@ -201,6 +204,7 @@ CHOSEN = (
 """Of the tests that the page names, those about what it adds; the others run on the project itself."""
 
 
+@pytest.mark.documents
 def test_the_scripts_and_tests_that_the_page_names_end_well(walk):
     walks = [walk(title) for title in SECTIONS]
     anywhere = walks[0]

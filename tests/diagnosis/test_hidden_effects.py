@@ -45,8 +45,8 @@ def names(answer):
         ("tof_bench", "temperature_drift", {"coefficient_m_per_K": 8e-4}),
         ("tof_bench", "range_saturation", {"saturation_m": 0.9}),
         ("tof_bench", "noise_scale", {"scale": 3.0}),
-        ("motor_step", "rotor_inertia_scale", {"scale": 1.4}),
-        ("motor_step", "input_delay", {"delay_s": 0.003}),
+        pytest.param("motor_step", "rotor_inertia_scale", {"scale": 1.4}, marks=pytest.mark.long),
+        pytest.param("motor_step", "input_delay", {"delay_s": 0.003}, marks=pytest.mark.long),
         ("motor_step", "torque_ripple", {"amplitude_N_m": 0.01, "cycles_per_turn": 6.5, "phase_rad": 0.8}),
     ],
 )
@@ -92,7 +92,7 @@ def test_where_nothing_is_hidden_nothing_is_named(answer, kind, seed, rows):
         ("motor_steady", "brush_film_bump", {"omega_rad_s", "u_cmd_V"}),
         ("tof_bench", "cyclic_error", {"distance_m"}),
         ("tof_bench", "local_bump", {"distance_m"}),
-        ("motor_step", "gear_error", {"angle_rad"}),
+        pytest.param("motor_step", "gear_error", {"angle_rad"}, marks=pytest.mark.long),
     ],
 )
 def test_what_is_in_no_table_is_said_to_be_unexplained(answer, kind, outside, covariates):

@@ -80,9 +80,8 @@ class Outcome:
     operations: list[list[str]]
 
 
-def _painted(request, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator:
+def _painted(request, *_limits_and_callback: object) -> Iterator:
     """In place of Blender: noise that the frame's number decides, put in place as Blender's side does."""
-    del camera_samples, on_begin
     job = RenderJob.from_json(Path(request.job_path).read_text())
     size = job.camera.height_px, job.camera.width_px, 3
     for number in request.numbers:

@@ -10,6 +10,7 @@ import pytest
 import configs
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from pipeline.commands.options import look_names
 from pipeline.preview.path import PreviewPath
 from pipeline.preview.views import views
 from symolo.arena.geometry import Arena
@@ -115,13 +116,10 @@ def test_several_looks_show_the_same_run_from_the_same_place():
     assert one.scene.panels != other.scene.panels
 
 
-def test_all_shipped_looks_are_one_word(tmp_path, symolo):
-    sheets = [tmp_path / "all.png", tmp_path / "named.png"]
-    named = ",".join(sorted(path.stem for path in (Path(configs.__file__).parent / "looks").glob("*.yaml")))
-    for sheet, looks in zip(sheets, ("all", named), strict=True):
-        drawn = ("preview", "smoke", "--engine", "flat", "-n", 6, "--width-px", 32, "--look", looks, "--out", sheet)
-        assert symolo(*drawn).code == 0
-    assert sheets[0].read_bytes() == sheets[1].read_bytes()
+def test_all_shipped_looks_are_one_word():
+    shipped = sorted(path.stem for path in (Path(configs.__file__).parent / "looks").glob("*.yaml"))
+    assert list(look_names("all")) == shipped
+    assert look_names("lab,night") == ("lab", "night")
 
 
 def test_without_out_the_sheet_is_named_by_its_scenario(tmp_path, symolo, monkeypatch):

@@ -180,6 +180,7 @@ def test_a_run_that_touches_something_is_reported_and_not_released(tmp_path, sym
     assert "2 of 2 runs done before" in again.err
 
 
+@pytest.mark.faults
 def test_killed_and_interrupted_at_any_stage_it_ends_with_the_same_bytes(dataset, tmp_path, symolo, tiny, release_of):
     out = tmp_path / "killed"
     arguments = ("release", "smoke", "--out", out, *tiny, "--workers", 2)

@@ -425,6 +425,7 @@ def looks(arena, robot, lights_of) -> dict[str, np.ndarray]:
     return dict(zip(LOOKS, lights_of(*orders, coarser=8), strict=True))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("look", LOOKS)
 def test_every_look_gives_light_that_is_finite_and_not_negative(looks, look):
     (light,) = looks[look]

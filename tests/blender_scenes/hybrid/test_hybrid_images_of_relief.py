@@ -225,6 +225,7 @@ def slopes(lights_of) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return dict(zip(SLOPES, zip(lights[::2], lights[1::2], strict=True), strict=True))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SLOPES)
 def test_slopes_towards_light_and_away_are_as_bright_as_in_a_full_image(slopes, name):
     hybrid, full = ([_grey(image, columns).mean() for columns in (LEFT, RIGHT)] for image in slopes[name])

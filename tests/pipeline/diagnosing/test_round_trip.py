@@ -9,6 +9,7 @@ import pytest
 
 from pipeline.cli import main
 
+pytestmark = pytest.mark.documents
 PAGE = Path(__file__).parents[3] / "docs/diagnosis.md"
 SECTION = PAGE.read_text().partition("\n## Try it where the answer is known\n")[2].partition("\n## ")[0]
 

@@ -47,6 +47,7 @@ def test_a_card_is_priced_in_hours_of_its_own():
     assert "No graphics card" not in text
 
 
+@pytest.mark.long
 def test_a_few_images_are_made_timed_and_thrown_away(monkeypatch, tmp_path, symolo, tiny):
     monkeypatch.setattr("pipeline.planning.price.RUNS", 1)
     monkeypatch.setattr("pipeline.planning.price.IMAGES", 2)

@@ -91,6 +91,7 @@ def test_a_dataset_in_which_nothing_moves_has_no_such_table(dataset):
     assert "side/obstacles.csv" not in json.loads((dataset / "metadata.json").read_text())["columns"]
 
 
+@pytest.mark.long
 def test_rerender_puts_the_obstacles_where_they_were_with_more_workers_too(moving, tmp_path, symolo):
     run, out = moving / "CW/test_1", tmp_path / "again"
     assert symolo("rerender", run, "--look", "classroom", "--out", out, "--workers", 2).code == 0
