@@ -4,7 +4,9 @@ The messages are those of nav_msgs, geometry_msgs, tf2_msgs, sensor_msgs and std
 """
 
 import re
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +36,7 @@ _MIN_LENGTH = 0.5
 
 def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
     bag = read_bag(path)
-    tracks = {topic.stream.topic: _track(topic) for topic in bag.topics if topic.is_pose and not _is_tf(topic)}
+    tracks = {track.name: track for track in _tracks(bag)}
     transforms = [_track(topic) for topic in bag.topics if _is_tf(topic)]
     if settings.topics:
         return [_trajectory(bag, _chosen(name, tracks, transforms, path), settings) for name in settings.topics]
@@ -48,6 +50,15 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
 
 def _is_tf(topic: Topic) -> bool:
     return topic.stream.type.endswith(("/TFMessage", "/tfMessage"))
+
+
+def _tracks(bag: Bag) -> list[Track]:
+    """Return the poses of all topics but those of tf; a topic with poses of several frames has one name for each."""
+    topics = [topic for topic in bag.topics if topic.is_pose and not _is_tf(topic)]
+    counts = Counter(topic.stream.topic for topic in topics)
+    tracks = [_track(topic) for topic in topics]
+    names = [f"{t.stream.topic} {t.frames}" if counts[t.stream.topic] > 1 else t.stream.topic for t in topics]
+    return [replace(track, name=name) for track, name in zip(tracks, names, strict=True)]
 
 
 def _track(topic: Topic) -> Track:

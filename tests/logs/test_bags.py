@@ -11,6 +11,7 @@ from mcap_ros2.decoder import DecoderFactory
 from logs.trajectories import READERS
 from logs.trajectories.base import ReadSettings
 from symolo.core.errors import InputError
+from symolo.core.geometry.poses import pose_X_WR
 from tests.logs.written_bags import COUNT, POSE, SPEED_M_S, START_NS, T_S, TURN_RAD_S, Ros, bag_of, write_ros1
 
 
@@ -61,6 +62,21 @@ def test_without_measured_poses_there_is_the_best_estimate(tmp_path, odometry):
     assert guess.startswith(f"poses are those of {taken};")
     expected = POSE[:, 2] - (0.4 if odometry else 0.0)
     np.testing.assert_allclose(trajectory.pose[:, 2], expected, atol=1e-9)
+
+
+def test_a_topic_with_poses_of_two_bodies_has_a_name_for_each(tmp_path):
+    ros = Ros(1)
+    wand_pose = np.add(POSE, (5.0, 0.0, 0.0))
+    stamps = [START_NS + round(1e9 * t_s) for t_s in T_S.tolist()]
+    messages = [
+        (at_ns, "/vicon", ros.stamped(at_ns, "world", body, pose_X_WR(*pose)))
+        for at_ns, *poses in zip(stamps, POSE.tolist(), wand_pose.tolist(), strict=True)
+        for body, pose in zip(("robot", "wand"), poses, strict=True)
+    ]
+    write_ros1(tmp_path / "two.bag", messages, ros)
+    wand, robot = read(tmp_path / "two.bag", topics=("/vicon world:wand", "/vicon world:robot"))
+    np.testing.assert_allclose(wand.pose, wand_pose, atol=1e-9)
+    np.testing.assert_allclose(robot.pose, POSE, atol=1e-9)
 
 
 def _cut(data):

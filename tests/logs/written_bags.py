@@ -44,17 +44,19 @@ class Ros:
         )
 
     def transform(self, at_ns, parent, child, X):
+        return self("tf2_msgs/TFMessage", transforms=[self.stamped(at_ns, parent, child, X)])
+
+    def stamped(self, at_ns, parent, child, X):
         p, q = X[:3, 3].tolist(), quaternions(X[None, :3, :3])[0].tolist()
         translation = self("geometry_msgs/Vector3", **dict(zip("xyz", p, strict=True)))
         rotation = self("geometry_msgs/Quaternion", **dict(zip("xyzw", q, strict=True)))
         transform = self("geometry_msgs/Transform", translation=translation, rotation=rotation)
-        one = self(
+        return self(
             "geometry_msgs/TransformStamped",
             header=self.header(at_ns, parent),
             child_frame_id=child,
             transform=transform,
         )
-        return self("tf2_msgs/TFMessage", transforms=[one])
 
     def twist(self, v, w):
         zero = {"x": 0.0, "y": 0.0, "z": 0.0}
