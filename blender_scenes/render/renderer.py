@@ -25,7 +25,8 @@ _PATIENCE_S = 300.0
 """Maximum time until the first frame begins, and for a frame besides its samples."""
 _START_ON_A_CARD_S = 3600.0
 """Maximum time until the first frame begins on a graphics card. Where Blender brings no kernels for a card, its driver
-compiles them once: more than 300 s were measured (H200, driver 580). A driver that is interrupted starts again."""
+compiles them once: more than 300 s were measured (H200, driver 580). If the driver is interrupted, it
+later begins from the start."""
 _PATIENCE_PER_SAMPLE_S = 2e-4
 """Maximum time for each camera sample: two hundred times what one usually takes."""
 

@@ -19,7 +19,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.scratch_folders import scratch_folder
 
 _MAX_BYTES = 2_000_000_000
-"""Of all numbers of a bag, unpacked."""
+"""Maximum size of all numbers of a bag, unpacked."""
 
 
 @dataclass(frozen=True)

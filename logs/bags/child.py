@@ -20,12 +20,12 @@ from symolo.core.extras import optional_module
 from symolo.core.process_limits import limit_memory, limit_time
 
 _SECONDS, _BYTES_PER_SECOND = 60, 5_000_000
-"""Time of the processor for a bag, and the bytes for each of which it gets more."""
+"""Time of the processor for any bag, and the number of bytes for which it gets another second."""
 _MEMORY_BYTES = 3_000_000_000
 _NS = 1_000_000_000
 
 Message = Any
-"""Of a class that is made at run time from the definitions in the bag."""
+"""A message; its class is made at run time from the definitions in the bag."""
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,12 @@
 """Bags of ROS 1 and ROS 2 that other writers made: a circle in the closed form, and what was measured beside it."""
 
 import math
+import struct
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import zstandard
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
@@ -104,8 +106,32 @@ def test_a_bag_without_poses_says_what_it_needs(tmp_path):
         read(tmp_path / "talk.bag")
 
 
-def test_the_reader_of_a_bag_has_limits(tmp_path, monkeypatch):
-    """As of a chunk that unpacks to more memory than there is."""
+@pytest.mark.long
+def test_a_small_bag_that_unpacks_to_more_memory_than_it_may_is_refused(tmp_path):
+    """A chunk of MCAP (https://mcap.dev/spec) with 4 GB of zeros, before any message is read."""
+    size, block = 4_000_000_000, bytes(50_000_000)
+    packer = zstandard.ZstdCompressor(level=1).compressobj(size=size)
+    packed = b"".join([*(packer.compress(block) for _ in range(size // len(block))), packer.flush()])
+
+    def text(value):
+        return struct.pack("<I", len(value)) + value
+
+    def record(kind, content):
+        return bytes([kind]) + struct.pack("<Q", len(content)) + content
+
+    schema = struct.pack("<H", 1) + text(b"std_msgs/msg/Float64") + text(b"ros2msg") + text(b"float64 data")
+    channel = struct.pack("<HH", 1, 1) + text(b"/x") + text(b"cdr") + struct.pack("<I", 0)
+    chunk = struct.pack("<QQQI", 0, 1, size, 0) + text(b"zstd") + struct.pack("<Q", len(packed)) + packed
+    records = [(1, text(b"ros2") + text(b"")), (3, schema), (4, channel), (6, chunk), (15, bytes(4)), (2, bytes(20))]
+    magic = b"\x89MCAP0\r\n"
+    bomb = tmp_path / "bomb.mcap"
+    bomb.write_bytes(magic + b"".join(record(*one) for one in records) + magic)
+    assert bomb.stat().st_size < 1_000_000
+    with pytest.raises(InputError, match=r"bomb\.mcap: needs more than 3 GB of memory"):
+        read(bomb)
+
+
+def test_a_reader_of_a_bag_that_the_system_ends_is_an_error_in_one_line(tmp_path, monkeypatch):
     killed = SimpleNamespace(stdout="", stderr="", returncode=-9)
     monkeypatch.setattr("logs.bags.bag.subprocess.run", lambda *_, **__: killed)
     (tmp_path / "bomb.mcap").write_bytes(b"\x89MCAP0\r\n")

@@ -73,8 +73,8 @@ def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tm
     )
     assert red > 1.5 * blue
     spec = json.loads((workspace.out / "CW/test_1/side/spec.json").read_text())
-    told = spec["look"]["floor"]["image"]["file"]
-    assert (told["name"], told["sha256"]) == ("floor.png", sha256(RED))
+    recorded = spec["look"]["floor"]["image"]["file"]
+    assert (recorded["name"], recorded["sha256"]) == ("floor.png", sha256(RED))
     for name in ("metadata.json", "CW/test_1/side/spec.json", ".stages/render/CW/test_1/job.json"):
         assert str(tmp_path) not in (workspace.out / name).read_text()
 

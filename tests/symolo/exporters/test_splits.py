@@ -102,9 +102,11 @@ def test_parquet_and_hdf5_name_the_split_of_each_run(divided):
 def test_export_names_the_splits_and_how_many_images_they_have(divided, symolo, tmp_path):
     release, out = divided
     assert json.loads((out / "export.json").read_text())["splits"]["runs"] == {"train": [TRAIN], "test": [TEST]}
-    told = symolo("export", release.root, "--format", "tum", "--splits", LISTED, "--out", tmp_path / "out", "--dry-run")
+    ended = symolo(
+        "export", release.root, "--format", "tum", "--splits", LISTED, "--out", tmp_path / "out", "--dry-run"
+    )
     counts = [images_of(release, run) for run in (TRAIN, TEST)]
-    assert told.out.splitlines()[-1] == (f"splits: train 1 run, {counts[0]} images; test 1 run, {counts[1]} images")
+    assert ended.out.splitlines()[-1] == (f"splits: train 1 run, {counts[0]} images; test 1 run, {counts[1]} images")
     assert not (tmp_path / "out").exists()
 
 
