@@ -37,7 +37,7 @@ HARD_SECONDS = 5
 SHORTER_SECONDS = 2.0
 """Time to make a failing input shorter."""
 MAX_KEPT = 3000
-OURS = ("symolo", "configs", "diagnosis", "hil", "pipeline", "physics", "sensors")
+OURS = ("symolo", "configs", "diagnosis", "hil", "logs", "pipeline", "physics", "sensors")
 """Packages whose lines atheris counts."""
 _NAMED = re.compile(r"[0-9]+|'[^']*'|/\S+")
 """What differs between two messages for the same reason."""
@@ -53,6 +53,10 @@ NAMES = (
     "logs",
     "trajectory",
     "signature",
+    "mesh",
+    "drawing",
+    "rosbag",
+    "urdf",
 )
 
 

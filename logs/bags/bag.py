@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from logs.bags.streams import INDEX, POSE, Stream
+from logs.bags.streams import INDEX, POSE, Index, Stream
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.extras import check_installed
@@ -73,9 +73,18 @@ def read_bag(path: Path) -> Bag:
             last = (child.stderr.strip().splitlines() or [how])[-1]
             cure = "record or filter the bag again with the topics of the robot alone"
             raise InputError(f"takes too long to read or ends its reader: {last}", where=str(path), cure=cure) from None
-        if index.error:
-            raise InputError(index.error, where=str(path))
-        arrays = arrays_of(read_file(out, FileKind.ANY), _MAX_BYTES)
+        return bag_of(path, index, out)
+
+
+def bag_of(path: Path, index: Index, out: Path) -> Bag:
+    """Return the bag at `path` from what the child says of it and from the numbers that it wrote to `out`.
+
+    Raises:
+        InputError: The child could not read the bag.
+    """
+    if index.error:
+        raise InputError(index.error, where=str(path))
+    arrays = arrays_of(read_file(out, FileKind.ANY), _MAX_BYTES)
     first_ns = min((arrays[f"t{i}"].min() for i in range(len(index.streams))), default=0)
     topics = []
     for i, stream in enumerate(index.streams):

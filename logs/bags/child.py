@@ -149,21 +149,26 @@ def _write(streams: Mapping[Stream, _Rows], others: Mapping[str, str], out: Path
     return Index(tuple(streams), dict(others))
 
 
+def write_topics(path: Path, out: Path) -> Index:
+    """Write the numbers of the topics of a bag, and return what they are, or why it cannot be read."""
+    try:
+        return _write(*_collect(path), out)
+    except _TooManyStreamsError:
+        return Index(error=f"has more than {MAX_STREAMS} topics and transforms")
+    except MemoryError:
+        return Index(error=f"needs more than {_MEMORY_BYTES / 1e9:g} GB of memory")
+    except Exception as error:  # noqa: BLE001 - whatever a library raises on what is no bag
+        return Index(error=f"is no bag that can be read: {str(error) or type(error).__name__}")
+
+
 def main(arguments: Sequence[str]) -> int:
-    """Read a bag and write its numbers; return 0, or 1 where it cannot be read."""
+    """Read a bag within limits and write its numbers; return 0, or 1 where it cannot be read."""
     path, out = Path(arguments[0]), Path(arguments[1])
     size = sum(file.stat().st_size for file in ([path] if path.is_file() else path.iterdir()))
     optional_module("rosbags.highlevel")
     limit_memory(_MEMORY_BYTES)
     limit_time(_SECONDS + size // _BYTES_PER_SECOND)
-    try:
-        index = _write(*_collect(path), out)
-    except _TooManyStreamsError:
-        index = Index(error=f"has more than {MAX_STREAMS} topics and transforms")
-    except MemoryError:
-        index = Index(error=f"needs more than {_MEMORY_BYTES / 1e9:g} GB of memory")
-    except Exception as error:  # noqa: BLE001 - whatever a library raises on what is no bag
-        index = Index(error=f"is no bag that can be read: {str(error) or type(error).__name__}")
+    index = write_topics(path, out)
     sys.stdout.write(INDEX.dump_json(index).decode() + "\n")
     return 1 if index.error else 0
 

@@ -35,12 +35,20 @@ _MIN_LENGTH = 0.5
 
 
 def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
-    bag = read_bag(path)
+    return trajectories_of(read_bag(path), settings)
+
+
+def trajectories_of(bag: Bag, settings: ReadSettings) -> list[LoggedTrajectory]:
+    """Return the poses of the robot in a bag, or those of each topic in the settings.
+
+    Raises:
+        InputError: There are no such poses.
+    """
     tracks = {track.name: track for track in _tracks(bag)}
     transforms = [_track(topic) for topic in bag.topics if _is_tf(topic)]
     if settings.topics:
-        return [_trajectory(bag, _chosen(name, tracks, transforms, path), settings) for name in settings.topics]
-    track, others = _best(tracks, transforms, path)
+        return [_trajectory(bag, _chosen(name, tracks, transforms, bag.path), settings) for name in settings.topics]
+    track, others = _best(tracks, transforms, bag.path)
     guesses = ()
     if others:
         more = f" and {len(others) - 5} more" if len(others) > 5 else ""

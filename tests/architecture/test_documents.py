@@ -11,6 +11,7 @@ import pytest
 import yaml
 from typer.main import get_command
 
+from benchmarks.fuzz import NAMES
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from configs.loader import load_scenario, load_section
 from pipeline.cli import command_line
@@ -113,7 +114,7 @@ def test_the_workflow_runs_the_script_that_everybody_runs():
 
 def test_every_week_each_reader_is_fuzzed_and_each_long_test_runs():
     jobs = yaml.safe_load((ROOT / ".github/workflows/weekly.yml").read_text())["jobs"]
-    assert sorted(jobs["fuzz"]["strategy"]["matrix"]["reader"]) == sorted(READERS)
+    assert sorted(jobs["fuzz"]["strategy"]["matrix"]["reader"]) == sorted(READERS) == sorted(NAMES)
     deselected = re.findall(r"not (\w+)", " ".join(PYPROJECT["tool"]["pytest"]["ini_options"]["addopts"]))
     assert sorted([*jobs["long"]["strategy"]["matrix"]["marker"], "recordings"]) == sorted(deselected)
 
