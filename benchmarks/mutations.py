@@ -44,7 +44,7 @@ MOTOR = "tests/physics/test_motor.py"
 ARENAS = "tests/configs/test_arena_generation.py"
 INFERENCE = "tests/diagnosis/inference"
 TESTS = {
-    "sensors/tof.py": (
+    "sensors/ranging/tof.py": (
         "tests/sensors/test_tof.py",
         "tests/sensors/test_effects.py",
         "tests/sensors/test_range_over_time.py",

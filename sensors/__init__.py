@@ -1,17 +1,17 @@
 """Sensors: those that every robot has, those of `robot.sensors`, odometry, and sensors from files of the user."""
 
 SENSORS = (
-    "line_sensor",
-    "tof",
-    "encoders",
+    "line.line_sensor",
+    "ranging.tof",
+    "wheels.encoders",
     "pose_log",
-    "imu",
-    "lidar",
-    "vl53l0x",
-    "ultrasonic",
-    "line_array",
-    "wheel_encoder",
+    "inertial.imu",
+    "ranging.lidar",
+    "ranging.vl53l0x",
+    "ranging.ultrasonic",
+    "line.line_array",
+    "wheels.wheel_encoder",
     "bumper",
-    "further_camera",
+    "camera.further_camera",
 )
 """Modules with one sensor each, in the order in which sensors sample if several of them do so at the same instant."""

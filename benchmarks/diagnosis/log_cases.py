@@ -20,7 +20,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.stages.simulate import simulate
-from sensors.line_channels import CHANNELS
+from sensors.line.line_channels import CHANNELS
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
 from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows, csv_bytes, wrapped

@@ -16,7 +16,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
-from sensors.tof import NOISE_AT_NEAR_MM
+from sensors.ranging.tof import NOISE_AT_NEAR_MM
 from symolo.core.time_series import TimeSeries
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
 from diagnosis.predictors.rows import joined
-from sensors.instruments import read_current_A, read_settled_speed_rad_s, read_speed_rad_s
+from sensors.wheels.instruments import read_current_A, read_settled_speed_rad_s, read_speed_rad_s
 from symolo.core.arrays import Array
 
 SETTLING = 12.0

@@ -7,7 +7,7 @@ from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from logs.scale import Reach
-from sensors.range_view import RANGE_SENSORS
+from sensors.ranging.range_view import RANGE_SENSORS
 from symolo.core.table import WordColumn
 
 DATA = "data.csv"

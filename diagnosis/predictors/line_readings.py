@@ -21,7 +21,7 @@ from diagnosis.predictors.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.tracked_axle import TrackedAxle
 from diagnosis.predictors.unit_spread import Cleaned, cleaned
 from physics.robot.model import through
-from sensors.line_sensor import LineOptics, tape_share
+from sensors.line.line_sensor import LineOptics, tape_share
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
@@ -195,7 +195,7 @@ class LineReadings:
         On one edge, the share of a spot at a distance u is Phi(u / s), and its mean over the noise q of the smoothed
         place is Phi(u / hypot(s, q)), so that the distance follows from the mean.
         """
-        from scipy.special import ndtr  # noqa: PLC0415 - as in sensors.line_sensor
+        from scipy.special import ndtr  # noqa: PLC0415 - as in sensors.line.line_sensor
 
         u = np.linspace(-4.0, 4.0, 81) * np.hypot(spot_sd_m, self._place_sd_m)
         squares = ndtr((u[:, None] + self._place_sd_m * _NODES) / max(spot_sd_m, 1e-6)) ** 2

@@ -21,7 +21,7 @@ from diagnosis.predictors.rows import good_values, joined, observed_channel, tri
 from physics.drivetrain.motor_bench import seen_steady_states, steady_states
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked, stacked_effects
-from sensors.instruments import read_current_A, read_settled_speed_rad_s
+from sensors.wheels.instruments import read_current_A, read_settled_speed_rad_s
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

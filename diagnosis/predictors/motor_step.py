@@ -15,7 +15,7 @@ from diagnosis.predictors.turning_response import TurningResponse
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked, stacked_effects
-from sensors.instruments import read_current_A, read_speed_rad_s
+from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.core.arrays import Array
 
 

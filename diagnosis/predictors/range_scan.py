@@ -18,8 +18,8 @@ from diagnosis.predictors.distinct import distinct
 from diagnosis.validation.range_sensor.recordings.ball_fit import Ball, HalfScan, Law, SmoothBeam, fitted_ball
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording
 from physics.robot.model import through
-from sensors.range_view import RangeView
-from sensors.tof import NOISE_AT_NEAR_MM, noise_sd_m
+from sensors.ranging.range_view import RangeView
+from sensors.ranging.tof import NOISE_AT_NEAR_MM, noise_sd_m
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

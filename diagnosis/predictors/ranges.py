@@ -24,8 +24,8 @@ from diagnosis.predictors.rows import (
 from diagnosis.predictors.tracked_axle import TrackedAxle
 from physics.robot.model import through
 from physics.robot.stack import alike, stacked, stacked_effects
-from sensors.range_effects import RangeEffects
-from sensors.range_view import RangeView
+from sensors.ranging.range_effects import RangeEffects
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 PARTS = ("tof",)

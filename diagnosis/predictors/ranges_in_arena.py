@@ -25,7 +25,7 @@ from diagnosis.predictors.rows import trial_of_rows
 from physics.arena.rays import RayScene
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
-from sensors.tof import beam_profile, head_on_factor, log_error_m, noise_sd_m, ray_directions, ray_pattern
+from sensors.ranging.tof import beam_profile, head_on_factor, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
@@ -40,7 +40,7 @@ EDGE_M = 0.02
 """Least difference between the range and the mean of two neighbouring ranges, times two, at which a sensor sees an
 edge. The neighbours are the ranges of the same sensor after a small turn or shift to the left and to the right."""
 REACH = 1.25
-"""Length of a ray as a share of the longest range (`sensors.tof`)."""
+"""Length of a ray as a share of the longest range (`sensors.ranging.tof`)."""
 CHUNK = 4096
 """Rays in one pass, whose boxes fit into the cache."""
 

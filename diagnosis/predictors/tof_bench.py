@@ -14,9 +14,9 @@ from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.rows import good_values, joined, observed_channel, session_time_s
 from physics.robot.stack import alike, stacked, stacked_effects
-from sensors.range_effects import RangeEffects
-from sensors.range_view import RangeView
-from sensors.tof import NOISE_AT_NEAR_MM, noise_sd_m
+from sensors.ranging.range_effects import RangeEffects
+from sensors.ranging.range_view import RangeView
+from sensors.ranging.tof import NOISE_AT_NEAR_MM, noise_sd_m
 from symolo.core.arrays import Array
 
 UNKNOWN_REFLECTANCE = 1.0

@@ -1,7 +1,7 @@
 """One motor on a bench with the effects of its robot: steady states and step responses, without noise.
 
-`sensors.instruments` turns current and speed into the readings of the bench. The numbers of many robots may be stacked,
-(M, 1, 1) each (`physics.robot.stack`); results are then those of all of them.
+`sensors.wheels.instruments` turns current and speed into the readings of the bench. The numbers of many robots may be
+stacked, (M, 1, 1) each (`physics.robot.stack`); results are then those of all of them.
 """
 
 from collections.abc import Callable

@@ -15,7 +15,7 @@ from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m, slip_sd_m
 from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
-from sensors.tof import log_error_m
+from sensors.ranging.tof import log_error_m
 from symolo.core.arrays import Array
 
 RAYS = 30

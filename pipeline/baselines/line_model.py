@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
-from sensors.line_sensor import tape_share
+from sensors.line.line_sensor import tape_share
 from symolo.core.arrays import Array
 
 WRONG = 0.02

@@ -11,7 +11,7 @@ import numpy as np
 
 from diagnosis.usual_tolerances import PAIR_SHARE, TRACK_SHARE, WHEEL_SHARE
 from pipeline.baselines.robot_knowledge import RobotKnowledge, Start
-from sensors.odometry import Odometry
+from sensors.wheels.odometry import Odometry
 from symolo.core.arrays import Array
 
 STATES = 6
@@ -33,7 +33,7 @@ class WheelMotion:
         """Return the states (..., 6) after the wheels have rolled the distances (..., 2) by the drawing, right and
         left.
 
-        The mid-point rule of `sensors.odometry`, with the wheels and track of each state.
+        The mid-point rule of `sensors.wheels.odometry`, with the wheels and track of each state.
         """
         radius, pair, track = state[..., 3], state[..., 4], state[..., 5]
         right = rolled_m[..., 0] * (1.0 + radius + 0.5 * pair)

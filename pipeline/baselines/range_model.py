@@ -7,7 +7,7 @@ import numpy as np
 
 from physics.arena.rays import RayScene
 from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
-from sensors.tof import NOISE_AT_NEAR_MM, log_error_m, noise_sd_m, ray_directions, ray_pattern
+from sensors.ranging.tof import NOISE_AT_NEAR_MM, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.core.arrays import Array
 
 BEAM_SD_SHARE = 0.28

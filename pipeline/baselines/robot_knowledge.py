@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from configs.schema.robot import LineSensor, RobotConfig, TofMount
 from configs.schema.scenario import RunSpec
-from sensors.line_sensor import channel_weights
-from sensors.odometry import Odometry
+from sensors.line.line_sensor import channel_weights
+from sensors.wheels.odometry import Odometry
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus

@@ -9,11 +9,11 @@ from xml.etree import ElementTree as ET
 
 from pipeline.models.robot import CAMERA, CAMERA_OPTICAL, Lens, RobotParts
 from pipeline.models.sdf_elements import add_pose, child
-from sensors.imu import ImuSettings
-from sensors.lidar import LidarSettings
-from sensors.tof import NOISE_AT_NEAR_MM
-from sensors.ultrasonic import UltrasonicSettings
-from sensors.vl53l0x import MODES, Vl53l0xSettings
+from sensors.inertial.imu import ImuSettings
+from sensors.ranging.lidar import LidarSettings
+from sensors.ranging.tof import NOISE_AT_NEAR_MM
+from sensors.ranging.ultrasonic import UltrasonicSettings
+from sensors.ranging.vl53l0x import MODES, Vl53l0xSettings
 from symolo.dataset.documents.sensor_sections import Vl53l0xSection, optical_frame, sensor_frame
 
 _NEAR_M, _FAR_M = 0.01, 100

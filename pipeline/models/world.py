@@ -23,7 +23,7 @@ from pipeline.models.sdf import (
 )
 from pipeline.models.sdf_elements import add_pose, child, document
 from sensors.camera.colour import RGB
-from sensors.imu import ImuSettings
+from sensors.inertial.imu import ImuSettings
 from symolo.arena.geometry import Arc, Arena, Box, Straight
 
 LINE_HEIGHT_M = 0.0005

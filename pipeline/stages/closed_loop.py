@@ -12,8 +12,8 @@ from physics.run.lap import Lap
 from physics.run.pilot import Decision
 from sensors.base import Reading
 from sensors.fit_out import fit_out
-from sensors.odometry import Odometry
 from sensors.suite import SensorSuite
+from sensors.wheels.odometry import Odometry
 from symolo.arena.geometry import Arena
 from symolo.core.geometry.poses import PlanarPose
 from symolo.core.random_streams import stream

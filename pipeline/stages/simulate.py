@@ -12,7 +12,7 @@ from configs.schema.scenario import RunSpec
 from physics.control.base import Observation
 from physics.run.pilot import ControllerPilot, Decision, Pilot
 from pipeline.stages.closed_loop import ClosedLoop
-from sensors.instruments import read_current_A, read_speed_rad_s
+from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
 from symolo.core.time_series import Recording, TimeSeries, Trajectory

@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from sensors.range_view import RangeView
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from sensors.line_channels import CHANNELS, ChannelName
+from sensors.line.line_channels import CHANNELS, ChannelName
 from symolo.core.arrays import Array
 
 

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from sensors.range_log import log_beyond_near
-from sensors.range_view import RangeView
+from sensors.ranging.range_log import log_beyond_near
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 

@@ -1,8 +1,8 @@
 """Ranges of one material that are too long or too short."""
 
 from configs.effects.parameter import RangeShift
-from sensors.of_material import OfMaterial
-from sensors.range_view import RangeView
+from sensors.ranging.of_material import OfMaterial
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 

@@ -3,8 +3,8 @@
 from typing import Annotated
 
 from configs.effects.parameter import Parameter
-from sensors.of_material import OfMaterial
-from sensors.range_view import RangeView
+from sensors.ranging.of_material import OfMaterial
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 REFERENCE_M = 0.1

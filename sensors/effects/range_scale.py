@@ -2,7 +2,7 @@
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import GeometryScale
-from sensors.range_view import RangeView
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from sensors.range_view import RangeView
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 

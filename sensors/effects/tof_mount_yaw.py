@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from sensors.range_view import RANGE_SENSORS
+from sensors.ranging.range_view import RANGE_SENSORS
 from symolo.core.arrays import Array
 
 

@@ -13,8 +13,8 @@ from physics.drivetrain.motor_bench import steady_states, step_responses
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin, ReplayedWorld
 from sensors.fit_out import fit_out
-from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.suite import SensorSuite
+from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.arena.geometry import Arena, Box, Line, Straight
 
 TICK_STEPS, TICKS = 50, 12

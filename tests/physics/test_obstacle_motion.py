@@ -12,7 +12,7 @@ from physics.arena.rays import RayScene
 from physics.bullet.simulation import BulletSimulation
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin, ReplayedWorld
-from sensors.tof import TofArray
+from sensors.ranging.tof import TofArray
 from symolo.arena.geometry import Arena
 from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.dataset.codes import TofStatus

@@ -33,10 +33,10 @@ from sensors.effects.tof_range_offset import TofRangeOffset
 from sensors.effects.tof_range_scale import TofRangeScale
 from sensors.effects.tof_time_offset import TofTimeOffset
 from sensors.effects.warmup_drift import WarmupDrift
-from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.pose_log import PoseLog
-from sensors.range_view import RANGE_SENSORS, RangeView
-from sensors.tof import TofArray
+from sensors.ranging.range_view import RANGE_SENSORS, RangeView
+from sensors.ranging.tof import TofArray
+from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.dataset.codes import TofStatus
 
 DISTANCE_M = np.array([0.05, 0.18, 0.6])

@@ -9,8 +9,8 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from physics.robot.body_motion import BodyMotion
 from pipeline.stages.simulate import simulate
-from sensors.imu import Imu, ImuSettings
-from sensors.inertial_errors import ErrorSizes, RandomErrors
+from sensors.inertial.imu import Imu, ImuSettings
+from sensors.inertial.inertial_errors import ErrorSizes, RandomErrors
 from symolo.core.errors import InputError
 
 G = 9.81

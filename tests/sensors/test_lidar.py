@@ -10,7 +10,7 @@ from configs.loader import load_scenario
 from physics.arena.rays import RayScene
 from physics.bullet.ray_oracle import EngineRays
 from pipeline.stages.simulate import simulate
-from sensors.lidar import Lidar, LidarSettings
+from sensors.ranging.lidar import Lidar, LidarSettings
 from symolo.arena.geometry import Arena, Box, Line
 from symolo.core.errors import InputError
 

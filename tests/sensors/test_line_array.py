@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from configs.loader import load_scenario
-from sensors.line_array import LineArray, LineArraySettings
-from sensors.line_sensor import LineSensorModel
+from sensors.line.line_array import LineArray, LineArraySettings
+from sensors.line.line_sensor import LineSensorModel
 from symolo.core.errors import InputError
 
 QUIET = {"gain_sd": 0.0, "offset_sd": 0.0, "noise_sd": 0.0}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from physics.control.following import line_error
-from sensors.line_sensor import LineSensorModel, channel_weights, tape_share
+from sensors.line.line_sensor import LineSensorModel, channel_weights, tape_share
 from symolo.arena.geometry import Arc, Line, Straight
 
 PITCH_M = 0.009525

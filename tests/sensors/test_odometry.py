@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from sensors.encoders import WheelEncoders
-from sensors.odometry import Odometry
+from sensors.wheels.encoders import WheelEncoders
+from sensors.wheels.odometry import Odometry
 
 COUNTS = 3840
 CIRCUMFERENCE_M = math.pi * 0.065

@@ -9,8 +9,8 @@ import pytest
 from configs.effects.robot_effects import RobotEffects
 from sensors.effects.range_gathering_time import RangeGatheringTime
 from sensors.effects.range_wander import RangeWander
+from sensors.ranging.tof import TofArray
 from sensors.suite import SensorSuite
-from sensors.tof import TofArray
 from symolo.dataset.codes import TofStatus
 
 TICK_STEPS = 50

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from physics.arena.rays import RayScene
-from sensors.ultrasonic import Ultrasonic, UltrasonicSettings
+from sensors.ranging.ultrasonic import Ultrasonic, UltrasonicSettings
 from symolo.arena.geometry import Arena, Box, Line
 
 PERFECT = {"noise_m": 0.0, "quantisation_m": 0.0, "dropout_probability": 0.0, "z_m": 0.5}

@@ -9,7 +9,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from physics.arena.rays import RayScene
 from pipeline.stages.simulate import simulate
-from sensors.vl53l0x import MODES, Vl53l0x, Vl53l0xSettings
+from sensors.ranging.vl53l0x import MODES, Vl53l0x, Vl53l0xSettings
 from symolo.arena.geometry import Arena, Box, Line
 from symolo.core.errors import InputError
 

@@ -6,7 +6,7 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.stages.simulate import simulate
-from sensors.wheel_encoder import WheelEncoder, WheelEncoderSettings
+from sensors.wheels.wheel_encoder import WheelEncoder, WheelEncoderSettings
 
 
 class Wheels:

@@ -8,7 +8,7 @@ from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
 from diagnosis.validation.line_sensor.rig import Tape, readings, sensor, spot_diameter_m, without_faults
 from diagnosis.validation.measures import rms
 from diagnosis.validation.panels import COLORS, MARKERS, Curve, Panel
-from sensors.line_sensor import channel_weights
+from sensors.line.line_sensor import channel_weights
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, VERMILION
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.schema.robot import LineSensor
 from diagnosis.validation.still_world import StillWorld
-from sensors.line_sensor import LineSensorModel
+from sensors.line.line_sensor import LineSensorModel
 from symolo.arena.geometry import Arena, Line, Straight
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream

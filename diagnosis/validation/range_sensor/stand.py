@@ -13,7 +13,7 @@ from configs.schema.arena import ArenaConfig, LineConfig, SurfaceName, WallConfi
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from diagnosis.validation.still_world import RayCaster, StillWorld
 from physics.arena.rays import RayScene
-from sensors.tof import TofArray
+from sensors.ranging.tof import TofArray
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError

@@ -8,7 +8,7 @@ from diagnosis.validation.measures import first_reached
 from diagnosis.validation.panels import COLORS, DASHES, Curve, Panel
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM, STEP_HEIGHT_MM, footprint_mm
 from diagnosis.validation.range_sensor.stand import TARGET_HALF_WIDTH_M, SensorOnStand, arena_of, board, grid
-from sensors.tof import log_error_m
+from sensors.ranging.tof import log_error_m
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, SKY, VERMILION

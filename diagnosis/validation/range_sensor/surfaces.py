@@ -11,7 +11,7 @@ from diagnosis.validation.measures import mean_and_sd
 from diagnosis.validation.panels import COLORS, DASHES, MARKERS, Curve, Panel
 from diagnosis.validation.range_sensor.paper import MEAN_WITHIN_MM, SD_WITHIN, TABLE_3, TABLE_4, PrintedReadings
 from diagnosis.validation.range_sensor.stand import SensorOnStand, grid, target, valid_mm
-from sensors.tof import log_error_m, noise_sd_m
+from sensors.ranging.tof import log_error_m, noise_sd_m
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
 from symolo.pages.plotting import BLACK, GREY, PALE, VERMILION

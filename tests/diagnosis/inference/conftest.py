@@ -13,7 +13,7 @@ from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Covariate, Observed, Predicted
 from physics.robot.model import RobotModel
-from sensors.instruments import read_current_A
+from sensors.wheels.instruments import read_current_A
 
 TOLERANCE = 0.02
 SD_A = 0.01

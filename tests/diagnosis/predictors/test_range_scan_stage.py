@@ -9,7 +9,7 @@ from diagnosis.diagnose import diagnose
 from diagnosis.importers.vl53l0x_scan import IMPORTER
 from diagnosis.validation.range_sensor.recordings.ball_scene import BallScene
 from diagnosis.validation.range_sensor.stand import HEIGHT_M
-from sensors.tof import ray_pattern
+from sensors.ranging.tof import ray_pattern
 from symolo.core.errors import InputError
 
 

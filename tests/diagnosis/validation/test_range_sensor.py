@@ -29,7 +29,7 @@ from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, are
 from physics.bullet.ray_oracle import EngineRays
 from sensors.effects.range_signal_weighting import RangeSignalWeighting
 from sensors.effects.tilt_asymmetry import TiltAsymmetry
-from sensors.tof import ray_pattern
+from sensors.ranging.tof import ray_pattern
 from symolo.core.errors import InputError
 
 

@@ -14,7 +14,7 @@ from hil.build import build_native
 from physics.control.base import ControllerSettings, Observation, Twist
 from physics.control.built_in import BuiltIn
 from physics.control.curves import CurveFollower
-from sensors.odometry import Odometry
+from sensors.wheels.odometry import Odometry
 from symolo.core.random_streams import stream
 from symolo.dataset.codes import State
 

@@ -12,7 +12,7 @@ from configs.schema.robot import TofMount
 from pipeline.baselines.robot_knowledge import Drawing, LineRow, RobotKnowledge, Start
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate
-from sensors.odometry import Odometry
+from sensors.wheels.odometry import Odometry
 from symolo.arena.geometry import Arena, Box, Line, Straight
 
 WALL_X_M = 0.5

@@ -9,7 +9,7 @@ from pipeline.baselines.errors import nees
 from pipeline.baselines.motion import SHARES_SD, SLIP_M_SQRT_M, WheelMotion
 from pipeline.baselines.range_model import LASTING_SD_M
 from pipeline.baselines.robot_knowledge import Start
-from sensors.odometry import Odometry
+from sensors.wheels.odometry import Odometry
 
 ROWS, WAY_M = 15, 0.004
 SENSOR_TO_WALL_M = 0.415

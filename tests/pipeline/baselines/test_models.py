@@ -11,7 +11,7 @@ from physics.arena.rays import RayScene
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.range_model import RangeModel
 from pipeline.baselines.robot_knowledge import Start
-from sensors.tof import TofArray
+from sensors.ranging.tof import TofArray
 from symolo.arena.geometry import Arena
 from symolo.dataset.codes import TofStatus
 

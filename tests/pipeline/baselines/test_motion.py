@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.baselines.motion import WheelMotion
-from sensors.odometry import Odometry
+from sensors.wheels.odometry import Odometry
 
 ODOMETRY = Odometry(1e-4, 0.14)
 MOTION = WheelMotion(ODOMETRY)

@@ -11,7 +11,7 @@ from physics.arena.rays import RayScene
 from physics.bullet.ray_oracle import BATCH, EngineRays
 from physics.bullet.world import add_arena, connect
 from pipeline.models.files import model_files
-from sensors.tof import ray_directions, ray_pattern
+from sensors.ranging.tof import ray_directions, ray_pattern
 from symolo.arena.geometry import Arena, Box
 
 

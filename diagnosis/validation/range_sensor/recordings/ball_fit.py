@@ -18,7 +18,7 @@ from configs.schema.robot import TofMount, TofSensor
 from diagnosis.measured.channel import Mask
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording
 from physics.robot.model import through
-from sensors.tof import beam_profile, head_on_factor, ray_directions, ray_pattern
+from sensors.ranging.tof import beam_profile, head_on_factor, ray_directions, ray_pattern
 from symolo.core.arrays import Array
 
 INNER_MM = 30.0

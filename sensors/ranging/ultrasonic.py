@@ -9,7 +9,7 @@ from pydantic import Field
 from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from sensors.base import Reading, Sensor, World, quantise
-from sensors.tof import ray_pattern
+from sensors.ranging.tof import ray_pattern
 from symolo.arena.geometry import Arena
 from symolo.dataset.tables.column import Column
 

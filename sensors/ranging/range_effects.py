@@ -9,7 +9,7 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from physics.robot.model import through
-from sensors.range_view import RangeView
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)

@@ -12,7 +12,7 @@ from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Fixed, FromList
 from sensors.base import Reading, Sensor, World
-from sensors.line_sensor import LineOptics, ReflectanceChannels, channel_weights
+from sensors.line.line_sensor import LineOptics, ReflectanceChannels, channel_weights
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.tables.column import Column

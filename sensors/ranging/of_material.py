@@ -9,7 +9,7 @@ from configs.effects.base import Effect, Setup, Slot
 from configs.faults import ConfigFault
 from configs.schema.arena import SurfaceName
 from configs.schema.base import Fixed, Slug
-from sensors.range_view import RangeView
+from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 from symolo.core.errors import nearest
 

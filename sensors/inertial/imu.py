@@ -16,7 +16,7 @@ from configs.schema.base import Section
 from physics.robot.body_inertia import GRAVITY_M_S2
 from physics.robot.body_motion import BodyMotion
 from sensors.base import Reading, Sensor, World, quantise
-from sensors.inertial_errors import ErrorSizes, FixedErrors, RandomErrors
+from sensors.inertial.inertial_errors import ErrorSizes, FixedErrors, RandomErrors
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.tables.column import Column

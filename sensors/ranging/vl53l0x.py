@@ -27,7 +27,7 @@ from sensors.effects.range_gathering_time import RangeGatheringTime
 from sensors.effects.range_signal_weighting import RangeSignalWeighting
 from sensors.effects.range_wander import RangeWander
 from sensors.effects.tilt_asymmetry import TiltAsymmetry
-from sensors.tof import NO_TARGET, VALID, Light, RangeDevices
+from sensors.ranging.tof import NO_TARGET, VALID, Light, RangeDevices
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus

@@ -18,9 +18,9 @@ from configs.schema.robot import RangeBeam, RobotConfig, TofMount, TofSensor
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
 from sensors.base import Reading, Sampling, Sensor, World, quantise
-from sensors.range_effects import RangeEffects
-from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
-from sensors.range_view import RangeView
+from sensors.ranging.range_effects import RangeEffects
+from sensors.ranging.range_log import NEAR_LIMIT_M, log_beyond_near
+from sensors.ranging.range_view import RangeView
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus

@@ -1,0 +1,1 @@
+"""Line sensors: rows of channels that measure how much light the floor reflects."""
