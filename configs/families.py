@@ -5,6 +5,8 @@ name when they are first needed.
 """
 
 import importlib
+import inspect
+import linecache
 import os
 import re
 import sys
@@ -13,15 +15,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from hashlib import sha256
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib.abc import InspectLoader
+from importlib.util import decode_source, module_from_spec, spec_from_file_location
 from pathlib import Path
-from types import GenericAlias, MappingProxyType, ModuleType
+from types import CodeType, GenericAlias, MappingProxyType, ModuleType
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from pydantic import Field, create_model
 
 from configs.schema.base import Section, absent
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, UnsafeFileError, read_named_file
 
 
 class Named(Protocol):
@@ -31,6 +35,39 @@ class Named(Protocol):
 
 
 Member = TypeVar("Member", bound=Named)
+
+
+class _TextLoader(InspectLoader):
+    """Loader of a file whose content has been read.
+
+    Python's own one may execute compiled code of an earlier content, if the file has the same time of change and size.
+    """
+
+    def __init__(self, file: Path, text: bytes) -> None:
+        self._file = file
+        self._text = text
+
+    def get_code(self, fullname: str) -> CodeType:
+        del fullname
+        return self.source_to_code(self._text, str(self._file))
+
+    def get_source(self, fullname: str) -> str:
+        del fullname
+        return decode_source(self._text)
+
+
+@dataclass(frozen=True)
+class UserFile(Generic[Member]):
+    """A file of the user that was loaded."""
+
+    member: type[Member]
+    path: Path
+    text: bytes
+    """Content that was executed; the file may have changed since."""
+
+    @property
+    def sha256(self) -> str:
+        return sha256(self.text).hexdigest()
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,22 +81,27 @@ class Family(Generic[Member]):
     """Name of the tuple in each package that names the package's modules, for example `EFFECTS`."""
     packages: tuple[str, ...]
     check: Callable[[type[Member], str], None]
-    """Function of a class and its file, which raises InputError for a class that is not complete."""
-    _loaded: dict[Path, type[Member]] = field(default_factory=dict)
-    """Members of files outside the project, in the order of loading."""
+    """Function of a class and its place, which raises InputError for a class that is not complete."""
+    _loaded: dict[Path, UserFile[Member]] = field(default_factory=dict)
+    """Files outside the project, in the order of loading."""
 
     def classes(self) -> tuple[type[Member], ...]:
         """Return all members in the order of the tables; those of loaded files come last."""
-        return (*self._shipped, *self._loaded.values())
+        return (*self._shipped, *(file.member for file in self._loaded.values()))
 
     def by_name(self) -> Mapping[str, type[Member]]:
         """Return all members by their names."""
         return _by_name(self.classes())
 
     @property
-    def files(self) -> Mapping[str, Path]:
+    def shipped(self) -> tuple[type[Member], ...]:
+        """Members of the project alone."""
+        return self._shipped
+
+    @property
+    def files(self) -> Mapping[str, UserFile[Member]]:
         """Files that were loaded, by the names of their members."""
-        return {member.name: file for file, member in self._loaded.items()}
+        return {file.member.name: file for file in self._loaded.values()}
 
     @property
     def variable(self) -> str:
@@ -67,26 +109,39 @@ class Family(Generic[Member]):
         return f"SYMOLO_{self.noun.upper()}_FILES"
 
     def load(self, path: str | Path) -> type[Member]:
-        """Add the member of a Python file. A file that is loaded already changes nothing.
+        """Add the member of a Python file.
+
+        A file that is loaded already changes nothing; if its content has changed since, the new one takes its place.
 
         Raises:
             InputError: There is no such file, it cannot be executed, or its class is not complete.
         """
         file = Path(path).resolve()
-        if file not in self._loaded:
-            if not file.is_file():
-                allowed = f"a Python file with one {self.noun}"
-                raise InputError(f"{self.noun} file: no such file", got=str(path), allowed=allowed)
-            member = self._only_member(self._executed(file))
-            if member.name in self.by_name():
-                cure = "give the class another name"
-                raise InputError(f"{self.noun} {member.name}: the name is taken", where=str(file), cure=cure)
-            self._loaded[file] = member
-        return self._loaded[file]
+        if not file.is_file():
+            allowed = f"a Python file with one {self.noun}"
+            raise InputError(f"{self.noun} file: no such file", got=str(path), allowed=allowed)
+        try:
+            text = read_named_file(file, FileKind.CODE)
+        except UnsafeFileError:
+            raise
+        except OSError as error:
+            raise InputError(f"{self.noun} file: cannot be read: {error.strerror}", where=str(path)) from None
+        same = next((known for known in self._loaded.values() if known.text == text), None)
+        if same is not None:
+            return same.member
+        member = self._only_member(self._executed(file, text), place_of)
+        others = (*self._shipped, *(known.member for known in self._loaded.values() if known.path != file))
+        if member.name in {other.name for other in others}:
+            cure = "give the class another name"
+            raise InputError(f"{self.noun} {member.name}: the name is taken", where=place_of(member), cure=cure)
+        if file in self._loaded:
+            self.unload(file)
+        self._loaded[file] = UserFile(member, file, text)
+        return member
 
     def unload(self, path: str | Path) -> None:
         """Forget the member of a file that was loaded."""
-        sys.modules.pop(self._loaded.pop(Path(path).resolve()).__module__, None)
+        sys.modules.pop(self._loaded.pop(Path(path).resolve()).member.__module__, None)
 
     def load_from_environment(self) -> None:
         """Load the files that the environment variable names.
@@ -105,28 +160,31 @@ class Family(Generic[Member]):
     @cached_property
     def _shipped(self) -> tuple[type[Member], ...]:
         return tuple(
-            self._only_member(importlib.import_module(f"{package}.{name}"))
+            self._only_member(importlib.import_module(f"{package}.{name}"), _module_of)
             for package in self.packages
             for name in getattr(importlib.import_module(package), self.table)
         )
 
-    def _executed(self, file: Path) -> ModuleType:
-        name = f"{self.noun}_file_{file.stem}_{sha256(str(file).encode()).hexdigest()[:8]}"
-        spec = spec_from_file_location(name, file)
-        if spec is None or spec.loader is None:
+    def _executed(self, file: Path, text: bytes) -> ModuleType:
+        name = f"{self.noun}_file_{file.stem}_{sha256(str(file).encode() + text).hexdigest()[:8]}"
+        spec = spec_from_file_location(name, file, loader=_TextLoader(file, text))
+        if spec is None or spec.loader is None or file.suffix != ".py":
             raise InputError(f"{self.noun} file", got=str(file), allowed="a Python file, which ends in .py")
         module = sys.modules[name] = module_from_spec(spec)
         try:
             spec.loader.exec_module(module)
-        except Exception as error:  # a user's file may raise whatever it likes
+        except (Exception, SystemExit) as error:  # a user's file may raise whatever it likes
             del sys.modules[name]
             lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-            what, line = (error.msg, error.lineno) if isinstance(error, SyntaxError) else (error, lines[-1])
-            raise InputError(f"{self.noun} file: {type(error).__name__}: {what}", where=f"{file}:{line}") from error
+            what, line = str(error), lines[-1] if lines else None
+            if isinstance(error, SyntaxError) and error.filename == str(file):
+                what, line = error.msg, error.lineno
+            where = f"{file}:{line}" if line else str(file)
+            raise InputError(f"{self.noun} file: {type(error).__name__}: {what}", where=where) from error
         return module
 
-    def _only_member(self, module: ModuleType) -> type[Member]:
-        """Return the member that a module defines, after the check that it is complete."""
+    def _only_member(self, module: ModuleType, place: Callable[[type], str]) -> type[Member]:
+        """Return the member that a module defines, after the check that it is complete; `place` is for messages."""
         classes = [
             value
             for value in vars(module).values()
@@ -135,13 +193,27 @@ class Family(Generic[Member]):
             and issubclass(value, self.base)
             and value.__module__ == module.__name__
         ]
-        where = str(module.__file__)
         if len(classes) != 1:
             names = ", ".join(member.__name__ for member in classes) or "none"
+            where = place(classes[1]) if classes else str(module.__file__)
             allowed = f"one class that derives from {self.base.__name__}"
             raise InputError(f"{self.noun} file", where=where, got=names, allowed=allowed)
-        self.check(classes[0], where)
+        self.check(classes[0], place(classes[0]))
         return classes[0]
+
+
+def _module_of(member: type) -> str:
+    return str(sys.modules[member.__module__].__file__)
+
+
+def place_of(member: type) -> str:
+    """Return file and line of a class."""
+    file = _module_of(member)
+    try:
+        linecache.checkcache(file)
+        return f"{file}:{inspect.getsourcelines(member)[1]}"
+    except (OSError, TypeError):
+        return file
 
 
 def name_in_lower_case(member: type) -> str:

@@ -32,6 +32,11 @@ _SCALE = {
     "description": "Factor on all lengths of what it extends; masses, motors, speeds and gains follow from it.",
 }
 _FOLDER_OF_MESHES = "Folder of your meshes, relative to the YAML file that names it."
+_EFFECT_FILES = {
+    "type": "array",
+    "items": {"type": "string", "pattern": r"\.py$"},
+    "description": "Python files with effects of your own, relative to the YAML file that names them.",
+}
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
@@ -52,6 +57,8 @@ def scenario_json_schema() -> dict[str, Any]:
     definitions["LookConfig"]["properties"]["assets"] = _FOLDER
     for name in ("ArenaConfig", "RobotConfig"):
         definitions[name]["properties"]["assets"] = {**_FOLDER, "description": _FOLDER_OF_MESHES}
+    definitions["RobotConfig"]["properties"]["effect_files"] = _EFFECT_FILES
+    definitions.pop("EffectFile", None)
     top = _mapping(shape.schema, shape, required=False)
     for kind in SECTIONS:
         field = shape.schema["properties"][kind]

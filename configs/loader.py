@@ -12,6 +12,7 @@ from configs.arena_polygons import with_polygons
 from configs.assets.folder import with_assets
 from configs.assets.meshes import with_meshes
 from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario, check_splits
+from configs.effects.own_files import with_own_effects
 from configs.overrides import apply_override
 from configs.references import locate, read_file, resolve
 from configs.robot_controller import with_chosen
@@ -214,12 +215,17 @@ def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSect
 
 
 def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> Node:
-    shape = Shape.of(model)
-    root = with_defaults(root, shape)
+    root = _completed(root, model)
     for text in overrides:
         # Add defaults again, because a new list item or section may lack fields.
-        root = with_defaults(apply_override(root, text), shape)
+        root = _completed(apply_override(root, text), model)
     return root
+
+
+def _completed(root: Node, model: type[Section]) -> Node:
+    """Return the tree with all defaults, after loading the effects of the user's own that its robot names."""
+    root = with_own_effects(root)
+    return with_defaults(root, Shape.of(model))
 
 
 def _origins(root: Node) -> dict[str, str]:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from configs.assets.folder import anchored
+from configs.effects.own_files import KEY, anchored_files
 from configs.references import SECTIONS, resolve_section
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
@@ -31,6 +32,8 @@ def apply_override(root: Node, text: str) -> Node:
             return Node({**root.value, name: node}, root.where)
     if name == "look.assets":
         node = anchored(Node({"assets": node}, where), Path.cwd()).child("assets") or node
+    if keys == ["robot", KEY]:
+        node = anchored_files(Node({KEY: node}, where), Path.cwd()).child(KEY) or node
     return _set(root, keys, (), node, where)
 
 

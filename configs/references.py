@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 from configs.assets.folder import anchored
+from configs.effects.own_files import anchored_files, with_both
 from configs.scaling import MODELS, scaled
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import displayed, read_yaml
@@ -85,7 +86,7 @@ def read_file(kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
 
 def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()) -> Node:
     """Return a mapping merged over what it extends; relative paths in it start at `folder`."""
-    root = anchored(root, folder) if kind in WITH_FILES else root
+    root = _anchored(kind, root, folder)
     fields = {str(key): node for key, node in root.children()}
     complete = set()
     if kind == "scenario":
@@ -113,7 +114,14 @@ def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), p
     # A section that is complete by itself replaces the inherited one; any other is merged over it field by field.
     complete |= _TEXTS if kind == "scenario" else set()
     inherited = {str(key): node for key, node in beneath.children() if key not in complete}
-    return merge(Node(inherited, beneath.where), Node(fields, root.where))
+    base_node, over = Node(inherited, beneath.where), Node(fields, root.where)
+    return with_both(base_node, over, merge(base_node, over)) if kind == "robot" else merge(base_node, over)
+
+
+def _anchored(kind: str, node: Node, folder: Path) -> Node:
+    """Return a section with absolute paths of the files that it names."""
+    node = anchored_files(node, folder) if kind == "robot" else node
+    return anchored(node, folder) if kind in WITH_FILES else node
 
 
 def resolve_section(kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
@@ -125,4 +133,4 @@ def resolve_section(kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
         raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
     if "extends" in node.value or (kind in MODELS and "scale" in node.value):
         return resolve(kind, node, folder, prefix=(kind,)), True
-    return (anchored(node, folder) if kind in WITH_FILES else node), False
+    return _anchored(kind, node, folder), False

@@ -23,7 +23,10 @@ from pydantic import ValidationError
 
 from configs.checks import robot_faults
 from configs.draw import draw_robot
+from configs.effects.own_files import record_of
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
+from configs.schema.effect_file import EffectFile
 from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
@@ -93,7 +96,9 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
         update={"name": _slug(measured.name), "description": f"Fitted to {source}: the nominal model with {named}"}
     )
     config, moved = _rounded(config, diagnosis.nominal)
-    config = config.model_copy(update={"effect_ranges": tuple(_ranges(diagnosis, config))})
+    config = config.model_copy(
+        update={"effect_ranges": tuple(_ranges(diagnosis, config)), "effect_files": tuple(_own_files(config))}
+    )
     head = [
         f"# The robot that symolo diagnose fitted to {source}. Everything else is as in the shipped robot {BASE}.",
         "# Standard errors are those of a number with all other numbers fitted too.",
@@ -102,6 +107,8 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
         f"extends: {BASE}",
     ]
     tree = _difference(config)
+    if config.effect_files:  # the file names them, and they lie beside it
+        tree["effect_files"] = [file.file for file in config.effect_files]
     comments = {path: "of the nominal model" for path in _paths(tree) if len(path) > 1} | _comments(diagnosis) | moved
     text = "\n".join([*head, *_lines(tree, comments)]) + "\n"
     return ExtendedRobot(config, text, _varied(diagnosis, config), tuple(left_out), problem)
@@ -114,6 +121,13 @@ def _ranges(diagnosis: Diagnosis, config: RobotConfig) -> Iterator[EffectRange]:
             if (quantity := RECORDED.get(seen.covariate)) is not None:
                 low, high = (float(f"{value:.4g}") for value in (seen.low, seen.high))
                 yield EffectRange.model_validate({"effect": named.name, "quantity": quantity, "low": low, "high": high})
+
+
+def _own_files(config: RobotConfig) -> Iterator[EffectFile]:
+    """Yield the files of those effects of the robot that are the user's own."""
+    for effect in config.effects:
+        if effect.name in EFFECTS.files:
+            yield EffectFile.model_validate(record_of(effect.name))
 
 
 def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
@@ -225,6 +239,7 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
         for name, error in diagnosis.wander.std.items():
             text = f"named by the diagnosis; standard error {error:.2g}"
             comments["effects", diagnosis.wander.effect.name, name] = text
+    comments["effect_files",] = "an effect of your own; a copy of the file that was loaded"
     comments["chassis", "width_m"] = "widened to cover the wheels"
     comments["effect_ranges",] = "range of the data in which the effect was seen"
     return comments

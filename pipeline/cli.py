@@ -16,6 +16,7 @@ from pipeline.address_space import check_address_space
 from pipeline.commands import (
     arena,
     case,
+    effect,
     explanation,
     hil,
     inspection,
@@ -100,6 +101,7 @@ def command_line() -> typer.Typer:
             app.command(NAMES.get(command), help=_joined(command), rich_help_panel=panel)(command)
     for name, group, panel in (
         ("case", case, "Explain measured data"),
+        ("effect", effect, "Make data"),
         ("robot", robot, "Make data"),
         ("arena", arena, "Make data"),
         ("validate", validate, "Look at the robot's parts"),

@@ -36,10 +36,12 @@ def environment() -> dict[str, str]:
 
 
 def hashes_of_files(spec: RunSpec) -> dict[str, str]:
-    """Return the SHA-256 of each loaded file that this run needs, by the name of its effect, sensor or controller."""
-    needed = {effect.name for effect in spec.robot.effects} | spec.robot.sensors.kinds
-    files = {name: file for family in (EFFECTS, SENSORS) for name, file in family.files.items()}
-    hashes = {name: sha256_of(file.resolve()) for name, file in files.items() if name in needed}
+    """Return the SHA-256 of each loaded file that this run needs, by the name of its sensor or controller.
+
+    The specification itself has those of its effects.
+    """
+    kinds = spec.robot.sensors.kinds
+    hashes = {name: sha256_of(file.path) for name, file in SENSORS.files.items() if name in kinds}
     if spec.controller is None:
         return hashes
     if spec.controller.name == Program.name:  # its command line as well
@@ -52,4 +54,4 @@ def hashes_of_controller(name: str) -> dict[str, str]:
     if name == Program.name:
         return {f"{name}.{place}": sha256_of(file.resolve()) for place, file in PROGRAM.files().items()}
     file = CONTROLLERS.files.get(name)
-    return {name: sha256_of(file.resolve())} if file else {}
+    return {name: sha256_of(file.path)} if file else {}

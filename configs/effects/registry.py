@@ -19,6 +19,10 @@ def _check(effect: type[Effect], where: str) -> None:
     if not isinstance(effect.slot, Slot):
         allowed = ", ".join(f"Slot.{slot.name}" for slot in Slot)
         raise InputError(f"effect {effect.name}: slot", where=where, got=effect.slot, allowed=allowed)
+    for name, values in effect.options().items():
+        if not values and effect.model_fields[name].annotation is not str:
+            cure = f'write {name}: Annotated[float, Parameter("m", null=0.0, start=0.1, low=-1.0, high=1.0)]'
+            raise InputError(f"effect {effect.name}: {name} is no parameter", where=where, cure=cure)
     if effect.apply is Effect.apply:
         cure = "define apply(self, ...), with the arguments that `Slot` lists"
         raise InputError(f"effect {effect.name}: apply missing", where=where, cure=cure)

@@ -10,8 +10,33 @@ from pydantic_core import CoreSchema, core_schema
 
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS, effects_section
+from symolo.core.errors import InputError
 
 AnEffect = TypeVar("AnEffect", bound=Effect)
+
+
+@dataclass(frozen=True)
+class UnloadedEffect:
+    """An effect of a user's own in a specification whose file is not loaded: its values are kept, and nothing acts."""
+
+    name: str
+    values: dict[str, Any]
+    file: str
+    """Name of the file that defines it."""
+    sha256: str
+    """SHA-256 of that file."""
+
+    def problem(self) -> InputError:
+        """Return why nothing can be computed with it, and what to do."""
+        other = EFFECTS.files.get(self.name)
+        cure = (
+            f"`symolo effect extract` writes the file from the dataset; read it, since it is code, and then name it "
+            f"before the command: symolo --effect-file {self.file} ..."
+        )
+        if other is not None:
+            what = f"effect {self.name}: the file has changed since the data were made"
+            return InputError(what, where=str(other.path), got=other.sha256, allowed=self.sha256, cure=cure)
+        return InputError(f"effect {self.name}: its file {self.file} ({self.sha256}) is not loaded", cure=cure)
 
 
 @dataclass(frozen=True)
@@ -19,6 +44,8 @@ class RobotEffects:
     """Immutable collection of effects, in the order in which they act, whatever the order in a file."""
 
     members: tuple[Effect, ...] = ()
+    unloaded: tuple[UnloadedEffect, ...] = ()
+    """Effects whose files are not loaded, as in a dataset that somebody else made; they come last."""
 
     def __post_init__(self) -> None:
         if len(self.members) > 1:
@@ -33,20 +60,43 @@ class RobotEffects:
         return next((member for member in self.members if isinstance(member, effect)), None)
 
     def in_slots(self, slots: Collection[Slot]) -> tuple[Effect, ...]:
-        """Return the effects that act in some slots."""
+        """Return the effects that act in some slots.
+
+        Raises:
+            InputError: The file of an effect is not loaded, so that its slot is not known.
+        """
+        self.require_loaded()
         return tuple(member for member in self.members if member.slot in slots)
 
     def functions(self, slot: Slot) -> tuple[Callable[..., Any], ...]:
-        """Return the functions that act in a slot, one after the other."""
+        """Return the functions that act in a slot, one after the other.
+
+        Raises:
+            InputError: As for `in_slots`.
+        """
+        self.require_loaded()
         return tuple(member.apply for member in self.members if member.slot is slot)
+
+    def require_loaded(self) -> None:
+        """Check that every effect can act.
+
+        Raises:
+            InputError: The file of one is not loaded, or has changed.
+        """
+        for effect in self.unloaded:
+            raise effect.problem()
 
     def with_effect(self, effect: Effect) -> "RobotEffects":
         """Return these effects and one more, which replaces one of its class."""
-        return RobotEffects((*self.without(effect.name), effect))
+        others = self.without(effect.name)
+        return RobotEffects((*others, effect), others.unloaded)
 
     def without(self, name: str) -> "RobotEffects":
         """Return these effects without the one of this name."""
-        return RobotEffects(tuple(member for member in self.members if member.name != name))
+        return RobotEffects(
+            tuple(member for member in self.members if member.name != name),
+            tuple(effect for effect in self.unloaded if effect.name != name),
+        )
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:  # noqa: ANN401
@@ -56,11 +106,16 @@ class RobotEffects:
         def validated(value: object) -> RobotEffects:
             if isinstance(value, RobotEffects):
                 return value
+            unloaded: tuple[UnloadedEffect, ...] = ()
+            if isinstance(value, dict):
+                unloaded = tuple(item for item in value.values() if isinstance(item, UnloadedEffect))
+                value = {name: item for name, item in value.items() if not isinstance(item, UnloadedEffect)}
             section = effects_section().model_validate(value)
-            return cls(tuple(effect for _, effect in section if effect is not None))
+            return cls(tuple(effect for _, effect in section if effect is not None), unloaded)
 
-        def as_mapping(effects: RobotEffects) -> dict[str, Effect]:
-            return {effect.name: effect for effect in effects}
+        def as_mapping(effects: RobotEffects) -> dict[str, Effect | dict[str, Any]]:
+            unloaded = {effect.name: effect.values for effect in effects.unloaded}
+            return {effect.name: effect for effect in effects} | unloaded
 
         serialization = core_schema.plain_serializer_function_ser_schema(as_mapping)
         return core_schema.no_info_plain_validator_function(validated, ref=cls.__name__, serialization=serialization)
@@ -69,3 +124,26 @@ class RobotEffects:
     def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         del schema
         return handler(effects_section().__pydantic_core_schema__)
+
+
+def with_unloaded_apart(robot: Any, *, known_only: bool) -> Any:  # noqa: ANN401 - whatever a file holds
+    """Return the plain values of a robot in which effects whose files are not loaded are `UnloadedEffect`s.
+
+    Args:
+        robot: Values as a file has them.
+        known_only: Whether to refuse such effects, as where numbers are to be drawn within their bounds.
+    """
+    files = robot.get("effect_files") if isinstance(robot, dict) else None
+    effects = robot.get("effects") if isinstance(robot, dict) else None
+    if not files or not isinstance(files, (list, tuple)) or not isinstance(effects, dict):
+        return robot
+    apart = dict(effects)
+    for file in files:
+        stated = file if isinstance(file, dict) else vars(file)
+        name, values = stated.get("name"), effects.get(stated.get("name"))
+        loaded = EFFECTS.files.get(str(name))
+        if isinstance(values, dict) and (loaded is None or loaded.sha256 != stated.get("sha256")):
+            apart[name] = UnloadedEffect(str(name), values, str(stated.get("file")), str(stated.get("sha256")))
+            if known_only:
+                raise apart[name].problem()
+    return {**robot, "effects": apart}

@@ -48,6 +48,7 @@ def files(
         SUMMARY: "\n".join(summary(data)) + "\n",
         REASONING: "\n".join(reasoning(data)) + "\n",
     }
+    texts |= {file.file: file.text for file in data.robot.config.effect_files}
     texts |= {prediction.file: csv_text(prediction.columns) for prediction in data.unseen}
     return {name: text.encode() for name, text in texts.items() if text} | {
         f"{PLOTS}/{name}.png": png for name, png in plots.items()

@@ -159,6 +159,8 @@ def _explained(name: str, when: str) -> Iterator[None]:
         file = CONTROLLERS.files.get(name)
         if file is None:
             raise
-        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-        place = f"{file.name}:{lines[-1]}" if lines else file.name
+        lines = [
+            frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file.path)
+        ]
+        place = f"{file.path.name}:{lines[-1]}" if lines else file.path.name
         raise RunFailed(one_line(f"controller {name} {when}: {place}: {type(error).__name__}: {error}")) from error

@@ -131,6 +131,14 @@ def diagnose(
             "the nominal one.",
         ),
     ] = None,
+    effects: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--effects",
+            metavar="FILE",
+            help="Also try the effect of your own in this Python file, which is executed; may be repeated.",
+        ),
+    ] = None,
     together: Annotated[
         bool,
         typer.Option("--together", help="All cases are of one robot: fit them together, for one result in DIR."),
@@ -169,6 +177,8 @@ def diagnose(
     - extended_varied.yaml: the same robot, with its uncertain values drawn
       for each run
 
+    - the file of each effect of your own that the extended robot has
+
     - summary.txt, reasoning.txt, plots/: the printed text, and the plots of
       the page
 
@@ -181,6 +191,8 @@ def diagnose(
 
     Several cases of one robot: symolo diagnose my_robot/* --together --out diagnosis
 
+    Try an effect of your own as well: symolo diagnose my_robot/drive_1 --effects oval_wheel.py --out diagnosis
+
     Judge the result on the circular drives only: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
     """
     from pipeline.diagnosing.diagnose import cases_of, diagnose_cases, nominal_json
@@ -191,6 +203,11 @@ def diagnose(
     from symolo.core.progress import report_here
     from symolo.dataset.folder_kind import Kind
 
+    if effects:
+        from pipeline.effects.check import load_to_fit
+
+        for file in effects:
+            load_to_fit(file)
     if explain and as_json:
         raise InputError("--explain and --json", cure="give one of them; reasoning.txt is written in any case")
     named = cases_of(cases)

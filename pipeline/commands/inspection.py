@@ -70,6 +70,7 @@ def verify(
 
     Example: symolo verify data --key symolo.pub --reproduce 10
     """
+    from pipeline.effects.extract import effect_file_lines
     from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.files.file_locks import is_held
     from symolo.core.progress import plural
@@ -86,6 +87,9 @@ def verify(
         if not as_json:
             typer.echo(str(finding))
         findings.append(finding)
+    if not as_json:
+        for line in effect_file_lines(folder):
+            typer.echo(line)
     comment = trusted_comment(folder) if public is not None and not findings else ""
     if not as_json and findings:
         typer.echo(f"{folder}: {plural(len(findings), 'fault')}", err=True)

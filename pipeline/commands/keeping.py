@@ -28,6 +28,7 @@ def status(
     Example: symolo status data symolo --set look.sun.elevation_deg=60
     """
     from configs.loader import load_scenario
+    from pipeline.effects.extract import effect_file_lines
     from pipeline.planning.drawing import draw_reported
     from pipeline.run_folder.status import status as status_of
     from pipeline.run_folder.status_text import status_lines
@@ -43,7 +44,7 @@ def status(
 
         typer.echo(StatusResult.of(str(folder), result).to_json())
         return
-    for line in status_lines(result, check=check):
+    for line in (*status_lines(result, check=check), *effect_file_lines(folder)):
         typer.echo(line)
 
 

@@ -15,6 +15,7 @@ from pipeline.stages.run_tables import stage_tables
 from pipeline.stages.simulate_runs import simulation_key
 from pipeline.work.unit_progress import report_event
 from pipeline.work.units import SimulateUnit
+from symolo.core.errors import InputError
 from symolo.dataset.layout import ANNOTATIONS, camera_and_file
 
 BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
@@ -30,12 +31,22 @@ def make_tables(state: RepairState, specs: Mapping[str, SceneSpec], tools: Repai
     for spec in lost:
         if spec.origin:
             _explain(state, spec, TAKEN)
-    simulated = [spec for spec in lost if isinstance(spec, RunSpec) and not spec.origin]
+    simulated = [spec for spec in lost if isinstance(spec, RunSpec) and not spec.origin and _can_act(state, spec)]
     for spec, folder in zip(simulated, _simulate(simulated, tools), strict=True):
         try:
             _put(state, spec, folder, "simulated again", tools.excuse(spec.key))
         except OSError:
             _explain(state, spec, "the run cannot be simulated again")
+
+
+def _can_act(state: RepairState, spec: SceneSpec) -> bool:
+    """Return whether the files of all effects are loaded, and note the reason if not: a dataset's code is not run."""
+    try:
+        spec.robot.effects.require_loaded()
+    except InputError as error:
+        _explain(state, spec, str(error))
+        return False
+    return True
 
 
 def _damaged_tables(state: RepairState, run: str) -> set[str]:

@@ -1,5 +1,6 @@
 """The fields of a run that changed, which is why something is made again."""
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
@@ -9,6 +10,11 @@ from symolo.core.errors import shown
 
 MAX_CHANGES = 3
 """Largest number of fields that a message names; one cause often changes many."""
+
+_TEXT = re.compile(r"robot\.effect_files\.\d+\.text")
+"""Text of a file whose SHA-256 has changed as well, which says enough."""
+
+_SHA256 = re.compile(r"[0-9a-f]{64}")
 
 ABOUT = ("drawn", "scenario")
 """Fields on which no image depends: they say where the other values came from."""
@@ -40,5 +46,10 @@ def _differences(before: object, now: object, path: str) -> Iterator[str]:
     elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
         for i, (one, other) in enumerate(zip(before, now, strict=True)):
             yield from _differences(one, other, f"{path}.{i}")
-    elif before != now:
-        yield f"{path} {shown(before)} -> {shown(now)}"
+    elif before != now and not _TEXT.fullmatch(path):
+        yield f"{path} {_short(before)} -> {_short(now)}"
+
+
+def _short(value: object) -> str:
+    """Return a value for a line; the first digits of a SHA-256 say enough."""
+    return value[:12] if isinstance(value, str) and _SHA256.fullmatch(value) else shown(value)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from typer.main import get_command
 
+from configs.effects.registry import EFFECTS
 from configs.loader import load_scenario, load_section
 from physics.control.program import PROGRAM
 from physics.control.registry import CONTROLLERS
@@ -39,6 +40,8 @@ ELSEWHERE = {
     "camera/robot.yaml": "likewise; the robot file of that command",
     "hidden": "as it stands there, in tests/pipeline/diagnosing/test_round_trip.py",
     "found/extended.yaml": "likewise",
+    "explained": "as it stands there, in tests/pipeline/diagnosing/test_own_effect_walk.py",
+    "extracted": "needs a release with an effect of its own; tests/contracts/test_effect_files.py makes one",
     "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
 }
@@ -98,6 +101,7 @@ def test_its_commands_parse(page, tmp_path, monkeypatch):
         for look in ",".join(values.get(option) or "" for option in ("look", "looks")).split(","):
             if look not in ("", ALL_LOOKS) and not look.endswith(".yaml"):
                 load_section("look", look)
+    _forget_files()
 
 
 def _save_files_of(page, folder):
@@ -167,7 +171,7 @@ def test_its_commands_run(page, desk):
         if out and out not in made:
             _removed(desk / out)  # is there for other pages
         made.add(out)
-        _forget_controllers()
+        _forget_files()
         # What is compared here need not be the same.
         assert main(_made_small(words)) in ({0, 7} if words[0] == "compare" else {0}), command
     if page.parent.name == "tutorials":
@@ -175,11 +179,12 @@ def test_its_commands_run(page, desk):
             exec(program, {})  # noqa: S102 - our own page
 
 
-def _forget_controllers():
+def _forget_files():
     """As a new process would, into which a reader types the next command."""
     PROGRAM.command = ()
-    for file in [*CONTROLLERS.files.values()]:
-        CONTROLLERS.unload(file)
+    for family in (CONTROLLERS, EFFECTS):
+        for file in [*family.files.values()]:
+            family.unload(file.path)
 
 
 def _removed(path):

@@ -1,18 +1,19 @@
 """What holds for every effect, of physics and of sensors alike."""
 
-from itertools import product
 from pathlib import Path
 
 import pytest
 import yaml
 
 from configs.draw import draw_robot
-from configs.effects.base import Slot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from physics.effects.gear_backlash import GearBacklash
 from physics.robot.model import RobotModel
+from pipeline.effects.contract import RULES, judged
+from pipeline.effects.probe import Probe, equal
+from pipeline.effects.trial import ANY_NAME, trials
 from symolo.core.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -85,15 +86,11 @@ CANONICAL = {
 }
 """Names and parameters, written by hand: measured cases and stored answers name them, so a change must be noticed."""
 
-CHOICES = {"material": ("white_board",)}
-CASES = [
-    pytest.param(effect, dict(zip(effect.options(), choice, strict=True)), id="-".join((effect.name, *choice)))
-    for effect in BY_NAME.values()
-    for choice in product(*(CHOICES.get(name, options) for name, options in effect.options().items()))
-]
 UNITS = {"N m": "N_m", "rad/s": "rad_s", "N m s2/rad2": "N_m_s2_rad2", "V": "V", "ohm": "ohm", "1/min": "per_minute"}
 UNITS |= {"s": "s", "A": "A", "rad": "rad", "m": "m", "m/K": "m_per_K", "1/m2": "per_m2", "1/klux": "per_klux"}
 UNITS |= {"s2/m": "s2_m", "m/rad": "m_per_rad", "H": "H", "Hz": "Hz"}
+PROBE = Probe()
+CASES = [pytest.param(trial, id=trial.name) for effect in BY_NAME.values() for trial in trials(effect, PROBE)]
 
 
 def test_the_effects_are_those_of_the_shared_format():
@@ -102,25 +99,15 @@ def test_the_effects_are_those_of_the_shared_format():
 
 
 @pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
-def test_a_effect_has_a_file_of_its_name_a_cause_and_an_excitation(effect):
+def test_an_effect_has_a_file_of_its_name(effect):
     assert effect.__module__.rsplit(".", 1)[1] == effect.name
-    assert len(effect.cause) > 10
-    assert len(effect.excitation) > 10
 
 
-@pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
-def test_bounds_are_finite_and_hold_null_and_start(effect):
-    assert effect.parameters()
-    for name, number in effect.parameters().items():
-        assert -1e5 < number.low < number.start < number.high < 1e5
-        if number.null is not None:
-            assert number.low <= number.null <= number.high
-            assert number.null != number.start
-        if number.unit == "1":
-            assert not name.endswith(("_s", "_m", "_V", "_A", "_rad"))
-        else:
-            assert name.endswith(UNITS[number.unit])
-    assert any(number.null is not None for number in effect.parameters().values())
+@pytest.mark.parametrize("trial", CASES)
+def test_it_keeps_every_rule(trial):
+    is_first = trial.choices == trials(trial.effect, PROBE)[0].choices
+    rules = [rule for rule in RULES if rule.name != "distinct" or is_first]  # the slowest rule, once for each effect
+    assert [f"{v.rule.name}: {v.problem}" for v in judged(trial, rules) if v.problem] == []
 
 
 @pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
@@ -130,27 +117,30 @@ def test_a_multiplicative_parameter_is_1_without_effect_and_any_other_0(effect):
             assert number.null == (1.0 if name in {"scale", "gain", "height_scale"} else 0.0)
 
 
-@pytest.mark.parametrize(("effect", "choices"), CASES)
-def test_a_effect_survives_dictionary_and_json(effect, choices, excitable):
-    robot = excitable.with_effect(effect.start(choices))
-    plain = robot.model_dump()
-    assert plain["effects"] == {effect.name: {**{n: p.start for n, p in effect.parameters().items()}, **choices}}
-    assert RobotConfig.model_validate(plain) == robot
-    assert RobotConfig.model_validate_json(robot.model_dump_json()) == robot
-    assert RobotModel.from_config(excitable).with_effect(effect.start(choices)) == RobotModel.from_config(robot)
+@pytest.mark.parametrize("effect", BY_NAME.values(), ids=lambda effect: effect.name)
+def test_the_name_of_a_number_ends_in_its_unit(effect):
+    for name, number in effect.parameters().items():
+        assert number.unit == "1" or name.endswith(UNITS[number.unit])
 
 
-def test_a_robot_without_effects_has_no_key_for_any(excitable):
-    assert excitable.model_dump()["effects"] == {}
+def test_a_robot_without_effects_has_no_key_for_any():
+    assert PROBE.robot.model_dump()["effects"] == {}
 
 
-@pytest.mark.parametrize(("effect", "choices"), CASES)
-def test_every_parameter_is_a_config_key_and_an_axis_of_randomisation(effect, choices):
+@pytest.mark.parametrize("trial", CASES)
+def test_it_survives_the_model_of_the_robot(trial):
+    robot = PROBE.robot.with_effect(trial.start)
+    assert RobotModel.from_config(PROBE.robot).with_effect(trial.start) == RobotModel.from_config(robot)
+
+
+@pytest.mark.parametrize("trial", CASES)
+def test_every_parameter_is_a_config_key_and_an_axis_of_randomisation(trial):
+    effect = trial.effect
     ends = {
         name: sorted((number.start, 0.5 * (number.start + (number.high if number.null is None else number.null))))
         for name, number in effect.parameters().items()
     }
-    settings = [f"robot.effects.{effect.name}.{name}={choice}" for name, choice in choices.items()]
+    settings = [f"robot.effects.{effect.name}.{name}={choice}" for name, choice in trial.choices.items()]
     settings += [f"robot.effects.{effect.name}.{name}={{uniform: {list(pair)}}}" for name, pair in ends.items()]
     section = load_section("robot", "nominal", settings)
     one, drawn = draw_robot(section, 1, "a", 1)
@@ -161,63 +151,21 @@ def test_every_parameter_is_a_config_key_and_an_axis_of_randomisation(effect, ch
         assert getattr(one.effects.get(effect), name) != getattr(other.effects.get(effect), name)
 
 
-@pytest.mark.parametrize(("effect", "choices"), CASES)
-class TestInTwinAndBench:
-    def test_the_null_value_is_bit_identical_to_no_effect(
-        self, effect, choices, excitable, read_in_twin, bare_in_twin, read_on_bench, bare_on_bench
-    ):
-        robot = excitable.with_effect(effect.null(choices))
-        assert read_in_twin(robot) == bare_in_twin
-        assert read_on_bench(robot) == bare_on_bench
-
-    def test_the_start_value_changes_a_reading(
-        self, effect, choices, excitable, read_in_twin, bare_in_twin, read_on_bench, bare_on_bench
-    ):
-        robot = excitable.with_effect(effect.start(choices))
-        changed_on_bench = read_on_bench(robot) != bare_on_bench
-        if effect.slot is Slot.GEARBOX:
-            assert changed_on_bench
-            with pytest.raises(InputError, match=r"gap_rad: .*the twin.* motor bench alone"):
-                read_in_twin(robot)
-        else:
-            assert changed_on_bench or read_in_twin(robot) != bare_in_twin
+def test_play_in_a_gear_is_refused_by_every_drive():
+    robot = PROBE.robot.with_effect(GearBacklash(gap_rad=0.05))
+    with pytest.raises(InputError, match=r"gap_rad: .*the twin.* motor bench alone"):
+        PROBE.in_twin(robot)
+    with pytest.raises(InputError, match=r"gap_rad: .*PyBullet.* motor bench alone"):
+        PROBE.in_engine(robot)
+    robot = PROBE.robot.with_effect(GearBacklash.null())
+    assert equal(PROBE.in_twin(robot), PROBE.in_twin(PROBE.robot))
+    assert equal(PROBE.in_engine(robot), PROBE.in_engine(PROBE.robot))
 
 
-@pytest.mark.parametrize(("effect", "choices"), CASES)
-class TestInTheEngine:
-    def test_the_null_value_is_bit_identical_to_no_effect(
-        self, effect, choices, excitable, read_in_engine, bare_in_engine
-    ):
-        assert read_in_engine(excitable.with_effect(effect.null(choices))) == bare_in_engine
-
-    def test_the_start_value_changes_a_reading(self, effect, choices, excitable, read_in_engine, bare_in_engine):
-        robot = excitable.with_effect(effect.start(choices))
-        if effect.slot is Slot.GEARBOX:
-            with pytest.raises(InputError, match=r"gap_rad: .*PyBullet.* motor bench alone"):
-                read_in_engine(robot)
-        else:
-            assert read_in_engine(robot) != bare_in_engine
-
-
-@pytest.fixture(scope="module")
-def bare_in_twin(excitable, read_in_twin):
-    return read_in_twin(excitable)
-
-
-@pytest.fixture(scope="module")
-def bare_on_bench(excitable, read_on_bench):
-    return read_on_bench(excitable)
-
-
-@pytest.fixture(scope="module")
-def bare_in_engine(excitable, read_in_engine):
-    return read_in_engine(excitable)
-
-
-def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin, read_on_bench):
+def test_the_order_in_a_file_does_not_matter(tmp_path):
     first = {name: next(iter(effect.options().values()), ()) for name, effect in BY_NAME.items()}
     effects = {
-        name: effect.start({key: CHOICES.get(key, first[name])[0] for key in effect.options()}).model_dump()
+        name: effect.start({key: ANY_NAME.get(key, first[name])[0] for key in effect.options()}).model_dump()
         for name, effect in BY_NAME.items()
     }
     found = []
@@ -232,8 +180,10 @@ def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin, read_on_ben
         path.write_text(yaml.safe_dump(text, sort_keys=False))
         robot = RobotConfig.model_validate(load_section("robot", str(path)).tree)
         rigid = robot.with_effect(GearBacklash(gap_rad=0.0))
-        found.append((robot.model_dump_json(), read_on_bench(robot), read_in_twin(rigid)))
-    assert found[0] == found[1]
+        found.append((robot.model_dump_json(), PROBE.on_bench(robot), PROBE.in_twin(rigid)))
+    (text, on_bench, in_twin), (other_text, *others) = found
+    assert text == other_text
+    assert [equal(*pair) for pair in zip((on_bench, in_twin), others, strict=True)] == [True, True]
 
 
 def test_every_effect_is_a_row_of_the_documentation():

@@ -38,6 +38,7 @@ class FileKind(Enum):
     TRAJECTORY = "a trajectory", 512 * _MIB
     """Packed or not; 18 hours at 20 rows a second."""
     LOG = "a log", 100_000_000
+    CODE = "a Python file", _MIB
     BAG = "a bag", 1 << 39
     """Read by a child with limits of its own."""
     ANY = "a file of a dataset", 512 * _MIB

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,8 +23,6 @@ from physics.effects.torque_constant_scale import TorqueConstantScale
 from physics.robot.model import RobotModel
 from sensors.effects.range_saturation import RangeSaturation
 
-BY_NAME = EFFECTS.by_name()
-
 
 @pytest.fixture
 def loaded(tmp_path):
@@ -39,7 +38,7 @@ def loaded(tmp_path):
 
 def with_effect(diagnosis, name, choices=(), **values):
     """The diagnosis as if it had named this effect and nothing else."""
-    effect = CandidateEffect(BY_NAME[name], choices)
+    effect = CandidateEffect(EFFECTS.by_name()[name], choices)
     hypothesis = Hypothesis(diagnosis.nominal, (), (effect,))
     x = np.array([c.coordinate(values[c.name]) for c in effect.coordinates])
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
@@ -63,6 +62,24 @@ def test_the_file_reads_back_as_the_robot_that_was_fitted(diagnosis_of, loaded):
     assert reloaded.effects.get(TorqueConstantScale).scale == pytest.approx(
         diagnosis.named[0].values["scale"], rel=1e-6
     )
+
+
+def test_an_effect_of_ones_own_is_named_with_its_file(diagnosis_of, loaded, tmp_path):
+    file = Path(__file__).parents[3] / "examples/oval_wheel.py"
+    EFFECTS.load(file)
+    try:
+        robot = extended_robot(with_effect(diagnosis_of("weak"), "oval_wheel", amplitude=0.02))
+        EFFECTS.unload(file)
+        assert 'effect_files:\n  - "oval_wheel.py"' in robot.text
+        (kept,) = robot.config.effect_files
+        (tmp_path / kept.file).write_text(kept.text)
+        reloaded = loaded(robot)  # loads the copy beside the robot's file
+        assert reloaded.effects.members[-1].amplitude == 0.02
+        assert reloaded.effect_files == robot.config.effect_files
+        assert kept.text == file.read_text()
+    finally:
+        for one in [*EFFECTS.files.values()]:
+            EFFECTS.unload(one.path)
 
 
 def test_the_robot_of_the_file_turns_as_the_real_one(diagnosis_of, loaded):

@@ -1,0 +1,130 @@
+"""Commands for effects, also a user's own: `symolo effect check`, `new`, `list`, `show`, `extract`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.exit_codes import BAD_INPUT
+from pipeline.commands.options import Dataset, NewFolder, checked_input, if_given, new_file_check
+from symolo.core.errors import InputError
+
+HELP = "Write and check an effect of your own, or look at those that there are."
+
+
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the effect, such as oval_wheel.")],
+    *,
+    slot: Annotated[
+        str, typer.Option(metavar="SLOT", help="Place in the signal chain where it acts; `effect list` shows them.")
+    ] = "range",
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE.py",
+            callback=if_given(new_file_check(".py")),
+            help="File to write; by default NAME.py in this folder.",
+        ),
+    ] = None,
+) -> None:
+    """Write a file with an effect of your own to begin with, which `effect check` accepts.
+
+    Example: symolo effect new oval_wheel --slot rolling
+    """
+    from pipeline.effects.template import slot_named, template
+    from symolo.core.files.atomic_files import write_file
+
+    file = out or new_file_check(".py")(Path(f"{name}.py"))
+    text = template(name, slot_named(slot))
+    if file.exists():
+        raise InputError("exists already", where=str(file), cure="name another file with --out, or remove this one")
+    write_file(file, text.encode())
+    typer.echo(f"{file}: change it as you like, then: symolo effect check {file}")
+
+
+def check(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", callback=checked_input, help="Python file that defines an effect.")
+    ],
+) -> int:
+    """Check a file with an effect of your own, and explain each rule.
+
+    The rules are those that the shipped effects keep. The exit code is 0 if the effect keeps all, and 2 if not. The
+    command executes the file: check only files that you have read.
+
+    Example: symolo effect check examples/oval_wheel.py
+    """
+    from pipeline.effects.check import check as checked_of
+    from pipeline.effects.check import check_text
+    from symolo.core.extras import check_installed
+
+    check_installed("pybullet")
+    checked = checked_of(file)
+    for line in check_text(checked):
+        typer.echo(line)
+    if checked.is_good:
+        settings = " ".join(f"--set {setting}" for setting in checked.settings)
+        typer.echo(f"{file} keeps every rule; try it: symolo --effect-file {file} simulate smoke {settings} --out data")
+        return 0
+    typer.echo(f"symolo: {file}: breaks a rule, see above", err=True)
+    return BAD_INPUT
+
+
+def list_(
+    *,
+    slot: Annotated[str | None, typer.Option(metavar="SLOT", help="Only those of one slot, such as 'range'.")] = None,
+) -> None:
+    """List all effects with their slots and causes.
+
+    Example: symolo effect list --slot range
+    """
+    from configs.effects.base import Slot
+    from pipeline.effects.listing import effect_lines
+    from symolo.core.errors import nearest
+
+    known = {one.value: one for one in Slot}
+    name = slot.lower().replace("-", " ").replace("_", " ") if slot is not None else None
+    if name is not None and name not in known:
+        raise InputError("--slot", got=slot, allowed=", ".join(known), nearest=nearest(name, known))
+    for line in effect_lines(None if name is None else known[name]):
+        typer.echo(line)
+
+
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of an effect.")],
+) -> None:
+    """Show an effect with its cause, its parameters, their bounds and its equation.
+
+    Example: symolo effect show supply_sag
+    """
+    from pipeline.effects.listing import effect_named, effect_text
+
+    for line in effect_text(effect_named(name)):
+        typer.echo(line)
+
+
+def extract(folder: Dataset, *, out: NewFolder) -> None:
+    """Write the files of the effects that a dataset was made with, to be read before they are used.
+
+    No command executes code of a dataset. To make its runs again, read the files, and then name them: symolo
+    --effect-file FILE repair DIR.
+
+    Example: symolo effect extract data --out effects
+    """
+    from pipeline.effects.extract import effect_files
+    from symolo.core.files.atomic_files import write_file
+    from symolo.core.files.new_folder import check_new, new_folder
+
+    check_new(out, folder)
+    files = {file.file: file.text.encode() for file in effect_files(folder)}
+    if not files:
+        raise InputError("was made without effects of a user's own", where=str(folder))
+    with new_folder(out) as partial:
+        for file, data in files.items():
+            write_file(partial / file, data)
+    for file in files:
+        typer.echo(out / file)
+
+
+COMMANDS = (new, check, list_, show, extract)

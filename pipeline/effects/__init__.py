@@ -1,0 +1,1 @@
+"""Effects of a user's own: their contract, their files, and the texts about all effects."""

@@ -1,0 +1,138 @@
+"""Short experiments that between them excite every slot: a drive in PyBullet, one in the twin, and three benches."""
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+
+from configs.loader import load_section
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Rates
+from physics.drivetrain.motor_bench import steady_states, step_responses
+from physics.robot.model import RobotModel
+from physics.twin import KinematicTwin, ReplayedWorld
+from sensors.fit_out import fit_out
+from sensors.ranging.range_effects import RangeEffects
+from sensors.ranging.range_view import RangeView
+from sensors.suite import SensorSuite, SteppedWorld
+from sensors.wheels.instruments import read_current_A, read_speed_rad_s
+from symolo.arena.geometry import Arena, Box, Line, Straight
+from symolo.core.arrays import Array
+
+DRIVEN = "drive: 0.6 s with 2.8 V and 2.2 V (in the twin then 1 V and 3 V), over a line, towards a wall at 0.75 m"
+ON_MOTOR = "motor bench: +3 V and then -3 V for 0.1 s each, and steady states at -2 V, 0.3 V and 4 V"
+AT_TARGETS = "range bench: 24 targets at 0.05 to 1.95 m, up to 46 degrees oblique, at 20 to 38 degrees C, up to 4 klux"
+ABOUT = (DRIVEN, ON_MOTOR, AT_TARGETS)
+"""The experiments in words, for a user whose effect changes none of their readings."""
+PHYSICS_HZ, TICK_STEPS, TICKS = 1000, 50, 12
+VOLTAGES_V, LATER_V = (2.8, 2.2), (1.0, 3.0)
+"""Right and left; the later ones only in the twin."""
+STEADY_V = (-2.0, 0.3, 4.0)
+
+Readings = Mapping[str, Array]
+"""Readings by channel."""
+
+Value = TypeVar("Value")
+
+
+def equal(some: Readings, others: Readings) -> bool:
+    """Return whether all bits of two sets of readings are equal."""
+    return some.keys() == others.keys() and all(some[name].tobytes() == others[name].tobytes() for name in some)
+
+
+class Probe:
+    """The experiments, each as a function of a robot."""
+
+    @cached_property
+    def robot(self) -> RobotConfig:
+        """The nominal robot, warm and in the light, with ranges that are not rounded."""
+        settings = ("robot.tof.quantisation_m=0", "robot.tof.temperature_C=35", "robot.tof.ambient_lux=2000")
+        return RobotConfig.model_validate(load_section("robot", "nominal", settings).tree)
+
+    @cached_property
+    def arena(self) -> Arena:
+        """A wall of white board across the way, which all three sensors see, and a line that every channel crosses."""
+        line = Line((Straight((-2.88, -3.0), (3.12, 3.0)),), 0.015, 0.05)
+        wall = Box("wall", "wall", (0.75, 0.0, 0.1), (0.02, 4.0, 0.2), 0.0, "white_board")
+        return Arena("walled", 4.0, 0.85, line, (wall,))
+
+    def bare(self, place: str) -> Readings:
+        """Return the readings of the robot without effects in one of the experiments, by the name of its method."""
+        if place not in self._bare:
+            self._bare[place] = getattr(self, place)(self.robot)
+        return self._bare[place]
+
+    @cached_property
+    def _bare(self) -> dict[str, Readings]:
+        return {}
+
+    def in_engine(self, robot: RobotConfig) -> Readings:
+        """Return the readings of a drive in PyBullet."""
+        from physics.bullet.simulation import BulletSimulation  # noqa: PLC0415 - loads PyBullet
+
+        with BulletSimulation(robot, self.arena, (0.0, 0.0, 0.0), Rates()) as world:
+            world.set_voltages(*VOLTAGES_V)
+            sensed = self._sensed(robot, world)
+            speeds = np.array([(0.0, 0.0), world.wheel_speeds()])
+            current = read_current_A(robot.effects, np.array(world.currents()))
+            speed = read_speed_rad_s(robot.effects, np.arange(2) * 0.05, speeds)
+            return {**sensed, "current_A": current, "speed_rad_s": speed}
+
+    def in_twin(self, robot: RobotConfig) -> Readings:
+        """Return the readings of a drive without an engine that turns the other way in its second half."""
+        model = RobotModel.from_config(robot)
+        voltages = np.repeat([VOLTAGES_V, LATER_V], 30, axis=0)[:, None]
+        run = KinematicTwin(model, 0.01).drive(voltages, np.zeros((1, 3)))
+        sensed = self._sensed(robot, ReplayedWorld(run, 0, self.arena, PHYSICS_HZ))
+        return {**sensed, "current_A": run.current_A, "true_pose": run.pose}
+
+    def on_bench(self, robot: RobotConfig) -> Readings:
+        """Return the readings of a motor, and of a range sensor before targets."""
+        model = RobotModel.from_config(robot)
+        reversal = np.repeat([3.0, -3.0], 20)[:, None]
+        current, speed = step_responses(model, reversal, 0.005)
+        steady_current, steady_speed = steady_states(model, np.array(STEADY_V), np.array([1.0, 2.0, 3.0]))
+        t_s = 0.005 * np.arange(1, 41)
+        mean_m, sd_m = _before_targets(robot)
+        return {
+            "step_current_A": read_current_A(robot.effects, current),
+            "step_speed_rad_s": read_speed_rad_s(robot.effects, t_s, speed),
+            "steady_current_A": read_current_A(robot.effects, steady_current),
+            "steady_speed_rad_s": steady_speed,
+            "range_m": mean_m,
+            "range_sd_m": sd_m,
+        }
+
+    def _sensed(self, robot: RobotConfig, world: SteppedWorld) -> dict[str, Array]:
+        sensors = fit_out(robot, self.arena, PHYSICS_HZ, lambda name: np.random.Generator(np.random.PCG64(len(name))))
+        suite = SensorSuite(sensors, TICK_STEPS)
+        found: dict[str, list[Array]] = {"tof": [], "line": [], "encoders": [], "pose": []}
+        for tick in range(TICKS):
+            readings = suite.read_at_tick(world, tick)
+            for name in ("tof", "line", "encoders"):
+                found[name].append(np.asarray(readings[name], dtype=float))
+            found["pose"].append(np.asarray(readings.get("pose_log", np.array(world.pose())), dtype=float))
+        return {name: np.stack(rows) for name, rows in found.items()}
+
+
+def _before_targets(robot: RobotConfig) -> tuple[Array, Array]:
+    """Return readings (24,) without noise, and its standard deviation, before targets in several directions."""
+    distance_m = np.linspace(0.05, 1.95, 24)
+    row = np.arange(24)
+    materials = ("white_board", "black_board", "wood", "paper")
+    view = RangeView(
+        distance_m=distance_m,
+        incidence_rad=0.2 * (row % 5),
+        tilt_forward_rad=0.2 * (row % 5) * np.where(row % 2, 1.0, -1.0),
+        tilt_sideways_rad=0.1 * (row % 3 - 1.0),
+        reflectance=np.array([0.85, 0.05, 0.5, 0.7])[row % 4],
+        material_share={name: (row % 4 == k).astype(float) for k, name in enumerate(materials)},
+        temperature_C=20.0 + 3.0 * (row % 7),
+        reference_temperature_C=robot.tof.reference_temperature_C,
+        ambient_lux=800.0 * (row % 6),
+        time_s=10.0 * row,
+    )
+    effects = RangeEffects.of(robot.effects.without("tof_range_offset"))
+    reading_m, sd_m = effects.seen(distance_m, 0.002 + 0.001 * (row % 3), view)
+    return effects.limited(reading_m), sd_m
