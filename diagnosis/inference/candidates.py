@@ -43,7 +43,7 @@ class Candidates:
 
 def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothesis) -> Candidates:
     """Return the candidate effects of a measurement; `hypothesis` has the nuisances and no effects."""
-    setups = {setup for case in measurement.cases or (measurement,) for setup in SETUPS[case.kind]}
+    setups = setups_of(measurement)
     several = {
         (effect, choices): CandidateEffect.on_top_of(hypothesis.nominal, effect, choices)
         for effect in EFFECTS.classes()
@@ -66,6 +66,11 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     kinds = {effect.kind for effect in testable}
     hidden = [effect.name if effect.kind in kinds else effect.kind.name for effect in effects if effect not in testable]
     return Candidates(testable, tuple(dict.fromkeys([*hidden, *refused])))
+
+
+def setups_of(measurement: Measurement) -> set[Setup]:
+    """Return the setups of a measurement; an effect with none of them is not looked for."""
+    return {setup for case in measurement.cases or (measurement,) for setup in SETUPS[case.kind]}
 
 
 def _choices(effect: type[Effect], measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:

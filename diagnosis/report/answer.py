@@ -33,6 +33,12 @@ def answer(data: ReportData) -> dict[str, object]:
             }
             for ablation in data.ablations
         }
+    if data.own_effects:
+        result["own_effects"] = {
+            tried.name: {"text": tried.text}
+            | ({"parameters": {**tried.values}, "std": {**tried.std}, "cost_fall": tried.drop} if tried.values else {})
+            for tried in data.own_effects
+        }
     if data.engines is not None and data.engines.engines:
         result["engines"] = {
             engine.engine: _gain("heldout_gain", engine.whole)

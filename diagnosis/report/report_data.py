@@ -19,6 +19,7 @@ from diagnosis.inference.profile import Interval, profiles
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.prediction_error import UnseenPrediction, predictions
+from diagnosis.report.own_effects import TriedEffect, tried_effects
 from diagnosis.report.row_sentences import row_sentences
 from diagnosis.report.run_ends import run_ends
 from diagnosis.report.session_sentences import session_sentences
@@ -77,6 +78,8 @@ class ReportData:
     """Errors with PyBullet; None if not requested."""
     dataset: DatasetComparison | None = None
     """Comparison with a dataset; None if none was named."""
+    own_effects: tuple[TriedEffect, ...] = ()
+    """Effects of the user's own that are not named."""
     unseen: tuple[UnseenPrediction, ...] = ()
     """Predictions of the extended robot for unseen runs of the case."""
 
@@ -120,6 +123,7 @@ def report_data(
         z=(z[0], z[1], z[2]),
         engines=compare_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
         dataset=None if release is None else compare_with_dataset(diagnosis.measurement, release, diagnosis.nominal),
+        own_effects=tuple(tried_effects(diagnosis)),
         unseen=predictions(diagnosis, unseen),
     )
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
-from diagnosis.diagnose import Diagnosis, NamedEffect
+from diagnosis.diagnose import NamedEffect
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import LEVEL
@@ -38,7 +38,7 @@ def summary(data: ReportData) -> list[str]:
         lines += ["", *_effect(named, ablation, data.intervals.get(named.name, {}))]
     if diagnosis.wander is not None:
         lines += ["", *wrap(wander_sentence(diagnosis.wander), WIDTH)]
-    lines += _not_named(diagnosis)
+    lines += _not_named(data)
     lines += ["", *(line for text in (*gain_sentences(data), *data.row_sentences) for line in wrap(text, WIDTH))]
     if data.dataset is not None:
         first, *rest = verdict(data.dataset)
@@ -57,8 +57,9 @@ def summary(data: ReportData) -> list[str]:
     return lines
 
 
-def _not_named(diagnosis: Diagnosis) -> Iterator[str]:
+def _not_named(data: ReportData) -> Iterator[str]:
     """Yield what is unexplained, and which effects were considered and are not named."""
+    diagnosis = data.diagnosis
     if diagnosis.unexplained is not None:
         yield ""
         yield from _entry("unexplained", unexplained_sentence(diagnosis.unexplained))
@@ -70,6 +71,8 @@ def _not_named(diagnosis: Diagnosis) -> Iterator[str]:
     for name, drop, times in hints(diagnosis):
         text = f"{name}, too weak to be named (the cost falls by {drop:.1f}); {times:.1f} times the rows would decide"
         yield from _entry("hint", text)
+    for tried in data.own_effects:
+        yield from _entry("your own", f"{tried.name}, {tried.text}")
 
 
 def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequence[Interval]]) -> Iterator[str]:

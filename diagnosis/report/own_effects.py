@@ -1,0 +1,64 @@
+"""What the data say about the effects of a user's own that were tried and are not named."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from configs.effects.base import Effect
+from configs.effects.registry import EFFECTS
+from diagnosis.diagnose import Diagnosis
+from diagnosis.inference.candidates import setups_of
+from diagnosis.inference.fit import fits
+from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.refusal import refusal
+from diagnosis.inference.scan import scan
+from diagnosis.report.quantities import with_error
+
+
+@dataclass(frozen=True)
+class TriedEffect:
+    """An effect of a user's own that is not named."""
+
+    name: str
+    """Name of the effect with its choice."""
+    text: str
+    """What the data say about it."""
+    values: Mapping[str, float] = field(default_factory=dict)
+    """Fitted value by number, beside the named effects; empty where the data cannot show the effect."""
+    std: Mapping[str, float] = field(default_factory=dict)
+    """Standard error by number."""
+    drop: float | None = None
+    """Fall of the cost; None where the data cannot show the effect."""
+
+
+def tried_effects(diagnosis: Diagnosis) -> Iterator[TriedEffect]:
+    """Yield what is known about each effect of a loaded file, unless the diagnosis names or withholds it."""
+    told = {each.effect.kind.name for each in diagnosis.named} | {each.name for each in diagnosis.withheld}
+    kinds = [file.member for file in EFFECTS.files.values() if file.member.name not in told]
+    for kind in kinds:
+        candidates = [effect for effect in diagnosis.candidates.testable if effect.kind is kind]
+        if candidates:
+            yield _best(diagnosis, candidates)
+        else:
+            yield TriedEffect(kind.name, _why_not(kind, diagnosis))
+
+
+def _why_not(kind: type[Effect], diagnosis: Diagnosis) -> str:
+    allowed = setups_of(diagnosis.measurement)
+    if allowed.isdisjoint(kind.setups):
+        here = " and ".join(sorted(f"Setup.{setup.name}" for setup in allowed))
+        return f"not tried, since its setups lack {here}"
+    return f"it changes no prediction of these data; it shows in {kind.excitation}"
+
+
+def _best(diagnosis: Diagnosis, candidates: list[CandidateEffect]) -> TriedEffect:
+    """Return the result of the fit with the most promising choice of an effect beside the named effects."""
+    evidence, fit = diagnosis.evidence, diagnosis.fit
+    prospect = scan(evidence, fit, candidates)[0]
+    effect = prospect.effect
+    (tried,) = fits(evidence, [(fit.hypothesis.with_effect(effect), prospect.start)])
+    values, std = dict(tried.hypothesis.values(effect, tried.x)), tried.std(effect)
+    drop = max(0.0, fit.cost - tried.cost)
+    numbers = ", ".join(f"{name} {with_error(value, std[name], '+-')}" for name, value in values.items())
+    reason = refusal(evidence, fit, tried, effect) or f"the cost falls by {drop:.1f}, and other effects were preferred"
+    beside = "beside the named effects, " if diagnosis.named else ""
+    return TriedEffect(effect.name, f"not named: {beside}{reason}; {numbers}", values, std, drop)
