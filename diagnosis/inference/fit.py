@@ -144,6 +144,8 @@ class _State:
     """The fit at x; None until its slopes are known."""
     noise: NoiseFit | None = None
     """Noise of the last fit; None before the first one."""
+    is_noise_known: bool = False
+    """Whether the noise is known and not fitted."""
 
     @property
     def around(self) -> tuple[Hypothesis, Array]:
@@ -151,15 +153,23 @@ class _State:
         return self.hypothesis, _around(self.hypothesis, self.x)
 
 
-def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]], goal: float = np.inf) -> list[HypothesisFit]:
+def fits(
+    evidence: Evidence,
+    starts: Sequence[tuple[Hypothesis, Array]],
+    goal: float = np.inf,
+    noises: Sequence[NoiseFit] | None = None,
+) -> list[HypothesisFit]:
     """Return the best fit from each start, which is a hypothesis and its coordinates (P,).
 
     Args:
         evidence: The observations.
         starts: Starts of the fits.
         goal: Cost that a fit must reach to matter; a fit that is too slow to reach it is stopped.
+        noises: Noise for each start, if it is known; otherwise each fit finds its own.
     """
     states = [_State(hypothesis, hypothesis.clipped(x)) for hypothesis, x in starts]
+    for state, noise in zip(states, noises or (), strict=noises is not None):
+        state.noise, state.is_noise_known = noise, True
     active = states
     for _ in range(MAX_STEPS):
         if not active:
@@ -292,7 +302,10 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     z = residuals(evidence, here, start)[0]
     lost = np.isinf(z)
     z, sd = np.where(lost, 0.0, z), np.where(lost, evidence.sd, prediction.sd[0])
-    noise = fitted_noise(evidence, z, sd, state.noise or start, _with_own_level(evidence, hypothesis, spreads))
+    if state.noise is not None and state.is_noise_known:
+        noise = state.noise
+    else:
+        noise = fitted_noise(evidence, z, sd, state.noise or start, with_own_level(evidence, hypothesis, spreads))
     level = noise.levels[evidence.quantity]
     z, sd = z / level, sd * level
     slopes = (prediction.mean[1:] - prediction.mean[0]) / (sd * offsets)
@@ -321,7 +334,7 @@ def _of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array, is_go
     It is the Schur complement of the levels in the joint information. `is_good` are the weights of the rows of the fit.
     """
     lost = np.zeros((len(spreads), len(spreads)))
-    held = _with_own_level(evidence, hypothesis, spreads)
+    held = with_own_level(evidence, hypothesis, spreads)
     quantity = evidence.quantity[evidence.fit]
     for k in np.flatnonzero(~held).tolist():
         of_quantity = np.where(quantity == k, is_good, 0.0)
@@ -330,7 +343,7 @@ def _of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array, is_go
     return lost
 
 
-def _with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
+def with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
     """Return the quantities (Q,) whose noise an effect scales as a whole, so that it has the place of the level."""
     held = np.zeros(len(evidence.observed), dtype=bool)
     for effect in hypothesis.effects:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.refusal import is_of_noise
 from diagnosis.measured.channel import Mask
 
 MAX_SESSIONS = 3
@@ -79,17 +80,27 @@ def supports(
     Returns:
         For each effect a tuple with one entry for each group.
     """
+    # All have the noise of the model with all effects. A worse model would have more outliers or a higher level, for
+    # which outliers anywhere cost less: rows that do not show the effect would seem to speak against it.
+    noises = [base.noise if _is_noisier(base, fit) else fit.noise for base in bases]
+    alike = fits(evidence, [(base.hypothesis, base.x) for base in bases], noises=noises)
     rows = []
     for part in parts:
         rest = evidence.with_rows(fit=evidence.fit & ~part.rows)
-        model, *without = fits(rest, [(each.hypothesis, each.x) for each in (fit, *bases)])
+        starts = [(each.hypothesis, each.x) for each in (fit, *alike)]
+        model, *without = fits(rest, starts, noises=[fit.noise, *noises])
         rows.append(
             [
                 Support(part.name, (base.cost - fit.cost) - (fewer.cost - model.cost))
-                for base, fewer in zip(bases, without, strict=True)
+                for base, fewer in zip(alike, without, strict=True)
             ]
         )
     return tuple(zip(*rows, strict=True)) if rows else tuple(() for _ in bases)
+
+
+def _is_noisier(base: HypothesisFit, fit: HypothesisFit) -> bool:
+    """Return whether an effect of the noise makes the difference, so that the level of the noise has its place."""
+    return any(is_of_noise(fit, effect) for effect in fit.hypothesis.effects if effect not in base.hypothesis.effects)
 
 
 def contradiction(by_group: Sequence[Support], drop: float) -> str:

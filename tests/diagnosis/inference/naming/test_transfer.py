@@ -47,6 +47,21 @@ def test_trials_that_cannot_show_the_effect_say_nothing_against_it(evidence_of, 
     assert found["trial 2"] > -4.0
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_outliers_in_rows_without_the_effect_say_nothing_against_it(evidence_of, hypothesis, effect, seed):
+    """The first of three trials has sixteen outliers; current flows only in twenty rows of the others.
+
+    Without the effect these are outliers too. Among so many, each of the sixteen would cost less than with the effect.
+    """
+    rows = 300
+    generator = np.random.default_rng(seed)
+    x = np.where((np.arange(rows) >= 100) & (np.arange(rows) % 10 == 0), 1.0, 0.0)
+    readings = 2.0 * x + SD_A * generator.standard_normal(rows)
+    readings[:96:6] += 0.3 * generator.choice([-1.0, 1.0], 16)
+    found = support_of(evidence_of(x, readings, trials=3), hypothesis, effect("current_sensor_gain"), ["1", "2", "3"])
+    assert found["trial 1"] > -4.0
+
+
 def test_names_up_to_the_slash_tell_manoeuvres_apart(evidence_of):
     evidence = evidence_of(X, X, trials=4)
     found = trial_groups(evidence, ["arc/1", "arc/2", "line/1", "line/2"], evidence.fit)
