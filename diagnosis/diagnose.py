@@ -31,6 +31,7 @@ from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.survivors import survivors
+from diagnosis.inference.unexplained.unlisted import with_forms
 from diagnosis.inference.unexplained.wander import Wander, wander
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalLog
@@ -212,14 +213,15 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         slow = None if rest.has_cause else slow
         evidence, selection, result = (steady, without_it, rest) if slow else (evidence, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
-    comparisons = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
+    comparisons = [
+        compare_rivals(evidence, fit, effect, library.testable, pairs=selection.pairs, is_whole=not result.has_cause)
+        for effect in fit.hypothesis.effects
+    ]
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
     if result.leaves_only_outliers:
-        fit, comparisons = _best_named(evidence, fit, comparisons, library.testable)
+        fit, comparisons = _best_named(evidence, fit, comparisons, library.testable, selection.pairs)
     parts = groups(evidence, [trial.name for trial in measurement.trials])
-    model, withheld_names = standing(
-        evidence, selection.nominal, NamedModel(fit, comparisons, result), library.testable, parts
-    )
+    model, withheld_names = standing(evidence, selection, NamedModel(fit, comparisons, result), library.testable, parts)
     fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
@@ -318,6 +320,7 @@ def _structures_of(evidence: Evidence, selection: Selection, result: Adequacy) -
     jump = change_in_time(evidence, selection.nominal, selection.fit)
     if jump is not None:
         return Adequacy((jump, *result.structures))
+    result = with_forms(evidence, selection.nominal, selection.fit, result)
     return result if result.is_adequate else located(evidence, selection.nominal.hypothesis, result)
 
 
@@ -373,7 +376,11 @@ def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Hypothes
 
 
 def _best_named(
-    evidence: Evidence, fit: HypothesisFit, comparisons: Sequence[RivalComparison], effects: Sequence[CandidateEffect]
+    evidence: Evidence,
+    fit: HypothesisFit,
+    comparisons: Sequence[RivalComparison],
+    effects: Sequence[CandidateEffect],
+    pairs: Sequence[HypothesisFit],
 ) -> tuple[HypothesisFit, Sequence[RivalComparison]]:
     """Replace a named effect by a rival that explains more, if there is one."""
     closest = [next((rival for rival in c.rivals if not rival.refused), None) for c in comparisons]
@@ -381,4 +388,4 @@ def _best_named(
     if not better:
         return fit, comparisons
     best = min(better, key=lambda rival: rival.worse).fit
-    return best, [compare_rivals(evidence, best, effect, effects) for effect in best.hypothesis.effects]
+    return best, [compare_rivals(evidence, best, effect, effects, pairs=pairs) for effect in best.hypothesis.effects]

@@ -8,6 +8,7 @@ effect in those rows too.
 
 import numpy as np
 
+from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
@@ -16,6 +17,9 @@ from sensors.effects.noise_scale import NoiseScale
 
 THRESHOLD = 15.0
 """Fall of the cost from which an effect with one parameter is accepted."""
+THRESHOLD_OF_NOISE = 9.0
+"""The same for an effect of the noise, three standard errors. There are two of these and not dozens, so that the
+greatest fall among them is smaller where nothing is hidden."""
 PER_PARAMETER = 3.0
 """Addition to the threshold for each parameter of an effect beyond the first."""
 NEGLIGIBLE = 0.01
@@ -25,6 +29,8 @@ MIN_ROWS = 6.0
 """Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
 MIN_ROWS_SHARE = 0.1
 """Share of the samples of the fit."""
+AGREEING = 2.0
+"""Least number of samples beyond the number of parameters, from which few samples are enough."""
 CONFIRMED = 8.0
 """Fall of the cost of held-out rows, as for a parameter at 2.8 standard errors, from which few samples are enough."""
 MIN_SAMPLES = 8
@@ -43,6 +49,8 @@ MAX_WORSE = 2.0
 
 def needed(effect: CandidateEffect, threshold: float = THRESHOLD) -> float:
     """Return the fall of the cost from which an effect is accepted."""
+    if effect.kind.slot is Slot.RANGE_NOISE:
+        threshold = min(threshold, THRESHOLD_OF_NOISE)
     return threshold + PER_PARAMETER * (len(effect.coordinates) - 1)
 
 
@@ -84,8 +92,14 @@ def refusal(
     rise = -float(heldout_falls.sum())
     # Effective number of samples (Kish): the number of equal falls with the same ratio of sum and sum of squares.
     rows = float(fit_falls.sum() ** 2 / max(float((fit_falls**2).sum()), 1e-300))
-    # If the held-out rows, which were not used for the fit, confirm the effect, it is not made of outliers.
-    if rows < min(MIN_ROWS, MIN_ROWS_SHARE * np.count_nonzero(evidence.fit)) and rise > -CONFIRMED:
+    few = rows < min(MIN_ROWS, MIN_ROWS_SHARE * np.count_nonzero(evidence.fit))
+    # An effect goes through as many outliers as it has parameters. Two more rows that agree are not there by chance, if
+    # they suffice by themselves. And if the held-out rows, which were not used for the fit, confirm the effect, it is
+    # not made of outliers either.
+    numbers = len(effect.coordinates)
+    others = float(np.sort(fit_falls)[: len(fit_falls) - numbers].sum())
+    agrees = rows >= numbers + AGREEING and others >= min_drop
+    if few and not agrees and rise > -CONFIRMED:
         return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
     if rise > MAX_WORSE * float(np.sqrt((heldout_falls**2).sum())):
         return f"the cost of the held-out rows rises by {rise:.1f}"

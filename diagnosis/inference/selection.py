@@ -69,6 +69,8 @@ class Selection:
     fit: HypothesisFit
     """The fit with the selected effects."""
     entries: tuple[Entry, ...]
+    pairs: tuple[HypothesisFit, ...] = ()
+    """Fits with two effects that were compared with the result; empty if none were."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -100,13 +102,15 @@ def select(
         entries = list(begin.entries)
     fit, tried = _grown(evidence, base, fit, effects)
     entries += tried
+    pairs: list[HypothesisFit] = []
     if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
-        pair = _best_pair(evidence, base, fit, effects)
+        pairs = _pairs(evidence, base, effects)
+        pair = _best_pair(evidence, pairs, fit)
         if pair is not fit:
             # What was tried beside the effects before says nothing about these two, so the report has only their steps.
             fit, tried = _grown(evidence, base, pair, effects)
             entries = [*_entries_of(evidence, pair), *tried]
-    return Selection(base, fit, tuple(entries))
+    return Selection(base, fit, tuple(entries), tuple(pairs))
 
 
 def _grown(
@@ -141,23 +145,24 @@ def _entries_of(evidence: Evidence, pair: HypothesisFit) -> list[Entry]:
     ]
 
 
-def _best_pair(
-    evidence: Evidence, base: HypothesisFit, fit: HypothesisFit, effects: Sequence[CandidateEffect]
-) -> HypothesisFit:
-    """Return the best pair that begins with one of the best single effects, if it explains more than a fit.
+def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
+    """Return the fits with two effects that begin with one of the best single effects, the best first.
 
     Args:
         evidence: The observations.
         base: The fit without effects.
-        fit: The fit with one or two effects.
         effects: The effects that may enter.
     """
     prospects = [p for p in _scanned(evidence, base, tuple(effects)) if p.drop > HOPELESS]
     singles = ranked(_fitted(evidence, base, tuple(prospects[:BEAM]), base.cost - HOPELESS), effects)
     # Effects that these data cannot distinguish, such as an offset and a bias of the only material, fit equally well.
     distinct = {round(single.cost, 1): single for single in reversed(singles)}
-    pairs = [pair for single in distinct.values() for pair in _extended(evidence, single, effects)]
-    for pair in ranked(pairs, effects):
+    return ranked([pair for single in distinct.values() for pair in _extended(evidence, single, effects)], effects)
+
+
+def _best_pair(evidence: Evidence, pairs: Sequence[HypothesisFit], fit: HypothesisFit) -> HypothesisFit:
+    """Return the best pair, if it explains more than a fit with one or two effects; otherwise the fit."""
+    for pair in pairs:
         if _is_better(pair, fit) and all(
             not refusal(evidence, without(evidence, pair, effect), pair, effect) for effect in pair.hypothesis.effects
         ):
@@ -168,7 +173,7 @@ def _best_pair(
 def _is_better(pair: HypothesisFit, fit: HypothesisFit) -> bool:
     """Return whether a pair of effects explains more than another pair or a single effect."""
     if len(fit.hypothesis.effects) == 2:
-        return pair.cost + _toll(pair) < fit.cost + _toll(fit)
+        return pair.cost + toll(pair) < fit.cost + toll(fit)
     return pair.cost + _needed(pair) < fit.cost + _needed(fit)
 
 
@@ -206,7 +211,7 @@ def rescued(evidence: Evidence, selection: Selection, effects: Sequence[Candidat
         if not refusal(evidence, fit, tried, effect, RESCUE) and adequacy(evidence, tried).is_adequate:
             drop = fit.cost - tried.cost
             entry = Entry(effect, drop, accepted=True, reason=f"the cost falls by {drop:.1f}, and no structure remains")
-            return Selection(selection.nominal, tried, (*selection.entries, entry))
+            return Selection(selection.nominal, tried, (*selection.entries, entry), selection.pairs)
     return None
 
 
@@ -248,7 +253,7 @@ def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffec
     return [
         fit
         for _, _, fit in sorted(
-            ((round(f.cost + _toll(f), 1), k, f) for k, f in zip(last, candidates, strict=True)),
+            ((round(f.cost + toll(f), 1), k, f) for k, f in zip(last, candidates, strict=True)),
             key=lambda row: row[:2],
         )
     ]
@@ -258,7 +263,7 @@ def _needed(fit: HypothesisFit) -> float:
     return sum(needed(effect) for effect in fit.hypothesis.effects)
 
 
-def _toll(fit: HypothesisFit) -> float:
+def toll(fit: HypothesisFit) -> float:
     return sum(TOLL * len(effect.coordinates) for effect in fit.hypothesis.effects)
 
 
@@ -301,7 +306,7 @@ def _swapped(evidence: Evidence, fit: HypothesisFit, effects: Sequence[Candidate
     for effect in fit.hypothesis.effects[:-1]:
         base = without(evidence, fit, effect)
         for rival in replaced(evidence, fit, effect, base, effects):
-            if rival.cost + _toll(rival) >= fit.cost + _toll(fit):
+            if rival.cost + toll(rival) >= fit.cost + toll(fit):
                 break
             if not refusal(evidence, base, rival, rival.hypothesis.added_to(base.hypothesis)):
                 fit = rival

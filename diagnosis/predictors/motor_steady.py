@@ -72,6 +72,7 @@ class MotorSteady:
             Covariate("omega_rad_s", speed),
             Covariate("current_A", current),
             Covariate("u_cmd_V", self._voltage_V),
+            Covariate("voltage_step_V", joined(_size_step(trial["u_cmd_V"].values) for trial in trials)),
             Covariate("t_s", self._since_on_s),
             Covariate("sweep", trial_of_rows(measurement).astype(float), CovariateShape.CATEGORY),
         )
@@ -144,3 +145,8 @@ def _seen(speed_rad_s: Array, sd_rad_s: Array, voltage_V: Array) -> tuple[Mask, 
 
 def _since_on_s(trial: Trial) -> Array:
     return trial.t_s + (trial.begins_s or 0.0) if trial.is_timed else np.zeros_like(trial.t_s)
+
+
+def _size_step(voltage_V: Array) -> Array:
+    """Return by how much the size of the voltage has grown since the row before, (n,); NaN in the first row."""
+    return np.diff(np.abs(voltage_V), prepend=np.nan)

@@ -22,6 +22,7 @@ NAMES = {
     "omega": "speed of the wheel",
     "u_cmd": "commanded voltage",
     "u": "voltage",
+    "voltage_step": "step of the voltage since the previous row",
     "u_left": "voltage of the left motor",
     "u_right": "voltage of the right motor",
     "current": "current",

@@ -1,7 +1,7 @@
 """The verdict in plain sentences, the same on a terminal and on the page."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import ceil, log10
+from math import ceil, inf, log10
 
 import numpy as np
 
@@ -31,6 +31,9 @@ MIN_BENT = 4.0
 """Deviation in tolerances from which a nominal parameter is mentioned."""
 _MAX_VOLTAGES = 3
 """Voltages at standstill that the headline lists; more are counted."""
+_MORE_LIKELY_THAN_NOT = 0.5
+_NEARLY_AS_WELL = 12.0
+"""Rise of the cost up to which something else has a twentieth of the weight of a name."""
 _MIN_SURE = 0.9
 """Confidence of an effect without rivals, below which chance is mentioned."""
 
@@ -40,6 +43,8 @@ def headline(diagnosis: Diagnosis) -> str:
     names = diagnosis.names
     structure = diagnosis.unexplained
     if structure is None:
+        if names and any(named.comparison.confidence < _MORE_LIKELY_THAN_NOT for named in diagnosis.named):
+            return f"The real robot differs from the nominal one. {listed(names)} fits best, but this is not certain."
         if names:
             return f"The real robot differs from the nominal one by {listed(names)}."
         if diagnosis.conclusion is CaseVerdict.UNDECIDED:
@@ -115,6 +120,12 @@ def certainty(named: NamedEffect) -> str:
     sure = confidence(comparison.confidence)
     if comparison.ambiguous_with:
         return f"{sure}; these data cannot distinguish it from {listed(comparison.ambiguous_with)}"
+    if comparison.confidence < _MIN_SURE:
+        if not comparison.is_whole:
+            return f"{sure}; what stays unexplained, or scatters more than stated, may have the same cause"
+        other, rise = min(comparison.others, key=lambda each: each[1], default=("", inf))
+        if rise < _NEARLY_AS_WELL and all(rise <= rival.worse for rival in comparison.rivals):
+            return f"{sure}; {other} would explain the data nearly as well"
     if comparison.rivals:
         return f"{sure}; the closest alternative, {comparison.rivals[0].effect.name}, explains the data worse"
     if comparison.confidence < _MIN_SURE:
@@ -156,12 +167,16 @@ def reach(intervals: Sequence[Interval]) -> str:
 def unexplained_sentence(structure: Structure) -> str:
     """Return what remains unexplained and where, in one sentence."""
     words, _ = quantity_words(structure.covariate)
+    shape, _, sign = structure.what.partition(", ")
     shape = {
         "trend": f"a smooth curve over {words}",
         "category": f"another mean for each {words}",
         "turn": f"an oscillation with {words}",
         "place": "an error that depends on the place",
-    }.get(structure.what, f"a {structure.what} over {words}")
+        "step": f"a step at one value of {words}",
+        "kink": f"a straight line that begins at one value of {words}",
+        "bump": f"a bump around one value of {words}",
+    }.get(shape, f"a {shape} over {words}") + (f", {sign}" if sign else "")
     chance = "less than 1e-12" if structure.p < 1e-12 else f"{structure.p:.2g}"
     return (
         f"The residuals of {structure.observed} have structure along {along(structure.covariate)} ({shape}); the "

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
@@ -10,9 +12,10 @@ from diagnosis.inference.naming.transfer import Group, contradiction, supports
 from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, cancel, withheld
 from diagnosis.inference.refusal import is_at_bound, needed
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
-from diagnosis.inference.selection import without
+from diagnosis.inference.selection import Selection, without
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy, change_by
 from diagnosis.inference.unexplained.survivors import survivors
+from diagnosis.inference.unexplained.unlisted import advantage, with_forms
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class NamedModel:
 
 def standing(
     evidence: Evidence,
-    nominal: HypothesisFit,
+    selection: Selection,
     model: NamedModel,
     effects: Sequence[CandidateEffect],
     parts: Sequence[Group],
@@ -35,6 +38,7 @@ def standing(
 
     Names are withheld one at a time, the weakest first, since the others may stand without it.
     """
+    nominal = selection.nominal
     withheld_names: list[WithheldName] = []
     while True:
         bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
@@ -58,15 +62,19 @@ def standing(
         fit = model.fit
         for _, comparison in going:
             fit = without(evidence, fit, comparison.effect)
-        left = adequacy(evidence, fit)
+        left = with_forms(evidence, nominal, fit, adequacy(evidence, fit))
         if left.has_cause and fit.hypothesis.effects:
             surviving = survivors(evidence, nominal, fit, left)
             substitutes = [effect for effect in fit.hypothesis.effects if effect not in surviving]
             withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
             for effect in substitutes:
                 fit = without(evidence, fit, effect)
-        comparisons = [compare_rivals(evidence, fit, effect, effects) for effect in fit.hypothesis.effects]
-        model = NamedModel(fit, comparisons, model.result if left.is_adequate else left)
+        result = model.result if left.is_adequate else left
+        comparisons = [
+            compare_rivals(evidence, fit, effect, effects, pairs=selection.pairs, is_whole=not result.has_cause)
+            for effect in fit.hypothesis.effects
+        ]
+        model = NamedModel(fit, comparisons, result)
 
 
 def _cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> str:
@@ -103,5 +111,6 @@ def _name_evidence(  # noqa: PLR0917 - all that is known of a name
         contradicted_by=contradicted_by,
         cancelled_by=_cancelled_by(evidence, nominal, fit, effect),
         closest_rival=None if rival is None else (rival.effect.name, rival.worse),
+        ahead=-np.inf if has_rest else advantage(evidence, base, fit),
         confidence=1.0 if has_rest else comparison.confidence,
     )

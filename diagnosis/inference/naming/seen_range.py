@@ -18,7 +18,7 @@ from symolo.core.arrays import Array
 
 MATTERS = 0.1
 """Change of a prediction in sigmas from which an effect matters in a row."""
-_ORDER_OF_ROWS = ("row", "previous_distance_m", "distance_step_m", "session_time_s")
+_ORDER_OF_ROWS = ("row", "previous_distance_m", "distance_step_m", "voltage_step_V", "session_time_s")
 """Smooth covariates that are no condition of a measurement."""
 
 

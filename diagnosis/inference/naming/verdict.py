@@ -2,9 +2,9 @@
 
 The selection proposes names; here each of them must stand alone. A name is withheld if its number lies at a bound, if
 held-out rows, a manoeuvre, a session or a range of speed contradict it, if fitted and held-out rows together show it
-little more than chance does, or if another effect explains the data better. What remains decides the conclusion: a
-model may only be called an explanation if no test of the residuals and no effect in addition is anywhere near
-significance. Between explanation and discovery lies what the data leave open.
+little more than chance does, or if another effect or an error of simple form explains the data better. What remains
+decides the conclusion: a model may only be called an explanation if no test of the residuals and no effect in addition
+is anywhere near significance. Between explanation and discovery lies what the data leave open.
 """
 
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from diagnosis.inference.unexplained.unlisted import BETTER
 from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
 
@@ -80,6 +81,8 @@ class NameEvidence:
     """Name of another effect of the model that undoes nearly all that this one does; empty if there is none."""
     closest_rival: tuple[str, float] | None
     """Name of the closest accepted rival and the rise of the cost with it; None if there is none."""
+    ahead: float
+    """Fall of the cost by which the best simple form of an error, whose cause is in no list, explains more."""
     confidence: float
 
     @property
@@ -117,6 +120,8 @@ def withheld(evidence: NameEvidence) -> str:
         return f"it is a description and no cause: fitted to the rest, it is contradicted by {evidence.contradicted_by}"
     if evidence.closest_rival is not None and evidence.closest_rival[1] < -CHEAPER:
         return f"{evidence.closest_rival[0]} explains the data better"
+    if evidence.ahead >= BETTER:
+        return "an error of simple form, whose cause is in no list, explains the data better"
     # Both are differences of log-likelihoods for independent rows, so that they add up.
     rise = evidence.rise + heldout_rise
     if rise < evidence.needed + MARGIN:

@@ -196,12 +196,12 @@ def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterato
             basis=column,
             size=float(np.sqrt(squares / evidence.weight[place][rows].sum())),
             is_over_time=False,
-            longest_run=_run(found.rows),
+            longest_run=run_of_outliers(found.rows),
         )
 
 
-def _run(rows: Mask) -> int:
-    """Return the number of rows from the first to the last of a cluster, if a logger can cause it; else 0."""
+def run_of_outliers(rows: Mask) -> int:
+    """Return the number of rows from the first to the last of some rows, if a logger can cause it; else 0."""
     places = np.flatnonzero(rows)
     length = int(places[-1] - places[0]) + 1
     return length if length <= OUTLIERS_IN_A_ROW else 0

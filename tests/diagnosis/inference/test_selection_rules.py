@@ -95,12 +95,19 @@ class TestRefusal:
     @pytest.mark.parametrize(
         ("rows", "samples", "is_named"), [(100, 5, False), (100, 6, True), (40, 3, False), (40, 4, True)]
     )
-    def test_the_fall_comes_from_6_samples_or_a_tenth_of_all(self, judged, rows, samples, is_named):
+    def test_a_small_fall_comes_from_6_samples_or_a_tenth_of_all(self, judged, rows, samples, is_named):
         """Equal falls in k rows count as k; a row that gets worse does not count."""
-        falls = np.where(np.arange(rows) < samples, 10.0, 0.0)
+        falls = np.where(np.arange(rows) < samples, 18.0 / samples, 0.0)
         falls[-1] = -1.0
-        fall = 10 * samples - 1
-        assert judged(falls) == ("" if is_named else f"the fall of {fall}.0 comes from {samples}.0 samples")
+        assert judged(falls) == ("" if is_named else f"the fall of 17.0 comes from {samples}.0 samples")
+
+    @pytest.mark.parametrize(("samples", "is_named"), [(2, False), (3, True)])
+    def test_an_effect_with_one_parameter_goes_through_one_outlier_but_not_through_three(
+        self, judged, samples, is_named
+    ):
+        """Without the largest fall, those of two other rows must be enough by themselves."""
+        falls = np.where(np.arange(100) < samples, 10.0, 0.0)
+        assert judged(falls) == ("" if is_named else "the fall of 20.0 comes from 2.0 samples")
 
     @pytest.mark.parametrize(("falls", "is_named"), [((4.0, 4.0), True), ((4.0, 3.75), False)])
     def test_a_fall_of_8_in_held_out_rows_confirms_few_samples(self, judged, falls, is_named):
@@ -261,15 +268,17 @@ class TestSteps:
         monkeypatch.setattr(selection, "_swapped", lambda _, fit, __: fit)
         monkeypatch.setattr(selection, "_pruned", lambda _, fit: fit)
         monkeypatch.setattr(selection, "without", lambda _, __, effect: alone[effect])
+        monkeypatch.setattr(selection, "_pairs", lambda *_: [pair])
         monkeypatch.setattr(selection, "_best_pair", lambda *_: pair)
         found = select(few, base.hypothesis, ())
         assert found.fit is three
+        assert found.pairs == (pair,)
         assert [(entry.effect, entry.drop, entry.accepted) for entry in found.entries[:2]] == [
             (B, 35.0, True),
             (C, 50.0, True),
         ]
         assert found.entries[2:] == ("D enters",)
-        monkeypatch.setattr(selection, "_best_pair", lambda _, __, fit, ___: fit)
+        monkeypatch.setattr(selection, "_best_pair", lambda _, __, fit: fit)
         assert select(few, base.hypothesis, ()).entries == ("A enters", "B is refused")
 
     def test_a_selection_goes_on_from_the_effects_of_an_earlier_one(self, evidence, monkeypatch):

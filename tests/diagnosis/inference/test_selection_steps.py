@@ -13,6 +13,7 @@ from diagnosis.inference.refusal import is_negligible, needed, refusal
 from diagnosis.inference.selection import (
     _best_pair,
     _is_better,
+    _pairs,
     _pruned,
     _swapped,
     promising,
@@ -60,6 +61,7 @@ def test_each_further_parameter_needs_3_more(effect):
     assert needed(effect("current_sensor_offset")) == 15.0
     assert needed(effect("friction_warmup")) == 18.0
     assert needed(effect("friction_warmup"), 9.0) == 12.0
+    assert needed(effect("noise_scale")) == 9.0  # three standard errors: there are two effects of the noise
 
 
 def test_an_effect_is_replaced_by_all_others_beside_those_that_stay(evidence_of, fitted, effect):
@@ -175,8 +177,8 @@ def test_the_best_pair_stays_what_it_is_and_a_pair_that_is_refused_is_none(evide
     effects = [effect(name) for name in names]
     evidence = evidence_of(X, 1.4 * X + 0.05)
     best = fitted(evidence, *names)
-    assert _best_pair(evidence, fitted(evidence), best, effects) is best
-    found = _best_pair(evidence, fitted(evidence), fitted(evidence, names[1]), effects)
+    assert _best_pair(evidence, _pairs(evidence, fitted(evidence), effects), best) is best
+    found = _best_pair(evidence, _pairs(evidence, fitted(evidence), effects), fitted(evidence, names[1]))
     assert {e.name for e in found.hypothesis.effects} == set(names)
     # Held-out rows without the offset refuse it, however much it explains of the others.
     n = 30
@@ -184,7 +186,7 @@ def test_the_best_pair_stays_what_it_is_and_a_pair_that_is_refused_is_none(evide
         np.concatenate([X, X[:n]]), np.concatenate([1.4 * X + 0.05, 1.4 * X[:n] - 0.5]), heldout=n
     )
     alone = fitted(contradicted, names[0])
-    assert _best_pair(contradicted, fitted(contradicted), alone, effects) is alone
+    assert _best_pair(contradicted, _pairs(contradicted, fitted(contradicted), effects), alone) is alone
 
 
 def test_no_pairs_are_tried_beside_three_effects(evidence_of, hypothesis, effect, monkeypatch):

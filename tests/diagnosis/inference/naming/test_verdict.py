@@ -19,6 +19,7 @@ from diagnosis.inference.naming.verdict import (
     conclusion,
     withheld,
 )
+from diagnosis.inference.unexplained.unlisted import BETTER
 
 numbers = st.floats(-200.0, 200.0)
 evidences = st.builds(
@@ -32,6 +33,7 @@ evidences = st.builds(
     contradicted_by=st.sampled_from(["", "the trials line/* (it describes arc/*)"]),
     cancelled_by=st.sampled_from(["", "range_offset"]),
     closest_rival=st.none() | st.tuples(st.just("speed_scale"), numbers),
+    ahead=numbers | st.just(-np.inf),
     confidence=st.floats(0.0, 1.0),
 )
 names = st.lists(st.sampled_from(["supply_sag", "range_offset"]), max_size=2, unique=True)
@@ -46,6 +48,7 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
     assert not evidence.cancelled_by
     assert not evidence.contradicted_by
     assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
+    assert evidence.ahead < BETTER
     assert evidence.confidence >= MIN_WEIGHT
     # Held-out rows count, unless parameters bent far out of their tolerances do its work there.
     counts = evidence.heldout_rise is not None and evidence.rise_of_prior <= 0.5 * evidence.rise
@@ -60,7 +63,9 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
     assert ("end of the possible range" in reason) <= evidence.is_at_bound
     assert ("cancel" in reason) <= bool(evidence.cancelled_by)
     assert ("description" in reason) <= bool(evidence.contradicted_by)
-    if "explains the data better" in reason:
+    if "simple form" in reason:
+        assert evidence.ahead > 0.0
+    elif "explains the data better" in reason:
         assert evidence.closest_rival is not None
         assert evidence.closest_rival[1] < 0.0
     if "held-out" in reason:
@@ -91,7 +96,7 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
 )
 def test_fitted_and_held_out_rows_are_weighed_together(rise, heldout_rise, stands):
     """Log-likelihood ratios of independent rows add up."""
-    evidence = NameEvidence("supply_sag", rise, 15.0, 0.0, heldout_rise, False, "", "", None, 0.97)  # noqa: FBT003
+    evidence = NameEvidence("supply_sag", rise, 15.0, 0.0, heldout_rise, False, "", "", None, -9.0, 0.97)  # noqa: FBT003
     assert (not withheld(evidence)) is stands
 
 

@@ -1,0 +1,269 @@
+"""Causes in no list, as rivals of the named effects and of outliers, by the same cost.
+
+Effects of the list are flexible enough to imitate many a cause that is in none, and leave no structure then. And a few
+rows far off are cheap if they are outliers. So errors of simple form (`forms`) compete with both: each is fitted beside
+a model, with all coordinates linearised, with noise and outliers fitted again, and is charged TOLL for its size and for
+each number that was chosen for it, like an effect for its parameters. Outliers have random sizes, so that no form goes
+through them. This is for the rows of a bench only, which are separate states.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from math import exp
+
+import numpy as np
+from scipy.optimize import minimize
+
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.remembered import remembered
+from diagnosis.inference.fit import HypothesisFit, with_own_level
+from diagnosis.inference.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
+from diagnosis.inference.projection import orthonormal
+from diagnosis.inference.selection import TOLL, without
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
+from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
+from symolo.core.arrays import Array
+
+MOST_SAMPLES = 2000
+"""Greatest number of samples with this test. With more of them, `adequacy` sees what the forms would."""
+MIN_ROWS = 8
+"""Least number of rows of a quantity that is tested."""
+PROMISING = 8
+"""Number of forms that are fitted, by each of two linear rankings."""
+ALIKE = 2
+"""Greatest number of forms among them of one kind along one covariate."""
+ALIKE_FALL = 1.0
+"""Difference of the cost up to which two forms are equal; then that along the first covariate is reported."""
+REFINED = 1
+"""Number of bumps by each ranking whose middle and width are fitted too."""
+REFINEMENTS = 40
+"""Greatest number of fits with other middles and widths of a bump."""
+MORE_THAN_OUTLIERS = 9.0
+"""Least fall of the cost of those rows that a form does not go through anyway; three standard errors."""
+FORBIDDEN = 1e9
+"""Cost of a bump outside the data."""
+SETTLED = 0.05
+"""Fall of the cost from which another round is worth its time."""
+ROUNDS = 6
+"""Fits of size and coordinates in turn with noise and weights."""
+BETTER = 4.6
+"""Advantage of a form over the effects in its place, from which these are only substitutes for it: its weight is then
+ten times theirs. Beside 90 right names in independent benches (docs/diagnosis_evaluation.md, seed 202), every form was
+behind by at least 2.7."""
+WIDTHS = (0.02, 0.4)
+"""Least and greatest width of a bump, as a share of the range of its covariate."""
+
+
+@dataclass(frozen=True)
+class FittedForm:
+    """A form beside a model."""
+
+    quantity: int
+    """Index of the observed quantity."""
+    form: Form
+    column: Array
+    """(N,), change of the residuals by the fitted form, in sigmas of the model."""
+    fall: float
+    """Fall of the cost of the model by the form, with a toll for each of its numbers."""
+    heldout_fall: float
+    """Fall of the cost of the held-out rows."""
+    explainable: float
+    """Fall of the cost without a toll."""
+    beyond_chance: float
+    """Fall of the cost of the rows of the fit without the largest falls, as many as the form has numbers: with them, it
+    can go through as many outliers."""
+    kinds: int = 1
+    """Number of kinds of forms, along all covariates, of which this one is the best."""
+
+
+def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, result: Adequacy) -> Adequacy:
+    """Return the structures of a fit with the form that explains more than its effects, or else the best beside them.
+
+    The probability of a form by chance is exp(-fall / 2), a ratio of likelihoods with its tolls, times the number of
+    kinds of forms (Bonferroni).
+    """
+    if result.has_cause:
+        return result
+    bases = [nominal] if len(fit.hypothesis.effects) == 1 else []
+    if len(fit.hypothesis.effects) > 1:
+        bases = [nominal, *(without(evidence, fit, effect) for effect in fit.hypothesis.effects)]
+    rivals = [(advantage(evidence, base, fit), best_form(evidence, base)) for base in bases]
+    better = [(ahead, form) for ahead, form in rivals if form is not None and ahead >= BETTER]
+    if better:
+        ahead, form = max(better, key=lambda pair: pair[0])
+        found = _structure(evidence, form, explainable=ahead, longest_run=0)
+    elif (beside := best_form(evidence, fit)) is not None:
+        found = _structure(evidence, beside, beside.explainable, _run_of_rows(evidence, beside))
+    else:
+        return result
+    return Adequacy(tuple(sorted((found, *result.structures), key=lambda structure: structure.p)))
+
+
+def advantage(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> float:
+    """Return by how much the best form beside a base explains more than the effects by which a fit goes beyond it.
+
+    Log-likelihoods of fitted and held-out rows add up. Each number has the toll of the selection.
+    """
+    form = best_form(evidence, base)
+    if form is None:
+        return -np.inf
+    numbers = len(fit.x) - len(base.x)
+    by_effects = base.cost - fit.cost - TOLL * numbers + float((base.costs - fit.costs)[evidence.heldout].sum())
+    return form.fall + form.heldout_fall - by_effects
+
+
+def _structure(evidence: Evidence, found: FittedForm, explainable: float, longest_run: int) -> Structure:
+    observed, form = evidence.observed[found.quantity], found.form
+    rows = evidence.fit[evidence.places[found.quantity]]
+    return Structure(
+        observed=observed.name,
+        channel=observed.channel,
+        covariate=form.covariate,
+        what=form.what,
+        p=min(1.0, found.kinds * exp(-0.5 * max(0.0, found.fall + found.heldout_fall))),
+        explainable=explainable,
+        rank=form.rank,
+        basis=np.where(evidence.fit, found.column, 0.0)[:, None],
+        size=float(np.sqrt(max(0.0, found.explainable) / np.count_nonzero(rows))),
+        is_over_time=False,
+        longest_run=longest_run,
+    )
+
+
+def _run_of_rows(evidence: Evidence, found: FittedForm) -> int:
+    """Return the length of the run of rows that a form changes, if a logger can cause it; else 0."""
+    place = evidence.places[found.quantity]
+    change = np.where(evidence.fit[place], np.abs(found.column[place]), 0.0)
+    return run_of_outliers(change > CHANGED * change.max(initial=0.0))
+
+
+@remembered
+def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
+    """Return the form that lowers the cost of a fit most, tolls included; None if no form can be tested."""
+    if np.count_nonzero(evidence.fit) > MOST_SAMPLES:
+        return None
+    listed = [(number, form) for number in range(len(evidence.observed)) for form in _forms_of(evidence, fit, number)]
+    if not listed:
+        return None
+    columns = np.zeros((len(listed), len(fit.z)))
+    for column, (number, form) in zip(columns, listed, strict=True):
+        place = evidence.places[number]
+        column[place] = form.column / fit.sd[place]
+    fitted = []
+    # With the robust weights, rows far off count little; with Huber's they count in proportion to their distance.
+    huber = np.where(evidence.fit, evidence.weight / np.maximum(1.0, np.abs(fit.z) / CORNER), 0.0)
+    for weight in (fit.root_weights() ** 2, huber):
+        best = list(islice(_promising(fit, listed, columns, np.sqrt(weight)), PROMISING))
+        tried = [_fitted(evidence, fit, *listed[k], columns[k], weight) for k, _ in best]
+        # Without a fall of the weighted squares, no other middle and width will matter.
+        bumps = [f for f, (_, fall) in zip(tried, best, strict=True) if isinstance(f.form, Bump) and fall > TOLL]
+        fitted += [*tried, *(_refined(evidence, fit, bump, weight) for bump in bumps[:REFINED])]
+    more_than_outliers = [f for f in fitted if f.beyond_chance >= MORE_THAN_OUTLIERS]
+    if not more_than_outliers:
+        return None
+    most = max(f.fall for f in more_than_outliers)
+    # Along a sweep, voltage, current and speed grow together, so that a form is the same along each of them.
+    best = min((f for f in more_than_outliers if f.fall >= most - ALIKE_FALL), key=lambda f: (f.form.rank, -f.fall))
+    return replace(best, kinds=len({(number, form.covariate, form.what) for number, form in listed}))
+
+
+def _forms_of(evidence: Evidence, fit: HypothesisFit, number: int) -> Sequence[Form]:
+    """Return the forms of an observed quantity, whose rows must be separate states.
+
+    In a time series errors last for many rows, and would follow one form or another by chance.
+    """
+    quantity, place = evidence.observed[number], evidence.places[number]
+    if quantity.is_series:
+        return ()
+    rows = evidence.fit[place]
+    # The residual of a sample of which only a state is known is no error in the unit of the quantity.
+    if quantity.is_state is not None:
+        rows = rows & ~quantity.is_state
+    if np.count_nonzero(rows) < MIN_ROWS:
+        return ()
+    predicted = evidence.values[place] - fit.z[place] * fit.sd[place]
+    return tuple(forms(quantity, np.where(np.isfinite(predicted), predicted, 0.0), rows))
+
+
+def _promising(
+    fit: HypothesisFit, listed: Sequence[tuple[int, Form]], columns: Array, root: Array
+) -> Iterator[tuple[int, float]]:
+    """Yield which forms lower the weighted squares most, and the fall, with the tolls of what was chosen for them."""
+    basis = orthonormal(fit.tangents(root))
+    residual = fit.weighted_residuals(fit.z, root)
+    residual -= basis @ (basis.T @ residual)
+    weighed = columns * root
+    squares = (weighed**2).sum(axis=1)
+    free = squares - ((weighed @ basis[: len(root)]) ** 2).sum(axis=1)
+    falls = np.where(free > 1e-6 * squares, (weighed @ residual[: len(root)]) ** 2 / np.maximum(free, 1e-300), -np.inf)
+    falls -= TOLL * np.array([form.chosen for _, form in listed])
+    seen: dict[tuple[int, str, str], int] = {}
+    for k in np.argsort(-falls, kind="stable").tolist():
+        number, form = listed[k]
+        kind = number, form.covariate, form.what
+        seen[kind] = seen.get(kind, 0) + 1
+        if np.isfinite(falls[k]) and seen[kind] <= ALIKE:
+            yield k, float(falls[k])
+
+
+def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
+    evidence: Evidence, fit: HypothesisFit, number: int, form: Form, column: Array, weight: Array
+) -> FittedForm:
+    """Return a form with its size, beside the coordinates of a fit and the noise, all of them fitted again."""
+    rows, nuisances = evidence.fit, len(fit.hypothesis.nuisances)
+    design = np.concatenate([column[None], fit.slopes])
+    held = with_own_level(evidence, fit.hypothesis, fit.spreads)
+    has_prior = (np.arange(len(design)) >= 1) & (np.arange(len(design)) <= nuisances)
+    prior = np.zeros(len(design))
+    prior[has_prior] = fit.hypothesis.prior(fit.x)
+    level = fit.noise.levels[evidence.quantity]
+    sd, noise = fit.sd / level, fit.noise
+    best_cost, best_costs, best_size = np.inf, fit.costs, 0.0
+    for _ in range(ROUNDS):
+        normal = (design * weight) @ design.T + np.diag(has_prior.astype(float))
+        step = np.linalg.lstsq(normal, (design * weight) @ fit.z - prior, rcond=1e-12)[0]
+        z = (fit.z - step @ design) * level
+        noise = fitted_noise(evidence, z, sd, noise, held)
+        own = noise.levels[evidence.quantity]
+        costs = costs_of_residuals(evidence, z / own, sd * own, noise)
+        cost = float(costs[rows].sum() + ((prior + step)[has_prior] ** 2).sum()) + fit.by_tolerances + noise.prior_cost
+        fallen = best_cost - cost
+        if fallen > 0.0:
+            best_cost, best_costs, best_size = cost, costs, float(step[0])
+        if fallen < SETTLED:
+            break
+        of_rows, _ = weights(evidence, z / own, sd * own, noise)
+        weight = np.where(rows, evidence.weight * of_rows * (level / own) ** 2, 0.0)
+    heldout_fall = float((fit.costs - best_costs)[evidence.heldout].sum())
+    fall, numbers = fit.cost - best_cost, 1 + form.chosen
+    falls = np.maximum((fit.costs - best_costs)[rows], 0.0)
+    beyond_chance = float(np.sort(falls)[: len(falls) - numbers].sum())
+    return FittedForm(number, form, best_size * column, fall - TOLL * numbers, heldout_fall, fall, beyond_chance)
+
+
+def _refined(evidence: Evidence, fit: HypothesisFit, found: FittedForm, weight: Array) -> FittedForm:
+    """Return a bump with the middle and the width that lower the cost most."""
+    bump = found.form
+    if not isinstance(bump, Bump):
+        return found
+    place = evidence.places[found.quantity]
+    inside = bump.size[evidence.fit[place] & np.isfinite(bump.size)]
+    low, high = float(inside.min()), float(inside.max())
+    best = found
+
+    def rise(at: Array) -> float:
+        nonlocal best
+        middle, width = bump.middle + float(at[0]) * bump.width, bump.width * float(np.exp(at[1]))
+        if not low <= middle <= high or not WIDTHS[0] <= width / (high - low) <= WIDTHS[1]:
+            return FORBIDDEN
+        moved = bump.moved(middle, width)
+        column = np.zeros(len(fit.z))
+        column[place] = moved.column / fit.sd[place]
+        tried = _fitted(evidence, fit, found.quantity, moved, column, weight)
+        best = tried if tried.fall > best.fall else best
+        return -tried.fall
+
+    simplex = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.4]])
+    minimize(rise, simplex[0], method="Nelder-Mead", options={"maxfev": REFINEMENTS, "initial_simplex": simplex})
+    return best

@@ -1,0 +1,57 @@
+"""What the report says of a name that is not certain, and of errors of simple form."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from diagnosis.inference.rivals import FORM
+from diagnosis.report.verdict import certainty, unexplained_sentence
+
+
+def said(confidence, *others, is_whole=True, rivals=()):
+    comparison = SimpleNamespace(
+        confidence=confidence, others=others, is_whole=is_whole, rivals=rivals, ambiguous_with=()
+    )
+    named: Any = SimpleNamespace(comparison=comparison)
+    return certainty(named)
+
+
+RIVAL = SimpleNamespace(effect=SimpleNamespace(name="speed_scale"), worse=9.0)
+
+
+@pytest.mark.parametrize(
+    ("others", "text"),
+    [
+        ([("supply_sag and quadratic_drag together", 3.0)], "supply_sag and quadratic_drag together would explain the"),
+        ([(FORM, 5.0)], "an error of simple form, whose cause is in no list, would explain the data nearly as well"),
+        ([(FORM, 10.0)], "the closest alternative, speed_scale, explains the data worse"),
+    ],
+)
+def test_a_name_that_is_not_certain_says_what_else_it_may_be(others, text):
+    assert text in said(0.7, *others, rivals=[RIVAL])
+
+
+def test_a_name_that_is_nearly_certain_says_nothing_of_what_is_far_away():
+    assert said(0.97, (FORM, 30.0)) == "97 %; no other effect comes close"
+
+
+def test_a_name_beside_something_unexplained_says_so():
+    assert "what stays unexplained" in said(0.7, (FORM, 30.0), is_whole=False, rivals=[RIVAL])
+
+
+@pytest.mark.parametrize(
+    ("what", "text"),
+    [
+        (
+            "kink, changing sign with the reading",
+            "a straight line that begins at one value of commanded voltage, changing",
+        ),
+        ("bump", "a bump around one value of commanded voltage)"),
+        ("trend, either way", "a smooth curve over commanded voltage, either way)"),
+        ("scatter of 1.9 times the stated noise", "a scatter of 1.9 times the stated noise over commanded voltage)"),
+    ],
+)
+def test_the_form_of_what_is_unexplained_is_said_in_words(what, text):
+    structure: Any = SimpleNamespace(covariate="u_cmd_V", what=what, p=1e-5, observed="current_A")
+    assert text in unexplained_sentence(structure)
