@@ -34,6 +34,10 @@ STILL, TURNING = 3.0, 6.0
 an instrument that does not read exactly 0 at rest."""
 
 
+STEP_DECIMALS = 6
+"""Digits to which a step of the voltage is rounded [V]."""
+
+
 class MotorSteady:
     """All rows of a bench at once.
 
@@ -68,11 +72,12 @@ class MotorSteady:
         size_V = np.abs(self._voltage_V)
         self.is_far = self._known & ((size_V == 0.0) | (size_V > NEAR_BREAKAWAY * breakaway_V))
         """(n,), rows with a voltage at which a motor surely turns, or none."""
+        step_V = joined(_size_step(trial["u_cmd_V"].values) for trial in trials)
         covariates = (
             Covariate("omega_rad_s", speed),
             Covariate("current_A", current),
             Covariate("u_cmd_V", self._voltage_V),
-            Covariate("voltage_step_V", joined(_size_step(trial["u_cmd_V"].values) for trial in trials)),
+            *([Covariate("voltage_step_V", step_V)] if len(np.unique(step_V[np.isfinite(step_V)])) > 1 else []),
             Covariate("t_s", self._since_on_s),
             Covariate("sweep", trial_of_rows(measurement).astype(float), CovariateShape.CATEGORY),
         )
@@ -149,4 +154,7 @@ def _since_on_s(trial: Trial) -> Array:
 
 def _size_step(voltage_V: Array) -> Array:
     """Return by how much the size of the voltage has grown since the row before, (n,); NaN in the first row."""
-    return np.diff(np.abs(voltage_V), prepend=np.nan)
+    # Steps that differ in their last digits only are equal.
+    step_V = np.full(len(voltage_V), np.nan)
+    step_V[1:] = np.diff(np.abs(voltage_V))
+    return step_V.round(STEP_DECIMALS)

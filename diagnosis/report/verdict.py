@@ -9,6 +9,7 @@ from configs.effects.base import Effect
 from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.likelihood import LEVELS
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.refusal import needed
@@ -59,6 +60,17 @@ def headline(diagnosis: Diagnosis) -> str:
     return f"The real robot differs from the nominal one by {listed(names)}; in addition, {where}."
 
 
+def no_effect(diagnosis: Diagnosis) -> str:
+    """Return why no law is named, in one sentence."""
+    if diagnosis.names:
+        return "No other effect is named."
+    why = {
+        CaseVerdict.EXPLAINED: "none is needed to explain these data",
+        CaseVerdict.UNDECIDED: "something may differ, but these data do not suffice to name it",
+    }.get(diagnosis.conclusion, "no known effect explains these data")
+    return f"No effect is named: {why}."
+
+
 def _stuck(diagnosis: Diagnosis) -> str:
     """Return that a real motor stands still where the nominal one turns, as a clause; empty if none does."""
     if diagnosis.measurement.kind is not CaseKind.MOTOR_STEADY:
@@ -78,11 +90,18 @@ def _open(diagnosis: Diagnosis) -> str:
         f"{name} would lower the cost by {fall:.1f}, where a name needs {fall * times:.0f}"
         for name, fall, times in hints(diagnosis)
     ]
+    parts += [
+        f"{entry.effect.name} would lower the cost by {entry.drop:.1f}, but {entry.reason}"
+        for entry in diagnosis.selection.refused
+        if entry.drop >= needed(entry.effect)
+    ]
     first = next(iter(diagnosis.adequacy.structures), None)
     if first is not None and first.p < DOUBT:
         parts.append(f"the residuals of {first.observed} may depend on {along(first.covariate)} (p = {first.p:.2g})")
     parts += [
-        f"{name} scatters {level:.1f} times as much as stated" for name, level in diagnosis.scatters if level >= NOISY
+        f"{name} scatters {'at least ' if level >= LEVELS[1] else ''}{level:.1f} times as much as stated"
+        for name, level in diagnosis.scatters
+        if level >= NOISY
     ]
     return "; ".join(parts)
 

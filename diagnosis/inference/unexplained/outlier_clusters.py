@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from math import comb
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln
 
 from diagnosis.inference.unexplained.bases import SHARE_OF_SIGN
 from diagnosis.measured.channel import Mask
@@ -25,6 +27,8 @@ MIN_OUTLIERS = 3
 MAX_OPPOSITE = 0.125
 """Greatest number of outliers of the other side in the range, for each of this one. Where readings scatter more, there
 are outliers of both sides."""
+CANDIDATES = 32
+"""Number of ranges whose probability is computed exactly: those that are the least likely by its largest term."""
 MAX_SHARE = 0.25
 """Greatest share of outliers; with more of them, they are no outliers, and other tests see what they are."""
 
@@ -90,22 +94,44 @@ def _densest(
     """
     hit, opposite = sides
     ordered = np.sort(values[known])
-    at = np.unique(values[hit]) if is_category else np.sort(values[hit])
-    total, outliers = len(ordered), int(np.count_nonzero(hit))
+    at, others = np.sort(values[hit]), np.sort(values[opposite])
+    ends = np.unique(at) if is_category else at
+    first, last = np.triu_indices(len(ends))
+    if is_category:
+        first, last = first[first == last], last[first == last]
+    low, high = ends[first], ends[last]
+    inside, against, length = (_between(sorted_values, low, high) for sorted_values in (at, others, ordered))
+    total, outliers = len(ordered), len(at)
+    # Where a range has no more outliers than its share of the rows, chance has as many.
+    dense = (inside >= MIN_OUTLIERS) & (against <= MAX_OPPOSITE * inside) & (inside * total > length * outliers)
+    inside, length, low, high = inside[dense], length[dense], low[dense], high[dense]
+    ranges = np.full(len(length), len(np.unique(ordered))) if is_category else total - length + 1
+    likely = np.log(ranges) + _log_exactly(inside, length, outliers, total)
     best: tuple[float, Mask | None] = (1.0, None)
-    for i, low in enumerate(at.tolist()):
-        for high in [low] if is_category else at[i:].tolist():
-            members = hit & (values >= low) & (values <= high)
-            inside = int(np.count_nonzero(members))
-            against = int(np.count_nonzero(opposite & (values >= low) & (values <= high)))
-            if inside < MIN_OUTLIERS or against > MAX_OPPOSITE * inside:
-                continue
-            length = int(np.searchsorted(ordered, high, "right") - np.searchsorted(ordered, low, "left"))
-            ranges = len(np.unique(ordered)) if is_category else total - length + 1
-            p = min(1.0, ranges * _at_least(inside, length, outliers, total))
-            if p < best[0]:
-                best = p, members
+    for k in np.argsort(likely, kind="stable")[:CANDIDATES].tolist():
+        p = min(1.0, int(ranges[k]) * _at_least(int(inside[k]), int(length[k]), outliers, total))
+        if p < best[0]:
+            best = p, hit & (values >= low[k]) & (values <= high[k])
     return best
+
+
+def _between(ordered: Array, low: Array, high: Array) -> NDArray[np.int64]:
+    """Return how many of sorted values lie in each range (m,), with its ends."""
+    return np.searchsorted(ordered, high, "right") - np.searchsorted(ordered, low, "left")
+
+
+def _log_exactly(inside: NDArray[np.int64], length: NDArray[np.int64], outliers: int, total: int) -> Array:
+    """Return the logarithm of the probability (m,) that exactly `inside` of the outliers are among `length` rows.
+
+    It is nearly that of at least as many where it is small, and costs no sum.
+    """
+    rest = total - length
+    return _log_ways(length, inside) + _log_ways(rest, outliers - inside) - _log_ways(total, outliers)
+
+
+def _log_ways(n: NDArray[np.int64] | int, k: NDArray[np.int64] | int) -> Array:
+    """Return the logarithm of the binomial coefficient of n and k."""
+    return gammaln(np.add(n, 1)) - gammaln(np.add(k, 1)) - gammaln(np.subtract(n, k) + 1)
 
 
 def _at_least(inside: int, length: int, outliers: int, total: int) -> float:

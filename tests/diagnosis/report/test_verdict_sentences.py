@@ -5,8 +5,9 @@ from typing import Any
 
 import pytest
 
+from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import FORM
-from diagnosis.report.verdict import certainty, unexplained_sentence
+from diagnosis.report.verdict import certainty, no_effect, unexplained_sentence
 
 
 def said(confidence, *others, is_whole=True, rivals=()):
@@ -55,3 +56,21 @@ def test_a_name_beside_something_unexplained_says_so():
 def test_the_form_of_what_is_unexplained_is_said_in_words(what, text):
     structure: Any = SimpleNamespace(covariate="u_cmd_V", what=what, p=1e-5, observed="current_A")
     assert text in unexplained_sentence(structure)
+
+
+@pytest.mark.parametrize(
+    ("names", "conclusion", "text"),
+    [
+        ((), CaseVerdict.EXPLAINED, "No effect is named: none is needed to explain these data."),
+        (
+            (),
+            CaseVerdict.UNDECIDED,
+            "No effect is named: something may differ, but these data do not suffice to name it.",
+        ),
+        ((), CaseVerdict.UNEXPLAINED, "No effect is named: no known effect explains these data."),
+        (("range_wander",), CaseVerdict.NAMED, "No other effect is named."),
+    ],
+)
+def test_the_page_says_why_no_effect_is_named(names, conclusion, text):
+    diagnosis: Any = SimpleNamespace(names=names, conclusion=conclusion)
+    assert no_effect(diagnosis) == text

@@ -64,3 +64,21 @@ def test_one_material_can_have_all_outliers():
     found = cluster(z, Covariate("material", material, CovariateShape.CATEGORY), ALL)
     assert np.count_nonzero(found.rows) == 6
     assert found.p == pytest.approx(2.0 * 4.0 * comb(15, 6) / comb(60, 6))
+
+
+def test_of_all_ranges_the_least_likely_is_taken():
+    """By Fisher's test of each of the ranges between two outliers, in whole numbers."""
+    for seed in range(5):
+        generator = np.random.default_rng(seed)
+        places = np.unique(np.concatenate([generator.integers(0, ROWS, 8), generator.integers(20, 30, 4)]))
+        found = cluster(z_of(places), Covariate("x", X), ALL)
+        k = len(places)
+        tails = [
+            (ROWS - n + 1)
+            * sum(comb(n, i) * comb(ROWS - n, k - i) for i in range(j - a + 1, min(n, k) + 1))
+            / comb(ROWS, k)
+            for a in range(k)
+            for j in range(a + 2, k)
+            for n in [places[j] - places[a] + 1]
+        ]
+        assert (1.0 if found is None else found.p) == pytest.approx(min(1.0, 2.0 * min(tails)))
