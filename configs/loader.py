@@ -8,7 +8,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from configs.arena_polygons import with_polygons
+from configs.arena_shapes.line_course import with_course
+from configs.arena_shapes.polygons import with_polygons
 from configs.assets.folder import with_assets
 from configs.assets.meshes import with_meshes
 from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario, check_splits
@@ -146,7 +147,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     """
     root = read_file("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
     root = with_defaults(with_chosen(_overridden(root, Scenario, overrides)), Shape.of(Scenario))
-    root, assets = with_assets(with_meshes(with_polygons(root)), Shape.of(Scenario))
+    root, assets = with_assets(with_meshes(with_course(with_polygons(root))), Shape.of(Scenario))
     return _checked(root, assets)
 
 
@@ -207,7 +208,7 @@ def section_of(kind: str, settings: Mapping[str, Any], where: str, overrides: Se
 def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSection:
     model = ALONE[kind]
     root = _overridden(Node({kind: node}, node.where), model, overrides)
-    root, assets = with_assets(with_meshes(with_polygons(root)), Shape.of(model))
+    root, assets = with_assets(with_meshes(with_course(with_polygons(root))), Shape.of(model))
     placed = distributions_of(root, model)
     for values in probes(placed):
         _CHECKS[kind](getattr(validated(root, model, values), kind), root)

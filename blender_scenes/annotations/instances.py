@@ -65,7 +65,7 @@ def instances(scene: Scene, arena: Arena) -> Instances:
     Raises:
         ValueError: The scene does not belong to the arena.
     """
-    line = range(len(arena.line.pieces))
+    line = range(len(arena.line.strips))
     standing = [box for box in arena.boxes if box.motion is None]
     named = [_NamedMesh("floor", "floor"), *(_NamedMesh(f"line_{i}", "line") for i in line)]
     named += [_NamedMesh(box.name, box.kind) for box in standing]

@@ -133,10 +133,10 @@ def _solid(box: Box, known: Instances) -> Solid:
 
 def _key_points(arena: Arena, known: Instances) -> Iterator[tuple[str, str, int, Point3]]:
     """Yield name, kind, instance and place of points along the middle of the line, and of the corners of boxes."""
-    for i, piece in enumerate(arena.line.pieces):
+    for i, strip in enumerate(arena.line.strips):
         line = known.named(f"line_{i}", "line")
-        along = np.linspace(0.0, piece.length_m, math.ceil(piece.length_m / _LINE_SPACING_M) + 1)
-        for k, (x, y) in enumerate(piece.at(along).tolist()):
+        along = np.linspace(0.0, strip.length_m, math.ceil(strip.length_m / _LINE_SPACING_M) + 1)
+        for k, (x, y) in enumerate(strip.at(along).tolist()):
             yield f"{line.name}_{k:02d}", "line", line.id, (x, y, 0.0)
     for box in arena.boxes:
         solid = _solid(box, known)

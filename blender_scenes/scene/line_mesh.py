@@ -1,16 +1,17 @@
 """Meshes of the line, with the same edges that the line sensor reads.
 
 u runs along the line, v from the right edge to the left one [m]. Each piece lies 2 um above the one before, so that
-the later one covers the earlier one where they cross.
+the later one covers the earlier one where they cross, also within a strip of joined pieces.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from blender_scenes.scene.description import Mesh, Point2
-from symolo.arena.geometry import Arc, Line, Straight
+from symolo.arena.geometry import Chain, Line, Straight, Strip
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 
@@ -26,7 +27,7 @@ _RIPPLES_END_M = 0.006
 def tapes(
     line: Line, surfaces: Sequence[str], *, thickness_m: float, gap_m: float, lift_m: float, seed: int
 ) -> list[Mesh]:
-    """Return a strip for each piece, `thickness_m` above the floor, shorter by half of `gap_m` at both ends.
+    """Return a mesh for each strip, `thickness_m` above the floor, shorter by half of `gap_m` at both ends.
 
     In some places a corner or an edge is up to `lift_m` above the floor; seen from above it is in its place. u is 0
     where the tape begins.
@@ -34,40 +35,54 @@ def tapes(
     meshes, half = [], 0.5 * line.width_m
     border = min(_LIFTED_BORDER_M, 0.5 * half)
     columns = np.array([-half, border - half, half - border, half])
-    for number, piece in enumerate(line.pieces):
-        begin = 0.5 * (piece.length_m - taped_length_m(piece, gap_m))
-        ends = begin, piece.length_m - begin
+    for number, (strip, above_m) in enumerate(_levels(line)):
+        begin = 0.5 * (strip.length_m - taped_length_m(strip, gap_m))
+        ends = begin, strip.length_m - begin
         lifts = _lifts(ends, lift_m, stream(seed, "lifted tape", number))
-        along = _along(piece, ends, lifts)
+        along = _along(strip, ends, lifts)
         lifted = np.zeros((len(along), 4))
         for lift in lifts:
             lifted[:, lift.column] = np.maximum(lifted[:, lift.column], lift.at(along))
-        z = thickness_m + _ABOVE_THE_LAST_M * number + lifted
+        z = thickness_m + above_m(along)[:, None] + lifted
         across = np.broadcast_to(columns, z.shape)
-        meshes.append(_strip(f"tape_{number}", piece, (along, across, z), (-begin, half), surfaces[number]))
+        meshes.append(_mesh(f"tape_{number}", strip, (along, across, z), (-begin, half), surfaces[number]))
     return meshes
 
 
-def taped_length_m(piece: Straight | Arc, gap_m: float) -> float:
-    """Return the length of tape on a piece, with a gap of half of `gap_m` at each end; at least half the piece."""
-    return max(piece.length_m - gap_m, 0.5 * piece.length_m)
+def taped_length_m(strip: Strip, gap_m: float) -> float:
+    """Return the length of tape on a strip, with a gap of half of `gap_m` at each end; at least half the strip."""
+    return max(strip.length_m - gap_m, 0.5 * strip.length_m)
 
 
 def paint(line: Line, surface: str, *, thickness_m: float, bleeding_m: float, seed: int) -> list[Mesh]:
-    """Return a strip for each piece, without joints: u continues from piece to piece.
+    """Return a mesh for each strip, without joints: u continues from one to the next.
 
     Both edges deviate by up to `bleeding_m` from the line's edge, more outwards than inwards; the mean deviation is 0,
-    and so is that at the ends of a piece.
+    and so is that at the ends of a strip.
     """
     meshes, half, done = [], 0.5 * line.width_m, 0.0
-    for number, piece in enumerate(line.pieces):
-        along = np.linspace(0.0, piece.length_m, max(2, int(np.ceil(piece.length_m / 0.001)) + 1))
+    for number, (strip, above_m) in enumerate(_levels(line)):
+        along = np.linspace(0.0, strip.length_m, max(2, int(np.ceil(strip.length_m / 0.001)) + 1))
         out = [_wander(along, bleeding_m, stream(seed, "bleeding paint", number, side)) for side in ("right", "left")]
         across = np.column_stack([-half - out[0], half + out[1]])
-        z = np.full(across.shape, thickness_m + _ABOVE_THE_LAST_M * number)
-        meshes.append(_strip(f"paint_{number}", piece, (along, across, z), (done, half), surface))
-        done += piece.length_m
+        z = np.broadcast_to(thickness_m + above_m(along)[:, None], across.shape)
+        meshes.append(_mesh(f"paint_{number}", strip, (along, across, z), (done, half), surface))
+        done += strip.length_m
     return meshes
+
+
+def _levels(line: Line) -> Iterator[tuple[Strip, Callable[[Array], Array]]]:
+    """Yield each strip, and the function from arc lengths (N,) on it to their heights (N,) above the first piece."""
+    first = 0
+    for strip in line.strips:
+        starts = strip.starts_m if isinstance(strip, Chain) else np.zeros(1)
+        yield strip, partial(_level, first, starts)
+        first += len(starts)
+
+
+def _level(first: int, starts_m: Array, along: Array) -> Array:
+    number = np.maximum(np.searchsorted(starts_m, along, side="right") - 1, 0)
+    return _ABOVE_THE_LAST_M * (first + number)
 
 
 @dataclass(frozen=True)
@@ -98,9 +113,9 @@ def _lifts(ends: tuple[float, float], lift_m: float, rng: np.random.Generator) -
     return lifts
 
 
-def _along(piece: Straight | Arc, ends: tuple[float, float], lifts: Sequence[_Lift]) -> Array:
-    """Return arc lengths between the ends: every 4 mm on an arc, every 2 mm where the tape is lifted."""
-    count = 2 if isinstance(piece, Straight) else max(2, int(np.ceil(piece.length_m / 0.004)) + 1)
+def _along(strip: Strip, ends: tuple[float, float], lifts: Sequence[_Lift]) -> Array:
+    """Return arc lengths between the ends: every 4 mm on a bend, every 2 mm where the tape is lifted."""
+    count = 2 if isinstance(strip, Straight) else max(2, int(np.ceil(strip.length_m / 0.004)) + 1)
     places = [np.linspace(*ends, count)]
     places += [lift.middle_m + lift.half_length_m * np.linspace(-1.0, 1.0, 13) for lift in lifts]
     inside = np.unique(np.round(np.concatenate(places), 5))
@@ -122,11 +137,11 @@ def _wander(along: Array, max_m: float, rng: np.random.Generator) -> Array:
     return raw * (max_m / max(np.abs(raw).max(), 1e-12))
 
 
-def _strip(name: str, piece: Straight | Arc, grid: tuple[Array, Array, Array], origin: Point2, surface: str) -> Mesh:
-    """Return a strip from arc lengths (N,), and offsets to the left and heights (N, K); `origin` is added to (u, v)."""
+def _mesh(name: str, strip: Strip, grid: tuple[Array, Array, Array], origin: Point2, surface: str) -> Mesh:
+    """Return a mesh from arc lengths (N,), and offsets to the left and heights (N, K); `origin` is added to (u, v)."""
     along, across, z = grid
     count, columns = z.shape
-    flat = [piece.at(along, across[:, k]) for k in range(columns)]
+    flat = [strip.at(along, across[:, k]) for k in range(columns)]
     vertices = [
         (float(flat[k][i, 0]), float(flat[k][i, 1]), float(z[i, k])) for i in range(count) for k in range(columns)
     ]

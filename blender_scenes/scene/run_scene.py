@@ -103,9 +103,9 @@ def _line(arena: Arena, look: LookConfig, seed: int) -> list[MeshAndSurfaces]:
 
 def _taped(line: Line, look: TapeLook, bed_m: float, seed: int) -> list[MeshAndSurfaces]:
     surfaces = []
-    for i, piece in enumerate(line.pieces):
-        size = line_mesh.taped_length_m(piece, look.gap_m), line.width_m
-        surfaces.append(tape(look, SurfacePatch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
+    for i, strip in enumerate(line.strips):
+        size = line_mesh.taped_length_m(strip, look.gap_m), line.width_m
+        surfaces.append(tape(look, SurfacePatch(f"tape_{i}", size, seed), strip.curvature_per_m, bed_m))
     meshes = line_mesh.tapes(
         line,
         [surface.name for surface in surfaces],

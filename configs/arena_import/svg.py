@@ -6,20 +6,34 @@ Names are those of the attributes id, class and inkscape:label of an element or 
 import io
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+from scipy.interpolate import BPoly
+
 from configs.arena_import.drawing import MAX_WALLS, Drawing, Point
+from configs.arena_shapes.curves import UnfitError, along
 from symolo.core.errors import InputError
 
 MAX_BYTES = 8 << 20
 MAX_ELEMENTS = 5000
+MAX_PIECES = 5000
+"""Largest number of pieces of the line."""
+MAX_CURVE_M = 50.0
+"""Length of a curve up to which arcs are fitted to it."""
 CHORD_M = 0.02
-"""Length of the straight pieces that stand for a curve."""
+"""Length of the straight pieces that stand for a curve to which no arcs are fitted."""
 MAX_CHORDS = 200
 """Largest number of straight pieces of one curve."""
 ROLES = ("line", "room", "pillar", "wall", "obstacle", "ramp")
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+_CONTROLS = {
+    "CubicBezier": ("start", "control1", "control2", "end"),
+    "QuadraticBezier": ("start", "control", "end"),
+}
+"""Control points of a curve, by the class of svgelements."""
 _ROUND = 1e-3
 """Relative difference of the half axes up to which an arc is a part of a circle."""
 
@@ -127,13 +141,27 @@ class _Reader:
                 case Line() | Close():
                     self._add_straight(self._point(segment.start), self._point(segment.end))
                 case _:
-                    points = self._flattened(segment)
-                    for start, end in pairwise(points):
-                        self._add_straight(start, end)
+                    self._add_curve(segment)
+            if len(self.drawing.line) > MAX_PIECES:
+                raise InputError("pieces of the line", where=self._where, allowed=f"at most {MAX_PIECES}")
 
     def _add_straight(self, start: Point, end: Point) -> None:
         if math.dist(start, end) > 1e-3:
             self.drawing.line.append({"kind": "straight", "start": [*start], "end": [*end]})
+
+    def _add_curve(self, curve: Any) -> None:  # noqa: ANN401 - as above
+        points = self._flattened(curve)
+        controls = [getattr(curve, name, None) for name in _CONTROLS.get(type(curve).__name__, ())]
+        if controls and sum(math.dist(start, end) for start, end in pairwise(points)) < MAX_CURVE_M:
+            bezier = BPoly(np.array([self._point(control) for control in controls])[:, None], [0.0, 1.0])
+            with suppress(UnfitError):
+                self.drawing.line += along(bezier, (0.0, 1.0))
+                return
+        before = len(self.drawing.line)
+        for start, end in pairwise(points):
+            self._add_straight(start, end)
+        for piece in self.drawing.line[before + 1 :]:
+            piece["joined"] = True
 
     def _add_arc(self, arc: Any) -> None:  # noqa: ANN401 - as above
         center = self._point(arc.center)

@@ -10,7 +10,12 @@ from configs.schema.mesh import MeshFile
 from configs.schema.surface import SurfaceName
 
 
-class StraightPiece(Section):
+class _Piece(Section):
+    joined: bool = Field(default_factory=lambda: False, exclude_if=lambda joined: not joined)  # not written into files
+    """Whether tape and paint continue from the piece before without a joint."""
+
+
+class StraightPiece(_Piece):
     kind: Literal["straight"]
     """Kind of the piece: a straight from `start` to `end`."""
     start: Point2
@@ -19,7 +24,7 @@ class StraightPiece(Section):
     """Last point: x, y [m] in W."""
 
 
-class ArcPiece(Section):
+class ArcPiece(_Piece):
     kind: Literal["arc"]
     """Kind of the piece: an arc about `center`."""
     center: Point2
@@ -35,6 +40,19 @@ class ArcPiece(Section):
 LinePiece = Annotated[StraightPiece | ArcPiece, Field(discriminator="kind")]
 
 
+class LineCourse(Section):
+    """A line through points, in the place of `pieces`."""
+
+    points: Annotated[tuple[Point2, ...], FromList, Field(min_length=2, max_length=500)]
+    """Points in driving order: x, y [m] in W; no distributions."""
+    shape: Literal["rounded", "spline"] = "rounded"
+    """Straights from point to point with rounded corners, or a smooth curve through all points."""
+    closed: bool = True
+    """Whether the line returns from the last point to the first one."""
+    bend_radius_m: float = Field(default=0.15, ge=0.02, le=5.0)
+    """Radius of the arcs at the corners of a `rounded` line [m]."""
+
+
 class LineConfig(Section):
     """The line on the floor; its course is a sequence of straights and arcs."""
 
@@ -44,6 +62,8 @@ class LineConfig(Section):
     """Reflectance at the line sensor's infrared wavelength; 0 black, 1 white."""
     pieces: Annotated[tuple[LinePiece, ...], FromList] = ()
     """Straights and arcs, in driving order."""
+    course: LineCourse | None = Field(default_factory=absent, exclude=True)
+    """Points of the line, in the place of `pieces`; the specification of a run has the pieces."""
 
 
 class Floor(Section):

@@ -24,7 +24,7 @@ from pipeline.models.sdf import (
 from pipeline.models.sdf_elements import add_pose, child, document
 from sensors.camera.colour import RGB
 from sensors.inertial.imu import ImuSettings
-from symolo.arena.geometry import Arc, Arena, Box, Straight
+from symolo.arena.geometry import Arc, Arena, Box, Chain, Straight
 
 LINE_HEIGHT_M = 0.0005
 """Height of the line on the floor: so low that it does not matter, so high that viewers do not flicker."""
@@ -74,7 +74,7 @@ def _world(spec: RunSpec) -> ET.Element:
     child(world, "light", _SUN, name="sun", type="directional")
     _floor(world, arena, colour["floor"])
     if arena.line.pieces:
-        _line(world, arena, [colour[f"{spec.look.line}_{number}"] for number in range(len(arena.line.pieces))])
+        _line(world, arena, [colour[f"{spec.look.line}_{number}"] for number in range(len(arena.line.strips))])
     for box in arena.boxes:
         _box(world, box, colour[f"{box.kind}_{box.name}"])
     return world
@@ -100,14 +100,19 @@ def _floor(world: ET.Element, arena: Arena, srgb: RGB) -> None:
 
 
 def _line(world: ET.Element, arena: Arena, srgb: list[RGB]) -> None:
-    """Add flat boxes on the floor without collision; an arc consists of chords, because PyBullet reads no polyline."""
+    """Add flat boxes on the floor without collision; an arc consists of chords, because PyBullet reads no polyline.
+
+    `srgb` has the colour of each strip.
+    """
     link = _fixed(world, "line", Placement())
-    for number, piece in enumerate(arena.line.pieces):
+    strips = arena.line.strips
+    of_piece = [srgb[i] for i, strip in enumerate(strips) for _ in (strip.pieces if isinstance(strip, Chain) else (0,))]
+    for number, (piece, color) in enumerate(zip(arena.line.pieces, of_piece, strict=True)):
         for part, (placement, length_m) in enumerate(_chords(piece, arena.line.width_m)):
             visual = child(link, "visual", name=f"piece_{number}_{part}")
             add_pose(visual, placement)
             add_geometry(visual, BoxShape((length_m, arena.line.width_m, LINE_HEIGHT_M)))
-            add_material(visual, srgb[number])
+            add_material(visual, color)
 
 
 def _chords(piece: Straight | Arc, width_m: float) -> Iterator[tuple[Placement, float]]:

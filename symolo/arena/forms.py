@@ -10,6 +10,7 @@ class StraightForm(Protocol):
     kind: Literal["straight"]
     start: Point2
     end: Point2
+    joined: bool
 
 
 class ArcForm(Protocol):
@@ -18,6 +19,7 @@ class ArcForm(Protocol):
     radius_m: float
     start_deg: float
     end_deg: float
+    joined: bool
 
 
 class LineForm(Protocol):

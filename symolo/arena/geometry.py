@@ -101,12 +101,61 @@ class Arc:
 
 
 @dataclass(frozen=True)
+class Chain:
+    """Pieces of which each continues the one before: one strip of tape or paint along all of them."""
+
+    pieces: tuple[Straight | Arc, ...]
+
+    @cached_property
+    def starts_m(self) -> Array:
+        """Arc length at which each piece begins, (N,)."""
+        return np.concatenate(([0.0], np.cumsum([piece.length_m for piece in self.pieces[:-1]])))
+
+    @property
+    def length_m(self) -> float:
+        return float(self.starts_m[-1]) + self.pieces[-1].length_m
+
+    @property
+    def curvature_per_m(self) -> float:
+        """Mean curvature, positive to the left."""
+        return sum(piece.curvature_per_m * piece.length_m for piece in self.pieces) / self.length_m
+
+    def at(self, s: Array, offset: Array | float = 0.0) -> Array:
+        """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
+        which = np.maximum(np.searchsorted(self.starts_m, s, side="right") - 1, 0)
+        left = np.broadcast_to(offset, s.shape)
+        points = np.empty((len(s), 2))
+        for number in np.unique(which):
+            on = which == number
+            points[on] = self.pieces[number].at(s[on] - self.starts_m[number], left[on])
+        return points
+
+
+Strip = Straight | Arc | Chain
+"""Tape or paint without a joint."""
+
+
+@dataclass(frozen=True)
 class Line:
     """Tape of constant width along pieces with butt ends."""
 
     pieces: tuple[Straight | Arc, ...]
     width_m: float
     reflectance: float
+    joined: tuple[bool, ...] = ()
+    """Whether each piece continues the one before without a joint; none does by default."""
+
+    @cached_property
+    def strips(self) -> tuple[Strip, ...]:
+        """What is laid without a joint: single pieces, and chains of joined ones."""
+        joined = self.joined or (False,) * len(self.pieces)
+        chains: list[list[Straight | Arc]] = []
+        for piece, goes_on in zip(self.pieces, joined, strict=True):
+            if goes_on and chains:
+                chains[-1].append(piece)
+            else:
+                chains.append([piece])
+        return tuple(chain[0] if len(chain) == 1 else Chain(tuple(chain)) for chain in chains)
 
     @property
     def length_m(self) -> float:
@@ -173,7 +222,12 @@ class Arena:
             name=config.name,
             floor_half_extent_m=config.floor.half_extent_m,
             floor_reflectance=config.floor.reflectance,
-            line=Line(tuple(_piece(p) for p in config.line.pieces), config.line.width_m, config.line.reflectance),
+            line=Line(
+                tuple(_piece(piece) for piece in config.line.pieces),
+                config.line.width_m,
+                config.line.reflectance,
+                tuple(piece.joined for piece in config.line.pieces),
+            ),
             boxes=tuple(_wall(w) for w in config.walls) + tuple(_obstacle(o) for o in config.obstacles),
         )
 

@@ -1,14 +1,16 @@
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from blender_scenes.annotations.instances import instances
 from blender_scenes.scene import line_mesh
 from blender_scenes.scene.bevel import BEVEL_M
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.run_scene import arena_bounds, describe
 from configs.schema.look import LookConfig
-from symolo.arena.geometry import Box, Line
+from symolo.arena.geometry import Arc, Box, Line, Straight
 
 
 def _normals_and_middles(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -195,3 +197,32 @@ def test_an_empty_arena_is_as_large_as_its_floor(arena):
 def test_crossing_tapes_lie_one_above_the_other(arena):
     heights = [mesh.vertices[1][2] for mesh in _tapes(arena.line, lift_m=3e-4)]
     assert np.all(np.diff(heights) > 1e-6)
+
+
+def test_joined_pieces_are_one_strip_without_a_joint():
+    """Three joined pieces of a straight are the mesh of the whole straight, but for their levels."""
+    cuts = [0.0, 0.5, 0.9, 1.4]
+    pieces = tuple(Straight((a, 0.0), (b, 0.0)) for a, b in pairwise(cuts))
+    (whole,) = _tapes(Line((Straight((0.0, 0.0), (1.4, 0.0)),), 0.015, 0.05), lift_m=0.0)
+    (joined,) = line_mesh.tapes(
+        Line(pieces, 0.015, 0.05, (False, True, True)), ["a"], thickness_m=1e-4, gap_m=0.0, lift_m=0.0, seed=1
+    )
+    rows = np.array(joined.vertices).reshape(-1, 4, 3)
+    ends = np.array(whole.vertices).reshape(-1, 4, 3)
+    np.testing.assert_allclose(rows[[0, -1], :, :2], ends[[0, -1], :, :2], atol=1e-12)
+    assert np.diff(rows[:, 0, 0]).max() < 0.005
+    # Later pieces are above earlier ones, so that a strip that crosses itself has no two faces in one plane.
+    np.testing.assert_allclose(rows[:, 0, 2], 1e-4 + 2e-6 * np.searchsorted(cuts[1:-1], rows[:, 0, 0], side="right"))
+
+
+def test_a_line_of_joined_arcs_is_one_instance_with_key_points_along_it(arena, robot):
+    quarters = [Arc((0.0, 0.0), 0.5, 0.5 * np.pi * k, 0.5 * np.pi * (k + 1)) for k in range(4)]
+    circle = replace(arena, line=Line(tuple(quarters), 0.015, 0.05, (False, True, True, True)))
+    (strip,) = circle.line.strips
+    assert strip.length_m == pytest.approx(np.pi)
+    assert strip.curvature_per_m == pytest.approx(2.0)
+    s = np.linspace(0.0, np.pi, 50)
+    np.testing.assert_allclose(np.hypot(*strip.at(s, 0.1).T), 0.4)
+    scene = describe(circle, robot, LookConfig(name="plain"), seed=1)
+    assert len(_by_name(scene, "tape_")) == 1
+    assert [one.name for one in instances(scene, circle).known if one.category == "line"] == ["line_0"]

@@ -88,7 +88,7 @@ def node_of(value: Any, where: str) -> Node:  # noqa: ANN401 - whatever JSON hol
     return Node(value, where)
 
 
-_PAIRS = (("field_of_view_deg", "focal_length_mm"), ("rate_hz", "period_s"))
+_PAIRS = (("field_of_view_deg", "focal_length_mm"), ("rate_hz", "period_s"), ("course", "pieces"))
 ALTERNATIVES = {one: other for pair in _PAIRS for one, other in (pair, pair[::-1])}
 """Pairs of fields of which a mapping has one: a field that is written replaces the other one of what it extends."""
 

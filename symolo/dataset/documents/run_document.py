@@ -27,6 +27,7 @@ class StraightSection(SpecSection):
     kind: Literal["straight"]
     start: Point2
     end: Point2
+    joined: bool = False
 
 
 class ArcSection(SpecSection):
@@ -35,6 +36,7 @@ class ArcSection(SpecSection):
     radius_m: float
     start_deg: float
     end_deg: float
+    joined: bool = False
 
 
 class LineSection(SpecSection):

@@ -63,16 +63,44 @@ def test_transformations_layers_and_a_given_width_hold():
     assert drawing.ignored == ["logo"]
 
 
-def test_a_curve_is_a_row_of_short_straight_pieces_on_it():
-    drawing = svg('<path id="line" d="M 0 100 C 100 0 200 0 300 100"/>')
-    points = np.array([piece["start"] for piece in drawing.line] + [drawing.line[-1]["end"]])
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    assert steps.max() < 0.025
-    t = np.linspace(0.0, 1.0, 2001)[:, None]
-    bezier = 3 * t * (1 - t) ** 2 * (0.1, 0.0) + 3 * t**2 * (1 - t) * (0.2, 0.0) + t**3 * (0.3, -0.1)
-    bezier = bezier + (1 - t) ** 3 * (0.0, -0.1)
-    distances = np.hypot(*(points[:, None] - bezier[None]).transpose(2, 0, 1)).min(axis=1)
-    assert distances.max() < 1e-4
+def _points(pieces):
+    """Points along straights and arcs as an arena file has them."""
+    for piece in pieces:
+        if piece["kind"] == "straight":
+            yield from np.linspace(piece["start"], piece["end"], 20)
+        else:
+            angle = np.radians(np.linspace(piece["start_deg"], piece["end_deg"], 20))
+            circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            yield from np.array(piece["center"]) + piece["radius_m"] * circle
+
+
+@pytest.mark.parametrize(
+    ("path", "controls"),
+    [
+        ("M 0 100 C 100 0 200 0 300 100", [(0.0, -0.1), (0.1, 0.0), (0.2, 0.0), (0.3, -0.1)]),
+        ("M 0 100 Q 150 0 300 100", [(0.0, -0.1), (0.15, 0.0), (0.3, -0.1)]),
+    ],
+    ids=["cubic", "quadratic"],
+)
+def test_a_curve_is_a_row_of_joined_arcs_on_it(path, controls):
+    drawing = svg(f'<path id="line" d="{path}"/>')
+    assert {piece["kind"] for piece in drawing.line} == {"arc"}
+    assert [piece.get("joined", False) for piece in drawing.line] == [False] + [True] * (len(drawing.line) - 1)
+    t, degree = np.linspace(0.0, 1.0, 4001)[:, None], len(controls) - 1
+    bezier = sum(math.comb(degree, k) * t**k * (1 - t) ** (degree - k) * p for k, p in enumerate(np.array(controls)))
+    points = np.array(list(_points(drawing.line)))
+    assert np.hypot(*(points[:, None] - bezier[None]).transpose(2, 0, 1)).min(axis=1).max() < 1e-4
+    assert points[0] == pytest.approx(controls[0], abs=1e-6)
+    assert points[-1] == pytest.approx(controls[-1], abs=1e-6)
+
+
+@pytest.mark.parametrize("path", ["M 0 0 C 0 0 100 0 100 100", "M 0 0 C 1 0 0 1 1 1", "M 0 0 A 100 50 0 0 1 200 0"])
+def test_a_curve_to_which_no_arcs_fit_is_a_row_of_joined_straights(path):
+    """Its first direction is undefined, it bends to less than 2 cm, or it is an ellipse."""
+    pieces = svg(f'<path id="line" d="{path}"/>').line
+    assert {piece["kind"] for piece in pieces} == {"straight"}
+    assert all(math.dist(piece["start"], piece["end"]) < 0.04 for piece in pieces)
+    assert [piece.get("joined", False) for piece in pieces] == [False] + [True] * (len(pieces) - 1)
 
 
 @pytest.mark.parametrize(

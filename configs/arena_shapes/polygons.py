@@ -3,12 +3,10 @@
 from itertools import pairwise
 from typing import Annotated
 
+from configs.arena_shapes.short_forms import checked_alone
 from configs.schema.arena import WallPolygon
 from configs.schema.base import FromList, Section
-from configs.shapes import Shape, with_defaults
-from configs.validation import distributions_of, validated
-from symolo.core.errors import InputError
-from symolo.core.yaml.tree import Node, dotted, node_of
+from symolo.core.yaml.tree import Node, node_of
 
 Point = tuple[float, float]
 
@@ -38,13 +36,11 @@ def with_polygons(root: Node) -> Node:
         return root
     fields = {key: node for key, node in arena.value.items() if key != "polygons"}
     if polygons.value is not None:
-        alone = with_defaults(Node({"arena": Node({"polygons": polygons}, arena.where)}, root.where), Shape.of(_Alone))
-        for path in distributions_of(alone, _Alone):
-            cure = "write numbers; the walls of a polygon share their corners"
-            raise InputError(f"{dotted(path)}: no distribution is allowed here", where=alone.place_of(path), cure=cure)
+        cure = "write numbers; the walls of a polygon share their corners"
+        alone = checked_alone(root, ("arena", "polygons"), _Alone, cure)
         walls = fields.get("walls", Node((), arena.where))
         given = walls.value if isinstance(walls.value, tuple) else ()
-        built = [wall for polygon in validated(alone, _Alone, {}).arena.polygons for wall in walls_of(polygon)]
+        built = [wall for polygon in alone.arena.polygons for wall in walls_of(polygon)]
         nodes = tuple(node_of(wall, polygons.where) for wall in built)
         fields["walls"] = Node((*given, *nodes), walls.where)
     return Node({**root.value, "arena": Node(fields, arena.where)}, root.where)
