@@ -17,12 +17,15 @@ import numpy as np
 
 from logs.bags.streams import INDEX, MAX_STREAMS, POSE, Index, Stream
 from symolo.core.extras import optional_module
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.process_limits import limit_memory, limit_time
 
 _SECONDS, _BYTES_PER_SECOND = 60, 5_000_000
 """Time of the processor for any bag, and the number of bytes for which it gets another second."""
 _MEMORY_BYTES = 3_000_000_000
 _NS = 1_000_000_000
+_MAX_DEPTH = 100
+"""Of the lists in metadata.yaml, which has none within another one."""
 
 Message = Any
 """A message; its class is made at run time from the definitions in the bag."""
@@ -120,8 +123,18 @@ def _stamp_ns(stamped: Message, logged_ns: int) -> int:
     return logged_ns
 
 
+def _check_nesting(metadata: Path) -> None:
+    """Raise ValueError for nested lists whose parsing takes the square of their depth in time."""
+    if metadata.is_file():
+        brackets = np.frombuffer(read_file(metadata, FileKind.DOCUMENT), np.uint8)
+        depth = np.cumsum((brackets == ord("[")).astype(np.int64) - (brackets == ord("]")))
+        if depth.size and depth.max() > _MAX_DEPTH:
+            raise ValueError(f"metadata.yaml is nested deeper than {_MAX_DEPTH} lists")
+
+
 def _collect(path: Path) -> tuple[dict[Stream, _Rows], dict[str, str]]:
     """Return the rows of each stream, and the type of each topic that is left out."""
+    _check_nesting(path / "metadata.yaml")
     typesys, highlevel = optional_module("rosbags.typesys"), optional_module("rosbags.highlevel")
     streams: dict[Stream, _Rows] = {}
     default = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)

@@ -97,20 +97,21 @@ def limits() -> Iterator[None]:
         raise TooSlowError
 
     before = signal.signal(signal.SIGPROF, too_slow)
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     decode_images([])  # starts the child, which is limited by itself
     for child in _children():
-        resource.prlimit(child, resource.RLIMIT_AS, (_address_space(child) + BYTES, hard))
-    resource.setrlimit(resource.RLIMIT_AS, (_address_space() + BYTES, hard))
+        resource.prlimit(child, resource.RLIMIT_DATA, (_data_bytes(child) + BYTES, hard))
+    resource.setrlimit(resource.RLIMIT_DATA, (_data_bytes() + BYTES, hard))
     try:
         yield
     finally:
-        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
         signal.signal(signal.SIGPROF, before)
 
 
-def _address_space(process: int | str = "self") -> int:
-    pages = int(Path(f"/proc/{process}/statm").read_text(encoding="ascii").split()[0])
+def _data_bytes(process: int | str = "self") -> int:
+    """Return the memory that a process may write to, which address space that the allocator reserves is not."""
+    pages = int(Path(f"/proc/{process}/statm").read_text(encoding="ascii").split()[5])
     return pages * resource.getpagesize()
 
 
