@@ -10,6 +10,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS, effects_section
+from configs.schema.effect_file import EffectFile
 from symolo.core.errors import InputError
 
 AnEffect = TypeVar("AnEffect", bound=Effect)
@@ -139,11 +140,14 @@ def with_unloaded_apart(robot: Any, *, known_only: bool) -> Any:  # noqa: ANN401
         return robot
     apart = dict(effects)
     for file in files:
-        stated = file if isinstance(file, dict) else vars(file)
-        name, values = stated.get("name"), effects.get(stated.get("name"))
-        loaded = EFFECTS.files.get(str(name))
-        if isinstance(values, dict) and (loaded is None or loaded.sha256 != stated.get("sha256")):
-            apart[name] = UnloadedEffect(str(name), values, str(stated.get("file")), str(stated.get("sha256")))
+        stated = file.model_dump() if isinstance(file, EffectFile) else file
+        name = stated.get("name") if isinstance(stated, dict) else None
+        values = effects.get(name) if isinstance(name, str) else None
+        if not isinstance(name, str) or not isinstance(values, dict):
+            continue  # the schema says what is wrong
+        loaded, sha256 = EFFECTS.files.get(name), str(stated.get("sha256"))
+        if loaded is None or loaded.sha256 != sha256:
+            apart[name] = UnloadedEffect(name, values, str(stated.get("file")), sha256)
             if known_only:
                 raise apart[name].problem()
     return {**robot, "effects": apart}

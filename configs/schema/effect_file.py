@@ -9,6 +9,8 @@ from pydantic_core.core_schema import ValidationInfo
 from configs.schema.base import Fixed, Section, Slug, disagreement
 
 MAX_CHARACTERS = 200_000
+FILE_NAME = r"^[^\x00-\x1f\x7f/\\.][^\x00-\x1f\x7f/\\]{0,250}\.py$"
+"""A name that leads nowhere else, for `symolo effect extract` writes files of these names."""
 
 
 class EffectFile(Section):
@@ -16,7 +18,7 @@ class EffectFile(Section):
 
     name: Slug
     """Name of the effect."""
-    file: Annotated[str, Fixed("it is the name of a file")] = Field(pattern=r"^[^\x00-\x1f\x7f/]{1,255}$")
+    file: Annotated[str, Fixed("it is the name of a file")] = Field(pattern=FILE_NAME)
     """Name of the file, without its folder."""
     sha256: str = Field(pattern=r"^[0-9a-f]{64}$")
     """SHA-256 of the file's bytes."""

@@ -112,12 +112,12 @@ def extract(folder: Dataset, *, out: NewFolder) -> None:
 
     Example: symolo effect extract data --out effects
     """
-    from pipeline.effects.extract import effect_files
+    from pipeline.effects.extract import effect_files, named_contents
     from symolo.core.files.atomic_files import write_file
     from symolo.core.files.new_folder import check_new, new_folder
 
     check_new(out, folder)
-    files = {file.file: file.text.encode() for file in effect_files(folder)}
+    files = named_contents(effect_files(folder))
     if not files:
         raise InputError("was made without effects of a user's own", where=str(folder))
     with new_folder(out) as partial:

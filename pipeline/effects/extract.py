@@ -1,6 +1,6 @@
 """The files of the effects that a dataset was made with."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
@@ -34,6 +34,15 @@ def effect_files(folder: Path) -> tuple[EffectFile, ...]:
     else:
         files = list(_of_stages(folder))
     return tuple({file.sha256: file for file in files}.values())
+
+
+def named_contents(files: Iterable[EffectFile]) -> dict[str, bytes]:
+    """Return the content of each file by its name, with a part of the SHA-256 where two have the same name."""
+    contents: dict[str, bytes] = {}
+    for file in files:
+        name = f"{Path(file.file).stem}-{file.sha256[:8]}.py" if file.file in contents else file.file
+        contents[name] = file.text.encode()
+    return contents
 
 
 def effect_file_lines(folder: Path) -> Iterator[str]:

@@ -14,7 +14,7 @@ from configs.json_schema import scenario_json_schema
 from configs.loader import load_resolved, load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.cli import main
-from pipeline.effects.extract import effect_file_lines
+from pipeline.effects.extract import effect_file_lines, named_contents
 from pipeline.run_folder.changes import changes
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.stages.simulate import simulate
@@ -180,6 +180,24 @@ class TestWithoutTheFile:
     def test_a_text_that_does_not_fit_its_hash_is_a_fault(self, text):
         assert "effect_files.0.text" in spec_problem(text.replace("1.0 - self", "1.0 + self"))
 
+    @pytest.mark.parametrize(
+        "files",
+        [
+            3, "a.py", ["a.py"], [3], [None], [{}], [{"name": ["leaky_shunt"]}], [{"name": "leaky_shunt"}],
+            [{"name": "leaky_shunt", "file": "../a.py", "sha256": "0" * 64, "text": ""}],
+        ],
+    )  # fmt: skip
+    def test_a_damaged_record_is_a_fault_and_no_error_of_the_reader(self, text, files):
+        content = json.loads(text)
+        content["robot"]["effect_files"] = files
+        assert spec_problem(json.dumps(content)) != ""
+
+    @pytest.mark.parametrize("name", ["../a.py", "..", ".a.py", "a/b.py", "a\\b.py", "a.sh", "a\n.py", ""])
+    def test_a_name_that_leads_elsewhere_is_a_fault(self, text, name):
+        content = json.loads(text)
+        content["robot"]["effect_files"][0]["file"] = name
+        assert spec_problem(json.dumps(content)).startswith("robot.effect_files.0.file")
+
     def test_no_run_is_drawn_from_its_scenario(self, scenario):
         tree = load_scenario(str(scenario)).tree
         forget()
@@ -205,6 +223,16 @@ def test_the_files_of_simulated_runs_are_listed_and_extracted_without_loading_th
     assert [*effect_file_lines(tmp_path / "data")] == []
     assert main(["effect", "extract", str(tmp_path / "data"), "--out", str(tmp_path / "none")]) == 2
     assert "was made without effects of a user's own" in capsys.readouterr().err
+
+
+def test_two_files_of_one_name_are_both_written(scenario, tmp_path):
+    (first,) = drawn(scenario).robot.effect_files
+    (tmp_path / "robots/code/leaky_shunt.py").write_text(EFFECT + "# another\n")
+    (second,) = drawn(scenario).robot.effect_files
+    assert named_contents([first, second]) == {
+        "leaky_shunt.py": EFFECT.encode(),
+        f"leaky_shunt-{second.sha256[:8]}.py": EFFECT.encode() + b"# another\n",
+    }
 
 
 SAME = "a file with the same content is loaded"
