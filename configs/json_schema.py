@@ -55,6 +55,9 @@ def scenario_json_schema() -> dict[str, Any]:
         if kind in MODELS:
             definitions[name]["properties"]["scale"] = _SCALE
     definitions["LookConfig"]["properties"]["assets"] = _FOLDER
+    definitions["CameraLook"]["properties"]["extends"] = _base("camera")
+    fields = definitions["LookConfig"]["properties"]
+    fields["camera"] = {"anyOf": [_reference("camera"), fields["camera"]]}
     for name in ("ArenaConfig", "RobotConfig"):
         definitions[name]["properties"]["assets"] = {**_FOLDER, "description": _FOLDER_OF_MESHES}
     definitions["RobotConfig"]["properties"]["effect_files"] = _EFFECT_FILES

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from configs.assets.folder import anchored
 from configs.effects.own_files import KEY, anchored_files
-from configs.references import SECTIONS, resolve_section
+from configs.references import SECTIONS, resolve_camera, resolve_section
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
 from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, dotted, merge
@@ -30,6 +30,8 @@ def apply_override(root: Node, text: str) -> Node:
         node, is_complete = resolve_section(name, node, Path.cwd())
         if is_complete:
             return Node({**root.value, name: node}, root.where)
+    if name == "look.camera":
+        node = resolve_camera(node, Path.cwd())
     if name == "look.assets":
         node = anchored(Node({"assets": node}, where), Path.cwd()).child("assets") or node
     if keys == ["robot", KEY]:

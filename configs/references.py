@@ -7,11 +7,13 @@ from pathlib import Path
 from configs.assets.folder import anchored
 from configs.effects.own_files import anchored_files, with_both
 from configs.scaling import MODELS, scaled
+from configs.schema.camera_look import CameraLook
+from configs.shapes import Shape, with_defaults
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import displayed, read_yaml
 from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
 
-FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
+FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks", "camera": "cameras"}
 SECTIONS = ("arena", "robot", "look")
 WITH_FILES = ("arena", "robot", "look")
 """Sections with a key `assets`, which names a folder of the user."""
@@ -30,7 +32,7 @@ def locate(kind: str, reference: str, *, folder: Path, what: str, where: str = "
     """Return the file for a name or a path.
 
     Args:
-        kind: scenario, arena, robot or look.
+        kind: scenario, arena, robot, look or camera.
         reference: The name of a shipped file, or a path, which has a slash or ends in .yaml.
         folder: Start of relative paths.
         what: Field path or argument with the reference, for the message.
@@ -87,6 +89,7 @@ def read_file(kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
 def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()) -> Node:
     """Return a mapping merged over what it extends; relative paths in it start at `folder`."""
     root = _anchored(kind, root, folder)
+    root = with_camera(root, folder) if kind == "look" else root
     fields = {str(key): node for key, node in root.children()}
     complete = set()
     if kind == "scenario":
@@ -133,4 +136,26 @@ def resolve_section(kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
         raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
     if "extends" in node.value or (kind in MODELS and "scale" in node.value):
         return resolve(kind, node, folder, prefix=(kind,)), True
+    node = with_camera(node, folder) if kind == "look" else node
     return _anchored(kind, node, folder), False
+
+
+def with_camera(look: Node, folder: Path) -> Node:
+    """Return a look whose camera, if it is a name or has `extends:`, is replaced by all settings of that camera."""
+    camera = look.child("camera")
+    if camera is None or not isinstance(look.value, dict):
+        return look
+    return Node({**look.value, "camera": resolve_camera(camera, folder)}, look.where)
+
+
+def resolve_camera(node: Node, folder: Path) -> Node:
+    """Return all settings of the camera that a node names or extends; any other node as it is."""
+    if isinstance(node.value, str):
+        what = "look.camera"
+        found = read_file("camera", locate("camera", node.value, folder=folder, what=what, where=node.where))
+    elif isinstance(node.value, dict) and "extends" in node.value:
+        found = resolve("camera", node, folder, prefix=("look", "camera"))
+    else:
+        return node
+    # With its defaults, nothing remains of a camera that it is merged over.
+    return with_defaults(found, Shape.of(CameraLook))

@@ -98,7 +98,7 @@ def build_job(  # noqa: PLR0917 - a run's images depend on all of these
         camera=camera,
         frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
         sampling=tracing_settings(render, noise_seed, device, len(frames)),
-        response=CameraResponse.from_look(look.camera, light, noise_seed, render.jpeg_quality),
+        response=CameraResponse.from_look(look.camera, light, noise_seed, render.jpeg_quality, render.width_px),
         shutter=shutter,
     )
 

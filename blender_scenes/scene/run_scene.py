@@ -10,6 +10,7 @@ from blender_scenes.materials import FLOORS, body_material
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
+from blender_scenes.materials.paper import paper
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
 from blender_scenes.rooms.base import RoomModel
@@ -18,9 +19,10 @@ from blender_scenes.scene import line_mesh
 from blender_scenes.scene import meshes as geometry
 from blender_scenes.scene.bevel import BEVEL_M, bevelled_box
 from blender_scenes.scene.description import Mesh, Point2, Scene
+from blender_scenes.scene.line_sheets import with_sheets
 from blender_scenes.scene.robot_body import CAMERA_BODY, robot_body, robot_surfaces
 from blender_scenes.scene.shading import Surface
-from configs.schema.look import LinePaintLook, LookConfig, TapeLook
+from configs.schema.look import LinePaintLook, LookConfig, PaintedLook, TapeLook
 from configs.schema.robot import RobotConfig
 from symolo.arena.geometry import Arena, Box, Line
 from symolo.arena.obstacle_motion import ObstacleMotion
@@ -32,7 +34,7 @@ _GLASS_BEVEL_M = 0.0001
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
     """Return the scene of a run; the same arguments give the same scene."""
     room = room_around(arena, look, seed)
-    parts = [_floor(look, room, seed), *_line(arena, look, seed)]
+    parts = [_floor(arena.line, look, room, seed), *_line(arena, look, seed)]
     parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
     in_own_frames = [replace(box, center=(0.0, 0.0, box.center[2]), yaw_rad=0.0) for box in arena.moving]
     moving = [_box(box, look, seed) for box in in_own_frames]
@@ -85,13 +87,21 @@ def _reach(box: Box, motion: ObstacleMotion) -> np.ndarray:
 MeshAndSurfaces = tuple[Mesh, tuple[Surface, ...]]
 
 
-def _floor(look: LookConfig, room: RoomModel, seed: int) -> MeshAndSurfaces:
+def _floor(line: Line, look: LookConfig, room: RoomModel, seed: int) -> MeshAndSurfaces:
     size = room.high[0] - room.low[0], room.high[1] - room.low[1]
     patch = SurfacePatch("floor", size, seed)
     surface = stained(FLOORS[look.floor.material](look.floor, patch), patch, look.floor.stains)
     surface = dirtied(surface, patch, look.floor.dirt)
     mesh = geometry.floor("floor", room.low, room.high, math.radians(look.floor.yaw_deg), surface.name)
-    return mesh, (surface,)
+    sheets = look.line_sheets
+    if sheets.width_m == 0:
+        return mesh, (surface,)
+    paper_of_sheets = PaintedLook(paint=sheets.paint, roughness=sheets.roughness)
+    patch = SurfacePatch("line_sheets", (sheets.length_m, sheets.width_m), seed)
+    sheet = paper(look.model_copy(update={"paper": paper_of_sheets}), patch)
+    # The sheets are younger than the floor.
+    sheet = dirtied(stained(sheet, patch, 0.5 * look.floor.stains), patch, 0.5 * look.floor.dirt)
+    return with_sheets(mesh, line, sheets, sheet.name, seed), (surface, sheet)
 
 
 def _line(arena: Arena, look: LookConfig, seed: int) -> list[MeshAndSurfaces]:

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from configs.schema.asset import Asset, SurfaceImages
 from configs.schema.base import FromList, Section, Slug, absent
+from configs.schema.camera_look import CameraLook
 from configs.schema.floors import FloorLook
 from configs.schema.lighting import DeskLampsLook, LampsLook, PanoramaName, SkyLook, SunLook
 from configs.schema.paint import Paint
@@ -112,40 +113,22 @@ class GlossLook(Section):
     """Roughness of the surface; 0 is a mirror, 1 is matt."""
 
 
-class CameraLook(Section):
-    """Camera response, from the light on the sensor to the numbers in the image."""
+class LineSheetsLook(Section):
+    """Sheets of paper on the floor, side by side along the line, beneath its tape or paint."""
 
-    brightness: float = Field(default=0.25, ge=0.01, le=0.9)
-    """Linear value to which the exposure brings the median luminance; 0.18 is a photographer's middle grey."""
-    compensation_ev: float = Field(default=0.0, ge=-6, le=6)
-    """Exposure compensation in stops; +1 doubles the light."""
-    exposure_adaption: float = Field(default=0.5, ge=0, le=1)
-    """Adaption of the exposure: 0 is one exposure per run, metered on a few of its views; 1 meters each frame."""
-    exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
-    """Exposure time of each pixel, which causes motion blur and averages flicker; 0 is an instant. Brightness and noise
-    do not depend on it otherwise."""
-    white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
-    """Colour temperature that is rendered neutral without automatic white balance."""
-    white_balance_adaption: float = Field(default=0.8, ge=0, le=1)
-    """Adaption of the white balance: 0 uses `white_balance_K`; 1 renders the mixed light over the arena neutral."""
-    contrast: float = Field(default=1.15, ge=0.5, le=2)
-    """Slope of the tone curve around its middle; 1 leaves the contrast unchanged."""
-    saturation: float = Field(default=1.1, ge=0, le=2)
-    """Factor on the saturation of colours; 0 is grey."""
-    vignetting: float = Field(default=0.25, ge=0, le=1)
-    """Share of light that is lost in the corners."""
-    lens_blur_px: float = Field(default=0.0, ge=0, le=5)
-    """Standard deviation of the lens' point spread; a cheap lens has 0.5 to 1 at 160 x 120."""
-    veiling_glare: float = Field(default=0.0, ge=0, le=0.3)
-    """Share of the light that the lens spreads evenly over the image, which raises the black level."""
-    shot_noise: float = Field(default=0.012, ge=0, le=0.5)
-    """Standard deviation at full white, proportional to the root of the light."""
-    read_noise: float = Field(default=0.003, ge=0, le=0.5)
-    """Standard deviation of the noise in the dark, relative to full white."""
-    sharpening: float = Field(default=0.0, ge=0, le=3)
-    """Strength of an unsharp mask; 0 is none."""
-    sharpening_radius_px: float = Field(default=1.0, ge=0.3, le=10)
-    """Standard deviation of the blur of the unsharp mask."""
+    width_m: float = Field(default=0.0, ge=0, le=1)
+    """Width of the sheets, across the line; 0 for none."""
+    length_m: float = Field(default=0.297, ge=0.05, le=2)
+    """Length of a sheet, along the line; by default that of A4."""
+    shift_m: float = Field(default=0.005, ge=0, le=0.1)
+    """Largest shift of a sheet across the line."""
+    paint: Paint = Paint(reflectance=0.8, hue_deg=50, saturation=0.02)
+    roughness: float = Field(default=0.8, ge=0.05, le=1)
+    """Roughness of the surface; 0 is a mirror, 1 is matt."""
+
+
+def _are_none(sheets: LineSheetsLook) -> bool:
+    return sheets == LineSheetsLook()
 
 
 _SHIPPED_NAMES = {"file": frozenset[str](), "panorama": frozenset(get_args(PanoramaName))}
@@ -167,6 +150,7 @@ class LookConfig(Section):
     """Material of the line: `tape` or `paint`; only the section of that kind is used."""
     tape: TapeLook = TapeLook()
     line_paint: LinePaintLook = LinePaintLook()
+    line_sheets: LineSheetsLook = Field(default=LineSheetsLook(), exclude_if=_are_none)
     boards: BoardLook = BoardLook()
     cardboard: CardboardLook = CardboardLook()
     plastic: PaintedLook = PaintedLook(paint=Paint(reflectance=0.25, hue_deg=215, saturation=0.7), roughness=0.3)

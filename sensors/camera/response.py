@@ -1,20 +1,25 @@
 """The camera's response from light to pixels, in numpy and OpenCV.
 
-The steps are those of a camera: blur, glare and vignetting of the lens; exposure; shot and read noise of the sensor;
-gains of the white balance, which amplify that noise; saturation; tone curve; sharpening; JPEG.
+The steps are those of a camera: blur, focus, glare and vignetting of the lens; exposure; shot and read noise of the
+sensor, which may have a Bayer filter; gains of the white balance, which amplify that noise; saturation; tone curve;
+noise reduction; sharpening; JPEG.
 
 Pixels depend on the light, the settings and the number of the frame, but never on threads or order.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from configs.schema.look import CameraLook
+from configs.schema.camera_look import CameraLook, ColourFilter, is_one, is_unfiltered, is_zero
 from sensors.camera.colour import LUMINANCE, RGB, light_rgb
+from sensors.camera.finishing import sharpened, without_noise
+from sensors.camera.mosaic import colours, demosaiced, mosaic
+from sensors.camera.optics import blurred, defocused, gathered, veiled
 from symolo.core.arrays import FloatImage
 from symolo.core.random_streams import stream
 
@@ -22,8 +27,6 @@ _MIN_SHARE = 0.02
 """Minimum share of a component in the light of the white balance, which keeps gains below 50. Light of 1900 K has no
 blue."""
 _BURNT_SHARE = 0.04
-_LUMA = np.array([0.299, 0.587, 0.114], np.float32)
-"""Weights of gamma-coded components (ITU-R BT.601), as in JPEG."""
 _DARKEST = 1e-3
 """Minimum brightness of a frame, relative to the run, to which the exposure adapts."""
 _KNEE = 0.6
@@ -48,10 +51,26 @@ class CameraResponse:
     veiling_glare: float
     sharpening: float
     sharpening_radius_px: float
+    # A value without effect is left out of the JSON text, so that jobs without these steps have the bytes of before.
+    defocus_px: Annotated[float, Field(exclude_if=is_zero)] = 0.0
+    pixel_px: Annotated[float, Field(exclude_if=is_one)] = 1.0
+    colour_filter: Annotated[ColourFilter, Field(exclude_if=is_unfiltered)] = "none"
+    noise_reduction: Annotated[float, Field(exclude_if=is_zero)] = 0.0
+    colour_blur_px: Annotated[float, Field(exclude_if=is_zero)] = 0.0
 
     @classmethod
-    def from_look(cls, look: CameraLook, light: RGB, seed: int, jpeg_quality: int) -> "CameraResponse":
-        """Return the response of a camera in light of the colour `light`; its brightness does not matter."""
+    def from_look(
+        cls, look: CameraLook, light: RGB, seed: int, jpeg_quality: int, width_px: int = 0
+    ) -> "CameraResponse":
+        """Return the response of a camera.
+
+        Args:
+            look: Settings of the camera.
+            light: Colour of the light; its brightness does not matter.
+            seed: Seed of the noise.
+            jpeg_quality: Quality of the JPEG files.
+            width_px: Width of the image; a camera in focus needs none.
+        """
         return cls(
             seed=seed,
             brightness=look.brightness * 2.0**look.compensation_ev,
@@ -67,6 +86,11 @@ class CameraResponse:
             veiling_glare=look.veiling_glare,
             sharpening=look.sharpening,
             sharpening_radius_px=look.sharpening_radius_px,
+            defocus_px=look.defocus_share * width_px,
+            pixel_px=look.pixel_px,
+            colour_filter=look.colour_filter,
+            noise_reduction=look.noise_reduction,
+            colour_blur_px=look.colour_blur_px,
         )
 
 
@@ -129,8 +153,7 @@ def develop(
     highlights = float(np.quantile(seen @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
     gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
     raw = light * np.float32(gain) * _vignette(width, height, response.vignetting)[..., None]
-    raw = np.maximum(raw + _noise(raw, response, number), 0)
-    return (_grey_values(raw, response) + 0.5).astype(np.uint8)
+    return (_grey_values(_balanced(raw, response, number), response) + 0.5).astype(np.uint8)
 
 
 def develop_part(light: FloatImage, response: CameraResponse, metered: float, number: int | None) -> FloatImage:
@@ -139,17 +162,27 @@ def develop_part(light: FloatImage, response: CameraResponse, metered: float, nu
     It has the exposure of the run, and no vignetting. With a `number` it has the noise of the sensor.
     """
     raw = _through_glass(light, response) * np.float32(response.brightness / metered)
+    return _grey_values(_balanced(raw, response, number), response)
+
+
+def _balanced(raw: FloatImage, response: CameraResponse, number: int | None) -> FloatImage:
+    """Return the values (H, W, 3) of the sensor after white balance, without noise if `number` is None."""
+    gains = np.asarray(response.white_balance, np.float32)
+    if response.colour_filter == "none":
+        return (raw if number is None else np.maximum(raw + _noise(raw, response, number), 0)) * gains
+    sensor = mosaic(raw)
     if number is not None:
-        raw = np.maximum(raw + _noise(raw, response, number), 0)
-    return _grey_values(raw, response)
+        draw = stream(response.seed, "camera noise", number).standard_normal(sensor.shape, np.float32)
+        sensor = np.maximum(sensor + _noise_sd(sensor, response) * draw, 0)
+    return np.maximum(demosaiced(sensor * gains[colours(*sensor.shape)]), 0)
 
 
-def _grey_values(raw: FloatImage, response: CameraResponse) -> FloatImage:
-    """Return grey values, 0 to 255, of the exposed light: white balance, saturation, tone curve, sharpening."""
-    exposed = raw * np.asarray(response.white_balance, np.float32)
+def _grey_values(exposed: FloatImage, response: CameraResponse) -> FloatImage:
+    """Return grey values, 0 to 255, of balanced light: saturation, tone curve, noise reduction, sharpening."""
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
     exposed = np.maximum(grey + response.saturation * (exposed - grey), 0)
-    return 255 * _sharpened(tone(exposed, response.contrast), response)
+    coded = without_noise(tone(exposed, response.contrast), response.noise_reduction, response.colour_blur_px)
+    return 255 * sharpened(coded, response.sharpening, response.sharpening_radius_px)
 
 
 def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
@@ -161,13 +194,8 @@ def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
 
 
 def _through_glass(light: FloatImage, response: CameraResponse) -> FloatImage:
-    """Return light with a Gaussian point spread function and with even veiling glare (ISO 9358)."""
-    if response.lens_blur_px > 0:
-        light = cv2.GaussianBlur(light, (0, 0), response.lens_blur_px).astype(np.float32)
-    if response.veiling_glare > 0:
-        veil = light.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
-        light = light + np.float32(response.veiling_glare) * (veil - light)
-    return light
+    light = defocused(blurred(light, response.lens_blur_px), response.defocus_px)
+    return veiled(gathered(light, response.pixel_px), response.veiling_glare)
 
 
 def _vignette(width: int, height: int, loss: float) -> FloatImage:
@@ -188,9 +216,12 @@ def _noise(raw: FloatImage, response: CameraResponse, number: int) -> FloatImage
     """Return shot and read noise of the sensor, slightly blurred like that of an interpolated colour filter."""
     draw = stream(response.seed, "camera noise", number).standard_normal(raw.shape, np.float32)
     soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
+    return (2.0 * _noise_sd(raw, response) * soft).astype(np.float32)  # the blur has halved the standard deviation
+
+
+def _noise_sd(raw: FloatImage, response: CameraResponse) -> FloatImage:
     # Shot noise is Poisson: its variance is proportional to the light. Read noise is constant; variances add.
-    sd = np.sqrt(response.shot_noise**2 * np.maximum(raw, 0) + response.read_noise**2)
-    return (2.0 * sd * soft).astype(np.float32)  # the blur has halved the standard deviation
+    return np.sqrt(response.shot_noise**2 * np.maximum(raw, 0) + response.read_noise**2)
 
 
 def tone(linear: FloatImage, contrast: float) -> FloatImage:
@@ -208,12 +239,3 @@ def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
     over = np.minimum((rolled - _KNEE) / (1 - _KNEE), 1.0 - 1e-6)
     scaled = np.where(over > 0, _KNEE - (1 - _KNEE) * np.log1p(-over), rolled)
     return 0.18 * (np.maximum(scaled, 0.0) / 0.18) ** (1.0 / contrast)
-
-
-def _sharpened(image: FloatImage, response: CameraResponse) -> FloatImage:
-    """Apply an unsharp mask to the luma, so that edges keep their colour, and clip to 0 to 1."""
-    if response.sharpening == 0:
-        return image
-    grey = image @ _LUMA
-    detail = grey - cv2.GaussianBlur(grey, (0, 0), response.sharpening_radius_px)
-    return np.clip(image + np.float32(response.sharpening) * detail[..., None], 0, 1).astype(np.float32)

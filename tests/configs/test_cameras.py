@@ -1,0 +1,55 @@
+"""Cameras of a look that are named or extended, in files and on the command line."""
+
+import pytest
+
+from configs.draw import draw_all
+from configs.loader import load_scenario, load_section
+from configs.references import shipped_names
+from configs.schema.camera_look import CameraLook
+from symolo.core.errors import InputError
+
+
+def camera(*overrides):
+    return draw_all(load_scenario("smoke", overrides))[0].look.camera
+
+
+@pytest.mark.parametrize("name", shipped_names("camera"))
+def test_a_named_camera_replaces_all_settings_of_the_look(name):
+    found = camera("look=garage", f"look.camera={name}")
+    assert found.name == name
+    assert found == camera("look=night", f"look.camera={name}")
+
+
+def test_a_setting_after_the_name_changes_that_setting_only():
+    named, changed = camera("look.camera=phone"), camera("look.camera=phone", "look.camera.vignetting=0.33")
+    assert changed == named.model_copy(update={"vignetting": 0.33})
+
+
+def test_files_name_and_extend_cameras_and_keep_nothing_of_the_look_that_they_extend(tmp_path):
+    (tmp_path / "mine.yaml").write_text("extends: webcam\nname: mine\nshot_noise: {uniform: [0.1, 0.2]}\n")
+    (tmp_path / "look.yaml").write_text("extends: garage\nname: dim\ncamera: ./mine.yaml\n")
+    (tmp_path / "scenario.yaml").write_text(
+        "extends: smoke\nname: s\nlook: {camera: {extends: ./mine.yaml, contrast: 1}}\n"
+    )
+    look = load_section("look", str(tmp_path / "look.yaml"))
+    assert [path for path in look.placed if "camera" in path] == [("look", "camera", "shot_noise")]
+    found = draw_all(load_scenario(str(tmp_path / "scenario.yaml")))[0].look.camera
+    webcam = camera("look.camera=webcam")
+    assert 0.1 <= found.shot_noise <= 0.2
+    expected = {"name": "mine", "contrast": 1.0, "shot_noise": found.shot_noise}
+    assert found == webcam.model_copy(update=expected)
+
+
+def test_a_name_that_is_not_shipped_is_refused_with_the_nearest_one():
+    with pytest.raises(InputError) as refused:
+        load_scenario("smoke", ["look.camera=fone"])
+    assert "look.camera" in str(refused.value)
+    assert "phone, raspberry_pi, webcam" in str(refused.value)
+    with pytest.raises(InputError, match=r"camera\.typo"):
+        load_scenario("smoke", ["look.camera={extends: phone, typo: 1}"])
+
+
+def test_settings_without_effect_are_not_written():
+    assert set(CameraLook().model_dump()) == set(CameraLook.model_fields) - {
+        *("name", "description", "defocus_share", "pixel_px", "colour_filter", "noise_reduction", "colour_blur_px")
+    }

@@ -1,0 +1,71 @@
+"""The Bayer filter: what its interpolation keeps, and the noise behind it, by the sums of its coefficients."""
+
+import numpy as np
+import pytest
+
+from configs.schema.camera_look import CameraLook
+from sensors.camera.mosaic import colours, demosaiced, mosaic
+from sensors.camera.response import CameraResponse, develop
+
+SIZE = 256
+
+
+@pytest.fixture(scope="module")
+def noise():
+    """Colours (H, W, 3) interpolated from independent noise of variance 1."""
+    return demosaiced(np.random.Generator(np.random.PCG64(7)).standard_normal((SIZE, SIZE)).astype(np.float32))
+
+
+def test_each_block_has_a_red_two_green_and_a_blue_pixel():
+    assert colours(4, 4).tolist() == [[0, 1, 0, 1], [1, 2, 1, 2]] * 2
+    light = np.arange(12, dtype=np.float32).reshape(2, 2, 3)
+    assert mosaic(light).tolist() == [[0.0, 4.0], [7.0, 11.0]]
+
+
+@pytest.mark.parametrize(("height", "width"), [(24, 32), (25, 31)])
+def test_an_even_colour_stays_and_measured_values_stay(height, width):
+    even = np.broadcast_to(np.array([0.6, 0.4, 0.1], np.float32), (height, width, 3))
+    grey = np.repeat(np.random.default_rng(3).uniform(size=(height, width, 1)).astype(np.float32), 3, axis=2)
+    # Grey has no colour differences, but the interpolation of one colour from the others is exact only if it is even.
+    assert demosaiced(mosaic(even)) == pytest.approx(even, abs=1e-6)
+    at = colours(height, width)[..., None]
+    assert np.array_equal(np.take_along_axis(demosaiced(mosaic(grey)), at, 2), np.take_along_axis(grey, at, 2))
+
+
+def test_a_grey_ramp_stays_exact():
+    x, y = np.meshgrid(np.arange(20.0), np.arange(16.0))
+    ramp = np.repeat((0.02 * x + 0.03 * y)[..., None], 3, axis=2).astype(np.float32)
+    assert demosaiced(mosaic(ramp))[2:-2, 2:-2] == pytest.approx(ramp[2:-2, 2:-2], abs=1e-5)
+
+
+def test_the_variance_of_interpolated_noise_is_the_sum_of_squared_coefficients(noise):
+    """Green at red: (16 + 4 x 4 + 4 x 1) / 64. Red at green: (25 + 2 x 16 + 6 x 1 + 2 / 4) / 64.
+
+    Red at blue: (36 + 4 x 4 + 4 x 9 / 4) / 64.
+    """
+    variance = {(row, column): noise[row::2, column::2].var(axis=(0, 1)) for row in (0, 1) for column in (0, 1)}
+    assert variance[0, 0] == pytest.approx([1.0, 36 / 64, 61 / 64], rel=0.05)
+    assert variance[0, 1] == pytest.approx([63.5 / 64, 1.0, 63.5 / 64], rel=0.05)
+    assert variance[1, 1] == pytest.approx([61 / 64, 36 / 64, 1.0], rel=0.05)
+
+
+def test_interpolated_noise_is_shared_by_colours_and_neighbours(noise):
+    """At a green pixel red has 5/8 of it. Green at a red pixel has 2/8 of each green neighbour."""
+    green_pixel, red_pixel = noise[0::2, 1::2], noise[0::2, 0::2]
+    assert np.mean(green_pixel[..., 0] * green_pixel[..., 1]) == pytest.approx(5 / 8, abs=0.03)
+    assert np.mean(red_pixel[..., 1] * green_pixel[..., 1]) == pytest.approx(2 / 8, abs=0.03)
+
+
+def test_a_sensor_with_a_filter_has_the_noise_of_one_colour_per_pixel():
+    """Green is measured in the odd columns of even rows; sRGB's slope there turns light into grey values."""
+    look = CameraLook(
+        contrast=1, saturation=1, vignetting=0, shot_noise=0, read_noise=0.02, white_balance_adaption=1,
+        brightness=0.18, colour_filter="bayer",
+    )  # fmt: skip
+    response = CameraResponse.from_look(look, (1.0, 1.0, 1.0), 1, 92)
+    grey = np.full((SIZE, SIZE, 3), 0.18, np.float32)
+    image = develop(grey, response, 0.18, 1)
+    assert np.array_equal(image, develop(grey, response, 0.18, 1))
+    linear = ((image / 255 + 0.055) / 1.055) ** 2.4
+    assert linear[0::2, 1::2, 1].std() == pytest.approx(0.02, rel=0.03)
+    assert linear[0::2, 0::2, 1].std() == pytest.approx(0.75 * 0.02, rel=0.03)
