@@ -15,6 +15,8 @@ _MIN_PX = 6
 """Smallest half width of a line that has a level of its own."""
 _LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float64)
 _MOTTLING_PX = 3.0
+_RUN = 9
+"""Rows of an edge that a parabola is fitted to."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,12 @@ class ImageFigures:
     """Grey value that 1 % of the image is below."""
     white: float
     """That 1 % is above."""
+    spectrum_slope: float
+    """Of the logarithm of the power by that of the frequency, from 0.03 to 0.4 cycles a pixel, all directions."""
+    high_frequency_percent: float
+    """Share of the power, without the mean, above 0.25 cycles a pixel."""
+    jaggedness_px: float
+    """Standard deviation of the line's edge, row by row and square to the edge, from a smooth curve along nine rows."""
 
     @classmethod
     def of(cls, image: NDArray[np.uint8], x_px: Array) -> "ImageFigures":
@@ -50,6 +58,8 @@ class ImageFigures:
         smooth = cv2.GaussianBlur(grey, (0, 0), _MOTTLING_PX)
         floor, line = _floor(grey), _line(grey)
         noise = np.abs(cv2.filter2D(grey, -1, _LAPLACIAN)[1:-1, 1:-1]).mean() * np.sqrt(np.pi / 2) / 6
+        frequency, power = _spectrum(grey)
+        within = (frequency > 0.03) & (frequency < 0.4)
         top, low = image.max(axis=2).astype(float), image.min(axis=2).astype(float)
         return cls(
             edge_px=float(np.median([s.width_px for s in steps]) * np.cos(np.arctan(slope))) if steps else np.nan,
@@ -60,6 +70,9 @@ class ImageFigures:
             saturation_percent=float(100 * ((top - low) / np.maximum(top, 1)).mean()),
             black=float(np.quantile(grey, 0.01)),
             white=float(np.quantile(grey, 0.99)),
+            spectrum_slope=_fitted_slope(frequency[within], power[within]),
+            high_frequency_percent=float(100 * power[frequency > 0.25].sum() / power[frequency > 0].sum()),
+            jaggedness_px=_jaggedness(grey, x_px, steps) * float(np.cos(np.arctan(slope))),
         )
 
 
@@ -94,6 +107,46 @@ def _first_above(profile: Array, level: float) -> float:
     """Where a profile first rises through a level, between its samples."""
     at = max(1, int(np.argmax(profile > level)))
     return at - 1 + float((level - profile[at - 1]) / max(profile[at] - profile[at - 1], 1e-6))
+
+
+def _spectrum(grey: Array) -> tuple[Array, Array]:
+    """Frequency [cycles a pixel] and power of each component; the borders fade out, so that they are no edge."""
+    height, width = grey.shape
+    window = np.outer(np.hanning(height), np.hanning(width))
+    apart = grey - (grey * window).sum() / window.sum()
+    power = (np.abs(np.fft.fft2(apart * window)) ** 2).astype(np.float64)
+    return np.hypot(np.fft.fftfreq(height)[:, None], np.fft.fftfreq(width)[None, :]), power
+
+
+def _fitted_slope(frequency: Array, power: Array) -> float:
+    """By least squares over ten bands, each as wide as the others on the logarithmic scale."""
+    edges = np.geomspace(frequency.min(), frequency.max() * 1.0001, 11)
+    band = np.digitize(frequency, edges)
+    middles = np.array([np.log(frequency[band == b]).mean() for b in range(1, 11)])
+    levels = np.array([np.log(power[band == b].mean()) for b in range(1, 11)])
+    return float(np.polyfit(middles, levels, 1)[0])
+
+
+def _jaggedness(grey: Array, x_px: Array, steps: Sequence[_Step]) -> float:
+    known = np.isfinite(x_px)
+    if known.sum() < 2 or not steps:
+        return np.nan
+    half = float(np.median([0.5 * (s.line + s.floor) for s in steps]))
+    at = np.array(ROWS)[known]
+    rows = np.arange(int(at.min()), int(at.max()) + 2)
+    middles = np.rint(np.interp(rows, at, x_px[known])).astype(int)
+    spreads = []
+    for direction in (-1, 1):
+        edge = np.array(
+            [
+                middle + direction * _first_above(grey[row, middle::direction], half)
+                for row, middle in zip(rows, middles, strict=True)
+            ]
+        )
+        for run in np.lib.stride_tricks.sliding_window_view(edge, _RUN):
+            off = run - np.polyval(np.polyfit(np.arange(_RUN), run, 2), np.arange(_RUN))
+            spreads.append(np.sqrt((off**2).sum() / (_RUN - 3)))
+    return float(np.median(spreads))
 
 
 def _floor(grey: Array) -> NDArray[np.bool_]:

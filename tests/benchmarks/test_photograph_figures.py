@@ -66,3 +66,32 @@ def test_the_spread_on_the_line_is_that_of_what_lies_on_it(figures):
     """Noise of 4 grey values everywhere, rounded."""
     found = figures.ImageFigures.of(image(1.5, noise=4.0), upright()).line_spread
     assert found == pytest.approx(np.hypot(4.0, np.sqrt(1 / 12)), rel=0.05)
+
+
+def test_the_slope_of_a_spectrum_and_its_high_share_are_those_of_the_drawn_noise(figures):
+    """Noise whose power falls with the third power of the frequency; above 0.25 of 0.5 cycles lies a known share."""
+    f = np.hypot(np.fft.fftfreq(120)[:, None], np.fft.fftfreq(160)[None, :])
+    drawn = np.random.Generator(np.random.PCG64(2)).standard_normal((120, 160))
+    f[0, 0] = np.inf
+    # Below 0.03 cycles a pixel the power is even, so that the share does not hang on a few components.
+    shaped = np.fft.ifft2(np.fft.fft2(drawn) * np.maximum(f, 0.03) ** -1.5).real
+    grey = np.clip(128 + 25 * shaped / shaped.std(), 0, 255).astype(np.uint8)
+    found = figures.ImageFigures.of(np.repeat(grey[..., None], 3, axis=2), np.full(3, np.nan))
+    power = np.maximum(f, 0.03) ** -3.0
+    power[0, 0] = 0
+    assert found.spectrum_slope == pytest.approx(-3.0, abs=0.15)
+    assert found.high_frequency_percent == pytest.approx(100 * power[f > 0.25][:-1].sum() / power.sum(), rel=0.25)
+
+
+def test_a_straight_edge_is_not_jagged_and_a_shaken_one_by_what_it_was_shaken(figures):
+    rng = np.random.Generator(np.random.PCG64(4))
+    shaken = MIDDLE + 0.3 * rng.standard_normal(120)
+    x = np.arange(160)
+
+    def drawn(middle):
+        off = np.abs(x[None, :] - middle[:, None]) - 20
+        grey = LINE + (FLOOR - LINE) * np.clip(off / 4 + 0.5, 0, 1)
+        return np.repeat(np.rint(grey).astype(np.uint8)[..., None], 3, axis=2)
+
+    assert figures.ImageFigures.of(drawn(np.full(120, MIDDLE)), upright()).jaggedness_px < 0.01
+    assert figures.ImageFigures.of(drawn(shaken), upright()).jaggedness_px == pytest.approx(0.3, rel=0.2)
