@@ -89,7 +89,7 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     nearest = dict.fromkeys(min(sets, key=len) for sets in (without_range, several))
     names = " or ".join(" ".join(sorted(each)) for each in nearest)
     unused = [name for name in log.columns if name not in recognised.values()]
-    cure = f"rename them, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping"
+    cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}"
     return InputError(
         f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
         where=f"{log.path}: row 1",
@@ -118,7 +118,7 @@ def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array],
                 f"{typical:.4g} {scale.unit}",
                 where=str(log.path),
                 allowed=scale.reach.words(scale.unit),
-                cure=f"{factor}; correct its unit in {MAPPING} and give that with --mapping",
+                cure=f"{factor}; correct its unit in {MAPPING} and give that with {kind.mapping_option}",
             )
         )
     return faults

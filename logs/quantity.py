@@ -81,6 +81,10 @@ class LogKind:
     """Words that say nothing about which quantity it is."""
     lone_range: str = ""
     """Reading that a single range sensor without a side has, if there is one of this kind."""
+    mapping_option: str = "--mapping"
+    """Option of the command that reads such logs, with which a user names a mapping file."""
+    page: str = "docs/diagnosis.md"
+    """Page on mapping files."""
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -40,12 +40,12 @@ def with_sheets(floor: Mesh, line: Line, look: LineSheetsLook, surface: str, see
 
 
 def _places(line: Line, length_m: float) -> list[tuple[Array, float]]:
-    """Return middle (2,) and heading [rad] of the sheets that cover each piece from end to end."""
+    """Return middle (2,) and heading [rad] of the sheets that cover each strip from end to end."""
     places = []
-    for piece in line.pieces:
-        count = max(1, ceil(piece.length_m / length_m))
-        at = (np.arange(count) + 0.5) * piece.length_m / count
-        for before, middle, after in zip(piece.at(at - 1e-4), piece.at(at), piece.at(at + 1e-4), strict=True):
+    for strip in line.strips:
+        count = max(1, ceil(strip.length_m / length_m))
+        at = (np.arange(count) + 0.5) * strip.length_m / count
+        for before, middle, after in zip(strip.at(at - 1e-4), strip.at(at), strip.at(at + 1e-4), strict=True):
             dx, dy = after - before
             places.append((middle, atan2(dy, dx)))
     return places

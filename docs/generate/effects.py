@@ -1,10 +1,13 @@
 """Every effect: where it acts, what causes it, what reveals it, its equation and its parameters."""
 
+import ast
+import inspect
 from collections.abc import Iterator
+from itertools import pairwise
 
 from markdown_text import page, table, text
 
-from configs.effects.base import Effect
+from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS
 
 ABOUT = """This page lists all effects that a robot can have. The page [effects](../effects.md) explains what they have
@@ -14,7 +17,27 @@ effect, at which a fit begins."""
 
 
 def effects() -> str:
-    return page("Effects", ABOUT, (part for effect in EFFECTS.classes() for part in _section(effect)))
+    parts = [*_slots(), *(part for effect in EFFECTS.classes() for part in _section(effect))]
+    return page("Effects", ABOUT, parts)
+
+
+def _slots() -> Iterator[str]:
+    yield "## Slots"
+    yield (
+        "The place of the signal chain where an effect acts. `apply` gets the arguments on the left, and returns the "
+        "first one, changed. A turn or a duration is that of one step of the simulation; steps have other lengths in "
+        "PyBullet than in a fit, so the change per second must not depend on them."
+    )
+    words = dict(_documented(Slot))
+    yield table(("slot", "arguments and result of `apply`"), [(slot.value, text(words[slot.name])) for slot in Slot])
+
+
+def _documented(members: type) -> Iterator[tuple[str, str]]:
+    """Yield the names of a class's attributes with the texts below them."""
+    body = getattr(ast.parse(inspect.getsource(members)).body[0], "body", [])
+    for attribute, words in pairwise(body):
+        if isinstance(attribute, ast.Assign) and isinstance(words, ast.Expr) and isinstance(words.value, ast.Constant):
+            yield ast.unparse(attribute.targets[0]), " ".join(str(words.value.value).split())
 
 
 def _section(effect: type[Effect]) -> Iterator[str]:

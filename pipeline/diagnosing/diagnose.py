@@ -120,7 +120,7 @@ def diagnose_cases(
         )
         for case in cases
     ]
-    with report.stage("diagnose", len(units), "case" if alone else "cases") as stage:
+    with report.stage("diagnose", len(units), "cases") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(event, Finished | Failed):

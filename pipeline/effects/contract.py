@@ -25,6 +25,9 @@ LONGEST_BOUND = 1e5
 MIN_TEXT = 10
 SAME = 1e-9
 """Relative difference of numbers that were computed in another order."""
+OF_STEPS = 0.4
+"""Largest share of the effect on the path that a step of half the length may change. It changes 0 to 8 % for shipped
+effects and 28 % for a current limit, and 50 % for a law that multiplies by the turn of a step."""
 FACTORS = frozenset({"scale", "gain", "height_scale"})
 """Names of parameters that multiply, whose null value is 1."""
 
@@ -265,6 +268,22 @@ def _acts(trial: Trial) -> None:
         raise BrokenRule(f"{', '.join(silent)}: no value changes a reading, with the other numbers at their start")
 
 
+def _steps(trial: Trial) -> None:
+    if "twin" not in trial.places():
+        return
+    probe, null = trial.probe, trial.effect.null(trial.choices)
+    whole, half = (
+        probe.path(trial.robot(trial.start), parts) - probe.path(trial.robot(null), parts) for parts in (1, 2)
+    )
+    largest = max(np.abs(whole).max(), np.abs(half).max())
+    if np.abs(whole - half).max() > OF_STEPS * largest:
+        share = 100 * np.abs(whole - half).max() / largest
+        raise BrokenRule(
+            f"with time steps of half the length, its effect on the path differs by {share:.0f} %: apply uses the size "
+            "of a turn or a duration, which is that of one step; use a speed, or divide by the step"
+        )
+
+
 def _distinct(trial: Trial) -> None:
     found = closest(trial)
     if found is not None and found.share > SAME_SHARE:
@@ -285,6 +304,7 @@ RULES = (
     Rule("rows", "one row of an array gives what all rows give at once", _rows),
     Rule("stacks", "many robots at once, as in a fit, give what each gives alone", _stacks),
     Rule("acts", "each number changes a reading", _acts),
+    Rule("steps", "with time steps of half the length, its effect on the motion is the same", _steps),
     Rule("distinct", "no shipped effect of its slot does the same to all readings", _distinct),
 )
 """All rules, in the order in which they are reported."""

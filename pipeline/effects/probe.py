@@ -87,6 +87,12 @@ class Probe:
         sensed = self._sensed(robot, ReplayedWorld(run, 0, self.arena, PHYSICS_HZ))
         return {**sensed, "current_A": run.current_A, "true_pose": run.pose}
 
+    def path(self, robot: RobotConfig, parts: int) -> Array:
+        """Return the poses (T, 1, 3) every 10 ms of the drive without an engine, in steps of a part of 10 ms each."""
+        voltages = np.repeat([VOLTAGES_V, LATER_V], 30 * parts, axis=0)[:, None]
+        run = KinematicTwin(RobotModel.from_config(robot), 0.01 / parts).drive(voltages, np.zeros((1, 3)))
+        return run.pose[::parts]
+
     def on_bench(self, robot: RobotConfig) -> Readings:
         """Return the readings of a motor, and of a range sensor before targets."""
         model = RobotModel.from_config(robot)

@@ -23,6 +23,9 @@ MAX_POSSIBLE_M_S = 10.0
 """Largest speed that a small robot can have; most drive at 0.1 to 1 m/s, which seconds turn into 100 or more."""
 MAX_USUAL_M_S = 3.0
 """Largest speed that a small robot usually has."""
+MIN_USUAL_M_S = 0.002
+"""Smallest speed that a small robot usually has; milliseconds that are taken for seconds turn 0.5 m/s into a quarter of
+it."""
 MAX_USUAL_RAD_S = 15.0
 """Largest rate of turn that a small robot usually has."""
 MAX_PATH_WIDTH_M = 100.0
@@ -114,6 +117,11 @@ def _speed(t_s: Array, pose: Array) -> Iterator[str]:
         yield (
             f"the robot usually moves at {speed:.3g} m/s, which is fast for a small robot: are the times in a larger"
             " unit than was taken, or the places in a smaller one?"
+        )
+    elif 0.0 < speed < MIN_USUAL_M_S:
+        yield (
+            f"the robot usually moves at {speed:.3g} m/s, which is slow for a small robot: are the times in a smaller"
+            " unit than was taken, such as milliseconds, or the places in a larger one?"
         )
 
 

@@ -26,7 +26,9 @@ def with_images(run: TakenRun, camera_hz: float | None) -> TakenRun:
         row_hz = spec.rates.control_hz
         if not (row_hz / camera_hz).is_integer() or not float(camera_hz).is_integer():
             rates = ", ".join(str(hz) for hz in range(row_hz, 0, -1) if row_hz % hz == 0)
-            cure = f"for other rates, simulate again with --set rates.camera_hz={camera_hz:g}"
+            cure = "for a few images, use `symolo preview -n N`"
+            if camera_hz >= 1 and float(camera_hz).is_integer():
+                cure = f"for other rates, simulate again with --set rates.camera_hz={camera_hz:g}"
             raise InputError("--camera-hz", got=camera_hz, allowed=rates, cure=cure)
         spec = spec.model_copy(update={"rates": spec.rates.model_copy(update={"camera_hz": int(camera_hz)})})
     image = image_numbers(rows.t_ms, camera_hz or DEFAULT_HZ)

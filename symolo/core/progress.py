@@ -41,6 +41,7 @@ class LineReport:
 
     @contextmanager
     def stage(self, name: str, total: float, unit: str) -> Iterator[StageReport]:
+        unit = _counted(unit, total)
         stage = _Lines(self, name, total, unit)
         yield stage
         self.say(f"{name}: {stage.done:.0f} of {total:.0f} {unit} in {seconds(time.monotonic() - stage.started)}")
@@ -94,7 +95,7 @@ class BarReport:
         columns = (
             TextColumn(f"{name:9}"),
             BarColumn(),
-            TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {unit}"),
+            TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {_counted(unit, total)}"),
             TimeElapsedColumn(),
             TextColumn("left"),
             TimeRemainingColumn(),
@@ -112,6 +113,11 @@ class _Bar:
     def update(self, name: str, done: float) -> None:
         self._parts[name] = done
         self._show(sum(self._parts.values()))
+
+
+def _counted(unit: str, total: float) -> str:
+    """Return a unit such as `runs` for a total: `1 of 1 run`, `0 of 2 runs`."""
+    return unit.removesuffix("s") if total == 1 else unit
 
 
 def seconds(duration_s: float) -> str:

@@ -50,6 +50,29 @@ REFUSING = """
 SILENT = """    more_A: Annotated[float, Parameter("A", null=None, start=1.0, low=0.0, high=9.0)]
 
 """
+PER_STEP = '''
+"""Slip that grows with the turn of one step in the place of the speed."""
+
+from typing import Annotated
+
+import numpy as np
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
+
+
+class TurnedSlip(Effect):
+    slot = Slot.ROLLING
+    cause = "wheels that slip more the faster they turn"
+    excitation = "several speeds of the wheels"
+    setups = (Setup.DRIVE,)
+
+    slip_per_rad: Annotated[float, Parameter("1/rad", null=0.0, start=0.2, low=-1.0, high=1.0)]
+    """share * (1 - slip |turn|)."""
+
+    def apply(self, share, angle_rad, turned_rad):
+        return share * (1.0 - self.slip_per_rad * np.abs(turned_rad))
+'''
 BROKEN = [
     ("texts", ('"a magnetic core that saturates"', '"core"'), "cause is 'core': write a text of more than"),
     ("texts", ("(Setup.MOTOR_BENCH, Setup.DRIVE)", "Setup.DRIVE"), "setups is .*: write a tuple of some of"),
@@ -74,6 +97,7 @@ BROKEN = [
     ("rows", (RETURN, "return current_A - current_A.mean() * self.bend_per_A"), "one row alone gives another result"),
     ("stacks", (RETURN, "return current_A * (1.0 - np.max(self.bend_per_A))"), "several robots at once, with arrays"),
     ("acts", ("    def apply", SILENT + "    def apply"), "more_A: no value changes a reading"),
+    ("steps", (GOOD, PER_STEP), "its effect on the path differs by 50 %: apply uses the size of a turn or a duration"),
     ("distinct", (RETURN, "return current_A * (1.0 - self.bend_per_A)"), "current_sensor_gain has the same effect on"),
     ("distinct", (RETURN, "return current_A + 3.0 * self.bend_per_A"), "current_sensor_offset has the same effect on"),
 ]  # fmt: skip

@@ -44,7 +44,7 @@ def bags() -> list[bytes]:
 
 
 def bag_reader(place: Path) -> Read:
-    """Read a bag with one other file, and the poses of all its topics."""
+    """Read a bag with one other file, and the poses of its best and of its longest topic."""
     (place / FOLDER).mkdir()
     files = {place / name: content for name, content in _valid().items()}
 
@@ -58,8 +58,10 @@ def bag_reader(place: Path) -> Read:
         bag_path = place / path.relative_to(place).parts[0]
         out = place / "topics.npz"
         bag = bag_of(bag_path, write_topics(bag_path, out), out)
-        names = {topic.frames if topic.stream.type.endswith("Message") else topic.stream.topic for topic in bag.topics}
         trajectories_of(bag, ReadSettings())
-        trajectories_of(bag, ReadSettings(topics=tuple(names)[:1]))
+        poses = [topic for topic in bag.topics if topic.is_pose]
+        longest = max(poses, key=lambda topic: len(topic.t_s))
+        is_tf = longest.stream.type.endswith("Message")
+        trajectories_of(bag, ReadSettings(topics=(longest.frames if is_tf else longest.stream.topic,)))
 
     return read

@@ -183,6 +183,7 @@ SUSPICIOUS = {
     "clockwise": (lambda t, x, y, yaw: (t, x, y, -yaw), "they would if they were counted clockwise"),
     "sideways": (lambda t, x, y, yaw: (t, x, y, yaw + 0.7), "the median angle between them is 40 degrees"),
     "fast": (lambda t, x, y, yaw: (t / 20, x, y, yaw), "usually moves at 6 m/s, which is fast"),
+    "slow": (lambda t, x, y, yaw: (1000 * t, x, y, yaw), "usually moves at 0.0003 m/s, which is slow"),
     "gap": (lambda t, x, y, yaw: (t + 9.0 * (t > 2), x, y, yaw), "the longest gap is 9.05 s, from t = 2.000 s on"),
     "repeated": (
         lambda t, x, y, yaw: (t, *(np.repeat(column[::4], 4) for column in (x, y, yaw))),
@@ -208,6 +209,15 @@ REFUSED = {
     "a place beyond the sky": (lambda t, x, y, yaw: (t, np.where(t == 1.0, 1e308, x), y, yaw), "no place on Earth"),
     "a path of kilometres": (lambda t, x, y, yaw: (1000 * t, 1000 * x, 1000 * y, yaw), "away from the origin"),
 }
+
+
+def test_columns_that_nobody_can_recognise_are_mapped_with_the_option_of_this_command(tmp_path, symolo):
+    log = tmp_path / "run.csv"
+    log.write_text(table("foo,x_m,y_m,theta_rad", T_S, *PLACE.T, YAW))
+    ended = symolo("import", log, "--out", tmp_path / "data")
+    assert ended.code == 2
+    assert "write a mapping.yaml (docs/import.md) and name it with --map" in " ".join((ended.out + ended.err).split())
+    assert "--mapping" not in ended.out + ended.err
 
 
 @pytest.mark.parametrize(("change", "text"), REFUSED.values(), ids=REFUSED.keys())
