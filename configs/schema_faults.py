@@ -94,6 +94,8 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
         close, cure = "", FLAT_FLOOR
     elif key == "extends":
         cure = "'extends' is allowed at the top of a file and directly in arena, robot and look"
+    elif above == ("robot", "effects"):
+        cure = "an effect of your own needs its file: robot.effect_files, or symolo --effect-file FILE ..."
     elif not close:
         close = next((dotted(place) for place in shape.paths() if place[-1] == key), "")
     return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)

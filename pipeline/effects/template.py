@@ -1,5 +1,6 @@
 """A file with an effect of one's own to begin with, for those slots in which there is more than one law."""
 
+import inspect
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -322,7 +323,7 @@ def slot_named(text: str) -> Slot:
         raise InputError("--slot", got=text, allowed=allowed, nearest=nearest(name, LAWS))
     slot = known[name]
     if slot not in LAWS:
-        shipped = next((effect.name for effect in EFFECTS.shipped if effect.slot is slot), "")
-        cure = f"there is no template for this slot; begin with the file of {shipped}"
-        raise InputError("--slot", got=text, allowed=allowed, cure=cure if shipped else "")
+        shipped = next((effect for effect in EFFECTS.shipped if effect.slot is slot), None)
+        cure = f"there is no template for this slot; begin with a copy of {inspect.getfile(shipped)}" if shipped else ""
+        raise InputError("--slot", got=text, allowed=allowed, cure=cure)
     return slot

@@ -203,7 +203,7 @@ def test_new_writes_a_file_once(tmp_path, monkeypatch, capsys):
     assert "exists already" in capsys.readouterr().err
     for words, message in [
         (["oval_wheel", "--slot", "rollin", "--out", "a.py"], "did you mean rolling"),
-        (["oval_wheel", "--slot", "command-delay", "--out", "a.py"], "begin with the file of input_delay"),
+        (["oval_wheel", "--slot", "command-delay", "--out", "a.py"], "physics/effects/input_delay.py"),
         (["supply_sag", "--out", "a.py"], "a shipped effect has this name"),
         (["Oval-Wheel", "--out", "a.py"], "small letters and digits"),
     ]:
