@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import BPoly
 
 from configs.arena_import.drawing import MAX_WALLS, Drawing, Point
 from configs.arena_shapes.curves import UnfitError, along
@@ -150,6 +149,8 @@ class _Reader:
             self.drawing.line.append({"kind": "straight", "start": [*start], "end": [*end]})
 
     def _add_curve(self, curve: Any) -> None:  # noqa: ANN401 - as above
+        from scipy.interpolate import BPoly  # noqa: PLC0415 - only for a curve
+
         points = self._flattened(curve)
         controls = [getattr(curve, name, None) for name in _CONTROLS.get(type(curve).__name__, ())]
         if controls and sum(math.dist(start, end) for start, end in pairwise(points)) < MAX_CURVE_M:

@@ -3,14 +3,17 @@
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from scipy.interpolate import BPoly, CubicSpline
 
 from symolo.core.arrays import Array
 
+if TYPE_CHECKING:
+    from scipy.interpolate import BPoly, CubicSpline
+
 Point = tuple[float, float]
-Curve = CubicSpline | BPoly
+Curve: TypeAlias = "CubicSpline | BPoly"
 Piece = dict[str, object]
 """A piece of a line, as an arena file has it."""
 
@@ -95,6 +98,8 @@ def spline(points: Sequence[Point], *, closed: bool) -> list[Piece]:
     Raises:
         UnfitError: Two successive points are the same, there are too few, or the curve bends too tightly.
     """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - most arenas have no spline
+
     through = _distinct(points, closed=closed)
     if closed:
         through = np.vstack([through, through[:1]])
