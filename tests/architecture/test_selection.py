@@ -51,7 +51,7 @@ def test_a_choice_of_tests_whose_tools_are_missing_is_refused():
     assert "tests marked `board` need missing tools: apt-get install -y gcc" in ended.stderr
 
 
-@pytest.mark.parametrize("processes", ["-n0", "-n1"])
+@pytest.mark.parametrize("processes", ["-n0", pytest.param("-n1", marks=pytest.mark.long)])
 def test_tests_without_their_tools_are_deselected_reported_and_counted(processes):
     """All tests of test_messages.py compile the firmware for this machine, and have no other marker."""
     ended = run_pytest(processes, "tests/hil/firmware/test_messages.py", PATH="")

@@ -47,7 +47,12 @@ def names(answer):
         ("tof_bench", "noise_scale", {"scale": 3.0}),
         pytest.param("motor_step", "rotor_inertia_scale", {"scale": 1.4}, marks=pytest.mark.long),
         pytest.param("motor_step", "input_delay", {"delay_s": 0.003}, marks=pytest.mark.long),
-        ("motor_step", "torque_ripple", {"amplitude_N_m": 0.01, "cycles_per_turn": 6.5, "phase_rad": 0.8}),
+        pytest.param(
+            "motor_step",
+            "torque_ripple",
+            {"amplitude_N_m": 0.01, "cycles_per_turn": 6.5, "phase_rad": 0.8},
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_a_hidden_effect_is_named_with_its_size(answer, kind, name, parameters):

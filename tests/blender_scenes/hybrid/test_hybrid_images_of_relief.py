@@ -23,6 +23,7 @@ from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Intrinsics, floor_points, pose_X_RC, project
 from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 
+pytestmark = pytest.mark.long
 WIDTH_PX, HEIGHT_PX = 128, 96
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 90.0, 90.0, 63.5, 47.5)
 NEAR_WIDTH_PX = WIDTH_PX // 2
@@ -225,7 +226,6 @@ def slopes(lights_of) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return dict(zip(SLOPES, zip(lights[::2], lights[1::2], strict=True), strict=True))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", SLOPES)
 def test_slopes_towards_light_and_away_are_as_bright_as_in_a_full_image(slopes, name):
     hybrid, full = ([_grey(image, columns).mean() for columns in (LEFT, RIGHT)] for image in slopes[name])
