@@ -1,11 +1,11 @@
-"""How well a classifier on the figures of an image tells photographs from rendered images.
+"""How well a classifier on the figures of an image distinguishes photographs from rendered images.
 
 python benchmarks/photographs/tell_apart.py PHOTOGRAPHS FOLDER [--scenes 16] [--threads 2]
 
 The rendered images are those of the look `lab` before its camera and floor were fitted, and of `lab` as it is shipped.
 Every second photograph was used for the fit (img.png, img2.png, ...); the others were not, and are counted alone as
 well. The area under the curve is the share of pairs of a photograph and a rendered image in which the classifier finds
-the photograph the more likely one: 0.5 is a guess, 1 tells all apart. Each image is judged by a classifier that was
+the photograph the more likely one: 0.5 is a guess, 1 is without error. Each image is judged by a classifier that was
 trained without it. Frames stay in FOLDER, which also gets tell_apart.png and tell_apart.json.
 """
 

@@ -25,6 +25,8 @@ DIGITS = 7
 """Decimals of lengths [m] and angles [deg]."""
 _SAME_M = 1e-3
 """Distance below which two points are the same."""
+_SPLINE_STEP_M = 5e-3
+"""Smallest distance between the points of a spline. Two arcs lie between them, and no piece may be almost a point."""
 _FLAT_RAD = math.radians(0.1)
 """Turn below which a corner is none."""
 _PARTS = 8
@@ -96,7 +98,7 @@ def spline(points: Sequence[Point], *, closed: bool) -> list[Piece]:
     the directions of the spline at their ends stand for each part of it (biarcs), laid as one strip without joints.
 
     Raises:
-        UnfitError: Two successive points are the same, there are too few, or the curve bends too tightly.
+        UnfitError: Two successive points are too close, there are too few, or the curve bends too tightly.
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 - most arenas have no spline
 
@@ -105,7 +107,13 @@ def spline(points: Sequence[Point], *, closed: bool) -> list[Piece]:
         through = np.vstack([through, through[:1]])
     if len(through) < 3:
         raise UnfitError("a spline through two points is a straight", "write shape: rounded, or more points")
-    steps = np.sqrt(np.hypot(*np.diff(through, axis=0).T))
+    apart_m = np.hypot(*np.diff(through, axis=0).T)
+    if (close := np.flatnonzero(apart_m < _SPLINE_STEP_M)).size:
+        k = int(close[0])
+        where = f"point {k + 1} at {_text(through[k])}"
+        problem = f"{where} and the next one are {1000 * apart_m[k]:.2g} mm apart"
+        raise UnfitError(problem, f"leave out points until all are {1000 * _SPLINE_STEP_M:g} mm apart or more")
+    steps = np.sqrt(apart_m)
     at = np.concatenate(([0.0], np.cumsum(steps)))
     return along(CubicSpline(at, through, bc_type="periodic" if closed else "natural"), at)
 

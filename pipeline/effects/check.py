@@ -13,7 +13,7 @@ from pipeline.effects.probe import Probe
 from pipeline.effects.trial import Trial, trials
 from symolo.core.errors import InputError
 
-LEAST_SHARE = 0.05
+MIN_SHARE = 0.05
 """Share of the change from which an effect resembles another."""
 
 
@@ -85,7 +85,7 @@ def check_text(checked: CheckedEffect) -> Iterator[str]:
         yield from (f"         {problem}" for problem in problems)
     if not checked.is_good:
         return
-    if checked.resembles is None or checked.resembles.share < LEAST_SHARE:
+    if checked.resembles is None or checked.resembles.share < MIN_SHARE:
         yield "No shipped effect of its slot resembles it."
         return
     name, share = checked.resembles.name, 100.0 * min(checked.resembles.share, 0.999)

@@ -25,22 +25,22 @@ from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from symolo.core.arrays import Array
 
-MOST_SAMPLES = 2000
-"""Greatest number of samples with this test. With more of them, `adequacy` sees what the forms would."""
+MAX_SAMPLES = 2000
+"""Largest number of samples with this test. With more of them, `adequacy` sees what the forms would."""
 MIN_ROWS = 8
-"""Least number of rows of a quantity that is tested."""
+"""Smallest number of rows of a quantity that is tested."""
 PROMISING = 8
 """Number of forms that are fitted, by each of two linear rankings."""
 ALIKE = 2
-"""Greatest number of forms among them of one kind along one covariate."""
+"""Largest number of forms among them of one kind along one covariate."""
 ALIKE_FALL = 1.0
 """Difference of the cost up to which two forms are equal; then that along the first covariate is reported."""
 REFINED = 1
 """Number of bumps by each ranking whose middle and width are fitted too."""
 REFINEMENTS = 40
-"""Greatest number of fits with other middles and widths of a bump."""
+"""Largest number of fits with other middles and widths of a bump."""
 MORE_THAN_OUTLIERS = 9.0
-"""Least fall of the cost of those rows that a form does not go through anyway; three standard errors."""
+"""Smallest fall of the cost of those rows that a form does not go through anyway; three standard errors."""
 FORBIDDEN = 1e9
 """Cost of a bump outside the data."""
 SETTLED = 0.05
@@ -52,7 +52,7 @@ BETTER = 4.6
 ten times theirs. Beside 90 right names in independent benches (docs/diagnosis_evaluation.md, seed 202), every form was
 behind by at least 2.7."""
 WIDTHS = (0.02, 0.4)
-"""Least and greatest width of a bump, as a share of the range of its covariate."""
+"""Smallest and largest width of a bump, as a share of the range of its covariate."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def _run_of_rows(evidence: Evidence, found: FittedForm) -> int:
 @remembered
 def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
     """Return the form that lowers the cost of a fit most, tolls included; None if no form can be tested."""
-    if np.count_nonzero(evidence.fit) > MOST_SAMPLES:
+    if np.count_nonzero(evidence.fit) > MAX_SAMPLES:
         return None
     listed = [(number, form) for number in range(len(evidence.observed)) for form in _forms_of(evidence, fit, number)]
     if not listed:

@@ -88,6 +88,15 @@ def test_a_spline_through_points_of_a_circle_is_almost_that_circle():
     assert max(radii) < 1.02
 
 
+@pytest.mark.parametrize("radius_m", [0.05, 0.3, 0.4])
+def test_points_of_a_recorded_path_as_close_as_allowed_are_a_line(radius_m):
+    count = min(500, int(2 * math.pi * radius_m / 0.00501))
+    angle = 2 * math.pi * np.arange(count) / count
+    circle = line(points=(radius_m * np.column_stack((np.cos(angle), np.sin(angle)))).tolist(), shape="spline")
+    assert circle.length_m == pytest.approx(2 * math.pi * radius_m, rel=1e-4)
+    assert len(circle.strips) == 1
+
+
 def test_a_course_replaces_the_pieces_that_a_file_extends_and_scales(tmp_path):
     scenario = load_scenario("smoke", ["arena.line={course: {points: [[-1, -1], [1, -1], [1, 1]]}, pieces: []}"])
     run = draw_run(scenario, "CW", 1)
@@ -114,6 +123,10 @@ def test_a_course_replaces_the_pieces_that_a_file_extends_and_scales(tmp_path):
         ),
         ({"points": [[0, 0], [1, 0], [0, 0.001]]}, "move the points apart, or turn less sharply there"),
         ({"points": [[0, 0], [0.02, 0.02], [0.04, 0]], "shape": "spline"}, "bends to a radius of .* mm at"),
+        (
+            {"points": [[0, 0], [0.002, 0], [1, 1]], "shape": "spline"},
+            r"point 1 at \(0, 0\) .* are 2 mm apart; leave out",
+        ),
         ({"points": [[0, 0], [1, 0]], "shape": "spline", "closed": False}, "a spline through two points is a straight"),
         ({"points": SQUARE, "radius_m": 0.2}, "radius_m: unknown key.*bend_radius_m"),
     ],
