@@ -11,9 +11,9 @@ from pydantic import ValidationError
 from configs.faults import ConfigFault
 from configs.motion_checks import motion_faults
 from configs.robot_sensors import SensorSettings
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.base import Section
-from configs.schema.look import LookConfig
 from configs.schema.robot import Camera, RobotConfig
 from configs.schema.scenario import Rates, Render, Route, Scenario, SceneSpec
 from configs.validation import Placed

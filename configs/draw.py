@@ -9,8 +9,8 @@ from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.checks import check_run
 from configs.faults import ConfigFault
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone, SingleRoute
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec, Scenario
 from configs.validation import Placed, validated

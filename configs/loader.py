@@ -17,9 +17,9 @@ from configs.effects.own_files import with_own_effects
 from configs.overrides import apply_override
 from configs.references import locate, read_file, resolve
 from configs.robot_controller import with_chosen
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
-from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Scenario, Stop
 from configs.shapes import Shape, with_defaults

@@ -7,7 +7,7 @@ from pathlib import Path
 from configs.assets.folder import anchored
 from configs.effects.own_files import anchored_files, with_both
 from configs.scaling import MODELS, scaled
-from configs.schema.camera_look import CameraLook
+from configs.schema.appearance.camera_look import CameraLook
 from configs.shapes import Shape, with_defaults
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import displayed, read_yaml

@@ -22,8 +22,8 @@ from diagnosis.inference.naming.seen_range import conditions
 from diagnosis.inference.unexplained.adequacy import change_by
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors.base import ROW_TIME
-from diagnosis.predictors.dead_reckoning import path_sd
-from diagnosis.predictors.pose import COMPONENTS, Pose, PoseNoise, seen_from_body
+from diagnosis.predictors.pose.by_counts import COMPONENTS, Pose, PoseNoise, seen_from_body
+from diagnosis.predictors.pose.dead_reckoning import path_sd
 from diagnosis.unseen import Columns, UnseenInputs, unseen_inputs
 from symolo.core.arrays import Array
 

@@ -11,8 +11,8 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Observed, Stage
-from diagnosis.predictors.pose import Pose
-from diagnosis.predictors.ranges_in_room import RangesInRoom
+from diagnosis.predictors.pose.by_counts import Pose
+from diagnosis.predictors.ranges.in_room import RangesInRoom
 from diagnosis.predictors.rows import good_values, joined
 from diagnosis.predictors.wheels import Wheels
 from symolo.core.arrays import Array

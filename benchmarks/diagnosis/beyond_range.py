@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers import IMPORTERS
-from diagnosis.importers.blind import read_blind
+from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.prediction_error import UnseenPrediction, predictions
 

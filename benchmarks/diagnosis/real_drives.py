@@ -19,7 +19,7 @@ from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.measurement import Measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
-from diagnosis.predictors.pose import Pose
+from diagnosis.predictors.pose.by_counts import Pose
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ import numpy as np
 from sample_page import POSE, nominal_robot, rendered_images, sample_arena, save_page
 
 from blender_scenes.render.job import RenderJob, build_job
-from configs.schema.lighting import PanoramaName
-from configs.schema.look import LookConfig
+from configs.schema.appearance.lighting import PanoramaName
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 from sensors.camera.views import FrameView
 

@@ -12,11 +12,11 @@ import cv2
 from sample_page import POSE, nominal_robot, rendered_images, sample_arena, save_page
 
 from blender_scenes.render.job import build_job
-from configs.schema.floors import FloorName
-from configs.schema.look import LookConfig
+from configs.schema.appearance.floors import FloorName
+from configs.schema.appearance.look import LookConfig
+from configs.schema.appearance.surface import SurfaceName
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from configs.schema.surface import SurfaceName
 
 COLUMNS = 4
 WINDOW = {"side": "north"}  # beside the robot, so that gloss does not hide the pattern

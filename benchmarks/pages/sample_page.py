@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from blender_scenes.render.job import FramePose, RenderJob
 from blender_scenes.render.renderer import render_job
 from configs.loader import load_section
+from configs.schema.appearance.surface import SurfaceName
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.surface import SurfaceName
 from symolo.arena.geometry import Arena
 from symolo.dataset.layout import frame_name
 from symolo.pages.sheet import Cell, in_columns, save

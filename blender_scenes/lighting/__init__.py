@@ -9,7 +9,7 @@ from blender_scenes.lighting.desk_lamps import desk_lamps
 from blender_scenes.lighting.sun import sun
 from blender_scenes.lighting.window_covering import blinds
 from blender_scenes.rooms.base import RoomModel
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 
 LIGHTS: dict[str, Callable[[LookConfig, RoomModel], Lights]] = {
     "daylight": daylight,

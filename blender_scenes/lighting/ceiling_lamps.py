@@ -10,8 +10,8 @@ from blender_scenes.rooms.base import RoomModel
 from blender_scenes.scene.description import LightPanel, Mesh, Point3
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined, lathe, moved, rod
-from configs.schema.lighting import LampsLook
-from configs.schema.look import LookConfig
+from configs.schema.appearance.lighting import LampsLook
+from configs.schema.appearance.look import LookConfig
 from sensors.camera.colour import RGB, light_rgb, scaled
 
 _LOWEST_M = 1.8

@@ -10,8 +10,8 @@ from blender_scenes.lighting.sun import towards_sun
 from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
 from blender_scenes.rooms.base import RoomModel
 from blender_scenes.scene.description import LightPanel, Sky
-from configs.schema.asset import Asset
-from configs.schema.look import LookConfig
+from configs.schema.appearance.asset import Asset
+from configs.schema.appearance.look import LookConfig
 from sensors.camera.colour import LUMINANCE, light_rgb
 from symolo.core.arrays import triple
 

@@ -10,8 +10,8 @@ from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import RoomModel, Top
 from blender_scenes.scene.description import LightPanel, Mesh
 from blender_scenes.scene.solids import joined, lathe, moved, posed, rod
-from configs.schema.lighting import DeskLampsLook
-from configs.schema.look import LookConfig
+from configs.schema.appearance.lighting import DeskLampsLook
+from configs.schema.appearance.look import LookConfig
 from sensors.camera.colour import light_rgb, scaled
 from symolo.core.arrays import Array, triple
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from configs.schema.lighting import FlickerLook
+from configs.schema.appearance.lighting import FlickerLook
 from sensors.camera.colour import RGB
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream

@@ -1,8 +1,8 @@
 """Mean colours of panoramas: measured once for the shipped ones, and when the look is read for the user's files."""
 
 from blender_scenes.scene.description import Sky
-from configs.schema.asset import Asset
-from configs.schema.lighting import PanoramaName
+from configs.schema.appearance.asset import Asset
+from configs.schema.appearance.lighting import PanoramaName
 from sensors.camera.colour import RGB
 
 CEILING = 10.0

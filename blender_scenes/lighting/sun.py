@@ -5,7 +5,7 @@ import math
 from blender_scenes.lighting.base import Lights
 from blender_scenes.rooms.base import RoomModel
 from blender_scenes.scene.description import Point3, Sun
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from sensors.camera.colour import light_rgb, scaled
 
 

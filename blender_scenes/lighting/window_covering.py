@@ -11,7 +11,7 @@ from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.meshes import box
 from blender_scenes.scene.shading import Surface
 from blender_scenes.scene.solids import joined
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 
 CURTAIN_M = 0.03
 """Distance outwards from the wall's inner face to a curtain in the window's niche."""

@@ -21,9 +21,9 @@ from blender_scenes.materials.plywood import plywood, plywood_floor
 from blender_scenes.materials.vinyl import vinyl
 from blender_scenes.materials.wood import wood
 from blender_scenes.scene.shading import Surface
-from configs.schema.asset import ImageLook
-from configs.schema.floors import FloorLook, FloorName
-from configs.schema.look import LookConfig
+from configs.schema.appearance.asset import ImageLook
+from configs.schema.appearance.floors import FloorLook, FloorName
+from configs.schema.appearance.look import LookConfig
 
 FLOORS: dict[FloorName, Callable[[FloorLook, SurfacePatch], Surface]] = {
     "linoleum": linoleum,

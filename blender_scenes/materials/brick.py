@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import shaded, specks
 from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, Tiles, paint_color
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 
 
 def brick(look: LookConfig, patch: SurfacePatch) -> Surface:

@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import shaded
 from blender_scenes.scene.shading import Cells, Mix, NoiseTexture, Surface, Tiles, paint_color
-from configs.schema.floors import FloorLook
+from configs.schema.appearance.floors import FloorLook
 
 
 def carpet(look: FloorLook, patch: SurfacePatch) -> Surface:

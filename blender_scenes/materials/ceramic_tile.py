@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import blotches, shaded, specks
 from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, Tiles, paint_color
-from configs.schema.floors import FloorLook
+from configs.schema.appearance.floors import FloorLook
 
 _ROUNDED_M = 0.0012
 

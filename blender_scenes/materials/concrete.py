@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import shaded, specks, threads, worn_gloss
 from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, paint_color
-from configs.schema.floors import FloorLook
+from configs.schema.appearance.floors import FloorLook
 
 
 def concrete(look: FloorLook, patch: SurfacePatch) -> Surface:

@@ -1,7 +1,7 @@
 """Plain surfaces of the room and of the robot, which are seen from far, in mirrors and as shadows."""
 
 from blender_scenes.scene.shading import Color, Surface, paint_color
-from configs.schema.look import Paint
+from configs.schema.appearance.look import Paint
 from sensors.camera.colour import RGB
 
 

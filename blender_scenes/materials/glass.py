@@ -2,7 +2,7 @@
 
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Color, NoiseTexture, Surface
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 
 
 def glass(look: LookConfig, patch: SurfacePatch) -> Surface:

@@ -2,8 +2,8 @@
 
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Color, Constant, ImageTexture, Mix, Surface
-from configs.schema.asset import Asset, ImageLook
-from configs.schema.floors import FloorLook
+from configs.schema.appearance.asset import Asset, ImageLook
+from configs.schema.appearance.floors import FloorLook
 
 _BLACK = Color((0.0, 0.0, 0.0))
 

@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import either, shaded, specks, streaks, worn_gloss
 from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate
-from configs.schema.look import LinePaintLook
+from configs.schema.appearance.look import LinePaintLook
 
 
 def line_paint(look: LinePaintLook, patch: SurfacePatch) -> Surface:

@@ -2,7 +2,7 @@
 
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Surface
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 
 
 def metal(look: LookConfig, patch: SurfacePatch) -> Surface:

@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import shaded
 from blender_scenes.scene.shading import NoiseTexture, Surface
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 
 
 def paper(look: LookConfig, patch: SurfacePatch) -> Surface:

@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import shaded, threads
 from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, Tiles, paint_color
-from configs.schema.floors import FloorLook
+from configs.schema.appearance.floors import FloorLook
 
 _OVERLAP_M = 0.012
 

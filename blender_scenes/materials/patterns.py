@@ -4,7 +4,7 @@ import math
 
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Arithmetic, Cells, Mix, NoiseTexture, Step, Texture, paint_color
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _GUIDE_ROUGHNESS = 0.274
 """Roughness above which Cycles treats gloss as diffuse in the denoiser's guide (`fabs(roughness^2) > 0.075`)."""

@@ -16,9 +16,9 @@ from blender_scenes.scene.shading import (
     Tiles,
     paint_color,
 )
-from configs.schema.floors import FloorLook
-from configs.schema.look import LookConfig
-from configs.schema.paint import Paint
+from configs.schema.appearance.floors import FloorLook
+from configs.schema.appearance.look import LookConfig
+from configs.schema.appearance.paint import Paint
 
 _PLY_M = 0.0015
 _THICKEST_EDGE_M = 0.03

@@ -12,7 +12,7 @@ from blender_scenes.scene.shading import (
     Texture,
     paint_color,
 )
-from configs.schema.look import TapeLook
+from configs.schema.appearance.look import TapeLook
 
 _SHARPEST_BEND_PER_M = 5.0
 """Curvature from which on a tape folds all along its inner edge."""

@@ -3,7 +3,7 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import shaded, worn_gloss
 from blender_scenes.scene.shading import Cells, Mix, NoiseTexture, Step, Surface, Texture, Tiles, paint_color
-from configs.schema.floors import FloorLook, Vinyl
+from configs.schema.appearance.floors import FloorLook, Vinyl
 
 
 def vinyl(look: FloorLook, patch: SurfacePatch) -> Surface:

@@ -4,7 +4,7 @@ import math
 
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Arithmetic, Mix, NoiseTexture, Step, Surface, paint_color
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 
 
 def wood(look: LookConfig, patch: SurfacePatch) -> Surface:

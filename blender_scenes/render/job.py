@@ -12,7 +12,7 @@ from blender_scenes.render.job_text import JobText
 from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.run_scene import arena_bounds, describe
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from sensors.camera.colour import RGB

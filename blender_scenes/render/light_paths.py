@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from configs.schema.light_paths import LightPathPreset, LightPaths
+from configs.schema.appearance.light_paths import LightPathPreset, LightPaths
 from configs.schema.scenario import RenderQuality
 
 

@@ -12,7 +12,7 @@ from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket
 from blender_scenes.rooms.placement import Ground, PlacedPiece, WallFace, find_place, hang, hang_at
 from blender_scenes.rooms.walls import SIDES, RoomWall, WallSide, wall
 from blender_scenes.scene.description import Point2
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from symolo.arena.footprints import Rectangle
 from symolo.core.random_streams import stream
 

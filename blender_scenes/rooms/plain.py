@@ -12,9 +12,9 @@ from blender_scenes.scene.description import Mesh, Point2
 from blender_scenes.scene.meshes import box, rectangle
 from blender_scenes.scene.solids import stood
 from configs.checks import LINTEL_M
-from configs.schema.look import LookConfig
-from configs.schema.paint import Paint
-from configs.schema.room import RoomLook
+from configs.schema.appearance.look import LookConfig
+from configs.schema.appearance.paint import Paint
+from configs.schema.appearance.room import RoomLook
 from symolo.arena.footprints import Rectangle
 
 WALL_DEPTH_M = 0.25

@@ -6,7 +6,7 @@ from math import atan2, ceil, radians
 import numpy as np
 
 from blender_scenes.scene.description import Mesh
-from configs.schema.look import LineSheetsLook
+from configs.schema.appearance.look import LineSheetsLook
 from symolo.arena.geometry import Line
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream

@@ -22,7 +22,7 @@ from blender_scenes.scene.description import Mesh, Point2, Scene
 from blender_scenes.scene.line_sheets import with_sheets
 from blender_scenes.scene.robot_body import CAMERA_BODY, robot_body, robot_surfaces
 from blender_scenes.scene.shading import Surface
-from configs.schema.look import LinePaintLook, LookConfig, PaintedLook, TapeLook
+from configs.schema.appearance.look import LinePaintLook, LookConfig, PaintedLook, TapeLook
 from configs.schema.robot import RobotConfig
 from symolo.arena.geometry import Arena, Box, Line
 from symolo.arena.obstacle_motion import ObstacleMotion

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Union
 
 from pydantic import Field
 
-from configs.schema.look import Paint
+from configs.schema.appearance.look import Paint
 from sensors.camera.colour import RGB, paint_rgb
 
 

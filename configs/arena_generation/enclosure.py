@@ -3,9 +3,9 @@
 import numpy as np
 
 from configs.arena_generation.rejection import BEYOND_THE_FLOOR, Rejected
+from configs.schema.appearance.surface import SurfaceName
 from configs.schema.arena import WallConfig
 from configs.schema.arena_generator import ArenaGenerator
-from configs.schema.surface import SurfaceName
 from symolo.core.arrays import Array
 
 MIN_WALL_M = 0.20

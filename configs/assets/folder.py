@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from configs.assets.refusal import Refusal
-from configs.schema.asset import Asset, AssetKind
+from configs.schema.appearance.asset import Asset, AssetKind
 from configs.schema.base import FILE_KEY
 from configs.shapes import Shape
 from symolo.core.errors import InputError, nearest

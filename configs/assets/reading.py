@@ -5,7 +5,7 @@ from pathlib import Path
 
 from configs.assets import images, panoramas
 from configs.assets.refusal import Refusal
-from configs.schema.asset import Asset, AssetKind
+from configs.schema.appearance.asset import Asset, AssetKind
 
 _CURES = {
     "image": "save it again as PNG or JPEG",

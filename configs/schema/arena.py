@@ -4,10 +4,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from configs.schema.appearance.surface import SurfaceName
 from configs.schema.arena_generator import ArenaGenerator
 from configs.schema.base import FromList, Point2, Section, Size3, Slug, absent
 from configs.schema.mesh import MeshFile
-from configs.schema.surface import SurfaceName
 
 
 class _Piece(Section):

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from configs.schema.appearance.surface import SurfaceName
 from configs.schema.base import FromList, Section, disagreement
-from configs.schema.surface import SurfaceName
 
 
 class Clearance(Section):

@@ -6,11 +6,11 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, model_validator
 
 from configs.robot_controller import ChosenController
+from configs.schema.appearance.light_paths import LightPaths
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, absent, disagreement
 from configs.schema.board import Board
-from configs.schema.light_paths import LightPaths
-from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.splits import Splits
 from symolo.core.files.image_headers import MAX_DECODER_BYTES

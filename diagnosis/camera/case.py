@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.robot import Camera, RobotConfig
 from diagnosis.measured.channel import Mask
 from sensors.camera.response import CameraResponse

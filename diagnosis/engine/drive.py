@@ -19,7 +19,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
-from diagnosis.predictors.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
+from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, earlier, seen_from_body
 from diagnosis.predictors.rows import good_values, joined, rows_after
 from diagnosis.predictors.wheels import Wheels
 from physics.robot.model import through

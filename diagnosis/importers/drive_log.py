@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.importers.case import case_importer, scale_note
+from diagnosis.importers.cases.case import case_importer, scale_note
+from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.motor_step import check_rate
-from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive

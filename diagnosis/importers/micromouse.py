@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.importers.base import Importer
-from diagnosis.importers.log_column import LogColumn
-from diagnosis.importers.order import check_increasing
+from diagnosis.importers.cases.log_column import LogColumn
+from diagnosis.importers.cases.order import check_increasing
 from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial

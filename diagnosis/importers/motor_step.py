@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.importers.case import case_importer
-from diagnosis.importers.motor_case import motor_noise, motor_scale_notes
+from diagnosis.importers.cases.case import case_importer
+from diagnosis.importers.cases.motor_case import motor_noise, motor_scale_notes
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NominalStep
 from symolo.core.errors import InputError

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.importers.base import Importer
-from diagnosis.importers.order import check_increasing
+from diagnosis.importers.cases.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.holdout import EVERY

@@ -10,9 +10,9 @@ import numpy as np
 
 from configs.effects.base import Slot
 from diagnosis.importers.base import Importer
-from diagnosis.importers.case import case_folder, recognises, scale_note
-from diagnosis.importers.log_column import LogColumn
-from diagnosis.importers.order import check_increasing
+from diagnosis.importers.cases.case import case_folder, recognises, scale_note
+from diagnosis.importers.cases.log_column import LogColumn
+from diagnosis.importers.cases.order import check_increasing
 from diagnosis.measured.case_format import CAMERA_CHANNELS, DATA, POSE
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import read_csv

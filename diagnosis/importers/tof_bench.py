@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.importers.case import case_importer, scale_note
-from diagnosis.importers.trials import KnownNoise
+from diagnosis.importers.cases.case import case_importer, scale_note
+from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NOMINAL, NominalTof

@@ -7,8 +7,8 @@ from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Stage
-from diagnosis.predictors.pose import Pose
-from diagnosis.predictors.ranges_in_room import RangesInRoom
+from diagnosis.predictors.pose.by_counts import Pose
+from diagnosis.predictors.ranges.in_room import RangesInRoom
 from diagnosis.predictors.wheels import Wheels
 
 VOLTAGES = ("u_left_V", "u_right_V")

@@ -16,10 +16,10 @@ from diagnosis.measured.nominal import NominalLog
 from diagnosis.measured.symolo_columns import LINE_READINGS
 from diagnosis.predictors.base import Covariate, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
+from diagnosis.predictors.pose.tracked_axle import TrackedAxle
+from diagnosis.predictors.ranges.unit_spread import Cleaned, cleaned
 from diagnosis.predictors.rows import by_other_rows, good_values, joined, trial_of_rows
-from diagnosis.predictors.smoothed_pose import NOISE_SHARE
-from diagnosis.predictors.tracked_axle import TrackedAxle
-from diagnosis.predictors.unit_spread import Cleaned, cleaned
 from physics.robot.model import through
 from sensors.line.line_sensor import LineOptics, tape_share
 from symolo.arena.geometry import Arena

@@ -7,8 +7,8 @@ from diagnosis.measured.symolo_columns import POSES, SPEEDS
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.drive_log import offers
 from diagnosis.predictors.line_readings import LineReadings
-from diagnosis.predictors.pose_by_speeds import PoseByBodySpeeds, PoseByWheelSpeeds
-from diagnosis.predictors.ranges_in_arena import RangesInArena
+from diagnosis.predictors.pose.by_speeds import PoseByBodySpeeds, PoseByWheelSpeeds
+from diagnosis.predictors.ranges.in_arena import RangesInArena
 
 
 def symolo_csv_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:

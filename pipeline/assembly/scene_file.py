@@ -7,8 +7,8 @@ from pydantic_core import to_jsonable_python
 from blender_scenes.lighting.flicker import mains_phase_rad
 from blender_scenes.rooms.base import Furnishing
 from blender_scenes.scene.run_scene import room_around
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import LookConfig
 from symolo.arena.geometry import Arena
 from symolo.dataset.documents.scene_record import SCENE, PieceRecord, SceneRecord
 from symolo.dataset.layout import SIDE

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
-from diagnosis.importers.blind import read_blind
+from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.case_format import BLIND, DATA
 from diagnosis.measured.holdout import hold_out, of_part

@@ -12,7 +12,7 @@ from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_scenario
 from configs.overrides import replaced_section
 from configs.references import locate
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import RunSpec
 from pipeline.preview.path import PreviewPath
 from pipeline.stages.render import Appearance

@@ -3,7 +3,7 @@
 import numpy as np
 
 from blender_scenes.scene.run_scene import floor_bounds
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from pipeline.importing.suspicions import Where
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from pathlib import Path
 
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import sha256_of

@@ -15,8 +15,8 @@ from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.probe import is_decided
 from blender_scenes.render.protocol import Work
 from blender_scenes.render.sampling import TracingSettings
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, SceneSpec
 from pipeline.executors.base import Executor

@@ -4,7 +4,7 @@ import colorsys
 
 import numpy as np
 
-from configs.schema.look import Paint
+from configs.schema.appearance.look import Paint
 from symolo.core.arrays import triple
 
 RGB = tuple[float, float, float]

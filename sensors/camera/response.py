@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from configs.schema.camera_look import CameraLook, ColourFilter, is_one, is_unfiltered, is_zero
+from configs.schema.appearance.camera_look import CameraLook, ColourFilter, is_one, is_unfiltered, is_zero
 from sensors.camera.colour import LUMINANCE, RGB, light_rgb
 from sensors.camera.finishing import sharpened, without_noise
 from sensors.camera.mosaic import colours, demosaiced, mosaic

@@ -157,7 +157,8 @@ def test_a_material_is_described_previewed_and_rendered(walk):
     assert (material.folder / "felt.jpg").stat().st_size > 0
     program = (
         "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import SurfacePatch;"
-        "from blender_scenes.scene.typical import typical_color; from configs.schema.floors import FloorLook;"
+        "from blender_scenes.scene.typical import typical_color;"
+        "from configs.schema.appearance.floors import FloorLook;"
         "print(typical_color(FLOORS['felt'](FloorLook(), SurfacePatch('floor', (1.0, 1.0), 1))))"
     )
     done = subprocess.run(

@@ -10,7 +10,7 @@ from typer.main import get_command
 
 from blender_scenes.materials import FLOORS, SURFACES
 from configs.loader import load_section
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.robot import RobotConfig
 from pipeline.cli import command_line
 from symolo.exporters import EXPORTERS

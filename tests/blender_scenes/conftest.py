@@ -15,8 +15,8 @@ from blender_scenes.render.job import RenderJob
 from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits
 from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Scene
+from configs.schema.appearance.look import CameraLook
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import CameraLook
 from configs.schema.robot import RobotConfig
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import INSTANT, FrameView

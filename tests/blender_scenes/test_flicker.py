@@ -3,8 +3,8 @@ import pytest
 
 from blender_scenes.lighting.flicker import caught, frame_gains, mains_phase_rad
 from blender_scenes.render.job import FramePose, build_job
-from configs.schema.lighting import FlickerLook, LampsLook, SkyLook
-from configs.schema.look import LookConfig
+from configs.schema.appearance.lighting import FlickerLook, LampsLook, SkyLook
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 
 TIMES = 0.2 * np.arange(1, 30)

@@ -23,7 +23,7 @@ from blender_scenes.rooms.furniture.table import WorkTable, table
 from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket, wall_socket
 from blender_scenes.rooms.furniture.waste_bin import waste_bin
 from blender_scenes.scene.solids import cushion, joined, lathe, pipe, posed, rod, stood
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 from symolo.core.random_streams import stream
 
 HANGING = {

@@ -9,7 +9,7 @@ from blender_scenes.scene import line_mesh
 from blender_scenes.scene.bevel import BEVEL_M
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.run_scene import arena_bounds, describe
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from symolo.arena.geometry import Arc, Box, Line, Straight
 
 

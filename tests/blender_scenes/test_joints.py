@@ -27,8 +27,8 @@ from blender_scenes.scene.shading import (
     SurfaceCoordinate,
     Tiles,
 )
-from configs.schema.floors import FloorLook
-from configs.schema.look import LookConfig
+from configs.schema.appearance.floors import FloorLook
+from configs.schema.appearance.look import LookConfig
 from sensors.camera.colour import paint_rgb
 
 PAGE = (Path(__file__).parents[2] / "docs/looks.md").read_text()

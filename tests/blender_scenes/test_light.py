@@ -15,10 +15,10 @@ from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
 from blender_scenes.rooms.base import Top
 from blender_scenes.rooms.plain import plain_room
 from blender_scenes.scene.description import LightPanel
-from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
-from configs.schema.look import LookConfig
-from configs.schema.paint import Paint
-from configs.schema.room import FurnitureLook, RoomLook, WindowLook
+from configs.schema.appearance.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
+from configs.schema.appearance.look import LookConfig
+from configs.schema.appearance.paint import Paint
+from configs.schema.appearance.room import FurnitureLook, RoomLook, WindowLook
 from sensors.camera.colour import LUMINANCE, light_rgb, paint_rgb
 
 LOOK = LookConfig(name="plain")

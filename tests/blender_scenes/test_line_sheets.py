@@ -8,8 +8,8 @@ from blender_scenes.annotations.instances import instances
 from blender_scenes.preview.renderer import FlatRenderer
 from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.scene.run_scene import describe
-from configs.schema.look import CameraLook, LineSheetsLook, LookConfig, TapeLook
-from configs.schema.paint import Paint
+from configs.schema.appearance.look import CameraLook, LineSheetsLook, LookConfig, TapeLook
+from configs.schema.appearance.paint import Paint
 from configs.schema.scenario import Render
 from symolo.core.geometry.pinhole import project
 

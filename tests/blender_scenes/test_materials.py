@@ -36,11 +36,11 @@ from blender_scenes.scene.shading import (
     as_texture,
 )
 from blender_scenes.scene.typical import typical_color
+from configs.schema.appearance.asset import Asset, ImageLook
+from configs.schema.appearance.floors import CeramicTile, FloorLook, FloorName, Vinyl
+from configs.schema.appearance.lighting import PanoramaName
+from configs.schema.appearance.look import LookConfig, TapeLook
 from configs.schema.arena import ArenaConfig, LineConfig, SurfaceName, WallConfig
-from configs.schema.asset import Asset, ImageLook
-from configs.schema.floors import CeramicTile, FloorLook, FloorName, Vinyl
-from configs.schema.lighting import PanoramaName
-from configs.schema.look import LookConfig, TapeLook
 from physics.arena import surfaces
 from sensors.camera.colour import LUMINANCE
 from sensors.camera.views import FrameView

@@ -9,8 +9,8 @@ from scipy.spatial import ConvexHull
 
 from blender_scenes.rooms.furniture import STANDING
 from blender_scenes.rooms.plain import plain_room
-from configs.schema.look import LookConfig
-from configs.schema.room import FurnitureLook, RoomLook, WindowLook
+from configs.schema.appearance.look import LookConfig
+from configs.schema.appearance.room import FurnitureLook, RoomLook, WindowLook
 from symolo.arena.footprints import Rectangle, outlines_overlap
 
 LOW, HIGH = (-0.8, -1.1), (0.6, 0.9)

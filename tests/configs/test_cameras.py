@@ -5,7 +5,7 @@ import pytest
 from configs.draw import draw_all
 from configs.loader import load_scenario, load_section
 from configs.references import shipped_names
-from configs.schema.camera_look import CameraLook
+from configs.schema.appearance.camera_look import CameraLook
 from symolo.core.errors import InputError
 
 

@@ -6,8 +6,8 @@ import pytest
 from configs import checks
 from configs.draw import draw_look, draw_robot
 from configs.loader import load_section
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArcPiece, ArenaConfig
-from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route
 from sensors.effects.line_adc_saturation import LineAdcSaturation

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.diagnosis.independent_cases import drive_wheels
-from benchmarks.diagnosis.independent_cases.drive_log import DriveSetting
-from benchmarks.diagnosis.independent_cases.motor import Motor
-from benchmarks.diagnosis.independent_cases.motor_law import Lanes, coasting_current, plain_law
-from benchmarks.diagnosis.independent_cases.motor_steady import SteadySetting
-from benchmarks.diagnosis.independent_cases.motor_step import StepSetting
+from benchmarks.diagnosis.independent_cases.drives import wheels as drive_wheels
+from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
+from benchmarks.diagnosis.independent_cases.motors.motor import Motor
+from benchmarks.diagnosis.independent_cases.motors.motor_law import Lanes, coasting_current, plain_law
+from benchmarks.diagnosis.independent_cases.motors.motor_steady import SteadySetting
+from benchmarks.diagnosis.independent_cases.motors.motor_step import StepSetting
 from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
 
 R, K, B, TC, J, U = 3.0, 0.3, 0.002, 0.02, 0.003, 7.4

@@ -5,11 +5,11 @@ import pytest
 
 from benchmarks.diagnosis.independent_cases.case import make_cases
 from benchmarks.diagnosis.independent_cases.detectability import left_over
+from benchmarks.diagnosis.independent_cases.drives.room import cast
 from benchmarks.diagnosis.independent_cases.files import write_case, write_truth
 from benchmarks.diagnosis.independent_cases.judge import grade, parameter_hits, wilson
+from benchmarks.diagnosis.independent_cases.ranges.tof_bench import CHANNEL, RangeSetting
 from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
-from benchmarks.diagnosis.independent_cases.room import cast
-from benchmarks.diagnosis.independent_cases.tof_bench import CHANNEL, RangeSetting
 
 
 def test_a_tolerance_takes_its_share_of_a_likelihood_ratio():

@@ -8,11 +8,11 @@ import pytest
 
 from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
-from diagnosis.importers.blind import read_blind
+from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.prediction_error import predictions, relative_distance
-from diagnosis.predictors.dead_reckoning import path_sd
-from diagnosis.predictors.pose import PoseNoise
+from diagnosis.predictors.pose.by_counts import PoseNoise
+from diagnosis.predictors.pose.dead_reckoning import path_sd
 from diagnosis.report.files import ANSWER, PAGE, SUMMARY, files
 from diagnosis.unseen import unseen_runs
 

@@ -7,7 +7,7 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from diagnosis.importers.blind import read_blind
+from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.unseen import csv_text, unseen_runs

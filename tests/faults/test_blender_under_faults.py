@@ -24,8 +24,8 @@ import yaml
 
 import configs
 from blender_scenes.render.job import FramePose, build_job
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from pipeline.work.supervisor import Retried, run_units

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from . import judge
-from .case import KINDS, make_cases
-from .files import write_case, write_truth
+from benchmarks.diagnosis.independent_cases import judge
+from benchmarks.diagnosis.independent_cases.case import KINDS, make_cases
+from benchmarks.diagnosis.independent_cases.files import write_case, write_truth
 
 
 def main() -> None:

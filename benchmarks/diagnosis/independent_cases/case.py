@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from . import detectability
-from .detectability import HIGH, LOW, OUTSIDE_LOW
-from .draws import log_uniform
-from .drive_log import DriveSetting
-from .motor_steady import SteadySetting
-from .motor_step import StepSetting
-from .recipes import Recipe, Sized, variant_of
-from .setting import CaseFiles, Setting
-from .shares import deal_categories, deal_names
-from .tof_bench import RangeSetting
+from benchmarks.diagnosis.independent_cases import detectability
+from benchmarks.diagnosis.independent_cases.detectability import HIGH, LOW, OUTSIDE_LOW
+from benchmarks.diagnosis.independent_cases.draws import log_uniform
+from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
+from benchmarks.diagnosis.independent_cases.motors.motor_steady import SteadySetting
+from benchmarks.diagnosis.independent_cases.motors.motor_step import StepSetting
+from benchmarks.diagnosis.independent_cases.ranges.tof_bench import RangeSetting
+from benchmarks.diagnosis.independent_cases.recipes import Recipe, Sized, variant_of
+from benchmarks.diagnosis.independent_cases.setting import CaseFiles, Setting
+from benchmarks.diagnosis.independent_cases.shares import deal_categories, deal_names
 
 KINDS: dict[str, type[Setting]] = {
     setting.KIND: setting for setting in (SteadySetting, StepSetting, RangeSetting, DriveSetting)

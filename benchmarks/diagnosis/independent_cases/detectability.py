@@ -17,9 +17,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from .draws import log_uniform
-from .recipes import Array, Effect, Parameters, Recipe, Sized, Variant, variant_of
-from .setting import Setting
+from benchmarks.diagnosis.independent_cases.draws import log_uniform
+from benchmarks.diagnosis.independent_cases.recipes import Array, Effect, Parameters, Recipe, Sized, Variant, variant_of
+from benchmarks.diagnosis.independent_cases.setting import Setting
 
 LOW, HIGH, OUTSIDE_LOW = 30.0, 3000.0, 60.0
 GRID = 8

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .draws import log_uniform, pick
-from .recipes import Array, Mask
+from benchmarks.diagnosis.independent_cases.draws import log_uniform, pick
+from benchmarks.diagnosis.independent_cases.recipes import Array, Mask
 
 
 @dataclass

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from .setting import CaseFiles, Table
+from benchmarks.diagnosis.independent_cases.setting import CaseFiles, Table
 
 
 def _cells(values: Iterable[Any], form: str) -> list[str]:

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from .recipes import Parameters
+from benchmarks.diagnosis.independent_cases.recipes import Parameters
 
 Truth = dict[str, Any]
 Answer = dict[str, Any]

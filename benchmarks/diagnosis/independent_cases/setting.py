@@ -6,8 +6,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from .disturbances import Plan
-from .recipes import Array, Effect, Recipe, Variant
+from benchmarks.diagnosis.independent_cases.disturbances import Plan
+from benchmarks.diagnosis.independent_cases.recipes import Array, Effect, Recipe, Variant
 
 Column = tuple[Any, str]  # the values of one column and their %-format
 Table = dict[str, Column]

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .draws import deal
+from benchmarks.diagnosis.independent_cases.draws import deal
 
 SHARES = {"one": 0.40, "two": 0.25, "none": 0.15, "outside": 0.20}
 

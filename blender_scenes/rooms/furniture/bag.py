@@ -8,7 +8,7 @@ from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.solids import cushion, joined, pipe
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _STRAP_M = 0.011
 

@@ -9,7 +9,7 @@ from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined, stood
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _COVER_M = 0.002
 

@@ -8,7 +8,7 @@ from blender_scenes.materials.fittings import moulded, painted
 from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _TAPE_M = 0.05
 

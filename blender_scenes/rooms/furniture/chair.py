@@ -9,7 +9,7 @@ from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined, rod
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _SEAT_M = 0.02
 _FOOT_M = 0.02

@@ -9,7 +9,7 @@ from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.meshes import wheel
 from blender_scenes.scene.solids import cushion, joined, rod, stood
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _CASTOR_M = 0.025
 _HUB_M = 0.09

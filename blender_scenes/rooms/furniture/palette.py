@@ -3,7 +3,7 @@
 import numpy as np
 
 from blender_scenes.rooms.furniture.base import between, one_of
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _WOODS = ((0.45, 34.0, 0.45), (0.32, 30.0, 0.5), (0.16, 24.0, 0.5), (0.6, 40.0, 0.25))
 _BOARDS = (*_WOODS, (0.75, 50.0, 0.02), (0.55, 45.0, 0.04), (0.3, 210.0, 0.05))

@@ -8,7 +8,7 @@ from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined, moved, stood
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _A4_M = (0.210, 0.297)
 _THICKNESS_M = 0.0004

@@ -11,7 +11,7 @@ from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _BOARD_M = 0.018
 _PLINTH_M = 0.06

@@ -9,7 +9,7 @@ from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between, one_of
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined
-from configs.schema.paint import Paint
+from configs.schema.appearance.paint import Paint
 
 _TOP_M = 0.025
 _RAIL_M = 0.05

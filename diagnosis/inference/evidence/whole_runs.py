@@ -24,7 +24,7 @@ from diagnosis.inference.refusal import needed
 from diagnosis.inference.selection import MAX_EFFECTS
 from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.pose import Pose, seen_from_body
+from diagnosis.predictors.pose.by_counts import Pose, seen_from_body
 from diagnosis.predictors.rows import good_values
 from symolo.core.arrays import Array
 

@@ -13,8 +13,8 @@ from blender_scenes.annotations.job import AnnotationJob, build_annotation_job
 from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import render_job
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.arena.geometry import Arena
 from symolo.dataset.annotations import AnnotationDocument, AnnotationName

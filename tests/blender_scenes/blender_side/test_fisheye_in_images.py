@@ -8,7 +8,7 @@ from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Scene, Sky
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.shading import Color, Surface
-from configs.schema.look import CameraLook
+from configs.schema.appearance.look import CameraLook
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import INSTANT, FrameView
 from symolo.core.geometry.fisheye import Fisheye

@@ -14,7 +14,7 @@ from blender_scenes.scene.description import LightPanel, Mesh, Point3, Scene, Sk
 from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Mix, Surface, Tiles
 from blender_scenes.scene.solids import lathe
-from configs.schema.look import CameraLook
+from configs.schema.appearance.look import CameraLook
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import FrameView
 from symolo.core.files.atomic_files import make_folder, write_file

@@ -14,8 +14,8 @@ import pytest
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import render_job
-from configs.schema.floors import FloorLook
-from configs.schema.look import CameraLook, LinePaintLook, LookConfig, TapeLook
+from configs.schema.appearance.floors import FloorLook
+from configs.schema.appearance.look import CameraLook, LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import LensDistortion
 from configs.schema.scenario import Render
 from symolo.core.geometry.lens import NO_DISTORTION

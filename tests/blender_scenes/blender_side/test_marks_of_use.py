@@ -14,8 +14,8 @@ from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
 from blender_scenes.scene.run_scene import describe
 from blender_scenes.scene.shading import Color, Expression, NoiseTexture, Surface
-from configs.schema.floors import FloorLook
-from configs.schema.look import LookConfig, TapeLook
+from configs.schema.appearance.floors import FloorLook
+from configs.schema.appearance.look import LookConfig, TapeLook
 from sensors.camera.colour import LUMINANCE
 from sensors.camera.views import FrameView
 

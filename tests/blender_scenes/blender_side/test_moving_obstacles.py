@@ -11,7 +11,7 @@ from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, box_corners, floor
 from blender_scenes.scene.run_scene import arena_bounds
 from blender_scenes.scene.shading import Color, Surface
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 from sensors.camera.views import FrameView
 from symolo.arena.obstacle_motion import ObstacleMotion

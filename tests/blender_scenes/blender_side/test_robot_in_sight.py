@@ -11,8 +11,8 @@ from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import render_job
 from configs.draw import draw_robot
 from configs.loader import load_section
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.arena.geometry import Arena
 from symolo.core.geometry.pinhole import matrix_K

@@ -16,11 +16,11 @@ from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import floor
 from blender_scenes.scene.run_scene import describe
+from configs.schema.appearance.asset import Asset, ImageLook, SurfaceImages
+from configs.schema.appearance.floors import FloorLook
+from configs.schema.appearance.lighting import SkyLook
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig, LineConfig, WallConfig
-from configs.schema.asset import Asset, ImageLook, SurfaceImages
-from configs.schema.floors import FloorLook
-from configs.schema.lighting import SkyLook
-from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
 from sensors.camera.views import FrameView
 from symolo.arena.geometry import Arena

@@ -13,7 +13,7 @@ from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface
 from configs.draw import draw_look
 from configs.loader import load_section
 from configs.references import shipped_names
-from configs.schema.look import CameraLook
+from configs.schema.appearance.look import CameraLook
 from configs.schema.scenario import Render
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import INSTANT, FrameView, Moment

@@ -16,7 +16,7 @@ from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, Trac
 from blender_scenes.scene.description import LightPanel, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
 from blender_scenes.scene.shading import Color, Constant, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles
-from configs.schema.look import CameraLook
+from configs.schema.appearance.look import CameraLook
 from configs.schema.robot import Camera
 from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
 from sensors.camera.views import FrameView

@@ -8,7 +8,7 @@ from blender_scenes.render.sampling import HYBRID_QUALITIES, TracingSettings
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface
-from configs.schema.look import CameraLook
+from configs.schema.appearance.look import CameraLook
 from configs.schema.robot import Camera
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import FrameView

@@ -8,7 +8,7 @@ import pytest
 from blender_scenes.preview.renderer import FlatRenderer
 from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.scene.meshes import block
-from configs.schema.look import CameraLook, LampsLook, LookConfig, SkyLook, SunLook
+from configs.schema.appearance.look import CameraLook, LampsLook, LookConfig, SkyLook, SunLook
 from configs.schema.scenario import Render
 from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.core.geometry.pinhole import project

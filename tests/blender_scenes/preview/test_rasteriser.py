@@ -11,7 +11,7 @@ from blender_scenes.scene import meshes as geometry
 from blender_scenes.scene.description import LightPanel, Mesh
 from blender_scenes.scene.run_scene import describe
 from blender_scenes.scene.shading import Color, Surface
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from sensors.camera.views import FrameView
 from symolo.arena.footprints import convex_outline
 from symolo.core.geometry.pinhole import Intrinsics, floor_points, intrinsics, pose_X_RC, project

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.crop_errors import mean_square_errors
-from configs.schema.look import CameraLook
+from configs.schema.appearance.look import CameraLook
 from sensors.camera.response import CameraResponse
 
 METERED = 0.3

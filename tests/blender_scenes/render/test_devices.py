@@ -11,7 +11,7 @@ from blender_scenes.render import devices
 from blender_scenes.render.devices import GPU_KINDS, DeviceKind, device_for, one_card_each
 from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.render.renderer import render_job
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.core.errors import EnvironmentLacking
 

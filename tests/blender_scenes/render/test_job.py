@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
-from configs.schema.look import CameraLook, LookConfig
+from configs.schema.appearance.look import CameraLook, LookConfig
 from configs.schema.scenario import Render
 from symolo.core.geometry.robot_path import RobotPath
 

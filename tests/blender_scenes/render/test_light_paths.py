@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits, light_path_limits
 from blender_scenes.render.sampling import tracing_settings
-from configs.schema.light_paths import LightPaths
+from configs.schema.appearance.light_paths import LightPaths
 from configs.schema.scenario import Render
 
 

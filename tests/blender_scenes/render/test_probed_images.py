@@ -9,7 +9,7 @@ import pytest
 from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.render.probe import LADDER, PROBE, read_decision
 from blender_scenes.render.renderer import render_job
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.core.files.atomic_files import make_folder, remove_file, write_file
 from symolo.core.files.file_hashes import sha256_of

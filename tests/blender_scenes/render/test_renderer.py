@@ -15,7 +15,7 @@ import pytest
 from blender_scenes.render import renderer
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import RenderError, render_job
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.core.errors import EnvironmentLacking
 

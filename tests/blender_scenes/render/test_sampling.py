@@ -14,7 +14,7 @@ from blender_scenes.render.sampling import (
     hybrid_samples,
     tracing_settings,
 )
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render, RenderQuality
 
 

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 import configs
 from configs.draw import draw_all, draw_look
 from configs.loader import load_scenario, load_section
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import RunSpec
 from symolo.core.errors import InputError
 

@@ -9,8 +9,8 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
+from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
-from configs.schema.look import LookConfig
 from diagnosis.camera.case import CameraCase, CameraFrame
 from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from configs.schema.look import LookConfig
+from configs.schema.appearance.look import LookConfig
 from diagnosis.camera.extended_camera import left_out, look_changes
 from diagnosis.camera.features.white_balance import temperature_of
 

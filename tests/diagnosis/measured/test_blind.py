@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from diagnosis.importers.blind import read_blind
+from diagnosis.importers.cases.blind import read_blind
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CaseKind
 from symolo.core.errors import InputError

@@ -12,7 +12,7 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.importers import IMPORTERS
-from diagnosis.importers.blind import read_blind
+from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import trimmed_variance

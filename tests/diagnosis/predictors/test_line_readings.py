@@ -13,8 +13,8 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.predictors.line_readings import LineReadings
-from diagnosis.predictors.smoothed_pose import NOISE_SHARE
-from diagnosis.predictors.unit_spread import cleaned
+from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
+from diagnosis.predictors.ranges.unit_spread import cleaned
 from sensors.effects.line_adc_saturation import LineAdcSaturation
 from sensors.effects.line_ambient import LineAmbient
 from sensors.effects.line_crosstalk import LineCrosstalk

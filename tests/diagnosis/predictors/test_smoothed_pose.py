@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnosis.predictors.pose import earlier
-from diagnosis.predictors.smoothed_pose import NOISE_SHARE, smoothed_earlier
+from diagnosis.predictors.pose.by_counts import earlier
+from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE, smoothed_earlier
 
 ROW_S, ROWS = 0.05, 40
 TIMES = ROW_S * np.arange(ROWS)

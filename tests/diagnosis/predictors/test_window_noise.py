@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.predictors.window_noise import window_noise
+from diagnosis.predictors.pose.window_noise import window_noise
 
 SD = 0.3
 SHARE_NO_POSE = 3

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from configs.schema.camera_look import CameraLook
+from configs.schema.appearance.camera_look import CameraLook
 from sensors.camera.finishing import without_noise
 from sensors.camera.response import CameraResponse, develop
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from configs.schema.camera_look import CameraLook
+from configs.schema.appearance.camera_look import CameraLook
 from sensors.camera.mosaic import colours, demosaiced, mosaic
 from sensors.camera.response import CameraResponse, develop
 

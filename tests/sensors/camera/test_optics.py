@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import j1
 
-from configs.schema.camera_look import CameraLook
+from configs.schema.appearance.camera_look import CameraLook
 from sensors.camera.optics import blurred, box, defocused, disc, gathered
 from sensors.camera.response import CameraResponse, develop
 

@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from configs.schema.look import CameraLook
+from configs.schema.appearance.look import CameraLook
 from sensors.camera.colour import light_rgb
 from sensors.camera.response import (
     CameraResponse,

@@ -1,0 +1,1 @@
+"""Cases of motors on a bench."""

@@ -1,0 +1,1 @@
+"""Cases of range sensors on a bench."""

@@ -1,0 +1,1 @@
+"""Sections of a look: floor, line, walls, room, light and camera response."""

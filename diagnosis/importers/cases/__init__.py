@@ -1,0 +1,1 @@
+"""Reading of measured cases, shared by the importers of their kinds."""

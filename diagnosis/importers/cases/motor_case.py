@@ -1,0 +1,52 @@
+"""Noise and unit checks that both kinds of motor case share."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.importers.cases.case import scale_note
+from diagnosis.importers.cases.trials import KnownNoise
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import NominalSteady, NominalStep, StepNoise
+from symolo.core.arrays import Array
+from symolo.core.table import CsvTable
+
+CLEAR_OF_STALL = 3.0
+"""Voltage in breakaway voltages from which friction reduces the speed only a little."""
+
+
+def motor_noise(nominal: NominalSteady | NominalStep, table: CsvTable, name: str) -> KnownNoise | None:
+    """Return the noise that nominal.yaml states for current or speed; None for the voltage."""
+    if name == "u_cmd_V":
+        return None
+    noise = nominal.noise
+    correlation = noise.lag1_correlation if isinstance(noise, StepNoise) else 0.0
+    return KnownNoise.constant(noise.current_A if name == "current_A" else noise.omega_rad_s, table, correlation)
+
+
+def motor_scale_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) -> list[str]:
+    """Return a note for each channel that looks as if it were in another unit.
+
+    The typical speed is compared with the no-load speed u / K, and the typical current with the stall current u / R.
+    """
+    motor = nominal.motor
+    resistance, constant = motor.winding_resistance_ohm.value, motor.torque_constant_N_m_A.value
+    u, speed, current = (
+        np.abs(np.concatenate([c.values for c in measurement.across(name)]))
+        for name in ("u_cmd_V", "omega_rad_s", "current_A")
+    )
+    driven = u > CLEAR_OF_STALL * resistance * motor.coulomb_friction_N_m.value / constant
+    speed_ratio, current_ratio = (
+        _median_ratio(speed * constant, u, driven),
+        _median_ratio(current * resistance, u, driven),
+    )
+    return [
+        *scale_note(speed_ratio, "omega_rad_s", "rad/s", "the no-load speed at its voltage"),
+        *scale_note(current_ratio, "current_A", "A", "the stall current at its voltage"),
+    ]
+
+
+def _median_ratio(values: Array, reference: Array, rows: NDArray[np.bool_]) -> float:
+    """Return the median ratio of the chosen rows that have both values; NaN if there are none."""
+    ratios = values[rows] / reference[rows]
+    known = ratios[np.isfinite(ratios)]
+    return float(np.median(known)) if len(known) else float("nan")

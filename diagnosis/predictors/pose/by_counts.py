@@ -1,0 +1,365 @@
+"""Encoder ticks -> changes of the pose over ten rows, in the frame of the body at the first row.
+
+Windows begin at every fifth row, so that each row is in two of them: twice as many measured poses are used as with
+adjacent windows, and neighbours have no pose in common. They share half of the slip noise, which is a few per cent of
+the total. A window and the next but one share a pose, which can only make slow structure more visible, not less.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from configs.effects.base import Slot
+from configs.effects.robot_effects import RobotEffects
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_format import POSE
+from diagnosis.measured.channel import Mask
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import KnownWheels, NominalDrive, NominalLog
+from diagnosis.measured.screening import noise_of
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.pose.window_noise import window_noise
+from diagnosis.predictors.rows import (
+    bridged,
+    good_values,
+    joined,
+    rows_after,
+    session_time_s,
+    trial_covariate,
+    trial_of_rows,
+)
+from physics.drivetrain.wheel_turns import uncounted
+from physics.robot.model import RobotModel, through
+from physics.robot.stack import alike, stacked, stacked_effects
+from symolo.core.arrays import Array
+
+WINDOW, STRIDE = 10, 5
+SHARE_NO_POSE = WINDOW // STRIDE + 1
+"""Number of windows to the next one that begins after the end of this one."""
+LEVER_M = 0.12
+"""Lever arm by which noise of the heading is noise of the place."""
+PARTS = ("drive", "encoder")
+SLOTS = frozenset(
+    {
+        Slot.GEOMETRY,
+        Slot.ROLLING,
+        Slot.CREEP,
+        Slot.GROUND,
+        Slot.ENCODER,
+        Slot.COUNTING,
+        Slot.POSE_POINT,
+        Slot.POSE_DELAY,
+    }
+)
+"""Slots of the effects between the counts and the logged poses."""
+MIN_NOISE = 1e-6
+"""Noise of a pose [m, rad] that is stated as exact: it is rounded all the same."""
+UNSTATED_SLIP = 1e-3
+"""Noise of the travelled distance [m / sqrt m] if it is not stated: a millimetre per metre."""
+SIDES = ("right", "left")
+COMPONENTS = (("pose_dx_m", "m"), ("pose_dy_m", "m"), ("pose_dtheta_rad", "rad"))
+
+
+@dataclass(frozen=True)
+class PoseNoise:
+    """Noise of the logged poses and of the wheels."""
+
+    xy_m: float
+    theta_rad: float
+    slip_m_per_sqrt_m: float
+
+    @classmethod
+    def of(cls, measurement: Measurement) -> "PoseNoise":
+        """Return the noise that the case states, else that of the camera, estimated from its channels."""
+        if isinstance(measurement.nominal, NominalDrive):
+            noise = measurement.nominal.noise
+            return cls(noise.pose_xy_m, noise.pose_theta_rad, noise.travel_m_per_sqrt_m)
+        if isinstance(measurement.nominal, NominalLog):
+            noise = measurement.nominal.noise
+            return cls(max(noise.pose_xy_m, MIN_NOISE), max(noise.pose_theta_rad, MIN_NOISE), UNSTATED_SLIP)
+        xy_m, theta_rad = (_camera_noise(measurement, name) for name in ("x_m", "theta_rad"))
+        return cls(xy_m, theta_rad, UNSTATED_SLIP)
+
+
+class Pose:
+    """The windows of the case format: mid-point rule, and effects for slip, tracked point and pose delay."""
+
+    name = "pose"
+    at_once = 48
+    parts, slots = PARTS, SLOTS
+    """Parts of the robot, and slots of the effects, that act on the stage."""
+    channels = ("pose_increment",) * len(COMPONENTS)
+    """Name of each component in an answer."""
+
+    def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
+        self._trials = [len(trial.t_s) for trial in measurement.trials]
+        self._t_s = joined(trial.t_s for trial in measurement.trials)
+        ticks = self._counts(measurement, nominal)
+        whole = np.isfinite(ticks).all(axis=-1)
+        self._ticks = bridged(ticks, self._t_s, self._trials)
+        self._steps_s = np.maximum(np.diff(self._t_s, prepend=self._t_s[0]), 0.0)
+        self._starts = np.cumsum([0, *self._trials[:-1]])
+        # The first row of a trial has no row before it. Any positive time will do, since its wheels have not turned.
+        self._steps_s[self._starts] = 1.0
+        self._counted = np.diff(self._ticks, axis=0, prepend=self._ticks[:1])
+        self._counted[self._starts] = 0.0
+        self._first, self._last = rows_after(measurement, WINDOW, STRIDE)
+        theta = good_values(measurement, "theta_rad")
+        self._heading_rad = bridged(theta[:, None], self._t_s, self._trials)[:, 0]
+        missing = np.concatenate([[0], np.cumsum(~whole)])
+        self._complete = missing[self._last + 1] == missing[self._first]
+        self.observed: tuple[Observed, ...] = self._observed(measurement, nominal)
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        distinct_robots, which = distinct(robots, self.parts, self.slots)
+        increments = np.empty((len(distinct_robots), len(self._first), 3))
+        for group in alike(distinct_robots):
+            increments[group] = self._increments(self._paths([distinct_robots[k] for k in group]))
+        return tuple(Predicted(increments[which, :, k], observed.sd) for k, observed in enumerate(self.observed))
+
+    def path(self, robot: RobotConfig, starts: Array) -> Array:
+        """Return the poses of all rows as logged, (n, 3), predicted from the first pose of each trial and the ticks.
+
+        Args:
+            robot: The robot.
+            starts: (N, 3), logged x [m], y [m], yaw [rad] in the first row of each trial.
+        """
+        path = self._paths([robot], starts)
+        begin = np.repeat(path[self._starts], self._trials, axis=0)
+        from_w = np.repeat(starts, self._trials, axis=0)
+        return from_w + seen_from_body(begin[:, 2] - from_w[:, 2], path - begin)
+
+    def travel_m(self, robot: RobotConfig) -> Array:
+        """Return the mean distance (n,) that both wheels have travelled since the row before."""
+        turned = 2.0 * pi / robot.encoder.counts_per_revolution * np.abs(self._counted)
+        return 0.5 * robot.drive.wheel_diameter_m * turned.mean(axis=-1)
+
+    def by_rows(self, of_windows: Array) -> Array:
+        """Return values (m,) of the windows at all rows, (n,), interpolated between the middles of windows."""
+        values = np.zeros(len(self._t_s))
+        middle = 0.5 * (self._first + self._last)
+        for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
+            inside = (self._first >= start) & (self._first < start + rows)
+            if inside.any():
+                number = np.arange(start, start + rows)
+                values[number] = np.interp(number, middle[inside], of_windows[inside])
+        return values
+
+    @property
+    def trials(self) -> tuple[int, ...]:
+        """Number of rows of each trial."""
+        return tuple(self._trials)
+
+    def _increments(self, poses: Array) -> Array:
+        """Return the changes (..., m, 3) of poses (..., n, 3) over each window, in the frame of its first pose."""
+        first, last = poses[..., self._first, :], poses[..., self._last, :]
+        return seen_from_body(first[..., 2], last - first)
+
+    def _paths(self, robots: Sequence[RobotConfig], starts: Array | None = None) -> Array:
+        """Return the tracked poses at the logged times, (n, 3) or (M, n, 3), each trial from the axle at zero.
+
+        Args:
+            robots: M robots that are alike.
+            starts: (N, 3), logged poses in the first row of each trial, if there are no others.
+        """
+        # Robots that differ in other effects only are predicted once, so these must not act.
+        robots = [_with_slots(robot, self.slots) for robot in robots]
+        model = RobotModel.from_config(stacked(robots, axes=2))
+        turned = self._turned(model)
+        steps = self._steps(model, turned)
+        pose = np.zeros((*steps.shape[:-1], 3))
+        for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
+            part = slice(start, start + rows)
+            forward, turn = steps[..., part, 0], steps[..., part, 1]
+            yaw = np.cumsum(turn, axis=-1)
+            middle = yaw - 0.5 * turn
+            pose[..., part, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
+            pose[..., part, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
+            pose[..., part, 2] = yaw
+        effects = stacked_effects(robots, axes=1)
+        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s) - self._age_s(robots)
+        if model.functions(Slot.CREEP):
+            as_logged = earlier(pose, self._t_s, self._trials, delay_s)
+            pose = pose + self._crept(model, turned, as_logged[..., 2], starts)
+        pose = earlier(pose, self._t_s, self._trials, delay_s)
+        return through(model.functions(Slot.POSE_POINT), pose)
+
+    def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
+        """Return the counts of the right and the left wheel in all rows, (n, 2); NaN where missing."""
+        del nominal
+        return np.stack([good_values(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+
+    def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
+        """Return the age of the counts when their row is logged, one or (M, 1)."""
+        del robots
+        return 0.0
+
+    def _added_variance(self, measurement: Measurement) -> tuple[float | Array, float | Array]:
+        """Return the variance of distance [m2] and turn [rad2] of each window by noise of the log, one or (m,)."""
+        del measurement
+        return 0.0, 0.0
+
+    def _turned(self, model: RobotModel) -> Array:
+        """Return turns [rad] of right and left wheel since the previous row, by which round wheels would travel as far
+        as those of the robot do, (n, 2) or (M, n, 2).
+        """
+        rad_per_count = 2.0 * pi / model.counts_per_revolution
+        turned = uncounted(model, rad_per_count * self._counted, self._steps_s[:, None])
+        if not (rolling := model.functions(Slot.ROLLING)):
+            return turned
+        total = np.cumsum(turned, axis=-2)
+        since_start = total - np.repeat(total[..., self._starts, :], self._trials, axis=-2)
+        angle_rad = rad_per_count * np.repeat(self._ticks[self._starts], self._trials, axis=0) + since_start
+        return turned * through(rolling, np.ones_like(turned), angle_rad - 0.5 * turned, turned)
+
+    def _crept(self, model: RobotModel, turned: Array, yaw_rad: Array, starts: Array | None) -> Array:
+        """Return by how much the robot has crept over the floor, in the frame of each trial's path, (..., n, 3).
+
+        The creep has a direction in the room. The path begins at a heading of zero, and where it points in the room is
+        known best from the logged headings: its own drift with the errors of the wheels.
+
+        Args:
+            model: The robots.
+            turned: Turns of the wheels, (..., n, 2).
+            yaw_rad: Yaw of the path (..., n) at the times of the logged headings, which may be late.
+            starts: (N, 3), logged poses in the first row of each trial, if there are no others.
+        """
+        geometry = model.geometry
+        right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
+        travel_m = 0.5 * (np.abs(right_m) + np.abs(left_m))
+        crept_m = through(model.functions(Slot.CREEP), np.zeros((*travel_m.shape[:-1], 2)), travel_m)
+        askew_rad = through(model.functions(Slot.POSE_POINT), np.zeros((1, 3)))[..., 2]
+        if starts is None:
+            frame_rad = self._heading_rad - askew_rad - yaw_rad
+        else:
+            frame_rad = np.repeat(starts[:, 2], self._trials) - askew_rad
+        steps = np.concatenate([crept_m, np.zeros_like(crept_m[..., :1])], axis=-1)
+        total = np.cumsum(seen_from_body(frame_rad, steps), axis=-2)
+        return total - np.repeat(total[..., self._starts, :], self._trials, axis=-2)
+
+    def _steps(self, model: RobotModel, turned: Array) -> Array:
+        """Return distance forward [m] and turn [rad] of each row since the previous one, (n, 2) or (M, n, 2)."""
+        geometry = model.geometry
+        right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
+        forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
+        step_s = self._steps_s[:, None]
+        share = through(model.functions(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
+        return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
+
+    def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:
+        log = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
+        first, last = self._first, self._last
+        values, predicted = self._increments(log), self._increments(self._paths([nominal]))
+        middle = (first + last) // 2
+        angle_rad = 2.0 * pi / nominal.encoder.counts_per_revolution * self._ticks[middle]
+        trial = trial_of_rows(measurement)[first]
+        moved_m = np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])
+        lasts_s = self._t_s[last] - self._t_s[first]
+        covariates = (
+            Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
+            Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
+            Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
+            Covariate("position", log[first, 0], second=log[first, 1]),
+            Covariate("t_s", self._t_s[middle]),
+            Covariate("session_time_s", session_time_s(measurement)[middle]),
+            trial_covariate(measurement, first),
+            Covariate("wheel_angle_rad[left]", angle_rad[:, 1], CovariateShape.PERIODIC),
+            Covariate("wheel_angle_rad[right]", angle_rad[:, 0], CovariateShape.PERIODIC),
+        )
+        sds, correlations = self._noise(measurement, nominal)
+        holdout = joined(trial.holdout for trial in measurement.trials)
+        holdout = holdout[first] | holdout[last]
+        usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
+        if isinstance(measurement.nominal, KnownWheels):
+            # The noise of a real camera. Simulated runs do not scatter, and then the guess stays.
+            rows = usable & ~holdout
+            noises = [window_noise(values[:, k] - predicted[:, k], trial, rows, SHARE_NO_POSE) for k in range(3)]
+            sds = tuple(sd if noise is None else np.full(len(sd), noise) for sd, noise in zip(sds, noises, strict=True))
+        return tuple(
+            Observed(
+                name=name,
+                channel=self.channels[k],
+                unit=unit,
+                values=np.where(usable, values[:, k], np.nan),
+                sd=sds[k],
+                correlation=correlations[k],
+                trial=trial,
+                t_s=self._t_s[first],
+                holdout=holdout,
+                usable=usable,
+                covariates=covariates,
+            )
+            for k, (name, unit) in enumerate(COMPONENTS)
+        )
+
+    def _noise(self, measurement: Measurement, nominal: RobotConfig) -> tuple[tuple[Array, ...], tuple[float, ...]]:
+        """Return the standard deviations (m,) of each component and the correlations of successive windows."""
+        noise, travel_m = PoseNoise.of(measurement), np.cumsum(self.travel_m(nominal))
+        q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
+        by_log = self._added_variance(measurement)
+        slip_place, slip_heading = 0.5 * q + by_log[0], 2.0 * q / nominal.drive.track_m**2 + by_log[1]
+        place = 2.0 * noise.xy_m**2 + (LEVER_M * noise.theta_rad) ** 2 + slip_place
+        heading = 2.0 * noise.theta_rad**2 + slip_heading
+        # Half of the travel of a window, and so of its slip, belongs to the next window too.
+        shared = (
+            0.5 * float(slip_place.sum() / (place.sum() or 1.0)),
+            0.5 * float(slip_heading.sum() / (heading.sum() or 1.0)),
+        )
+        sd = np.sqrt(place)
+        return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1])
+
+
+def _with_slots(robot: RobotConfig, slots: frozenset[Slot]) -> RobotConfig:
+    """Return a robot with its effects in some slots alone."""
+    effects = robot.effects.in_slots(slots)
+    if len(effects) == len(tuple(robot.effects)):
+        return robot
+    return robot.model_copy(update={"effects": RobotEffects(effects)})
+
+
+def seen_from_body(yaw_rad: Array, change: Array) -> Array:
+    """Return changes of pose (..., 3) in W with their places in the frame of a body with this yaw (...)."""
+    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+    x, y, turn = change[..., 0], change[..., 1], change[..., 2]
+    return np.stack(np.broadcast_arrays(c * x + s * y, c * y - s * x, turn), axis=-1)
+
+
+def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:
+    """Return poses (..., n, k) a delay before the times of their rows, interpolated between rows.
+
+    Args:
+        pose: Poses of all trials, or some of their components.
+        t_s: (n,), times of the rows.
+        trials: Number of rows of each trial; outside a trial its first or last pose is used.
+        delay_s: One delay, or (M, 1), or one for each row, (n,) or (M, n).
+    """
+    if np.all(np.equal(delay_s, 0.0)):
+        return pose
+    delay_s = np.broadcast_to(delay_s, (*np.shape(delay_s)[:-1], len(t_s)))
+    parts, begin = [], 0
+    for rows in trials:
+        part = slice(begin, begin + rows)
+        times, poses = t_s[part], pose[..., part, :]
+        begin += rows
+        if rows < 2:
+            parts.append(poses)
+            continue
+        # One delay gives times (n,) for all robots, M delays give (M, n); poses and times are broadcast to each other.
+        wanted_s = np.clip(times - delay_s[..., part], times[0], times[-1])
+        after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
+        share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
+        shape = np.broadcast_shapes(poses.shape[:-1], after.shape)
+        poses, index = np.broadcast_to(poses, (*shape, poses.shape[-1])), np.broadcast_to(after, shape)[..., None]
+        before, later = (np.take_along_axis(poses, place, axis=-2) for place in (index - 1, index))
+        parts.append(before + share * (later - before))
+    shape = max((part.shape[:-2] for part in parts), key=len)
+    return np.concatenate([np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in parts], axis=-2)
+
+
+def _camera_noise(measurement: Measurement, name: str) -> float:
+    noises = [noise_of(channel) for channel in measurement.across(name)]
+    known = [noise.sd for noise in noises if noise is not None and noise.sd > 0.0]
+    return float(np.median(known)) if known else 1e-3

@@ -1,0 +1,1 @@
+"""Stages that predict readings of range sensors, and what the sensors see."""
