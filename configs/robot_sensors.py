@@ -72,8 +72,12 @@ class MountedSettings(SensorSettings):
         return mounted((self.x_m, self.y_m, self.z_m), *np.radians([self.yaw_deg, self.pitch_up_deg, self.roll_deg]))
 
 
+IS_LOGGED = "logged"
+"""Setting of a sensor whose samples are those of a log: nothing is known of it but the settings that its file has."""
+
+
 class UnloadedSettings(BaseModel):
-    """Settings of a sensor whose class is not loaded, with the names and values of its file."""
+    """Settings of a sensor of a log, or of one whose class is not loaded, with the names and values of its file."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
 
@@ -183,7 +187,7 @@ def _members(value: object, *, known_only: bool) -> Iterator[tuple[str, SensorSe
             unloaded = {
                 name: settings
                 for name, settings in value.items()
-                if isinstance(settings, dict) and settings.get("kind", name) not in known
+                if isinstance(settings, dict) and (settings.get(IS_LOGGED) or settings.get("kind", name) not in known)
             }
             yield from ((name, UnloadedSettings.model_validate(settings)) for name, settings in unloaded.items())
             value = {name: settings for name, settings in value.items() if name not in unloaded}

@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from logs.bags.streams import INDEX, MAX_STREAMS, POSE, Index, Stream
+from logs.bags.streams import IMU, INDEX, INTENSITY, MAX_STREAMS, POSE, RANGE, SCAN, Index, Stream, ray_columns
+from symolo.core.arrays import Array
 from symolo.core.extras import optional_module
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.process_limits import limit_memory, limit_time
@@ -38,7 +39,7 @@ class _Part:
     stamped: Message
     """What has the header with the time, if there is one."""
     columns: tuple[str, ...]
-    values: list[float]
+    values: Sequence[float] | Array
     parent: str = ""
     child: str = ""
 
@@ -69,9 +70,28 @@ def _range(message: Message) -> _Part:
 
 
 def _imu(message: Message) -> _Part:
-    rate, force = message.angular_velocity, message.linear_acceleration
-    names = tuple(f"{kind}_{axis}_{unit}" for kind, unit in (("gyro", "rad_s"), ("acc", "m_s2")) for axis in "xyz")
-    return _Part(message, names, [rate.x, rate.y, rate.z, force.x, force.y, force.z])
+    """A covariance that begins with -1 stands for what the device does not measure."""
+    values: list[float] = []
+    for name in ("linear_acceleration", "angular_velocity"):
+        vector, is_absent = getattr(message, name), getattr(message, f"{name}_covariance")[0] == -1
+        values += [np.nan] * 3 if is_absent else [vector.x, vector.y, vector.z]
+    return _Part(message, IMU, values, message.header.frame_id)
+
+
+def _scan(message: Message) -> _Part:
+    """The range of a ray is infinite without a return, and NaN where the device failed (REP 117).
+
+    Many devices state 0 where there is no return.
+    """
+    head = (message.angle_min, message.angle_increment, message.time_increment, message.range_min, message.range_max)
+    range_m = np.asarray(message.ranges, dtype=np.float64)
+    missed = (range_m == 0.0) | (range_m > message.range_max)
+    range_m = np.where(missed, np.inf, np.where(range_m < message.range_min, np.nan, range_m))
+    rays, light = len(range_m), np.asarray(message.intensities, dtype=np.float64)
+    columns, values = (*SCAN, *ray_columns(RANGE, rays)), [head, range_m]
+    if len(light) == rays:
+        columns, values = (*columns, *ray_columns(INTENSITY, rays)), [*values, light]
+    return _Part(message, columns, np.concatenate(values), message.header.frame_id)
 
 
 def _joints(message: Message) -> Iterator[_Part]:
@@ -93,6 +113,8 @@ _PARTS: Mapping[str, Callable[[Message], Iterable[_Part]]] = MappingProxyType(
         "geometry_msgs/msg/TwistStamped": lambda m: [_twist(m, m.twist)],
         "sensor_msgs/msg/Range": lambda m: [_range(m)],
         "sensor_msgs/msg/Imu": lambda m: [_imu(m)],
+        "sensor_msgs/msg/LaserScan": lambda m: [_scan(m)],
+        "sensor_msgs/msg/Temperature": lambda m: [_Part(m, ("temperature_degC",), [m.temperature])],
         "sensor_msgs/msg/JointState": _joints,
         **{
             f"std_msgs/msg/{kind}": lambda m: [_Part(m, ("data",), [float(m.data)])]
@@ -108,7 +130,7 @@ class _Rows:
     """What one stream has said so far."""
 
     t_ns: list[int] = field(default_factory=list)
-    values: list[list[float]] = field(default_factory=list)
+    values: list[Sequence[float] | Array] = field(default_factory=list)
 
 
 class _TooManyStreamsError(Exception):

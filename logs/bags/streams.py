@@ -8,6 +8,17 @@ MAX_STREAMS = 400
 """Number of streams that a bag may have; each is two arrays of an archive."""
 POSE = ("px", "py", "pz", "qx", "qy", "qz", "qw")
 """Columns of a pose: position [m] and quaternion."""
+IMU = tuple(f"{kind}_{axis}" for kind in ("acc", "gyro") for axis in "xyz")
+"""Columns of an IMU: specific force [m/s2] and angular rate [rad/s]."""
+SCAN = ("first_ray_rad", "ray_step_rad", "ray_s", "min_range_m", "max_range_m")
+"""First columns of a laser scan; its ranges [m] and then its intensities follow, one for each ray."""
+RANGE, INTENSITY = "range", "intensity"
+"""Names of the columns of the rays, each with the number of the ray."""
+
+
+def ray_columns(name: str, rays: int) -> tuple[str, ...]:
+    """Return the columns of a laser scan with one number for each ray."""
+    return tuple(f"{name}_{number}" for number in range(rays))
 
 
 @dataclass(frozen=True)

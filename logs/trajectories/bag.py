@@ -13,6 +13,7 @@ import numpy as np
 
 from logs.bags.bag import Bag, Topic, read_bag
 from logs.bags.frames import Track, between, pairs, robot_frames
+from logs.bags.sensors import is_imu, is_scan, sensors_of
 from logs.recognition import first_bytes, is_file, is_folder
 from logs.times import usual
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
@@ -47,13 +48,14 @@ def trajectories_of(bag: Bag, settings: ReadSettings) -> list[LoggedTrajectory]:
     tracks = {track.name: track for track in _tracks(bag)}
     transforms = [_track(topic) for topic in bag.topics if _is_tf(topic)]
     if settings.topics:
-        return [_trajectory(bag, _chosen(name, tracks, transforms, bag.path), settings) for name in settings.topics]
+        chosen = [_chosen(name, tracks, transforms, bag.path) for name in settings.topics]
+        return [_trajectory(bag, track, transforms, settings) for track in chosen]
     track, others = _best(tracks, transforms, bag.path)
     guesses = ()
     if others:
         more = f" and {len(others) - 5} more" if len(others) > 5 else ""
         guesses = (f"poses are those of {track.name}; choose others with --topic: {', '.join(others[:5])}{more}",)
-    return [_trajectory(bag, track, settings, guesses)]
+    return [_trajectory(bag, track, transforms, settings, guesses)]
 
 
 def _is_tf(topic: Topic) -> bool:
@@ -116,7 +118,9 @@ def _best(tracks: dict[str, Track], transforms: Sequence[Track], path: Path) -> 
     raise InputError("has no topic with the poses of a robot", where=str(path), cure=cure)
 
 
-def _trajectory(bag: Bag, track: Track, settings: ReadSettings, guesses: tuple[str, ...] = ()) -> LoggedTrajectory:
+def _trajectory(
+    bag: Bag, track: Track, transforms: Sequence[Track], settings: ReadSettings, guesses: tuple[str, ...] = ()
+) -> LoggedTrajectory:
     where = f"{bag.path} ({track.name})"
     new = np.concatenate(([True], np.diff(track.t_s) > 0.0)) if len(track.t_s) else np.zeros(0, bool)
     if np.count_nonzero(new) < 2:
@@ -136,7 +140,12 @@ def _trajectory(bag: Bag, track: Track, settings: ReadSettings, guesses: tuple[s
         readings[column] = _held(topic, t_s)[:, 0]
         quantities[column] = topic.stream.topic
     used = {id(topic) for topic in ranges.values()}
+    is_sensor = [topic for topic in bag.topics if is_imu(topic) or is_scan(topic)]
+    used |= {id(topic) for topic in is_sensor}
     others = [topic for topic in bag.topics if not topic.is_pose and id(topic) not in used]
+    sensors = sensors_of(bag, _robot_frame(track, transforms), transforms)
+    quantities |= sensors.topics
+    changes += sensors.notes
     if bag.left_out:
         changes.append("topics that are not read: " + ", ".join(f"{t} ({kind})" for t, kind in bag.left_out.items()))
     return LoggedTrajectory(
@@ -149,7 +158,16 @@ def _trajectory(bag: Bag, track: Track, settings: ReadSettings, guesses: tuple[s
         (*guesses, *floor.guesses),
         floor.warnings,
         name=track.name if len(settings.topics) > 1 else "",
+        sensors=sensors.sensors,
     )
+
+
+def _robot_frame(track: Track, transforms: Sequence[Track]) -> str:
+    """Return the frame of the poses on the robot, or its usual name where the messages do not name it."""
+    if track.child:
+        return track.child
+    frames = robot_frames(transforms)
+    return frames[1] if frames else ""
 
 
 def _ranges(bag: Bag) -> dict[str, Topic]:
@@ -183,7 +201,7 @@ def _table(bag: Bag, topics: Sequence[Topic], t_s: Array) -> tuple[LoggedTable, 
     return (LoggedTable(LOG_TABLE, meaning, columns),) if columns else ()
 
 
-_UNITS = {"_rad_s": "rad/s", "_m_s2": "m/s2", "_m_s": "m/s", "_rad": "rad", "_m": "m"}
+_UNITS = {"_rad_s": "rad/s", "_m_s2": "m/s2", "_m_s": "m/s", "_rad": "rad", "_m": "m", "_degC": "degC"}
 
 
 def _unit(name: str) -> str:

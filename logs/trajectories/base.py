@@ -8,6 +8,7 @@ import numpy as np
 
 from logs.axis import Axis
 from symolo.core.arrays import Array
+from symolo.dataset.tables.column import Column
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,23 @@ class LoggedTable:
 
 
 @dataclass(frozen=True)
+class LoggedSensor:
+    """Samples of a sensor at times of their own."""
+
+    name: str
+    kind: str
+    """Kind of a sensor of a robot, such as `lidar`."""
+    meaning: str
+    t_s: Array
+    """(N,), increasing, in the clock of the log."""
+    columns: tuple[Column, ...]
+    values: Array
+    """(N, cells of all columns), NaN where nothing was measured."""
+    settings: Mapping[str, float]
+    """What is known of its settings, by their names in `robot.sensors`."""
+
+
+@dataclass(frozen=True)
 class LoggedTrajectory:
     """A trajectory in our units and axes, W with z up and R with x forward."""
 
@@ -59,6 +77,7 @@ class LoggedTrajectory:
     """What is suspicious about it, in one sentence each."""
     name: str = ""
     """Name within a log of several trajectories, such as a topic."""
+    sensors: tuple[LoggedSensor, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.t_s, self.pose, *self.readings.values()):

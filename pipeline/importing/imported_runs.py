@@ -10,14 +10,13 @@ import numpy as np
 
 from configs.draw import draw_arena, draw_look, draw_render, draw_robot
 from configs.loader import LoadedSection, load_scenario, load_section
-from configs.robot_sensors import RobotSensors, UnloadedSettings
+from configs.robot_sensors import IS_LOGGED, RobotSensors, UnloadedSettings
 from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import SceneSpec, StartPose
-from logs.times import usual
 from logs.trajectories.base import ReadSettings
 from pipeline.importing.floor import MAX_HALF_EXTENT_M, fitting_floor, middle_of
 from pipeline.importing.log_files import ReadLog, read_logs
-from pipeline.importing.rows import ImportedRows, imported_rows
+from pipeline.importing.rows import ImportedRows, ImportedTable, imported_rows
 from pipeline.importing.suspicions import check_possible, trajectory_warnings
 from pipeline.stages.run_tables import TakenRun
 from pipeline.stages.simulate_runs import RunOutcome
@@ -26,8 +25,7 @@ from symolo.core.errors import FaultList, InputError
 from symolo.dataset.documents.origin import Origin
 from symolo.dataset.layout import DATA, SIDE
 from symolo.dataset.tables.rows import Rows
-from symolo.dataset.tables.sensor_tables import LOGGED, ListedSensor
-from symolo.dataset.tables.side_tables import SideTable
+from symolo.dataset.tables.sensor_tables import ListedSensor
 
 CARRIER = "symolo"
 """The scenario whose image settings, and whose arena for its own data.csv, an imported trajectory has by default."""
@@ -90,7 +88,7 @@ def imported_dataset(request: ImportRequest) -> ImportedDataset:
     look_section = load_section("look", DEFAULT_LOOK)
     robot, robot_drawn = draw_robot(robot_section, request.seed, request.route, 1)
     placed, arena, arena_tree = _placed(logs, request, robot.tof.no_target_m)
-    sensors = tuple(ListedSensor(LOGGED, table) for table in _common_tables(placed))
+    sensors = tuple(ListedSensor(one.kind, one.table) for one in _common_tables(placed))
     render = draw_render(load_scenario(CARRIER), request.seed, request.route, 1)
     name = request.name or _name_of(logs)
     runs = []
@@ -206,32 +204,39 @@ def _moved(each: _Placed, shift: tuple[float, float]) -> _Placed:
     return _Placed(each.log, imported, (*each.changes, text))
 
 
-def _common_tables(placed: Sequence[_Placed]) -> tuple[SideTable, ...]:
+def _common_tables(placed: Sequence[_Placed]) -> tuple[ImportedTable, ...]:
     """Return the tables that all runs have.
 
     Raises:
         InputError: Two logs have different columns, which one dataset cannot describe.
     """
     first, *others = placed
-    tables = tuple(table for table, _ in first.imported.tables)
+    tables = first.imported.tables
     for other in others:
-        same = [table.header for table, _ in other.imported.tables] == [table.header for table in tables]
+        same = [_form(table) for table in other.imported.tables] == [_form(table) for table in tables]
         if not same or other.imported.rows.columns != first.imported.rows.columns:
             raise InputError(
                 "has other columns than the first log",
                 where=other.log.title,
-                got=[*other.imported.rows.columns, *(t.name for t, _ in other.imported.tables)],
-                allowed=", ".join([*first.imported.rows.columns, *(table.name for table in tables)]),
+                got=[*other.imported.rows.columns, *(one.table.name for one in other.imported.tables)],
+                allowed=", ".join([*first.imported.rows.columns, *(one.table.name for one in tables)]),
                 cure="import it into a dataset of its own",
             )
     return tables
 
 
+def _form(one: ImportedTable) -> tuple[str, str, tuple[str, ...]]:
+    """Return what a dataset describes once for all its runs."""
+    return one.kind, one.table.name, one.table.header
+
+
 def _logged(each: _Placed) -> RobotSensors:
     """Return the sensors of an imported run: those of the log in the place of those of the robot."""
-    period_s = usual(np.diff(each.imported.rows.t_ms)) / 1000
-    settings = UnloadedSettings.model_validate({"kind": LOGGED, "period_s": period_s, "delay_s": 0.0})
-    return RobotSensors(tuple(sorted((table.name, settings) for table, _ in each.imported.tables)))
+    settings = {
+        one.table.name: UnloadedSettings.model_validate({"kind": one.kind, IS_LOGGED: True, **one.settings})
+        for one in each.imported.tables
+    }
+    return RobotSensors(tuple(sorted(settings.items(), key=lambda member: member[0])))
 
 
 def _start(rows: Rows) -> StartPose:
@@ -243,7 +248,7 @@ def _taken(spec: SceneSpec, each: _Placed) -> TakenRun:
     rows, trajectory = each.imported.rows, each.log.trajectory
     warnings = (*trajectory.warnings, *trajectory_warnings(trajectory.t_s, trajectory.pose))
     outcome = RunOutcome.of_rows(rows, suspicions=warnings)
-    side = {f"{SIDE}/{table.file}": table.to_csv(numbers) for table, numbers in each.imported.tables}
+    side = {f"{SIDE}/{one.table.file}": one.table.to_csv(one.numbers) for one in each.imported.tables}
     return TakenRun(spec, rows, side, outcome)
 
 

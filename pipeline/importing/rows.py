@@ -1,28 +1,40 @@
 """A logged trajectory as data.csv and tables beside it."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from logs.decimals import decimals_of
 from logs.times import usual
-from logs.trajectories.base import LoggedTable, LoggedTrajectory
+from logs.trajectories.base import LoggedSensor, LoggedTable, LoggedTrajectory
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.progress import plural
 from symolo.dataset.tables.column import Column
 from symolo.dataset.tables.rows import COLUMNS, HEADER, MAY_BE_EMPTY, RANGES, REQUIRED, Rows, heading, rounded
-from symolo.dataset.tables.sensor_tables import sensor_table
+from symolo.dataset.tables.sensor_tables import LOGGED, TIME, sensor_table
 from symolo.dataset.tables.side_tables import SideTable
 
 MAX_ROWS = 2_000_000
 """Number of rows that a trajectory may have; more exceed the memory that later commands need."""
 READING_STEPS = 1.5
 """Largest distance of a reading from the time of a row, in usual steps, after a new sampling."""
-_PLAIN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-_MAX_DECIMALS = 9
-"""Digits after the point of a measurement without digits of its own."""
+_PLAIN_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}")
+
+
+@dataclass(frozen=True)
+class ImportedTable:
+    """A table beside data.csv."""
+
+    kind: str
+    """Kind of the sensor whose samples it has, or `logged`."""
+    table: SideTable
+    numbers: Array
+    """(samples, columns), the time [ms] first."""
+    settings: Mapping[str, float]
+    """What is known of the settings of the sensor."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +42,7 @@ class ImportedRows:
     """The tables of a run."""
 
     rows: Rows
-    tables: tuple[tuple[SideTable, Array], ...]
-    """Definition and numbers (N, columns) of each table beside data.csv."""
+    tables: tuple[ImportedTable, ...]
     changes: tuple[str, ...]
     """What was changed, in one sentence each."""
 
@@ -58,7 +69,8 @@ def imported_rows(
     """
     if len(trajectory.t_s) < 2:
         raise InputError("has fewer than two poses", where=where)
-    since_s = trajectory.t_s - trajectory.t_s[0]
+    start_s = trajectory.t_s[0]
+    since_s = trajectory.t_s - start_s
     changes = []
     if row_hz is not None:
         step_s = usual(np.diff(since_s))
@@ -74,8 +86,14 @@ def imported_rows(
         raise InputError("rows", where=where, got=len(chosen), allowed=f"2 to {MAX_ROWS}", cure=cure)
     readings = {name: values[chosen] for name, values in trajectory.readings.items() if with_images or name != "img"}
     rows = _rows(t_ms[chosen], trajectory.pose[chosen], readings, no_target_m)
-    tables = tuple(_table(table, rows, chosen) for table in trajectory.tables)
-    return ImportedRows(rows, tables, tuple(changes))
+    tables = [_table(table, rows, chosen) for table in trajectory.tables]
+    for sensor in trajectory.sensors:
+        table = _sensor_table(sensor, start_s, int(rows.t_ms[-1]))
+        if left_out := len(sensor.t_s) - len(table.numbers):
+            text = f"{sensor.name}: left out: {plural(left_out, 'sample')} before the first or after the last row"
+            changes.append(f"{text}, or with the time of another one")
+        tables += [table] if len(table.numbers) else []
+    return ImportedRows(rows, tuple(tables), tuple(changes))
 
 
 def _rows(t_ms: Array, pose: Array, readings: dict[str, Array], no_target_m: float) -> Rows:
@@ -116,16 +134,29 @@ def _sampled(trajectory: LoggedTrajectory, since_s: Array, times_s: Array) -> Lo
     )
 
 
-def _table(table: LoggedTable, rows: Rows, chosen: np.ndarray) -> tuple[SideTable, Array]:
+def _sensor_table(sensor: LoggedSensor, start_s: float, end_ms: int) -> ImportedTable:
+    """Return the samples between the first and the last row, with times since the first one, `start_s` in the log."""
+    t_ms = np.round(1000.0 * (sensor.t_s - start_s), TIME.decimals)
+    is_taken = (t_ms >= 0.0) & (t_ms <= end_ms) & np.concatenate(([True], np.diff(t_ms) > 0.0))
+    numbers = np.column_stack((t_ms, sensor.values))[is_taken]
+    table = sensor_table(sensor.name, sensor.meaning, sensor.columns, may_be_empty=True)
+    return ImportedTable(sensor.kind, table, numbers, sensor.settings)
+
+
+def _table(table: LoggedTable, rows: Rows, chosen: np.ndarray) -> ImportedTable:
     numbers = [values[chosen] for _, values in table.columns.values()]
     columns = [
-        Column(name, unit, _decimals(values), original)
+        Column(name, unit, decimals_of(values), original)
         for name, (original, (unit, _)), values in zip(
             unique_names(list(table.columns)), table.columns.items(), numbers, strict=True
         )
     ]
-    return sensor_table(table.name, table.meaning, columns, may_be_empty=True), np.column_stack(
-        (rows.t_ms.astype(np.float64), *numbers)
+    period_s = usual(np.diff(rows.t_ms)) / 1000
+    return ImportedTable(
+        LOGGED,
+        sensor_table(table.name, table.meaning, columns, may_be_empty=True),
+        np.column_stack((rows.t_ms.astype(np.float64), *numbers)),
+        {"period_s": period_s, "delay_s": 0.0},
     )
 
 
@@ -133,19 +164,10 @@ def unique_names(names: Sequence[str]) -> list[str]:
     """Return names of letters, digits and `_`, each once, for columns of any names."""
     result: list[str] = []
     for name in names:
-        plain = name if _PLAIN_NAME.fullmatch(name) else re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:40]
+        plain = name if _PLAIN_NAME.fullmatch(name) else re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:60]
         plain = plain or "column"
         taken, number = plain, 2
         while taken in {*result, "t"}:
             taken, number = f"{plain}_{number}", number + 1
         result.append(taken)
     return result
-
-
-def _decimals(values: Array) -> int:
-    """Return the smallest number of digits after the point that all values need, at most `_MAX_DECIMALS`."""
-    known = values[np.isfinite(values)]
-    for digits in range(_MAX_DECIMALS):
-        if np.allclose(known, np.round(known, digits), rtol=0.0, atol=1e-10):
-            return digits
-    return _MAX_DECIMALS

@@ -1,7 +1,7 @@
 """Poses, shapes and colours of model files, from those of the simulation and of the rendered scene."""
 
 from dataclasses import dataclass
-from math import atan2, hypot, pi
+from math import pi
 
 import numpy as np
 
@@ -9,9 +9,7 @@ from blender_scenes.scene.description import Mesh
 from physics.robot.links import BoxShape, SphereShape, Vector
 from sensors.camera.colour import RGB
 from symolo.core.arrays import Array
-
-_POLE = 1e-9
-"""Cosine of the pitch below which roll and yaw turn about the same axis."""
+from symolo.core.geometry.poses import roll_pitch_yaw
 
 
 @dataclass(frozen=True)
@@ -55,16 +53,6 @@ class Visual:
         """Pose in the frame of its link; cylinders of model files stand along z, and wheels lie along y."""
         lies = isinstance(self.shape, CylinderShape)
         return Placement(self.center, (0.5 * pi, 0.0, 0.0) if lies else (0.0, 0.0, 0.0))
-
-
-def roll_pitch_yaw(rotation: Array) -> Vector:
-    """Return the angles [rad] of a (3, 3) rotation, Rz(yaw) Ry(pitch) Rx(roll); an upright pitch has roll 0."""
-    r = rotation
-    level = hypot(r[0, 0], r[1, 0])
-    pitch = atan2(-r[2, 0], level)
-    if level < _POLE:
-        return 0.0, pitch, atan2(-r[0, 1], r[1, 1]) + 0.0
-    return atan2(r[2, 1], r[2, 2]) + 0.0, pitch + 0.0, atan2(r[1, 0], r[0, 0]) + 0.0
 
 
 def srgb(linear: RGB) -> RGB:

@@ -44,6 +44,10 @@ class RunSensor:
         """Samples with the columns of the file; `attrs["units"]` names the units."""
         return frame(self.side_table.cells, self.numbers)
 
+    def has(self, column: str) -> bool:
+        """Return whether the table has a column, or a numbered group of columns, of this name."""
+        return any(one.name == column for one in self.side_table.columns)
+
     def values(self, column: str) -> Array:
         """Return the values of a column (samples,), or those of a numbered group of columns (samples, count).
 

@@ -1,5 +1,7 @@
 """Poses in the plane and in space. X_AB is the pose of frame B in frame A, so that p_A = X_AB p_B."""
 
+from math import atan2, hypot
+
 import numpy as np
 
 from symolo.core.arrays import Array
@@ -9,6 +11,8 @@ Matrix4 = tuple[Row4, Row4, Row4, Row4]
 """(4, 4) homogeneous transform, row by row."""
 PlanarPose = tuple[float, float, float]
 """x [m], y [m], yaw [rad] in W, of a frame on the floor."""
+_POLE = 1e-9
+"""Cosine of the pitch below which roll and yaw turn about the same axis."""
 
 
 def as_rows(matrix: Array) -> Matrix4:
@@ -42,6 +46,16 @@ def mounted(place_m: tuple[float, float, float], yaw_rad: float, pitch_up_rad: f
     A positive roll is clockwise as seen from behind.
     """
     return transform_of(place_m, (roll_rad, -pitch_up_rad, yaw_rad))
+
+
+def roll_pitch_yaw(rotation: Array) -> tuple[float, float, float]:
+    """Return the angles [rad] of a (3, 3) rotation, Rz(yaw) Ry(pitch) Rx(roll); an upright pitch has roll 0."""
+    r = rotation
+    level = hypot(r[0, 0], r[1, 0])
+    pitch = atan2(-r[2, 0], level)
+    if level < _POLE:
+        return 0.0, pitch, atan2(-r[0, 1], r[1, 1]) + 0.0
+    return atan2(r[2, 1], r[2, 2]) + 0.0, pitch + 0.0, atan2(r[1, 0], r[0, 0]) + 0.0
 
 
 def rotations_about_z(yaw_rad: Array) -> Array:

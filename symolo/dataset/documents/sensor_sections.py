@@ -18,18 +18,22 @@ def optical_frame(name: str) -> str:
 
 
 class AccelerometerSection(SpecSection):
-    noise_density_m_s2_rtHz: float
-    random_walk_m_s3_rtHz: float
+    """Noise of an accelerometer; 0 where it is not known, as of a sensor of a log."""
+
+    noise_density_m_s2_rtHz: float = 0.0
+    random_walk_m_s3_rtHz: float = 0.0
 
 
 class GyroscopeSection(SpecSection):
-    noise_density_rad_s_rtHz: float
-    random_walk_rad_s2_rtHz: float
+    """Noise of a gyroscope; 0 where it is not known, as of a sensor of a log."""
+
+    noise_density_rad_s_rtHz: float = 0.0
+    random_walk_rad_s2_rtHz: float = 0.0
 
 
 class ImuSection(SensorSection):
-    accelerometer: AccelerometerSection
-    gyroscope: GyroscopeSection
+    accelerometer: AccelerometerSection = AccelerometerSection()
+    gyroscope: GyroscopeSection = GyroscopeSection()
 
 
 class LidarSection(SensorSection):

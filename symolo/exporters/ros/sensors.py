@@ -32,6 +32,8 @@ def sensor_topics(run: Run) -> Iterator[Topic]:
     """Yield the topics of each sensor: `/sensors/<name>`, and those that continue this name."""
     for name, sensor in run.sensors.items():
         for end, kind, messages in _TOPICS.get(sensor.kind, _ARRAY):
+            if end and not sensor.has(end.strip("/")):  # such as the temperature of an IMU of a log
+                continue
             yield Topic(f"/sensors/{name}{end}", kind, partial(messages, sensor))
 
 
@@ -54,7 +56,7 @@ def _imu(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     """Yield the readings with the variances of their white noise; -1 stands for no orientation, as in the message."""
     settings = ImuSection.model_validate(sensor.settings)
     densities = settings.gyroscope.noise_density_rad_s_rtHz, settings.accelerometer.noise_density_m_s2_rtHz
-    of_rate, of_force = (np.eye(3).ravel() * density**2 / settings.period_s for density in densities)
+    of_rate, of_force = (np.eye(3).ravel() * density**2 / settings.period_s for density in densities)  # 0: unknown
     none = np.array([-1.0, *np.zeros(8)])
     unknown = ros.quaternion(0, 0, 0, 1)
     axes = [np.column_stack([sensor.values(f"{one}_{axis}") for axis in "xyz"]).tolist() for one in ("gyro", "acc")]
@@ -80,8 +82,8 @@ def _scan(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     fields = *angles, ray_s, settings.period_s, settings.min_range_m, settings.max_range_m
     numbers = tuple(map(float, fields))
     shape = len(sensor.t_s), count
-    range_m, intensity = (sensor.values(name).reshape(shape) for name in ("range", "intensity"))
-    range_m = np.where(sensor.no_target, np.inf, range_m).astype(np.float32)
+    range_m = np.where(sensor.no_target, np.inf, sensor.values("range").reshape(shape)).astype(np.float32)
+    intensity = sensor.values("intensity").reshape(shape) if sensor.has("intensity") else np.zeros((len(range_m), 0))
     for (number, at_ns, bag_ns), scan_m, light in zip(_stamps(sensor), range_m, intensity, strict=True):
         header = ros.header(at_ns - sweep_ns, sensor_frame(sensor.name), number)
         yield bag_ns, ros("sensor_msgs/LaserScan", header, *numbers, scan_m, light.astype(np.float32))

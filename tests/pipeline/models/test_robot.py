@@ -13,9 +13,9 @@ from configs.loader import load_scenario
 from physics.bullet.body import add_robot
 from physics.bullet.world import connect
 from pipeline.models.files import model_files
-from pipeline.models.geometry import roll_pitch_yaw
 from pipeline.models.robot import frames
 from sensors.effects.tof_mount_yaw import TofMountYaw
+from symolo.core.geometry.poses import roll_pitch_yaw
 
 ARMS = ("right_wheel", "left_wheel", "caster")
 TOF = ("tof_front", "tof_left", "tof_right")
