@@ -5,7 +5,7 @@ The messages are those of nav_msgs, geometry_msgs, tf2_msgs, sensor_msgs and std
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,6 +28,7 @@ _MAGIC = (b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\x00")
 _ENDINGS = (".bag", ".mcap", ".db3")
 _TRUTH = re.compile(r"ground_?truth|\bgt\b|mocap|motion_capture|vicon|optitrack|qualisys|phasespace")
 _NO_POSE_OF_THE_ROBOT = re.compile(r"goal|initialpose|target|setpoint|plan|cmd")
+_IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo")
 _SIDES = {"front": "d_f", "left": "d_l", "right": "d_r"}
 _HELD_STEPS = 1.5
 """Largest age of a reading beside a pose, in usual steps of its topic."""
@@ -146,8 +147,7 @@ def _trajectory(
     sensors = sensors_of(bag, _robot_frame(track, transforms), transforms)
     quantities |= sensors.topics
     changes += sensors.notes
-    if bag.left_out:
-        changes.append("topics that are not read: " + ", ".join(f"{t} ({kind})" for t, kind in bag.left_out.items()))
+    changes += _left_out(bag)
     return LoggedTrajectory(
         t_s,
         floor.pose,
@@ -168,6 +168,16 @@ def _robot_frame(track: Track, transforms: Sequence[Track]) -> str:
         return track.child
     frames = robot_frames(transforms)
     return frames[1] if frames else ""
+
+
+def _left_out(bag: Bag) -> Iterator[str]:
+    """Yield which topics are not read, and why their images are not."""
+    images = {topic: kind for topic, kind in bag.left_out.items() if kind in _IMAGES}
+    others = {topic: kind for topic, kind in bag.left_out.items() if kind not in _IMAGES}
+    reason = "images are not taken, because those of a dataset are rendered at its own times"
+    for text, topics in (("topics that are not read", others), (reason, images)):
+        if topics:
+            yield f"{text}: {', '.join(f'{topic} ({kind})' for topic, kind in topics.items())}"
 
 
 def _ranges(bag: Bag) -> dict[str, Topic]:

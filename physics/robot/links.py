@@ -11,7 +11,7 @@ from configs.schema.robot import RobotConfig
 from physics.drivetrain.motor import MotorModel
 from physics.robot.model import RobotModel
 
-BASE, RIGHT_WHEEL, LEFT_WHEEL, CASTER = "base", "right_wheel", "left_wheel", "caster"
+BASE, RIGHT_WHEEL, LEFT_WHEEL, CASTER = "base_link", "right_wheel", "left_wheel", "caster"
 CASTER_MASS_KG = 1e-3
 """Mass of the ball; the rest is part of the chassis."""
 

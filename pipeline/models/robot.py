@@ -21,7 +21,7 @@ from symolo.dataset.documents.camera_model import X_CB
 from symolo.dataset.documents.camera_specification import KIND
 from symolo.dataset.documents.sensor_sections import optical_frame, sensor_frame
 
-CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera", "camera_optical", "line_sensor"
+CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera_link", "camera_optical_frame", "line_sensor"
 _ROUND = {
     "robot_tyre_left": LEFT_WHEEL,
     "robot_hub_left": LEFT_WHEEL,
@@ -66,8 +66,8 @@ class RobotParts:
     visuals: dict[str, tuple[Visual, ...]]
     """Visual shapes by link."""
     frames: tuple[NamedFrame, ...]
-    """`camera` (x along the axis), `camera_optical` (z along the axis), `tof_*` (x along the axis), `line_sensor`, and
-    `sensors/NAME` for each sensor of `robot.sensors` that has a place."""
+    """`camera_link` (x along the axis), `camera_optical_frame` (z along the axis), `tof_*` (x along the axis),
+    `line_sensor`, and `sensors/NAME` for each sensor of `robot.sensors` that has a place."""
     lens: Lens
     """The camera of data.csv."""
     further_lenses: dict[str, Lens]

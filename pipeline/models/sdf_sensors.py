@@ -50,11 +50,12 @@ def add_sensors(base: ET.Element, parts: RobotParts) -> None:
 
 
 def _sensor(base: ET.Element, parts: RobotParts, frame: str, kind: str, rate_hz: float) -> ET.Element:
-    """Add a sensor in one of the robot's frames, whose name is also that of the topic."""
-    sensor = child(base, "sensor", name=frame, type=kind)
+    """Add a sensor in one of the robot's frames, whose name without `_link` is that of the sensor and of its topic."""
+    name = frame.removesuffix("_link")
+    sensor = child(base, "sensor", name=name, type=kind)
     add_pose(sensor, parts.frame(frame).placement)
     child(sensor, "update_rate", rate_hz)
-    child(sensor, "topic", frame)
+    child(sensor, "topic", name)
     return sensor
 
 

@@ -21,7 +21,8 @@ from symolo.exporters.ros.vocabulary import BASE, INFRARED, MAP, ODOM, START_NS,
 from symolo.reader.run import Run
 
 LINE_SENSOR = "line_sensor"
-WHEELS = ("wheel_right", "wheel_left")
+WHEELS = ("right_wheel_joint", "left_wheel_joint")
+"""Joints of the wheels, as in the files of `symolo model`."""
 WHEEL_TABLE = WHEEL_COLUMNS.name
 TOF = {"front": "f", "left": "l", "right": "r"}
 """Names of the ToF sensors, and the last letters of their columns."""

@@ -115,7 +115,7 @@ def _encoder(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]
     """Yield the angle of the wheel; an encoder measures neither speed nor torque."""
     settings = WheelEncoderSection.model_validate(sensor.settings)
     angles_rad = 2 * np.pi / settings.counts_per_revolution * sensor.values("counts")
-    names, none = [f"wheel_{settings.wheel}"], np.zeros(0)
+    names, none = [f"{settings.wheel}_wheel_joint"], np.zeros(0)
     for (number, at_ns, bag_ns), angle_rad in zip(_stamps(sensor), angles_rad.tolist(), strict=True):
         header = ros.header(at_ns, "", number)
         yield bag_ns, ros("sensor_msgs/JointState", header, names, np.array([angle_rad]), none, none)

@@ -47,7 +47,7 @@ def sdf(engine, models) -> int:
 
 def links(engine, body) -> dict[str, int]:
     joints = range(pybullet.getNumJoints(body, physicsClientId=engine))
-    return {"base": -1} | {pybullet.getJointInfo(body, i, physicsClientId=engine)[12].decode(): i for i in joints}
+    return {"base_link": -1} | {pybullet.getJointInfo(body, i, physicsClientId=engine)[12].decode(): i for i in joints}
 
 
 def dynamics(engine, body, link) -> tuple[float, np.ndarray]:
@@ -64,7 +64,7 @@ def frame_axes(engine, body, link) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("form", ["urdf", "sdf"])
 def test_a_loaded_robot_weighs_what_the_simulated_one_does(engine, ours, form, request):
     loaded = request.getfixturevalue(form)
-    for link in ("base", *ARMS):
+    for link in ("base_link", *ARMS):
         assert dynamics(engine, loaded, link)[0] == pytest.approx(dynamics(engine, ours, link)[0], rel=1e-12)
     total = sum(dynamics(engine, loaded, link)[0] for link in links(engine, loaded))
     assert total == pytest.approx(sum(dynamics(engine, ours, link)[0] for link in links(engine, ours)), abs=1e-7)
@@ -72,7 +72,7 @@ def test_a_loaded_robot_weighs_what_the_simulated_one_does(engine, ours, form, r
 
 def test_a_loaded_robot_turns_as_the_simulated_one_but_for_the_rotors(engine, ours, urdf, spec):
     rotor = spec.robot.motor.rotor_inertia_kg_m2
-    for link, extra in (("base", 0.0), ("right_wheel", rotor), ("left_wheel", rotor), ("caster", 0.0)):
+    for link, extra in (("base_link", 0.0), ("right_wheel", rotor), ("left_wheel", rotor), ("caster", 0.0)):
         expected = dynamics(engine, ours, link)[1] - (0.0, extra, 0.0)
         assert dynamics(engine, urdf, link)[1] == pytest.approx(expected, abs=1e-12)
 
@@ -84,7 +84,7 @@ def test_a_loaded_robot_takes_the_room_of_the_simulated_one(engine, ours, form, 
     if form == "sdf":  # PyBullet puts the base's centre of mass, not its frame, where a model of an SDF is
         shift = np.array(pybullet.getBasePositionAndOrientation(loaded, physicsClientId=engine)[0])
         shift = shift - pybullet.getBasePositionAndOrientation(ours, physicsClientId=engine)[0]
-    for link in ("base", *ARMS):
+    for link in ("base_link", *ARMS):
         expected = np.array(pybullet.getAABB(ours, links(engine, ours)[link], physicsClientId=engine))
         found = np.array(pybullet.getAABB(loaded, links(engine, loaded)[link], physicsClientId=engine))
         assert found - shift == pytest.approx(expected, abs=1e-6)
@@ -95,8 +95,8 @@ def test_the_frame_of_the_camera_looks_along_its_axis(engine, urdf, spec):
     down, left = radians(camera.pitch_down_deg), radians(camera.yaw_left_deg)
     ahead = [cos(down) * cos(left), cos(down) * sin(left), -sin(down)]
     place = [camera.x_m, camera.y_m, spec.robot.chassis.base_height_m + camera.height_above_base_m]
-    origin, optical = frame_axes(engine, urdf, "camera_optical")
-    body_origin, body = frame_axes(engine, urdf, "camera")
+    origin, optical = frame_axes(engine, urdf, "camera_optical_frame")
+    body_origin, body = frame_axes(engine, urdf, "camera_link")
     assert origin == pytest.approx(place, abs=1e-6)
     assert body_origin == pytest.approx(place, abs=1e-6)
     assert optical[:, 2] == pytest.approx(ahead, abs=1e-6)
@@ -121,9 +121,9 @@ def test_yourdfpy_finds_the_file_valid_and_two_joints_that_move(models, spec):
     robot = yourdfpy.URDF.load(str(models / "robot.urdf"))
     assert robot.validate()
     assert robot.actuated_joint_names == ["right_wheel_joint", "left_wheel_joint"]
-    assert {*robot.link_map} == {"base", *ARMS, *TOF, "camera", "camera_optical", "line_sensor"}
+    assert {*robot.link_map} == {"base_link", *ARMS, *TOF, "camera_link", "camera_optical_frame", "line_sensor"}
     line = spec.robot.line_sensor
-    assert robot.get_transform("line_sensor", "base")[:3, 3] == pytest.approx([line.x_m, 0.0, line.height_m])
+    assert robot.get_transform("line_sensor", "base_link")[:3, 3] == pytest.approx([line.x_m, 0.0, line.height_m])
 
 
 @pytest.fixture(scope="module")
@@ -184,7 +184,7 @@ def test_two_runs_of_a_fleet_have_two_robots():
 @pytest.mark.parametrize("roll_deg", [0.0, 20.0])
 def test_angles_give_the_rotation_again_also_of_a_camera_that_looks_straight_down(spec, pitch_deg, roll_deg):
     camera = spec.robot.camera.model_copy(update={"pitch_down_deg": pitch_deg, "roll_deg": roll_deg})
-    frame = next(f for f in frames(spec.robot.model_copy(update={"camera": camera})) if f.name == "camera")
+    frame = next(f for f in frames(spec.robot.model_copy(update={"camera": camera})) if f.name == "camera_link")
     turned = np.array(pybullet.getMatrixFromQuaternion(pybullet.getQuaternionFromEuler(frame.placement.rpy)))
     axes = turned.reshape(3, 3)
     assert axes[:, 0] @ (0, 0, 1) == pytest.approx(-sin(radians(pitch_deg)), abs=1e-9)

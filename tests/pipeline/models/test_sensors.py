@@ -52,9 +52,9 @@ def test_each_sensor_with_a_place_is_a_link_of_the_urdf(files):
     further = {name for name in robot.link_map if name.startswith("sensors/")}
     optical = {f"sensors/{name}/optical_frame" for name in ("left", "rear")}
     assert further == {f"sensors/{name}" for name in PLACED} | optical
-    X_RS = robot.get_transform("sensors/imu", "base")
+    X_RS = robot.get_transform("sensors/imu", "base_link")
     np.testing.assert_allclose(X_RS, [[0, -1, 0, -0.03], [1, 0, 0, 0], [0, 0, 1, 0.06], [0, 0, 0, 1]], atol=1e-9)
-    X_RC = robot.get_transform("sensors/left/optical_frame", "base")
+    X_RC = robot.get_transform("sensors/left/optical_frame", "base_link")
     down = radians(25)
     np.testing.assert_allclose(X_RC[:3, 2], [cos(down), 0, -sin(down)], atol=1e-9)  # along the axis
     np.testing.assert_allclose(X_RC[:3, 0], [0, -1, 0], atol=1e-9)  # to the right

@@ -132,7 +132,7 @@ def test_wheels_meet_the_floor_and_the_chassis_meets_walls(models, world):
     for name, bit in arena.items():
         for link in ("right_wheel", "left_wheel", "caster"):
             assert bool(bit & bits[f"{link}_collision"]) == (name == "floor")
-        assert bool(bit & bits["base_collision"]) == (name != "floor")
+        assert bool(bit & bits["base_link_collision"]) == (name != "floor")
 
 
 def test_a_white_wall_is_lighter_than_a_cardboard_box(arena, world):

@@ -147,7 +147,7 @@ def readings_differ(bag, truth, robot):
     turn = 2 * np.pi / robot["encoder"]["counts_per_revolution"]
     counts, speeds = wheels(truth, "counts_r", "counts_l"), wheels(truth, "speed_r", "speed_l")
     for message, angle, speed in zip(at_rows(bag, "/joint_states", truth, ""), counts * turn, speeds, strict=True):
-        assert list(message.name) == ["wheel_right", "wheel_left"]
+        assert list(message.name) == ["right_wheel_joint", "left_wheel_joint"]
         np.testing.assert_allclose(message.position, angle, rtol=1e-12)
         assert (list(message.velocity), len(message.effort)) == (speed.tolist(), 0)
     for message, (v, w) in zip(

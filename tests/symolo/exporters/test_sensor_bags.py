@@ -151,7 +151,7 @@ def test_arrays_and_encoders(bag, table):
     coder = table("coder")
     messages = stamped(bag, "coder", coder["t"], delay_ms=4, frame="")
     np.testing.assert_allclose([one.position[0] for one in messages], coder["counts"] * 2 * np.pi / 64, rtol=1e-12)
-    assert list(messages[0].name) == ["wheel_left"]
+    assert list(messages[0].name) == ["left_wheel_joint"]
     assert (len(messages[0].velocity), len(messages[0].effort)) == (0, 0)
 
 
