@@ -2,6 +2,14 @@
 
 from pipeline.baselines import ekf, odometry, particles, regressor
 from pipeline.baselines.base import Method
+from pipeline.baselines.further_sensors import gyro_ekf, lidar_matching
 
-METHODS: tuple[Method, ...] = (odometry.METHOD, ekf.METHOD, particles.METHOD, regressor.METHOD)
+METHODS: tuple[Method, ...] = (
+    odometry.METHOD,
+    ekf.METHOD,
+    particles.METHOD,
+    regressor.METHOD,
+    gyro_ekf.METHOD,
+    lidar_matching.METHOD,
+)
 """Methods in the order of tables and figures."""

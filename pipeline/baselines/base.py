@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.baselines.further_sensors.readings import FurtherReadings
 from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Ints
@@ -35,6 +36,10 @@ class TrainingRun:
     """(M, 3), x [m], y [m], yaw [rad] in W at each image."""
 
 
+def _nothing(_further: FurtherReadings) -> str:
+    return ""
+
+
 @dataclass(frozen=True)
 class Method:
     name: str
@@ -47,3 +52,5 @@ class Method:
     """Estimates the poses of a run; training runs are the other runs of the release, in random order."""
     learns: bool = False
     """Whether it needs training runs, and so images and another run."""
+    lacks: Callable[[FurtherReadings], str] = _nothing
+    """Returns why a method cannot be used with these readings of `robot.sensors`; empty where it can."""

@@ -49,6 +49,9 @@ def methods_of(names: Sequence[str], where: str) -> tuple[Method, ...]:
 
 def why_not(method: Method, runs: Sequence[LoggedRun]) -> str:
     """Return why a method cannot be used on a release with these runs; empty where it can."""
+    for run in runs:
+        if why := method.lacks(run.further):
+            return why
     if not method.learns:
         return ""
     if any(run.images is None for run in runs):

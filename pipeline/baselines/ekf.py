@@ -51,28 +51,31 @@ def updated(state: Array, covariance: Array, row: Array, innovation: float, vari
     return state + gain * innovation, remaining @ covariance @ remaining.T + variance * np.outer(gain, gain)
 
 
-class _KalmanFilter:
-    def __init__(self, knowledge: RobotKnowledge) -> None:
+class KalmanFilter:
+    def __init__(self, knowledge: RobotKnowledge, further_sd: Array | None = None) -> None:
+        """Begin at the start, with further states (K,) of these standard deviations, which do not change by moving."""
         self._motion = WheelMotion(knowledge.drawing.odometry)
         self._ranges = RangeModel(knowledge, RAYS)
         state, covariance = initial_state(knowledge.start)
-        self.state = np.concatenate([state, np.zeros(6)])
-        self.covariance = np.diag([0.0] * STATES + [GAIN_SD**2] * 3 + [LASTING_SD_M**2] * 3)
+        more = np.zeros(0) if further_sd is None else further_sd
+        self.state = np.concatenate([state, np.zeros(6 + len(more))])
+        self.covariance = np.diag([0.0] * STATES + [GAIN_SD**2] * 3 + [LASTING_SD_M**2] * 3 + (more**2).tolist())
         self.covariance[:STATES, :STATES] = covariance
         self._speed = np.zeros(3)
 
     def predict(self, rolled_m: Array, duration_s: float) -> None:
         remaining = exp(-duration_s / LASTING_S)
-        by_state, by_rolled = np.diag([1.0] * OFFSET + [remaining] * 3), np.zeros((ALL, 2))
+        by_state, by_rolled = np.eye(len(self.state)), np.zeros((len(self.state), 2))
+        by_state[OFFSET:ALL, OFFSET:ALL] *= remaining
         by_state[:STATES, :STATES], by_rolled[:STATES] = self._motion.jacobians(self.state[:STATES], rolled_m)
         noise = (by_rolled * slip_sd_m(rolled_m) ** 2) @ by_rolled.T
-        noise[OFFSET:, OFFSET:] += (1.0 - remaining**2) * LASTING_SD_M**2 * np.eye(3)
+        noise[OFFSET:ALL, OFFSET:ALL] += (1.0 - remaining**2) * LASTING_SD_M**2 * np.eye(3)
         self.covariance = by_state @ self.covariance @ by_state.T + noise
         moved = self._motion.moved(self.state[:STATES], rolled_m)
         if duration_s > 0.0:
             self._speed = (moved - self.state[:STATES])[:3] / duration_s
         self.state[:STATES] = moved
-        self.state[OFFSET:] *= remaining
+        self.state[OFFSET:ALL] *= remaining
 
     def correct(self, ranges_m: Array) -> None:
         """Update the state by readings (3,) [m], nan where there is none."""
@@ -84,7 +87,7 @@ class _KalmanFilter:
             mean_m, slope = float(expected_m[sensor]), slopes[sensor]
             gain, offset = self.state[GAIN + sensor], self.state[OFFSET + sensor]
             error_m = float(log_error_m(expected_m[sensor]))
-            row = np.zeros(ALL)
+            row = np.zeros(len(self.state))
             row[:3], row[GAIN + sensor], row[OFFSET + sensor] = slope, error_m, 1.0
             late_m = slope @ self._speed * self._ranges.age_sd_s
             variance = float(white_sd_m(mean_m) ** 2 + late_m**2 + bend_m[sensor] ** 2)
@@ -109,7 +112,7 @@ class _KalmanFilter:
 
 
 def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    ekf = _KalmanFilter(knowledge)
+    ekf = KalmanFilter(knowledge)
     poses, covariances = [], []
     readings = np.where(knowledge.fresh, knowledge.ranges_m, np.nan)
     for rolled_m, duration_s, ranges_m in zip(

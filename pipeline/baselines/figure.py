@@ -10,12 +10,21 @@ from pipeline.baselines.compare import BaselineComparison
 from pipeline.baselines.errors import off
 from pipeline.baselines.runs import LoggedRun
 from symolo.arena.geometry import Arena
-from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
+from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, png
 
 MAX_RUNS = 8
 """Number of runs in the figure; more would not fit on a page."""
-_STYLES = ((VERMILION, "--"), (BLUE, "-"), (GREEN, "-."), (ORANGE, ""))
-"""Colour and line style of each method, in the order of the table; an empty style stands for points."""
+_STYLES = {
+    "odometry": (VERMILION, "--"),
+    "ekf": (BLUE, "-"),
+    "particles": (GREEN, "-."),
+    "pictures": (ORANGE, ""),
+    "ekf_imu": (SKY, "-"),
+    "lidar": (PURPLE, "-"),
+}
+"""Colour and line style of each method; an empty style stands for points."""
+_OTHER_STYLE = (BLACK, ":")
+"""Those of a method that somebody has added."""
 
 
 def figure(compared: BaselineComparison) -> bytes:
@@ -27,8 +36,8 @@ def figure(compared: BaselineComparison) -> bytes:
         _map(floor, Arena.from_config(run.spec.arena))
         floor.plot(*run.truth[:, :2].T, color=BLACK, linewidth=2.4, label="truth")
         floor.plot(*run.truth[0, :2], "o", color=BLACK, markersize=6)
-        for method, style in zip(compared.methods, _STYLES, strict=False):
-            _method(compared, run, method, style, (floor, place, turn))
+        for method in compared.methods:
+            _method(compared, run, method, _STYLES.get(method.name, _OTHER_STYLE), (floor, place, turn))
         low, high = run.truth[:, :2].min(axis=0) - 0.3, run.truth[:, :2].max(axis=0) + 0.3
         floor.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         place.set_yscale("log")

@@ -28,6 +28,7 @@ _COLUMNS = (
     ("ATE [mm]", "ate_m", 1e3, 1),
     ("median [mm]", "median_m", 1e3, 1),
     ("worst [mm]", "worst_m", 1e3, 1),
+    ("end [mm]", "end_m", 1e3, 1),
     ("ATE [deg]", "ate_rad", 180 / np.pi, 2),
     (f"RPE {OVER_S:g} s [mm]", "rpe_per_s_m", 1e3, 2),
     (f"RPE {OVER_M:g} m [mm]", "rpe_per_m_m", 1e3, 1),

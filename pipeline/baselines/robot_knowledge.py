@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from configs.schema.robot import LineSensor, RobotConfig, TofMount
 from configs.schema.scenario import RunSpec
+from pipeline.baselines.further_sensors.readings import FurtherReadings
 from sensors.line.line_sensor import channel_weights
 from sensors.wheels.odometry import Odometry
 from symolo.arena.geometry import Arena
@@ -26,6 +27,7 @@ Pixels = NDArray[np.uint8]
 
 THUMBNAIL = (24, 32)
 """Height and width [px] of the small image that the regressor reads."""
+NO_FURTHER = FurtherReadings()
 MAP_SD_M = 0.003
 """Standard deviation of the position of tape, walls and obstacles against the map."""
 
@@ -123,10 +125,20 @@ class RobotKnowledge:
     map: Arena
     """Shapes of line, walls and standing obstacles, all of equal material and brightness, without what moves."""
     images: RunImages | None
+    further: FurtherReadings = NO_FURTHER
+    """Readings of the sensors of `robot.sensors`."""
 
     @classmethod
     def of(
-        cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, images: RunImages | None
+        cls,
+        spec: RunSpec,
+        rows: Rows,
+        *,
+        wheels: Array,
+        tof: Array,
+        start: Start,
+        images: RunImages | None,
+        further: FurtherReadings = NO_FURTHER,
     ) -> "RobotKnowledge":
         """Return the knowledge in data.csv, side/wheels.csv and side/tof.csv without their columns of true values."""
         arena = Arena.from_config(spec.arena)
@@ -144,6 +156,7 @@ class RobotKnowledge:
             drawing=Drawing.of(spec.robot),
             map=replace(arena, boxes=standing, floor_reflectance=1.0, line=line),
             images=images,
+            further=further,
         )
 
     def __len__(self) -> int:

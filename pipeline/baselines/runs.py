@@ -3,14 +3,22 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from configs.schema.scenario import RunSpec
 from pipeline.baselines.base import TrainingRun
-from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages, Start
-from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders, tables_of
+from pipeline.baselines.further_sensors.readings import FurtherReadings
+from pipeline.baselines.robot_knowledge import NO_FURTHER, RobotKnowledge, RunImages, Start
+from pipeline.run_folder.stored_runs import (
+    read_simulated,
+    run_name,
+    sensor_numbers,
+    simulated_folders,
+    tables_of,
+)
 from pipeline.run_folder.stored_spec import read_simulated_spec
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -34,10 +42,13 @@ class LoggedRun:
     """Table of side/tof.csv."""
     images: RunImages | None
     """Images; None before rendering."""
+    further: FurtherReadings = NO_FURTHER
+    """Readings of the sensors of `robot.sensors`."""
 
     @classmethod
     def of_recording(cls, name: str, spec: RunSpec, recording: Recording) -> "LoggedRun":
-        return cls(name, spec, *tables_of(recording), images=None)
+        further = FurtherReadings.of(spec.robot.sensors, partial(sensor_numbers, recording))
+        return cls(name, spec, *tables_of(recording), images=None, further=further)
 
     @property
     def truth(self) -> Array:
@@ -48,7 +59,13 @@ class LoggedRun:
         """Return the knowledge of its robot, whose start has an error of these standard deviations (3,)."""
         start = Start(self.truth[0] + start_sd * rng.standard_normal(3), start_sd)
         return RobotKnowledge.of(
-            self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, images=self.images
+            self.spec,
+            self.rows,
+            wheels=self.wheels,
+            tof=self.tof,
+            start=start,
+            images=self.images,
+            further=self.further,
         )
 
     def lesson(self) -> TrainingRun | None:
@@ -90,4 +107,5 @@ def _released(run: Run) -> LoggedRun:
     recorded = run.images
     rows = np.array([image.row for image in recorded], dtype=np.int64)
     images = RunImages(rows, lambda index: recorded[index].pixels()) if recorded else None
-    return LoggedRun(run.name, spec, run.table, wheels, tof, images)
+    further = FurtherReadings.of(spec.robot.sensors, lambda table: run.sensors[table.name].numbers)
+    return LoggedRun(run.name, spec, run.table, wheels, tof, images, further)

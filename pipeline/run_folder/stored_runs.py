@@ -10,7 +10,8 @@ from symolo.core.files.plain_files import check_tree
 from symolo.core.time_series import Recording
 from symolo.dataset.layout import STAGES
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table
-from symolo.dataset.tables.side_tables import TOF, WHEELS, tof_csv, wheels_csv
+from symolo.dataset.tables.sensor_tables import sensor_csv
+from symolo.dataset.tables.side_tables import TOF, WHEELS, SideTable, tof_csv, wheels_csv
 
 
 def simulated_folders(out: Path) -> list[Path]:
@@ -51,3 +52,8 @@ def tables_of(recording: Recording) -> tuple[Rows, Array, Array]:
     headers = (HEADER, WHEELS.header, TOF.header)
     data, wheels, tof = (parse_table(text, header)[0] for text, header in zip(texts, headers, strict=True))
     return Rows.from_table(data), wheels, tof
+
+
+def sensor_numbers(recording: Recording, table: SideTable) -> Array:
+    """Return the table (samples, columns) of a sensor of `robot.sensors`, with the digits of its file."""
+    return parse_table(sensor_csv(table, recording), table.header)[0]

@@ -1,0 +1,1 @@
+"""Localisation with the sensors of `robot.sensors`: an IMU and a lidar."""

@@ -1,0 +1,57 @@
+"""Scan matching with a lidar, whose scans are straightened by the wheels: the robot drives while the head turns."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.further_sensors.lidar_log import LidarLog
+from pipeline.baselines.further_sensors.readings import FurtherReadings
+from pipeline.baselines.further_sensors.scan_filter import matched
+from pipeline.baselines.further_sensors.scans import OdometryPath, Scan, ScanLog
+from pipeline.baselines.robot_knowledge import RobotKnowledge
+from symolo.core.errors import InputError
+
+MAX_RAYS = 360
+"""Number of rays of a scan that are matched; of more, every second, every third and so on is matched."""
+NO_LIDAR = "the robot has no lidar: add one to robot.sensors"
+
+
+def scans_of(lidar: LidarLog, path: OdometryPath) -> ScanLog:
+    """Return the scans in the frames of the rows that follow them."""
+    settings, rays = lidar.settings, np.arange(0, lidar.settings.rays, -(-lidar.settings.rays // MAX_RAYS))
+    angles = np.radians(settings.first_ray_deg + settings.ray_step_deg * rays)
+    X_RS = settings.X_RS()
+    directions_R = np.stack([np.cos(angles), np.sin(angles), np.zeros(len(rays))], axis=1) @ X_RS[:3, :3].T
+    late_s = settings.sweep_s * (rays - settings.rays + 1) / settings.rays
+    scans: dict[int, Scan] = {}
+    for t_s, ranges_m in zip(lidar.t_s, lidar.ranges_m[:, rays], strict=True):
+        row, (met,) = path.row_after(t_s), ranges_m.nonzero()
+        if row is not None and len(met):
+            at_s, range_m = t_s + late_s[met], ranges_m[met]
+            origins = np.broadcast_to(X_RS[:3, 3], (len(met), 3))
+            points = origins + range_m[:, None] * directions_R[met]
+            sd_m = np.hypot(settings.noise_m, settings.noise_share * range_m)
+            seen = path.seen_from(row, at_s, origins), path.seen_from(row, at_s, points)
+            scans[row] = Scan(row, *seen, sd_m, np.zeros(len(met)), np.ones(len(met)))
+    return ScanLog(tuple(scans.values()), settings.offset_sd_m)
+
+
+def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+    lidar = knowledge.further.lidar
+    if lidar is None:
+        raise InputError(NO_LIDAR)
+    return matched(knowledge, scans_of(lidar, OdometryPath(knowledge)))
+
+
+def _lacks(further: FurtherReadings) -> str:
+    return "" if further.lidar else NO_LIDAR
+
+
+METHOD = Method(
+    "lidar",
+    "scan matching",
+    "odometry, corrected by scans of the lidar by the map",
+    _estimate,
+    lacks=_lacks,
+)
