@@ -6,6 +6,7 @@ from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image
 
@@ -48,6 +49,13 @@ def check_images(data: Dataset) -> None:
             cure = "render its trajectory with `symolo rerender`" if run.spec.is_imported else ""
             cure = cure or "choose other runs with --runs"
             raise InputError(f"run {run.name} has no images", where=str(data.root), cure=cure)
+
+
+def run_of(image: Image) -> dict[str, str]:
+    """Return the name of the run of an image, and that of its camera if it is a further one."""
+    if isinstance(image.run, CameraRun):
+        return {"run": image.run.whole.name, "camera": image.run.camera_name}
+    return {"run": image.run.name}
 
 
 def image_bytes(images: Iterable[Image]) -> int:

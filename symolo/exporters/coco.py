@@ -3,18 +3,17 @@
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from itertools import groupby, pairwise
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationEntry, KeyPointSighting, pixel_box
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
-from symolo.exporters.splits import images_of_splits
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file, run_of
+from symolo.exporters.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Run
-from symolo.reader.run_folder import Image, how_to_add
+from symolo.reader.run_folder import Image, RunFolder, how_to_add
 
 _CORNERS = tuple(f"corner_{number}" for number in range(8))
 """Names of a box's corners: 0-3 at the foot, 4-7 above them, counter-clockwise, as in our key points."""
@@ -32,19 +31,26 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
         if "instance" not in run.annotation_kinds:
             what = f"run {run.name} has no annotations of the kind `instance`, which give the masks"
             raise InputError(what, where=str(data.root), cure=how_to_add("`instance`"))
-    known = data.runs[0].annotations.categories
-    for run in data.runs[1:]:
+    yield from _files_of("", data, data.runs, images_of_splits(data))
+    for camera in further_cameras_of_splits(data, "instance"):
+        yield from _files_of(f"{camera.folder}/", data, camera.runs, camera.splits)
+
+
+def _files_of(folder: str, data: Dataset, runs: Sequence[RunFolder], splits: ImagesOfSplits) -> Iterator[ExportedFile]:
+    """Yield the annotations of one camera in a folder, and its images."""
+    known = runs[0].annotations.categories
+    for run in runs[1:]:
         if run.annotations.categories != known:
             what, cure = "has different categories than the first run", "export them separately with --runs"
             raise InputError(what, where=str(run.folder), cure=cure)
-    for split, images in images_of_splits(data):
+    for split, images in splits:
         name = "_".join(("instances", *([split] if split else [])))
         yield ExportedFile(
-            f"annotations/{name}.json",
-            lambda images=images: _document(data, images),
-            lambda images=images: _estimated_bytes(data, len(images)),
+            f"annotations/{folder}{name}.json",
+            lambda images=images: _document(data, runs, images),
+            lambda images=images: _estimated_bytes(runs, len(images)),
         )
-    for run in data.runs:
+    for run in runs:
         for image in run.images:
             yield copied_file(f"images/{_file_name(image)}", image.path)
 
@@ -54,22 +60,21 @@ def _file_name(image: Image) -> str:
     return f"{image.run.name}/{image.path.name}"
 
 
-def _estimated_bytes(data: Dataset, count: int) -> int:
+def _estimated_bytes(runs: Sequence[RunFolder], count: int) -> int:
     """Return the estimated size of the JSON of `count` images, as if all had the labels of the first of each run."""
-    labels = [(run, json.dumps([*_Labels(run).annotations(run.images[0])])) for run in data.runs if run.numbers]
+    labels = [(run, json.dumps([*_Labels(run).annotations(run.images[0])])) for run in runs if run.numbers]
     all_bytes = sum(len(run.numbers) * len(first_labels) for run, first_labels in labels)
-    return all_bytes * count // len(data.images)
+    return all_bytes * count // sum(len(run.numbers) for run in runs)
 
 
-def _document(data: Dataset, chosen: Sequence[Image]) -> bytes:
-    """Return the JSON file of some images, which are in the order of the runs."""
+def _document(data: Dataset, runs: Sequence[RunFolder], chosen: Sequence[Image]) -> bytes:
+    """Return the JSON file of some images of runs or of a camera of runs, in the order of the runs."""
     images, annotations = [], []
-    for name, of_run in groupby(chosen, lambda image: image.run.name):
-        run = data[name]
+    for run, of_run in by_run(chosen):
         labels = _Labels(run)
         for image in of_run:
             number = len(images) + 1
-            images.append(_image(image, number, run))
+            images.append(_image(image, number))
             for annotation in labels.annotations(image):
                 annotations.append({"id": len(annotations) + 1, "image_id": number, **annotation})
     metadata = data.metadata
@@ -80,33 +85,34 @@ def _document(data: Dataset, chosen: Sequence[Image]) -> bytes:
         "licenses": [{"id": 1, "name": metadata.licence if metadata else "", "url": ""}],
         "images": images,
         "annotations": annotations,
-        "categories": _categories(data),
+        "categories": _categories(runs),
     }
     return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()
 
 
-def _image(image: Image, number: int, run: Run) -> dict[str, object]:
-    """Return the entry of an image; COCO does not have the keys `run`, `img`, `t_s` and `X_WC`."""
+def _image(image: Image, number: int) -> dict[str, object]:
+    """Return the entry of an image; COCO does not have the keys `run`, `camera`, `img`, `t_s` and `X_WC`."""
+    camera = image.run.camera
     return {
         "id": number,
         "file_name": _file_name(image),
-        "width": run.camera.width_px,
-        "height": run.camera.height_px,
+        "width": camera.width_px,
+        "height": camera.height_px,
         "license": 1,
-        "run": run.name,
+        **run_of(image),
         "img": image.number,
         "t_s": image.t_s,
         "X_WC": image.X_WC.tolist(),
     }
 
 
-def _categories(data: Dataset) -> list[dict[str, object]]:
+def _categories(runs: Sequence[RunFolder]) -> list[dict[str, object]]:
     """Return all categories except the sky: it has no instances, and for many readers its id 0 means "no category"."""
-    with_corners = _WITH_CORNERS if any("key_points" in run.annotations.kinds for run in data.runs) else ()
+    with_corners = _WITH_CORNERS if any("key_points" in run.annotations.kinds for run in runs) else ()
     return [
         {"id": one.id, "name": one.name, "supercategory": "scene"}
         | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in with_corners else {})
-        for one in data.runs[0].annotations.categories
+        for one in runs[0].annotations.categories
         if one.id
     ]
 
@@ -114,7 +120,7 @@ def _categories(data: Dataset) -> list[dict[str, object]]:
 class _Labels:
     """Labels of the images of a run, from its annotations."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: RunFolder) -> None:
         document = run.annotations
         names = {one.id: one.name for one in document.categories}
         self._instances = document.instances
@@ -189,5 +195,7 @@ def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
 
 
 EXPORTER = Exporter(
-    "coco", "masks, boxes and corners of the visible instances; needs the annotation kind `instance`", _files
+    "coco",
+    "masks, boxes and corners of the visible instances; needs the annotation kind `instance`",
+    _files,
 )

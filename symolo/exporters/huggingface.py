@@ -18,12 +18,11 @@ from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.description import markdown_table
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, run_of
 from symolo.exporters.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
 from symolo.exporters.splits import images_of_splits, runs_of_splits
 from symolo.reader.balance import balance
-from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import RUN, Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image
@@ -98,7 +97,7 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
     number = value("float64")
     columns: Columns = {
         "image": (image_file(), [_file(image, image.path) for image in images]),
-        RUN: (value("string"), [_run_name(image) for image in images]),
+        RUN: (value("string"), [run_of(image)[RUN] for image in images]),
     }
     columns |= {
         reading.name: column(values if reading.decimals else values.astype(np.int64))
@@ -118,10 +117,6 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
             columns[kind] = image_file(), files
     units = {column.name: column.unit for column in images[0].run.table.definitions}
     return parquet_bytes(columns, units, rows_per_group=_IMAGES_PER_GROUP)
-
-
-def _run_name(image: Image) -> str:
-    return image.run.whole.name if isinstance(image.run, CameraRun) else image.run.name
 
 
 def _file(image: Image, path: Path) -> dict[str, object]:

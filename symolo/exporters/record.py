@@ -4,11 +4,13 @@ import json
 
 import numpy as np
 
+from symolo.exporters.base import run_of
 from symolo.reader.run_folder import Image
 
 
 def record_of(image: Image) -> bytes:
-    """Return JSON in one line with run, pose X_WC, K and D, and the row of data.csv at which the image was taken.
+    """Return JSON in one line with run, pose X_WC, K and D, and the row of data.csv at which the image was taken; that
+    of a further camera has its name, and a row for its own time.
 
     The row has the names and units of the file; numbers of columns without decimals are integers, and what was not
     measured is null.
@@ -19,5 +21,5 @@ def record_of(image: Image) -> bytes:
         column.name: value if column.decimals or value is None else int(value)
         for column, value in zip(table.definitions, values, strict=True)
     }
-    content |= {"run": image.run.name, "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
+    content |= {**run_of(image), "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
     return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()

@@ -1,15 +1,34 @@
 """Runs and images of each split, for formats that know splits."""
 
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+import numpy as np
 
 from symolo.core.errors import InputError
 from symolo.dataset.documents.splits_record import SplitName, SplitsRecord
+from symolo.dataset.layout import camera_folder
 from symolo.dataset.splits import SplitMember, SplitRule, assign
+from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
-from symolo.reader.run_folder import Image
+from symolo.reader.run_folder import Image, RunFolder
 
 OPTION = "--splits"
+
+ImagesOfSplits = tuple[tuple[SplitName | None, tuple[Image, ...]], ...]
+"""Each split with its images; None for a dataset that is not divided."""
+
+
+@dataclass(frozen=True)
+class FurtherCamera:
+    """The images of one further camera in all runs."""
+
+    folder: str
+    """Folder in an export, such as `cameras/left`; the camera of data.csv has the folder above it."""
+    runs: tuple[CameraRun, ...]
+    splits: ImagesOfSplits
 
 
 def divided(data: Dataset, rule: SplitRule | None) -> Dataset:
@@ -62,8 +81,56 @@ def runs_of_splits(data: Dataset) -> tuple[tuple[SplitName | None, Dataset], ...
     return tuple((name, data.split(name)) for name in data.splits.names)
 
 
-def images_of_splits(data: Dataset) -> tuple[tuple[SplitName | None, tuple[Image, ...]], ...]:
+def images_of_splits(data: Dataset) -> ImagesOfSplits:
     """Return each split with its images; without splits, None with all images."""
     if data.splits is None:
         return ((None, data.images),)
     return tuple((name, data.split_images(name)) for name in data.splits.names)
+
+
+def by_run(images: Iterable[Image]) -> Iterator[tuple[RunFolder, tuple[Image, ...]]]:
+    """Yield each run, or its further camera, with its images, which follow each other."""
+    for _, group in groupby(images, lambda image: image.run.name):
+        of_run = tuple(group)
+        yield of_run[0].run, of_run
+
+
+def further_cameras_of_splits(data: Dataset, annotation: str = "") -> Iterator[FurtherCamera]:
+    """Yield the further cameras by name, with their images of each split; splits without an image are left out.
+
+    If images are divided, an image is in the split of the newest image of the camera of data.csv at its time, so that
+    images of one instant are in one split.
+
+    Args:
+        data: Dataset with or without splits.
+        annotation: Kind of annotations that the images must have; cameras without them are left out of a run.
+    """
+    for name in sorted({name for run in data.runs for name in run.cameras}):
+        cameras = [
+            (run, run.cameras[name])
+            for run in data.runs
+            if name in run.cameras and run.cameras[name].numbers and _is_annotated(run.cameras[name], annotation)
+        ]
+        of_splits: dict[SplitName | None, list[Image]] = {}
+        for run, camera in cameras:
+            for split, image in zip(_splits_of(data, run, camera), camera.images, strict=True):
+                of_splits.setdefault(split, []).append(image)
+        order: tuple[SplitName | None, ...] = data.splits.names if data.splits else (None,)
+        splits: ImagesOfSplits = tuple((split, tuple(of_splits[split])) for split in order if split in of_splits)
+        if splits:
+            yield FurtherCamera(camera_folder(name), tuple(camera for _, camera in cameras), splits)
+
+
+def _is_annotated(camera: CameraRun, annotation: str) -> bool:
+    return not annotation or (camera.has_annotations and annotation in camera.annotations.kinds)
+
+
+def _splits_of(data: Dataset, run: Run, camera: CameraRun) -> list[SplitName | None]:
+    """Return the split of each image of a further camera."""
+    if data.splits is None:
+        return [None] * len(camera.images)
+    if data.splits.by != "image":
+        return [data.splits.of_runs.get(run.name)] * len(camera.images)
+    of_images, times_s = data.splits.of_images, [image.t_s for image in run.images]
+    newest = np.searchsorted(times_s, [image.t_s + 1e-9 for image in camera.images], side="right") - 1
+    return [of_images.get((run.name, run.images[index].number)) for index in np.maximum(newest, 0)]

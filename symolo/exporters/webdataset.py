@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from symolo.core.files.tar_files import Member, shards, tar_bytes, tar_chunks
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images
 from symolo.exporters.record import record_of
-from symolo.exporters.splits import images_of_splits
+from symolo.exporters.splits import ImagesOfSplits, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image
 
@@ -18,11 +18,17 @@ from symolo.reader.run_folder import Image
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     """Yield the shards, with samples sorted by name; only a shard with a single sample may be larger than the limit."""
     check_images(data)
-    for split, images in images_of_splits(data):
+    yield from _shards("", images_of_splits(data), settings)
+    for camera in further_cameras_of_splits(data):
+        yield from _shards(f"{camera.folder}/", camera.splits, settings)
+
+
+def _shards(folder: str, splits: ImagesOfSplits, settings: ExportSettings) -> Iterator[ExportedFile]:
+    for split, images in splits:
         samples = (_sample(image) for image in sorted(images, key=_key))
         for number, members in enumerate(shards(samples, settings.shard_bytes)):
             yield ExportedFile(
-                "-".join(("symolo", *([split] if split else []), f"{number:06d}.tar")),
+                folder + "-".join(("symolo", *([split] if split else []), f"{number:06d}.tar")),
                 lambda members=members: b"".join(tar_chunks(members)),
                 exact_bytes=lambda members=members: tar_bytes(members),
             )

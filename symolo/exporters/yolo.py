@@ -5,7 +5,6 @@ of its box, as shares of the width and height of the image.
 """
 
 from collections.abc import Iterator, Mapping
-from itertools import groupby
 
 import yaml
 
@@ -13,10 +12,9 @@ from symolo.core.errors import InputError
 from symolo.dataset.annotations import Category, PixelBox
 from symolo.dataset.documents.splits_record import SplitName
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
-from symolo.exporters.splits import images_of_splits
+from symolo.exporters.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
-from symolo.reader.run import Run
-from symolo.reader.run_folder import Image, how_to_add
+from symolo.reader.run_folder import Image, RunFolder, how_to_add
 
 CLASSES: tuple[Category, ...] = ("wall", "obstacle")
 """Categories with boxes, in the order of the numbers of their classes."""
@@ -31,15 +29,21 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
         if not run.has_annotations or "boxes_2d" not in run.annotations.kinds:
             what = f"run {run.name} has no annotations of the kind `boxes_2d`, which give the boxes"
             raise InputError(what, where=str(data.root), cure=how_to_add("`boxes_2d`"))
-    splits = images_of_splits(data)
-    yield ExportedFile("data.yaml", lambda: _description([_FOLDERS[split] for split, _ in splits]))
+    yield from _files_of("", images_of_splits(data))
+    for camera in further_cameras_of_splits(data, "boxes_2d"):
+        yield from _files_of(f"{camera.folder}/", camera.splits)
+
+
+def _files_of(folder: str, splits: ImagesOfSplits) -> Iterator[ExportedFile]:
+    """Yield the files of one camera."""
+    yield ExportedFile(f"{folder}data.yaml", lambda: _description([_FOLDERS[split] for split, _ in splits]))
     for split, images in splits:
-        for run_name, of_run in groupby(images, lambda image: image.run.name):
-            labels = _Labels(data[run_name])
+        for run, of_run in by_run(images):
+            labels = _Labels(run)
             for image in of_run:
                 name = f"{_FOLDERS[split]}/{_file_name(image)}"
-                yield copied_file(f"images/{name}{image.path.suffix}", image.path)
-                yield ExportedFile(f"labels/{name}.txt", lambda labels=labels, image=image: labels.text(image))
+                yield copied_file(f"{folder}images/{name}{image.path.suffix}", image.path)
+                yield ExportedFile(f"{folder}labels/{name}.txt", lambda labels=labels, image=image: labels.text(image))
 
 
 def _file_name(image: Image) -> str:
@@ -65,7 +69,7 @@ def _description(folders: list[str]) -> bytes:
 class _Labels:
     """Boxes of the images of a run, from its annotations."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: RunFolder) -> None:
         document = run.annotations
         classes = {one.id: CLASSES.index(one.name) for one in document.categories if one.name in CLASSES}
         self._boxes: dict[int, list[tuple[int, PixelBox]]] = {}
@@ -85,5 +89,7 @@ class _Labels:
 
 
 EXPORTER = Exporter(
-    "yolo", "boxes of walls and obstacles for Ultralytics YOLO; needs the annotation kind `boxes_2d`", _files
+    "yolo",
+    "boxes of walls and obstacles for Ultralytics YOLO; needs the annotation kind `boxes_2d`",
+    _files,
 )
