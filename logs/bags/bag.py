@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from logs.bags.streams import INDEX, POSE, Index, Stream
+from logs.bags.streams import INDEX, POSE, ImageStream, Index, Stream
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.extras import check_installed
-from symolo.core.files.npz_file import arrays_of
+from symolo.core.files.npz_file import Numbers, arrays_of
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.scratch_folders import scratch_folder
 
@@ -46,9 +46,25 @@ class Topic:
 
 
 @dataclass(frozen=True)
+class ImageTopic:
+    """The images of a topic, in the order of time."""
+
+    topic: str
+    type: str
+    frame: str
+    problem: str
+    """Why they are not taken; empty where they are."""
+    t_s: Array
+    """(N,), since the first message of the bag."""
+    files: tuple[bytes, ...]
+    """JPEG or PNG files that nobody has decoded yet."""
+
+
+@dataclass(frozen=True)
 class Bag:
     path: Path
     topics: tuple[Topic, ...]
+    images: tuple[ImageTopic, ...]
     left_out: Mapping[str, str]
     """Type of each topic that is not read."""
 
@@ -85,10 +101,25 @@ def bag_of(path: Path, index: Index, out: Path) -> Bag:
     if index.error:
         raise InputError(index.error, where=str(path))
     arrays = arrays_of(read_file(out, FileKind.ANY), _MAX_BYTES)
-    first_ns = min((arrays[f"t{i}"].min() for i in range(len(index.streams))), default=0)
+    times = [array for name, array in arrays.items() if name.startswith(("t", "image_t")) and array.size]
+    first_ns = min((array.min() for array in times), default=0)
     topics = []
     for i, stream in enumerate(index.streams):
         order = np.argsort(arrays[f"t{i}"], kind="stable")
         t_s = 1e-9 * (arrays[f"t{i}"][order] - first_ns)
         topics.append(Topic(stream, t_s, arrays[f"v{i}"][order].reshape(len(t_s), -1)))
-    return Bag(path, tuple(topics), index.left_out)
+    images = tuple(
+        _images(stream, arrays[f"image_t{i}"], arrays[f"image_n{i}"], arrays[f"image_v{i}"], first_ns)
+        for i, stream in enumerate(index.images)
+    )
+    return Bag(path, tuple(topics), images, index.left_out)
+
+
+def _images(stream: ImageStream, t_ns: Numbers, sizes: Numbers, data: Numbers, first_ns: int) -> ImageTopic:
+    ends, content = np.cumsum(sizes).tolist(), data.tobytes()
+    files = [content[end - size : end] for end, size in zip(ends, sizes.tolist(), strict=True)]
+    order = np.argsort(t_ns, kind="stable")
+    t_s = 1e-9 * (t_ns[order] - first_ns)
+    return ImageTopic(
+        stream.topic, stream.type, stream.frame, stream.problem, t_s, tuple(files[number] for number in order)
+    )

@@ -15,7 +15,21 @@ from typing import Any
 
 import numpy as np
 
-from logs.bags.streams import IMU, INDEX, INTENSITY, MAX_STREAMS, POSE, RANGE, SCAN, Index, Stream, ray_columns
+from logs.bags.images import COMPRESSED, RAW, UnknownImageError, image_file
+from logs.bags.streams import (
+    IMU,
+    INDEX,
+    INTENSITY,
+    LENS,
+    MAX_STREAMS,
+    POSE,
+    RANGE,
+    SCAN,
+    ImageStream,
+    Index,
+    Stream,
+    ray_columns,
+)
 from symolo.core.arrays import Array
 from symolo.core.extras import optional_module
 from symolo.core.files.plain_files import FileKind, read_file
@@ -24,6 +38,9 @@ from symolo.core.process_limits import limit_memory, limit_time
 _SECONDS, _BYTES_PER_SECOND = 60, 5_000_000
 """Time of the processor for any bag, and the number of bytes for which it gets another second."""
 _MEMORY_BYTES = 3_000_000_000
+_IMAGE_BYTES = 300_000_000
+"""Size of all images of a bag; raw ones count as JPEG files."""
+_IMAGES = (RAW, COMPRESSED)
 _NS = 1_000_000_000
 _MAX_DEPTH = 100
 """Of the lists in metadata.yaml, which has none within another one."""
@@ -101,6 +118,14 @@ def _joints(message: Message) -> Iterator[_Part]:
             yield _Part(message, columns, list(map(float, values)))
 
 
+def _lens(message: Message) -> _Part:
+    K, D = (getattr(message, name, None) for name in ("K", "D"))  # ROS 2 has small letters
+    K, D = (message.k, message.d) if K is None or D is None else (K, D)
+    columns = (*LENS, *(f"D_{number}" for number in range(len(D))))
+    values = np.concatenate([[message.width, message.height], K, D])
+    return _Part(message, columns, values, message.header.frame_id, message.distortion_model)
+
+
 _PARTS: Mapping[str, Callable[[Message], Iterable[_Part]]] = MappingProxyType(
     {
         "nav_msgs/msg/Odometry": lambda m: [_odometry(m)],
@@ -114,6 +139,7 @@ _PARTS: Mapping[str, Callable[[Message], Iterable[_Part]]] = MappingProxyType(
         "sensor_msgs/msg/Range": lambda m: [_range(m)],
         "sensor_msgs/msg/Imu": lambda m: [_imu(m)],
         "sensor_msgs/msg/LaserScan": lambda m: [_scan(m)],
+        "sensor_msgs/msg/CameraInfo": lambda m: [_lens(m)],
         "sensor_msgs/msg/Temperature": lambda m: [_Part(m, ("temperature_degC",), [m.temperature])],
         "sensor_msgs/msg/JointState": _joints,
         **{
@@ -131,6 +157,64 @@ class _Rows:
 
     t_ns: list[int] = field(default_factory=list)
     values: list[Sequence[float] | Array] = field(default_factory=list)
+
+
+@dataclass
+class _Files:
+    """The images of a topic so far."""
+
+    type: str
+    frame: str = ""
+    t_ns: list[int] = field(default_factory=list)
+    files: list[bytes] = field(default_factory=list)
+    problem: str = ""
+
+    def drop(self, problem: str) -> None:
+        """Leave the images out, with the reason."""
+        self.problem = problem
+        self.files.clear()
+        self.t_ns.clear()
+
+
+@dataclass
+class _Content:
+    """What a bag holds."""
+
+    streams: dict[Stream, _Rows] = field(default_factory=dict)
+    images: dict[str, _Files] = field(default_factory=dict)
+    image_bytes: int = 0
+    others: dict[str, str] = field(default_factory=dict)
+    """Type of each topic that is left out."""
+
+    def add_image(self, topic: str, kind: str, logged_ns: int, message: Message) -> None:
+        """Add an image; the first that cannot be taken ends the topic."""
+        images = self.images.setdefault(topic, _Files(kind, message.header.frame_id))
+        if images.problem:
+            return
+        try:
+            images.files.append(image_file(message, kind))
+            images.t_ns.append(_stamp_ns(message, logged_ns))
+        except UnknownImageError as error:
+            images.drop(str(error))
+            return
+        self.image_bytes += len(images.files[-1])
+        if self.image_bytes > _IMAGE_BYTES:
+            self.image_bytes -= sum(map(len, images.files))
+            images.drop(f"the images of the bag have more than {_IMAGE_BYTES / 1e6:g} MB; filter the bag, or cut it")
+
+    def add(self, topic: str, kind: str, logged_ns: int, message: Message) -> None:
+        """Add the numbers of a message.
+
+        Raises:
+            _TooManyStreamsError: There are too many streams.
+        """
+        for part in _PARTS[kind](message):
+            stream = Stream(topic, kind, part.parent, part.child, part.columns)
+            if stream not in self.streams and len(self.streams) == MAX_STREAMS:
+                raise _TooManyStreamsError
+            rows = self.streams.setdefault(stream, _Rows())
+            rows.t_ns.append(_stamp_ns(part.stamped, logged_ns))
+            rows.values.append(part.values)
 
 
 class _TooManyStreamsError(Exception):
@@ -154,40 +238,40 @@ def _check_nesting(metadata: Path) -> None:
             raise ValueError(f"metadata.yaml is nested deeper than {_MAX_DEPTH} lists")
 
 
-def _collect(path: Path) -> tuple[dict[Stream, _Rows], dict[str, str]]:
-    """Return the rows of each stream, and the type of each topic that is left out."""
+def _collect(path: Path) -> _Content:
+    """Return the numbers and images of each topic, and the type of each topic that is left out."""
     _check_nesting(path / "metadata.yaml")
     typesys, highlevel = optional_module("rosbags.typesys"), optional_module("rosbags.highlevel")
-    streams: dict[Stream, _Rows] = {}
+    content = _Content()
     default = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
     with highlevel.AnyReader([path], default_typestore=default) as reader:
-        known = [connection for connection in reader.connections if connection.msgtype in _PARTS]
-        others = {c.topic: c.msgtype for c in reader.connections if c.msgtype not in _PARTS}
+        known = [one for one in reader.connections if one.msgtype in _PARTS or one.msgtype in _IMAGES]
+        content.others = {one.topic: one.msgtype for one in reader.connections if one not in known}
         for connection, logged_ns, raw in reader.messages(connections=known) if known else ():
             topic, kind = connection.topic, connection.msgtype
-            for part in _PARTS[kind](reader.deserialize(raw, kind)):
-                stream = Stream(topic, kind, part.parent, part.child, part.columns)
-                if stream not in streams and len(streams) == MAX_STREAMS:
-                    raise _TooManyStreamsError
-                rows = streams.setdefault(stream, _Rows())
-                rows.t_ns.append(_stamp_ns(part.stamped, logged_ns))
-                rows.values.append(part.values)
-    return streams, others
+            add = content.add_image if kind in _IMAGES else content.add
+            add(topic, kind, logged_ns, reader.deserialize(raw, kind))
+    return content
 
 
-def _write(streams: Mapping[Stream, _Rows], others: Mapping[str, str], out: Path) -> Index:
+def _write(content: _Content, out: Path) -> Index:
     arrays = {}
-    for number, rows in enumerate(streams.values()):
+    for number, rows in enumerate(content.streams.values()):
         arrays[f"t{number}"] = np.array(rows.t_ns, dtype=np.int64)
         arrays[f"v{number}"] = np.array(rows.values, dtype=np.float64)
+    for number, images in enumerate(content.images.values()):
+        arrays[f"image_t{number}"] = np.array(images.t_ns, dtype=np.int64)
+        arrays[f"image_n{number}"] = np.array([len(file) for file in images.files], dtype=np.int64)
+        arrays[f"image_v{number}"] = np.frombuffer(b"".join(images.files), dtype=np.uint8)
     np.savez(out, **arrays)
-    return Index(tuple(streams), dict(others))
+    known = tuple(ImageStream(topic, one.type, one.frame, one.problem) for topic, one in content.images.items())
+    return Index(tuple(content.streams), known, content.others)
 
 
 def write_topics(path: Path, out: Path) -> Index:
     """Write the numbers of the topics of a bag, and return what they are, or why it cannot be read."""
     try:
-        return _write(*_collect(path), out)
+        return _write(_collect(path), out)
     except _TooManyStreamsError:
         return Index(error=f"has more than {MAX_STREAMS} topics and transforms")
     except MemoryError:

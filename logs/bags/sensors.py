@@ -15,6 +15,7 @@ from logs.bags.streams import IMU, INTENSITY, RANGE, SCAN
 from logs.decimals import decimals_of
 from logs.times import usual
 from logs.trajectories.base import LoggedSensor
+from symolo.core.arrays import Array
 from symolo.core.geometry.poses import roll_pitch_yaw
 from symolo.core.progress import plural
 from symolo.dataset.tables.column import Column
@@ -46,17 +47,18 @@ def sensors_of(bag: Bag, robot_frame: str, transforms: Sequence[Track]) -> BagSe
     """
     sensors, topics, notes = [], {}, []
     for topic in _of_most_messages(bag.topics, notes):
-        name = _name(topic.stream.topic, topics)
+        name = sensor_name(topic.stream.topic, tuple(topics))
         if len(topic.t_s) < 2:
             notes.append(f"left out: {topic.stream.topic} has fewer than two messages")
             continue
-        mount = _mount(topic.stream.parent, robot_frame, transforms)
-        if mount is None:
+        X_RS = pose_on_robot(topic.stream.parent, robot_frame, transforms)
+        mount = {} if X_RS is None else mount_settings(X_RS)
+        if not mount:
             notes.append(
                 f"{name}: no transform leads from {robot_frame or 'the robot'} to {topic.stream.parent or 'it'},"
                 " so its place on the robot is not known"
             )
-        sensor = _imu(topic, name, mount or {}) if is_imu(topic) else _lidar(topic, name, mount or {})
+        sensor = _imu(topic, name, mount) if is_imu(topic) else _lidar(topic, name, mount)
         if isinstance(sensor, str):
             notes.append(f"left out: {topic.stream.topic}: {sensor}")
             continue
@@ -84,29 +86,37 @@ def _of_most_messages(topics: Sequence[Topic], notes: list[str]) -> Iterator[Top
         yield first
 
 
-def _name(topic: str, taken: dict[str, str]) -> str:
-    """Return a name for a sensor, which is also that of its file: that of the topic in small letters."""
+def sensor_name(topic: str, taken: Sequence[str]) -> str:
+    """Return a name for a sensor, which is also that of its file: that of the topic in small letters.
+
+    Args:
+        topic: Name of the topic, or of a name space.
+        taken: Names of other sensors.
+    """
     plain = re.sub(r"[^a-z0-9]+", "_", topic.lower().removeprefix("/sensors/")).strip("_")[:_MAX_NAME]
-    plain = plain if re.match("[a-z]", plain) else f"sensor_{plain}".strip("_")
+    if not re.match("[a-z]", plain) or plain in TAKEN_NAMES or plain in _OWN_TABLES:
+        plain = f"bag_{plain}".strip("_")
     name, number = plain, 2
-    while name in {*taken, *TAKEN_NAMES, *_OWN_TABLES}:
+    while name in taken:
         name, number = f"{plain}_{number}", number + 1
     return name
 
 
-def _mount(frame: str, robot_frame: str, transforms: Sequence[Track]) -> dict[str, float] | None:
-    """Return the place of a frame on the robot as settings of a sensor, or None if it is not known."""
+def pose_on_robot(frame: str, robot_frame: str, transforms: Sequence[Track]) -> Array | None:
+    """Return the pose (4, 4) of a frame on the robot, or None if it is not known."""
     if not frame or not robot_frame:
         return None
     if frame.lstrip("/") == robot_frame.lstrip("/"):
-        X = np.eye(4)
-    elif (track := between(robot_frame, frame, transforms)) is not None and len(track.t_s):
-        X = track.matrices[0]
-    else:
-        return None
-    place_m, turned_deg = X[:3, 3].tolist(), np.degrees(roll_pitch_yaw(X[:3, :3])).tolist()
-    roll_deg, pitch_deg, yaw_deg = turned_deg
-    values: dict[str, float] = dict(zip(("x_m", "y_m", "z_m"), place_m, strict=True))
+        return np.eye(4)
+    track = between(robot_frame, frame, transforms)
+    return track.matrices[0] if track is not None and len(track.t_s) else None
+
+
+def mount_settings(X_RS: Array) -> dict[str, float]:
+    """Return the place of a sensor on the robot as its settings, from the pose of its frame, x forward and z up."""
+    x_m, y_m, z_m = X_RS[:3, 3].tolist()
+    roll_deg, pitch_deg, yaw_deg = np.degrees(roll_pitch_yaw(X_RS[:3, :3])).tolist()
+    values = {"x_m": x_m, "y_m": y_m, "z_m": z_m}
     values |= {"yaw_deg": yaw_deg, "pitch_up_deg": -pitch_deg, "roll_deg": roll_deg}
     return {name: round(value, 6) + 0.0 for name, value in values.items()}
 

@@ -5,13 +5,14 @@ The messages are those of nav_msgs, geometry_msgs, tf2_msgs, sensor_msgs and std
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from logs.bags.bag import Bag, Topic, read_bag
+from logs.bags.cameras import cameras_of, is_lens
 from logs.bags.frames import Track, between, pairs, robot_frames
 from logs.bags.sensors import is_imu, is_scan, sensors_of
 from logs.recognition import first_bytes, is_file, is_folder
@@ -28,7 +29,6 @@ _MAGIC = (b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\x00")
 _ENDINGS = (".bag", ".mcap", ".db3")
 _TRUTH = re.compile(r"ground_?truth|\bgt\b|mocap|motion_capture|vicon|optitrack|qualisys|phasespace")
 _NO_POSE_OF_THE_ROBOT = re.compile(r"goal|initialpose|target|setpoint|plan|cmd")
-_IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo")
 _SIDES = {"front": "d_f", "left": "d_l", "right": "d_r"}
 _HELD_STEPS = 1.5
 """Largest age of a reading beside a pose, in usual steps of its topic."""
@@ -141,13 +141,16 @@ def _trajectory(
         readings[column] = _held(topic, t_s)[:, 0]
         quantities[column] = topic.stream.topic
     used = {id(topic) for topic in ranges.values()}
-    is_sensor = [topic for topic in bag.topics if is_imu(topic) or is_scan(topic)]
+    is_sensor = [topic for topic in bag.topics if is_imu(topic) or is_scan(topic) or is_lens(topic)]
     used |= {id(topic) for topic in is_sensor}
     others = [topic for topic in bag.topics if not topic.is_pose and id(topic) not in used]
-    sensors = sensors_of(bag, _robot_frame(track, transforms), transforms)
-    quantities |= sensors.topics
-    changes += sensors.notes
-    changes += _left_out(bag)
+    robot_frame = _robot_frame(track, transforms)
+    sensors = sensors_of(bag, robot_frame, transforms)
+    cameras = cameras_of(bag, robot_frame, transforms, tuple(sensors.topics))
+    quantities |= {**sensors.topics, **cameras.topics}
+    changes += (*sensors.notes, *cameras.notes)
+    if bag.left_out:
+        changes.append("topics that are not read: " + ", ".join(f"{t} ({kind})" for t, kind in bag.left_out.items()))
     return LoggedTrajectory(
         t_s,
         floor.pose,
@@ -159,6 +162,7 @@ def _trajectory(
         floor.warnings,
         name=track.name if len(settings.topics) > 1 else "",
         sensors=sensors.sensors,
+        cameras=cameras.cameras,
     )
 
 
@@ -168,16 +172,6 @@ def _robot_frame(track: Track, transforms: Sequence[Track]) -> str:
         return track.child
     frames = robot_frames(transforms)
     return frames[1] if frames else ""
-
-
-def _left_out(bag: Bag) -> Iterator[str]:
-    """Yield which topics are not read, and why their images are not."""
-    images = {topic: kind for topic, kind in bag.left_out.items() if kind in _IMAGES}
-    others = {topic: kind for topic, kind in bag.left_out.items() if kind not in _IMAGES}
-    reason = "images are not taken, because those of a dataset are rendered at its own times"
-    for text, topics in (("topics that are not read", others), (reason, images)):
-        if topics:
-            yield f"{text}: {', '.join(f'{topic} ({kind})' for topic, kind in topics.items())}"
 
 
 def _ranges(bag: Bag) -> dict[str, Topic]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -57,6 +58,26 @@ class LoggedSensor:
 
 
 @dataclass(frozen=True)
+class LoggedCamera:
+    """Images of a camera, with its lens."""
+
+    name: str
+    t_s: Array
+    """(N,), increasing, in the clock of the log."""
+    files: tuple[bytes, ...]
+    """(N,), JPEG files in colour."""
+    size: tuple[int, int]
+    """Width and height [px] of each image."""
+    K: Array
+    """(3, 3), camera matrix [px]; pixel (0, 0) is the middle of the first pixel."""
+    distortion_model: Literal["plumb_bob", "equidistant"]
+    D: tuple[float, ...]
+    """Five coefficients of `plumb_bob`, or four of `equidistant`."""
+    settings: Mapping[str, float]
+    """Period and place on the robot, by their names in `robot.sensors`."""
+
+
+@dataclass(frozen=True)
 class LoggedTrajectory:
     """A trajectory in our units and axes, W with z up and R with x forward."""
 
@@ -78,6 +99,7 @@ class LoggedTrajectory:
     name: str = ""
     """Name within a log of several trajectories, such as a topic."""
     sensors: tuple[LoggedSensor, ...] = ()
+    cameras: tuple[LoggedCamera, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.t_s, self.pose, *self.readings.values()):

@@ -41,7 +41,8 @@ def _head(metadata: Metadata) -> str:
     motion = "The motion is that of logs" if is_imported else "The motion is simulated with PyBullet"
     images = "; the pictures are path-traced with Blender Cycles at its poses"
     if not any(run.images for run in metadata.runs):
-        images = ", and there are no images"
+        of_log = any(run.cameras for run in metadata.runs)
+        images = ", and so are the images of its cameras" if of_log else ", and there are no images"
     return (
         f"# {plain_text(metadata.name)}\n\n{about}"
         f"A {kind} in the layout of SyMoLo (Synthetic Dataset for Mobile Robots Localization Algorithms).\n"

@@ -119,7 +119,8 @@ def import_logs(
     """Import logs of other programs as a dataset: tables with any columns, TUM, KITTI, EuRoC, Motive, bags of ROS.
 
     Times and poses are enough. What a log also holds, such as speeds and ranges, gets its column in data.csv; other
-    columns of numbers get a table of their own. What nobody measured is absent, and nothing is invented.
+    columns of numbers get a table of their own. Images, laser scans and IMUs of a bag become sensors of the robot. What
+    nobody measured is absent, and nothing is invented.
 
     Of a table, the command recognises columns and units from names such as `time_ms`, `x [mm]` or `heading_deg`, and
     units that no name states from the motion that they would give. It prints what it guessed and asks; --yes accepts

@@ -13,7 +13,8 @@ from configs.loader import LoadedSection, load_scenario, load_section
 from configs.robot_sensors import IS_LOGGED, RobotSensors, UnloadedSettings
 from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import SceneSpec, StartPose
-from logs.trajectories.base import ReadSettings
+from logs.trajectories.base import LoggedCamera, ReadSettings
+from pipeline.importing.cameras import camera_content, camera_settings, image_times
 from pipeline.importing.floor import MAX_HALF_EXTENT_M, fitting_floor, middle_of
 from pipeline.importing.log_files import ReadLog, read_logs
 from pipeline.importing.rows import ImportedRows, ImportedTable, imported_rows
@@ -108,7 +109,8 @@ def imported_dataset(request: ImportRequest) -> ImportedDataset:
             origin=origin,
             drawn=dict(sorted({**robot_drawn, **look_drawn}.items())),  # type: ignore[arg-type]
         )
-        runs.append(_taken(spec, each))
+        cameras = () if request.with_images else each.log.trajectory.cameras
+        runs.append(_taken(spec, each, cameras))
     sections = {"arena": arena_tree, "robot": robot_section.tree, "look": look_section.tree}
     tree = {
         "name": name,
@@ -244,11 +246,18 @@ def _start(rows: Rows) -> StartPose:
     return StartPose(x_m=x_m, y_m=y_m, yaw_deg=math.degrees(yaw_rad))
 
 
-def _taken(spec: SceneSpec, each: _Placed) -> TakenRun:
+def _taken(spec: SceneSpec, each: _Placed, cameras: Sequence[LoggedCamera]) -> TakenRun:
     rows, trajectory = each.imported.rows, each.log.trajectory
+    start_s = float(trajectory.t_s[0])
+    seen = {camera.name: camera for camera in cameras if image_times(camera, rows, start_s)[0]}
+    settings = {name: UnloadedSettings.model_validate(camera_settings(camera)) for name, camera in seen.items()}
+    sensors = sorted([*spec.robot.sensors, *settings.items()], key=lambda member: member[0])
+    robot = spec.robot.model_copy(update={"sensors": RobotSensors(tuple(sensors))})
+    spec = spec.model_copy(update={"robot": robot})
     warnings = (*trajectory.warnings, *trajectory_warnings(trajectory.t_s, trajectory.pose))
     outcome = RunOutcome.of_rows(rows, suspicions=warnings)
     side = {f"{SIDE}/{one.table.file}": one.table.to_csv(one.numbers) for one in each.imported.tables}
+    side |= dict(camera_content(spec, rows, seen, start_s))
     return TakenRun(spec, rows, side, outcome)
 
 

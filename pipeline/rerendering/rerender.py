@@ -12,6 +12,7 @@ from configs.checks import check_cameras
 from configs.draw import draw_arena, draw_look, draw_render
 from configs.loader import LoadedSection, load_scenario, load_section, section_of
 from configs.overrides import replaced_section
+from configs.robot_sensors import RobotSensors
 from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import Render, RunSpec, SceneSpec
 from pipeline.executors.base import Executor
@@ -26,7 +27,7 @@ from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
-from pipeline.stages.cameras import cameras_of
+from pipeline.stages.cameras import cameras_of, logged_cameras
 from pipeline.stages.render_specs import render_specs
 from pipeline.stages.run_tables import TakenRun, take
 from symolo.arena.geometry import Arena
@@ -38,7 +39,7 @@ from symolo.core.random_streams import stream
 from symolo.dataset.documents.metadata import FailedRun, read_metadata
 from symolo.dataset.documents.splits_record import SPLIT_NAMES
 from symolo.dataset.folder_kind import Kind
-from symolo.dataset.layout import MAX_NAME
+from symolo.dataset.layout import CAMERAS, MAX_NAME
 from symolo.dataset.tables.sensor_tables import ListedSensor
 
 SECTIONS = ("look", "render", "arena", "robot")
@@ -192,6 +193,7 @@ def _scene(run: TakenRun, request: RerenderRequest, name: str) -> TakenRun:
 
     They are the same in all draws of the looks.
     """
+    run = _without_logged_cameras(run)
     spec = run.spec
     arena, arena_drawn = _arena(run, request)
     robot, robot_drawn = robot_of_images(spec, request.robot, request.overrides_of("robot"), _seed(spec, request))
@@ -207,6 +209,15 @@ def _scene(run: TakenRun, request: RerenderRequest, name: str) -> TakenRun:
         outcome = outcome.model_copy(update={"suspicions": (*outcome.suspicions, text)})
     changes = {"scenario": name, "arena": arena, "robot": robot, "render": render, "drawn": drawn}
     return replace(run, spec=run.spec.model_copy(update=changes), outcome=outcome)
+
+
+def _without_logged_cameras(run: TakenRun) -> TakenRun:
+    """Return a run without the cameras of its log, whose images are not rendered."""
+    names = logged_cameras(run.spec)
+    members = tuple(member for member in run.spec.robot.sensors if member[0] not in names)
+    robot = run.spec.robot.model_copy(update={"sensors": RobotSensors(members)})
+    side = {name: data for name, data in run.side.items() if not name.startswith(f"{CAMERAS}/")}
+    return replace(run, spec=run.spec.model_copy(update={"robot": robot}), side=side)
 
 
 def _seed(spec: SceneSpec, request: RerenderRequest) -> int:

@@ -10,9 +10,9 @@ from configs.schema.splits import Splits
 from pipeline.assembly.description import markdown
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
-from pipeline.stages.cameras import RunCamera, cameras_of
+from pipeline.stages.cameras import RunCamera, cameras_of, logged_cameras
 from pipeline.stages.rendering_facts import Rendered
-from pipeline.stages.run_tables import stage_has_images, stage_rows, stage_tables
+from pipeline.stages.run_tables import TAKEN, stage_has_images, stage_rows, stage_tables
 from pipeline.stages.simulate_runs import read_outcome
 from sensors.fit_out import listed_sensors
 from symolo.core.errors import EnvironmentLacking
@@ -25,7 +25,7 @@ from symolo.dataset.bag import BAG_INFO, bag_info
 from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.documents.run_records import CameraRecord
 from symolo.dataset.documents.splits_record import SplitsRecord
-from symolo.dataset.layout import DESCRIPTION, DONE, IMAGES, SIDE, STAGES
+from symolo.dataset.layout import DESCRIPTION, DONE, IMAGES, SIDE, STAGES, camera_folder
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, tag_manifest
 from symolo.dataset.splits import SplitMember, assign
 from symolo.dataset.tables.rows import HEADER, Rows
@@ -102,7 +102,8 @@ def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str],
     stage = workspace.simulate(spec.key).path
     rows, outcome = stage_rows(stage), read_outcome(stage)
     if not rows.image.any():  # of an imported trajectory
-        record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings)
+        cameras = {name: _logged_record(stage, name, one) for name, one in logged_cameras(spec).items()}
+        record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings, cameras=cameras)
         return record, {outcome.cpu} - {""}, rows.columns
     cameras = {camera.name: camera for camera in cameras_of(spec)}
     rendered = {name: Rendered.read(workspace.render(spec.key, name).path) for name in cameras}
@@ -140,6 +141,17 @@ def _camera_record(camera: RunCamera, rows: Rows, rendered: Rendered) -> CameraR
         render_device=rendered.device,
         rendering=rendered.rendering,
         annotations=render.annotations,
+    )
+
+
+def _logged_record(stage: Path, name: str, settings: Mapping[str, Any]) -> CameraRecord:
+    """Return the record of a camera of a log from the folder of the first stage."""
+    return CameraRecord(
+        period_s=settings["period_s"],
+        images=sum(1 for _ in (stage / TAKEN / camera_folder(name) / IMAGES).iterdir()),
+        image_width_px=settings["width_px"],
+        image_height_px=settings["height_px"],
+        render_device="",
     )
 
 
@@ -209,6 +221,7 @@ def _fill(
         make_folder(folder / camera.inner(IMAGES))
     written: dict[str, str] = {}
     for name, data in stage_tables(spec, workspace.simulate(spec.key).path):
+        make_folder((folder / name).parent)
         write_file(folder / name, data)
         written[name] = hashlib.sha256(data).hexdigest()
     for camera in cameras:

@@ -2,8 +2,9 @@
 
 import json
 from dataclasses import dataclass
+from typing import Any
 
-from configs.robot_sensors import RobotSensors
+from configs.robot_sensors import IS_LOGGED, RobotSensors, UnloadedSettings
 from configs.schema.scenario import RunSpec, SceneSpec
 from symolo.dataset.documents.camera_specification import KIND, further_cameras, specification_of
 from symolo.dataset.layout import camera_folder
@@ -32,12 +33,14 @@ class RunCamera:
 
 
 def cameras_of(spec: SceneSpec) -> tuple[RunCamera, ...]:
-    """Return the cameras of a run, that of data.csv first."""
+    """Return the cameras of a run whose images are rendered, that of data.csv first."""
     nominal = RunCamera("", spec, 0.0)
     if KIND not in spec.robot.sensors.kinds:
         return (nominal,)
     content = spec.model_dump(mode="json")
-    return (nominal, *(_further(spec, content, name) for name in further_cameras(content)))
+    sensors = content["robot"]["sensors"]
+    names = (name for name in further_cameras(content) if not sensors[name].get(IS_LOGGED))
+    return (nominal, *(_further(spec, content, name) for name in names))
 
 
 def _further(spec: SceneSpec, content: dict, name: str) -> RunCamera:
@@ -50,3 +53,12 @@ def without_further_cameras(spec: RunSpec) -> RunSpec:
     members = tuple((name, settings) for name, settings in spec.robot.sensors if settings.kind != KIND)
     robot = spec.robot.model_copy(update={"sensors": RobotSensors(members)})
     return spec.model_copy(update={"robot": robot})
+
+
+def logged_cameras(spec: SceneSpec) -> dict[str, dict[str, Any]]:
+    """Return the settings of the cameras of a log by name, whose images are not rendered."""
+    return {
+        name: settings.model_dump()
+        for name, settings in spec.robot.sensors
+        if isinstance(settings, UnloadedSettings) and settings.kind == KIND
+    }

@@ -18,7 +18,7 @@ from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.time_series import Recording
 from symolo.dataset.documents.camera_model import camera_files
-from symolo.dataset.layout import DATA, POSITIONS, SIDE
+from symolo.dataset.layout import CAMERAS, DATA, POSITIONS, SIDE
 from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv, obstacles_csv_at
 from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.dataset.tables.sensor_tables import sensor_csv
@@ -35,7 +35,8 @@ class TakenRun:
     spec: SceneSpec
     rows: Rows
     side: Mapping[str, bytes]
-    """Content of the tables in `side/` that do not follow from the specification, by their path in the run."""
+    """Content of what does not follow from the specification, by its path in the run: tables in `side/`, and the
+    folders of the cameras of a log."""
     outcome: RunOutcome
 
 
@@ -119,6 +120,8 @@ def _taken_tables(spec: SceneSpec, folder: Path) -> Iterator[tuple[str, bytes]]:
     side = sorted((folder / SIDE).iterdir()) if (folder / SIDE).is_dir() else []
     for path in side:
         yield f"{SIDE}/{path.name}", read_file(path, FileKind.TABLE)
+    for path in sorted(path for path in (folder / CAMERAS).rglob("*") if path.is_file()):
+        yield path.relative_to(folder).as_posix(), read_file(path, FileKind.ANY)
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:
         row_hz = spec.rates.control_hz if isinstance(spec, RunSpec) else None

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from symolo.core.arrays import Array
 from symolo.dataset.documents.camera_specification import specification_of
 from symolo.dataset.documents.run_document import SensorSection
-from symolo.dataset.tables.camera_rows import rows_at_images
+from symolo.dataset.layout import SIDE
+from symolo.dataset.tables.camera_rows import rows_at, rows_at_images
 from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.side_reading import read_image_times
 from symolo.dataset.tables.side_tables import CAMERA, SideTable
 from symolo.reader.run_folder import RunFolder
 
@@ -30,8 +32,11 @@ class CameraRun(RunFolder):
         """A row for each image: pose and speeds at its time, everything else from the last row of data.csv before it.
 
         Raises:
-            InputError: data.csv or spec.json of the run is damaged.
+            InputError: data.csv or spec.json of the run is damaged, or side/camera.csv of a camera of a log.
         """
+        if self.settings.logged:
+            times = read_image_times(self.folder / SIDE / CAMERA.file, self.whole.table)
+            return rows_at(self.whole.table, times)
         return rows_at_images(self.whole.table, self.settings.period_s)
 
     @cached_property

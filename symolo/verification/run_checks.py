@@ -20,11 +20,11 @@ from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.run_records import RatesRecord
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, IMAGES, POSITIONS, SIDE, camera_folder
-from symolo.dataset.tables.camera_rows import rows_at_images
+from symolo.dataset.tables.camera_rows import rows_at, rows_at_images
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, MAY_BE_EMPTY, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions, sample_times_ms
-from symolo.dataset.tables.side_reading import first_fault
+from symolo.dataset.tables.side_reading import first_fault, image_times
 from symolo.dataset.tables.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
 from symolo.verification.annotations import annotation_faults
 from symolo.verification.findings import Finding, limited
@@ -106,17 +106,26 @@ def _further_camera(
         yield Finding(where, "the folder is missing")
         return
     try:
+        settings = content["robot"]["sensors"][name]
+        is_logged = settings.get("logged") is True and record.is_imported
         spec = RunDocument.model_validate_json(json.dumps(specification_of(content, name)))
-        at_images = rows_at_images(rows, content["robot"]["sensors"][name]["period_s"])
+        at_images = rows_at_images(rows, settings["period_s"])
     except (KeyError, TypeError, ValueError):
         yield Finding(f"{record.run}/side/spec.json", f"robot.sensors.{name} does not describe a camera")
         return
+    if is_logged:
+        numbers, faults = _table(folder / SIDE / CAMERA.file, CAMERA.header)
+        try:
+            at_images = rows_at(rows, image_times(numbers, rows)) if not faults else at_images
+        except ValueError as error:
+            yield Finding(f"{where}/{SIDE}/{CAMERA.file}", str(error))
+            return
     own = record.of_camera(name)
     yield from check_images(folder / IMAGES, f"{where}/{IMAGES}", at_images, own, "its period")
     yield from _positions(folder / POSITIONS, f"{where}/{POSITIONS}", at_images, "its path")
     side, name_of_side = folder / SIDE, f"{where}/{SIDE}"
     yield from _camera_times(side / CAMERA.file, f"{name_of_side}/{CAMERA.file}", at_images)
-    yield from _camera_model(side / INTRINSICS, f"{name_of_side}/{INTRINSICS}", own, spec)
+    yield from _camera_model(side / INTRINSICS, f"{name_of_side}/{INTRINSICS}", own, spec, is_logged=is_logged)
     yield from _camera_poses(side / CAMERA.file, f"{name_of_side}/{CAMERA.file}", at_images, spec)
     for file, what in annotation_faults(folder / ANNOTATIONS, at_images, own, spec):
         yield Finding(f"{where}/{ANNOTATIONS}/{file}".rstrip("/"), what)
@@ -259,7 +268,10 @@ def _sensors(  # noqa: PLR0917 - everything that a run's tables depend on
                 yield Finding(file, f"column t is not one sample every {1000 * period_s:g} ms from 0 to the last row")
 
 
-def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
+def _camera_model(
+    path: Path, name: str, record: RunRecord, spec: RunDocument | None, *, is_logged: bool = False
+) -> Iterator[Finding]:
+    """Check intrinsics.json; of a camera of a log it alone has the lens, since its pixels may not be square."""
     try:
         model = read_camera_document(path)
     except OSError as error:
@@ -275,6 +287,8 @@ def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | 
     elif spec is not None:
         expected = CameraDocument.of(spec)
         for field in CameraDocument.model_fields:
+            if is_logged and field in {"K", "D"}:
+                continue
             if getattr(model, field) != getattr(expected, field):
                 yield Finding(name, f"{field} is not that of the camera in spec.json")
 

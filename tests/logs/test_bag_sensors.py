@@ -149,13 +149,3 @@ def test_scans_that_begin_at_other_angles_are_not_taken(tmp_path):
     trajectory, sensors = read(tmp_path, 1, turned)
     assert "scan" not in sensors
     assert any(text.startswith("left out: /scan: its scans begin at different angles") for text in trajectory.changes)
-
-
-def test_topics_with_images_are_named_with_the_reason(tmp_path):
-    def image(ros):
-        fields = {"header": ros.header(START_NS, "camera"), "format": "jpeg", "data": np.zeros(3, np.uint8)}
-        return START_NS, "/camera/compressed", ros("sensor_msgs/CompressedImage", **fields)
-
-    trajectory, _ = read(tmp_path, 1, image)
-    reason = "images are not taken, because those of a dataset are rendered at its own times"
-    assert f"{reason}: /camera/compressed (sensor_msgs/msg/CompressedImage)" in trajectory.changes

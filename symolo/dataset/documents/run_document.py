@@ -178,6 +178,8 @@ class SensorSection(SpecSection):
     model_config = ConfigDict(extra="allow", frozen=True, from_attributes=True, allow_inf_nan=False)
 
     kind: str = ""
+    logged: bool = False
+    """Whether its samples or images are those of a log, at times of their own."""
     period_s: Positive
     delay_s: float
     x_m: float = 0.0

@@ -65,7 +65,7 @@ class CameraRecord(Record):
     image_width_px: int
     image_height_px: int
     render_device: str = "CPU"
-    """Name in Cycles of the device that rendered the images."""
+    """Name in Cycles of the device that rendered the images; empty if they are those of a log."""
     rendering: RenderingRecord | None = Field(default=None, exclude_if=lambda rendering: rendering is None)
     """How the images were rendered; None in datasets of earlier versions."""
     annotations: tuple[AnnotationName, ...] = ()

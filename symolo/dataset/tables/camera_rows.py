@@ -1,6 +1,7 @@
 """The rows of a run at the images of a further camera, which has a rate of its own."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symolo.core.geometry.robot_path import RobotPath
 from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows, heading
@@ -21,7 +22,11 @@ def rows_at_images(rows: Rows, period_s: float) -> Rows:
     """
     duration_ms = rows.t_ms[-1] - rows.t_ms[0]
     periods = np.arange(int(duration_ms / (1000 * period_s) + 1e-9) + 1)
-    t_ms = rows.t_ms[0] + np.rint(1000 * period_s * periods).astype(np.int64)
+    return rows_at(rows, rows.t_ms[0] + np.rint(1000 * period_s * periods).astype(np.int64))
+
+
+def rows_at(rows: Rows, t_ms: NDArray[np.int64]) -> Rows:
+    """Return a row for each image of a camera at these times (N,) [ms], as `rows_at_images` does."""
     before = np.searchsorted(rows.t_ms, t_ms, side="right") - 1
     pose = path_of(rows).poses_at(t_ms / 1000)
     pose[:, 2] = heading(pose[:, 2], _DECIMALS["theta"])

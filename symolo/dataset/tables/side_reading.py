@@ -4,13 +4,14 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.rows import Rows, parse_table
-from symolo.dataset.tables.side_tables import SideTable
+from symolo.dataset.tables.side_tables import CAMERA, SideTable
 
 Record = TypeVar("Record", bound=BaseModel)
 
@@ -32,6 +33,37 @@ def first_fault(error: ValidationError) -> str:
     """Return the first fault of a JSON file in one line: the path of the field and what is wrong with it."""
     first = error.errors()[0]
     return ": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))
+
+
+def read_image_times(path: Path, rows: Rows) -> NDArray[np.int64]:
+    """Return the times [ms] of the images of a camera of a log (N,), of its side/camera.csv.
+
+    Raises:
+        InputError: The file cannot be read or is damaged, or the times do not increase within those of data.csv.
+    """
+    try:
+        data = read_file(path, FileKind.TABLE)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
+    numbers, faults = parse_table(data, CAMERA.header)
+    if faults:
+        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
+    try:
+        return image_times(numbers, rows)
+    except ValueError as error:
+        raise InputError(str(error), where=str(path), cure="make the run again") from None
+
+
+def image_times(numbers: Array, rows: Rows) -> NDArray[np.int64]:
+    """Return the times [ms] (N,) in the numbers (N, columns) of side/camera.csv.
+
+    Raises:
+        ValueError: They do not increase within those of data.csv; the text is one line.
+    """
+    t_ms = np.rint(numbers[:, CAMERA.header.index("t")]).astype(np.int64)
+    if np.any(np.diff(t_ms) <= 0) or np.any((t_ms < rows.t_ms[0]) | (t_ms > rows.t_ms[-1])):
+        raise ValueError("column t does not increase within the times of data.csv")
+    return t_ms
 
 
 def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
