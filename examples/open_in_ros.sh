@@ -1,9 +1,9 @@
 #!/bin/bash
 # Opens a bag of ROS 1 and the robot of its run with the tools of ROS: rosbag, rostopic, tf and RViz.
 #
-#   symolo release smoke --set robot=scout --out data
-#   symolo export data --format ros1 --out exported
-#   symolo model smoke --set robot=scout --format urdf --out model
+#   symolo release examples/stereo_scout.yaml --out scout
+#   symolo export scout --format ros1 --out exported
+#   symolo model examples/stereo_scout.yaml --format urdf --out model
 #   examples/open_in_ros.sh exported/ros1/CW/test_1.bag model/robot.urdf seen
 #
 # It writes into the folder `seen`: info.txt (rosbag info), rates.txt (rostopic hz while the bag is played), messages.txt

@@ -179,6 +179,19 @@ def cameras(workspace: Path) -> None:
     _save_jpeg("cameras.jpg", np.vstack([np.hstack(row) for row in rows])[..., ::-1])
 
 
+def ros(workspace: Path) -> None:
+    """Write what RViz shows of a bag; examples/open_in_ros.sh says which packages of ROS 1 this needs."""
+    examples, bag = HERE.parents[1] / "examples", workspace / "ros/exported/ros1/CW/test_1.bag"
+    _command("release", examples / "stereo_scout.yaml", "--out", workspace / "scout")
+    shutil.rmtree(workspace / "ros", ignore_errors=True)
+    _command("export", workspace / "scout", "--format", "ros1", "--out", workspace / "ros/exported")
+    _command("model", examples / "stereo_scout.yaml", "--format", "urdf", "--out", workspace / "ros/model")
+    script = [examples / "open_in_ros.sh", bag, workspace / "ros/model/robot.urdf", workspace / "ros/seen"]
+    subprocess.run(list(map(str, script)), check=True)
+    shown = cv2.imread(str(workspace / "ros/seen/rviz.png"))
+    _save_jpeg("ros.jpg", cv2.resize(shown, (1000, 625), interpolation=cv2.INTER_AREA))
+
+
 def annotations(workspace: Path) -> None:
     """Write one image beside its depth, semantic mask, normals and optical flow."""
     image = _run(workspace).image(ANNOTATED_IMAGE)
@@ -382,6 +395,7 @@ IMAGES: dict[str, Callable[[Path], None]] = {
     "baselines": baselines,
     "diagnosis": diagnosis,
     "reliability": reliability,
+    "ros": ros,
 }
 
 
