@@ -106,8 +106,8 @@ def _camera(
     if min(K[0, 0], K[1, 1]) <= 0 or K[0, 1] or not np.isfinite(lens.values[0]).all():
         raise _LeftOutError(f"{lens.stream.topic} has no camera matrix, as of a camera that is not calibrated")
     X_RC = pose_on_robot(images.frame, robot_frame, transforms)
-    if X_RC is None:
-        raise _LeftOutError(f"no transform leads from {robot_frame or 'the robot'} to {images.frame or 'it'}")
+    if isinstance(X_RC, str):
+        raise _LeftOutError(X_RC)
     files, changes = _files(images, (width_px, height_px))
     good = [number for number, file in enumerate(files) if file]
     if not good:

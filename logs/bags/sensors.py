@@ -22,6 +22,8 @@ from symolo.dataset.tables.column import Column
 from symolo.dataset.tables.sensor_tables import LOGGED, MAX_COLUMNS, TAKEN_NAMES
 
 _MAX_NAME = 40
+_STILL = 0.005
+"""Largest change of a place [m] or of a direction [rad] of a sensor that is fixed to the robot."""
 _OWN_TABLES = ("drive", "log", LOGGED)
 """Names of tables of an imported run that are not those of a topic."""
 
@@ -52,12 +54,9 @@ def sensors_of(bag: Bag, robot_frame: str, transforms: Sequence[Track]) -> BagSe
             notes.append(f"left out: {topic.stream.topic} has fewer than two messages")
             continue
         X_RS = pose_on_robot(topic.stream.parent, robot_frame, transforms)
-        mount = {} if X_RS is None else mount_settings(X_RS)
-        if not mount:
-            notes.append(
-                f"{name}: no transform leads from {robot_frame or 'the robot'} to {topic.stream.parent or 'it'},"
-                " so its place on the robot is not known"
-            )
+        mount = {} if isinstance(X_RS, str) else mount_settings(X_RS)
+        if isinstance(X_RS, str):
+            notes.append(f"{name}: {X_RS}, so its place on the robot is not known")
         sensor = _imu(topic, name, mount) if is_imu(topic) else _lidar(topic, name, mount)
         if isinstance(sensor, str):
             notes.append(f"left out: {topic.stream.topic}: {sensor}")
@@ -102,14 +101,17 @@ def sensor_name(topic: str, taken: Sequence[str]) -> str:
     return name
 
 
-def pose_on_robot(frame: str, robot_frame: str, transforms: Sequence[Track]) -> Array | None:
-    """Return the pose (4, 4) of a frame on the robot, or None if it is not known."""
-    if not frame or not robot_frame:
-        return None
-    if frame.lstrip("/") == robot_frame.lstrip("/"):
+def pose_on_robot(frame: str, robot_frame: str, transforms: Sequence[Track]) -> Array | str:
+    """Return the pose (4, 4) of a frame on the robot, or why it is not known."""
+    if frame and frame.lstrip("/") == robot_frame.lstrip("/"):
         return np.eye(4)
-    track = between(robot_frame, frame, transforms)
-    return track.matrices[0] if track is not None and len(track.t_s) else None
+    track = between(robot_frame, frame, transforms) if frame and robot_frame else None
+    if track is None or not len(track.t_s):
+        return f"no transform leads from {robot_frame or 'the robot'} to {frame or 'its frame, which has no name'}"
+    X = track.matrices
+    if np.ptp(X, axis=0).max() > _STILL:
+        return f"{frame} moves on the robot"
+    return X[0]
 
 
 def mount_settings(X_RS: Array) -> dict[str, float]:

@@ -144,11 +144,13 @@ def _trajectory(
     is_sensor = [topic for topic in bag.topics if is_imu(topic) or is_scan(topic) or is_lens(topic)]
     used |= {id(topic) for topic in is_sensor}
     others = [topic for topic in bag.topics if not topic.is_pose and id(topic) not in used]
-    robot_frame = _robot_frame(track, transforms)
+    robot_frame = _robot_frame(track, transforms) if floor.is_rep_103 else ""
     sensors = sensors_of(bag, robot_frame, transforms)
     cameras = cameras_of(bag, robot_frame, transforms, tuple(sensors.topics))
     quantities |= {**sensors.topics, **cameras.topics}
     changes += (*sensors.notes, *cameras.notes)
+    if robot_frame and not track.child and (sensors.sensors or cameras.cameras):
+        changes.append(f"places of sensors are those in {robot_frame}, for whose poses those of {track.name} are taken")
     if bag.left_out:
         changes.append("topics that are not read: " + ", ".join(f"{t} ({kind})" for t, kind in bag.left_out.items()))
     return LoggedTrajectory(

@@ -40,6 +40,8 @@ class OnFloor:
     changes: tuple[str, ...]
     warnings: tuple[str, ...]
     guesses: tuple[str, ...]
+    is_rep_103: bool
+    """Whether x of the body points forward and z upwards, so that tf has the places of sensors in R."""
 
 
 def on_floor(
@@ -89,7 +91,8 @@ def on_floor(
     changes, warnings = _losses(p_WB[:, 2], R_WB, body_up)
     quantities = {"x, y": f"position, {up} up", "theta": f"direction of the body's {forward} axis"}
     pose = np.column_stack((p_WB[:, :2], yaw_rad))
-    return OnFloor(pose, quantities, tuple(changes), tuple(warnings), tuple(guesses))
+    is_rep_103 = (forward, body_up) == (Axis.X, Axis.Z)
+    return OnFloor(pose, quantities, tuple(changes), tuple(warnings), tuple(guesses), is_rep_103)
 
 
 def _world(up: Axis) -> Array:

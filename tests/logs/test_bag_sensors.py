@@ -149,3 +149,15 @@ def test_scans_that_begin_at_other_angles_are_not_taken(tmp_path):
     trajectory, sensors = read(tmp_path, 1, turned)
     assert "scan" not in sensors
     assert any(text.startswith("left out: /scan: its scans begin at different angles") for text in trajectory.changes)
+
+
+def test_a_sensor_that_moves_on_the_robot_has_no_place(tmp_path):
+    def turned(seconds, yaw_rad):
+        late_ns = START_NS + round(1e9 * seconds)
+        X = pose_X_WR(-0.03, 0.02, yaw_rad)
+        return lambda ros: (late_ns, "/tf", ros.transform(late_ns, "base_link", "turret", X))
+
+    trajectory, sensors = read(tmp_path, 1, turned(1.5, 0.0), turned(2.0, 0.3))
+    assert "x_m" not in sensors["scan"].settings
+    assert "x_m" in sensors["imu_data"].settings
+    assert "scan: laser moves on the robot, so its place on the robot is not known" in trajectory.changes
