@@ -43,6 +43,7 @@ class ImportedRows:
 
     rows: Rows
     tables: tuple[ImportedTable, ...]
+    """In the order of their names, as metadata.json has them."""
     changes: tuple[str, ...]
     """What was changed, in one sentence each."""
 
@@ -93,7 +94,7 @@ def imported_rows(
             text = f"{sensor.name}: left out: {plural(left_out, 'sample')} before the first or after the last row"
             changes.append(f"{text}, or with the time of another one")
         tables += [table] if len(table.numbers) else []
-    return ImportedRows(rows, tuple(tables), tuple(changes))
+    return ImportedRows(rows, tuple(sorted(tables, key=lambda one: one.table.name)), tuple(changes))
 
 
 def _rows(t_ms: Array, pose: Array, readings: dict[str, Array], no_target_m: float) -> Rows:

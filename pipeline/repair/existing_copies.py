@@ -6,6 +6,7 @@ from pathlib import Path
 from pipeline.repair.repair_state import RUN_PARTS, RepairState
 from pipeline.stages.assemble import METADATA_COPY
 from pipeline.stages.render import IMAGES
+from pipeline.stages.run_tables import TAKEN
 from pipeline.stages.simulate_runs import SPEC
 from symolo.core.files.atomic_files import make_folder, remove_folder, write_file
 from symolo.core.files.plain_files import FileKind, read_file
@@ -62,6 +63,9 @@ def _copy_in_stages(state: RepairState, name: str) -> Path | None:
         return None
     run, inner = "/".join(parts[:RUN_PARTS]), parts[RUN_PARTS]
     camera, file = camera_and_file(inner)
+    of_log = state.workspace.simulate(run).path / TAKEN / inner
+    if camera and of_log.is_file():
+        return of_log
     if file.startswith(f"{IMAGES}/"):
         return state.workspace.render(run, camera).path / file
     if file.startswith(f"{ANNOTATIONS}/"):

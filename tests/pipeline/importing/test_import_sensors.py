@@ -106,6 +106,14 @@ def test_verify_finds_damage_of_a_recorded_camera(path, change, message, recorde
     assert (ended.code, message in ended.out) == (4, True), ended.out
 
 
+def test_repair_takes_recorded_images_from_the_stages_and_writes_the_description_again(recorded, copy_of, symolo):
+    root = copy_of(recorded, stages=True)
+    (root / "README.md").unlink()
+    (root / "imported/test_1/cameras/left/images/000002.jpg").write_bytes(b"damaged")
+    ended = symolo("repair", root)
+    assert (ended.code, symolo("verify", root).out.strip()) == (0, f"{root}: no fault"), ended.out
+
+
 def test_rerender_replaces_recorded_cameras_by_rendered_ones(recorded):
     sources = read_sources([recorded], None, ImportRequest((recorded,)))
     (run,) = prepare(sources, RerenderRequest(("lab",), camera_hz=5)).runs
