@@ -30,6 +30,7 @@ from pipeline.commands import (
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.import_logs import import_logs
 from pipeline.commands.model import model
+from pipeline.commands.next_trial import next_trial
 from pipeline.commands.preview import preview
 from pipeline.commands.rerender import rerender
 from pipeline.commands.sign import sign
@@ -76,11 +77,14 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
         *(keeping.status, keeping.repair, sign),
         *(sharing.bag, sharing.export, sharing.pack, sharing.upload, sharing.download),
     ),
-    "Explain measured data": (explanation.inspect, explanation.diagnose, explanation.identify_camera),
+    "Explain measured data": (
+        *(explanation.inspect, explanation.diagnose),
+        *(next_trial, explanation.identify_camera),
+    ),
 }
 """Commands by their heading, both in the order of `symolo --help`."""
-NAMES: dict[Callable[..., int | None], str] = {import_logs: "import"}
-"""Commands with another name than their function, which Python reserves."""
+NAMES: dict[Callable[..., int | None], str] = {import_logs: "import", next_trial: "next"}
+"""Commands with another name than their function, which Python reserves or has as a function."""
 
 
 def command_line() -> typer.Typer:

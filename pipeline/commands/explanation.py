@@ -179,6 +179,8 @@ def diagnose(
 
     - the file of each effect of your own that the extended robot has
 
+    - made_from.json: the cases and options, for `symolo next`
+
     - summary.txt, reasoning.txt, plots/: the printed text, and the plots of
       the page
 

@@ -16,6 +16,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NOMINAL
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
+from pipeline.diagnosing.made_from import MADE_FROM, MadeFrom
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
 from symolo.core.child_process import Failed, Finished
@@ -101,6 +102,11 @@ def read_case(path: Path, settings: DiagnosisSettings) -> Measurement:
     return hold_out(measurement, settings.held_out) if settings.held_out else measurement
 
 
+def robot_of(settings: DiagnosisSettings) -> RobotConfig | None:
+    """Return the nominal robot of the settings; None for the one that the case itself describes."""
+    return RobotConfig.model_validate_json(settings.nominal) if settings.nominal else None
+
+
 def diagnose_cases(
     cases: Sequence[NamedCase], settings: DiagnosisSettings, *, out: Path, workers: int, report: Report
 ) -> list[UnitFailure]:
@@ -149,12 +155,14 @@ def diagnose_into(path: Path, settings: DiagnosisSettings, folder: Path) -> None
     from diagnosis.diagnose import diagnose  # noqa: PLC0415 - loads SciPy and Matplotlib, which the command need not
     from diagnosis.report.files import PLOTS, VARIED_FILE, files  # noqa: PLC0415 - as above
 
-    robot = RobotConfig.model_validate_json(settings.nominal) if settings.nominal else None
+    robot = robot_of(settings)
     release = None if settings.against is None else read_measurement(settings.against, IMPORTERS)
     measurement = read_case(path, settings)
     is_blind = measurement.kind in BLIND
     unseen = read_blind(path if path.is_dir() else path.parent, measurement.kind) if is_blind else {}
     contents = files(diagnose(measurement, robot), pybullet=settings.pybullet, release=release, unseen=unseen)
+    made_from = MadeFrom.of(path, settings).model_dump_json(indent=2, exclude_defaults=True) + "\n"
+    contents = {**contents, MADE_FROM: made_from.encode()}
     make_folder(folder / PLOTS)
     for old in (folder / VARIED_FILE, folder / TRACEBACK, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in contents:

@@ -98,6 +98,7 @@ ELSEWHERE = {
     **dict.fromkeys(("release", "simulate", "render", "assemble"), "test_release_under_faults.py"),
     "hil": "a release, but for the drive",
     "identify-camera": "writes as `validate` does",
+    "next": "writes a new folder as `model` does",
 }
 
 

@@ -55,7 +55,7 @@ def _size(
 
 
 @dataclass(frozen=True)
-class _Drawn:
+class Drawn:
     """A setting and the effects that it shows."""
 
     setting: Setting
@@ -64,7 +64,7 @@ class _Drawn:
     rivals: dict[str, float]  # LR beside every listed name, for an outside effect and one effect on the mean
 
 
-def _draw_once(kind: type[Setting], category: str, names: list[str], rng: np.random.Generator) -> _Drawn | None:
+def _draw_once(kind: type[Setting], category: str, names: list[str], rng: np.random.Generator) -> Drawn | None:
     """Draw a setting and sizes; return None where the setting cannot show the effects."""
     setting = kind(rng)
     if not setting.prepare(names, rng):
@@ -73,7 +73,7 @@ def _draw_once(kind: type[Setting], category: str, names: list[str], rng: np.ran
     low = OUTSIDE_LOW * 2 if category == "outside" else LOW
     targets = [log_uniform(rng, low, HIGH) for _ in names]
     if not names:
-        return _Drawn(setting, [], [], {})
+        return Drawn(setting, [], [], {})
     solved = _size(setting, recipes, targets, category)
     if solved is None:
         return None
@@ -83,10 +83,10 @@ def _draw_once(kind: type[Setting], category: str, names: list[str], rng: np.ran
         rivals = detectability.ratios_beside_names(setting, sized, rng)
     if category == "outside" and min(rivals.values()) < OUTSIDE_LOW:
         return None
-    return _Drawn(setting, sized, ratios, rivals)
+    return Drawn(setting, sized, ratios, rivals)
 
 
-def _entries(drawn: _Drawn) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def _entries(drawn: Drawn) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Return what truth.json reports about the listed and the outside effects."""
     effects, outside = [], []
     for (recipe, size), ratio in zip(drawn.sized, drawn.ratios, strict=True):
@@ -105,10 +105,8 @@ def _entries(drawn: _Drawn) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]
     return effects, outside
 
 
-def make_case(
-    kind: type[Setting], category: str, names: list[str], rng: np.random.Generator
-) -> tuple[CaseFiles, dict[str, Any]]:
-    """Return the files of one case and its entry of truth.json.
+def draw_case(kind: type[Setting], category: str, names: list[str], rng: np.random.Generator) -> tuple[Drawn, int]:
+    """Return the setting and the effects of one case, and the number of settings that were tried.
 
     Raises RuntimeError where no setting of many shows the effects.
     """
@@ -116,6 +114,14 @@ def make_case(
     attempt, drawn = next((pair for pair in attempts if pair[1] is not None), (ATTEMPTS, None))
     if drawn is None:
         raise RuntimeError(f"{kind.KIND}: {names} is not detectable in {ATTEMPTS} settings; use another seed")
+    return drawn, attempt
+
+
+def make_case(
+    kind: type[Setting], category: str, names: list[str], rng: np.random.Generator
+) -> tuple[CaseFiles, dict[str, Any]]:
+    """Return the files of one case and its entry of truth.json."""
+    drawn, attempt = draw_case(kind, category, names, rng)
     setting = drawn.setting
     files = setting.produce(variant_of(drawn.sized), rng)
     effects, outside = _entries(drawn)
@@ -135,12 +141,19 @@ def make_case(
     return files, truth
 
 
-def make_cases(kind: str, count: int, seed: int) -> Iterator[tuple[CaseFiles, dict[str, Any]]]:
-    """Yield the files and the truth of `count` cases; the same for the same arguments."""
+def deal_cases(kind: str, count: int, seed: int) -> Iterator[tuple[str, list[str], np.random.Generator]]:
+    """Yield the category, the names and the random stream of `count` cases."""
     number = sorted(KINDS).index(kind)
     dealer = np.random.default_rng([seed, number])
     categories = deal_categories(dealer, count)
     names = deal_names(dealer, categories, KINDS[kind].PLACE, KINDS[kind].OUTSIDE)
     for i, category in enumerate(categories):
-        files, truth = make_case(KINDS[kind], category, names[i], np.random.default_rng([seed, number, i]))
+        yield category, names[i], np.random.default_rng([seed, number, i])
+
+
+def make_cases(kind: str, count: int, seed: int) -> Iterator[tuple[CaseFiles, dict[str, Any]]]:
+    """Yield the files and the truth of `count` cases; the same for the same arguments."""
+    number = sorted(KINDS).index(kind)
+    for i, (category, names, rng) in enumerate(deal_cases(kind, count, seed)):
+        files, truth = make_case(KINDS[kind], category, names, rng)
         yield files, {"case": f"{kind}_{i + 1:03d}", "seed": [seed, number, i], **truth}

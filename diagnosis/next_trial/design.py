@@ -1,0 +1,133 @@
+"""The best trial within limits: it tells the remaining models apart, and then narrows their parameters."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.diagnose import Diagnosis
+from diagnosis.measured.measurement import CaseKind, Measurement
+from diagnosis.next_trial.exchange import Criterion, best_units
+from diagnosis.next_trial.expectation import Expectation, expectation
+from diagnosis.next_trial.library import LIBRARIES
+from diagnosis.next_trial.library.base import Units
+from diagnosis.next_trial.limits import Limits
+from diagnosis.next_trial.models import predicted_units, robots_of
+from diagnosis.next_trial.remaining import RemainingModel, remaining_models
+from diagnosis.next_trial.separation import Sums, UnitStatistics
+from diagnosis.next_trial.template import template_of
+from symolo.core.arrays import Array
+
+ENOUGH = 9.0
+"""Separation in standard deviations from which a larger one is not needed."""
+PRECISION = 0.02
+"""Weight of the precision of the parameters beside a separation: it decides between trials that separate alike."""
+ORDERED = 0.02
+"""Share of the criterion that an order of the rows that is easy to do may cost."""
+WEAK = 3.0
+"""Separation in standard deviations below which two models are not told apart."""
+RELAXED = 2.0
+"""Factor on a limit by which it is tried whether this limit hinders."""
+
+
+@dataclass(frozen=True)
+class RelaxedLimit:
+    """A limit, and the smallest separation with a wider one."""
+
+    text: str
+    """What would be allowed, such as `30 s instead of 15 s`."""
+    smallest: float
+
+
+@dataclass(frozen=True, eq=False)
+class TrialDesign:
+    """A trial and what is expected of it."""
+
+    diagnosis: Diagnosis
+    models: tuple[RemainingModel, ...]
+    limits: Limits
+    trial: Measurement
+    """The trial without readings."""
+    titles: tuple[str, ...]
+    """Description of each run of the trial; empty for the rows of a bench."""
+    means: Array
+    """(models, N), readings as each model predicts them, in the order of the observed quantities."""
+    expected: Expectation
+    hindrances: tuple[RelaxedLimit, ...]
+    """Wider limits, the most helpful first, if the trial does not tell all models apart; else empty."""
+
+
+def design_trial(diagnosis: Diagnosis, limits: Limits) -> TrialDesign:
+    """Return the best trial within limits.
+
+    Raises:
+        InputError: There is nothing to tell apart, or no trial can be designed for such data.
+    """
+    template = template_of(diagnosis.measurement)
+    models = remaining_models(diagnosis)
+    trial, titles = _best(diagnosis, models, template, limits)
+    units = predicted_units(diagnosis, models, trial)
+    expected = expectation(models, units)
+    means = units.evidence.predicted(robots_of(models)).mean
+    smallest = expected.smallest
+    hindrances: list[RelaxedLimit] = []
+    if smallest is not None and smallest.separation < WEAK:
+        for text, wider in _relaxed(template, limits):
+            longer, _ = _best(diagnosis, models, template, wider)
+            other = expectation(models, predicted_units(diagnosis, models, longer)).smallest
+            if other is not None:
+                hindrances.append(RelaxedLimit(text, other.separation))
+        hindrances.sort(key=lambda each: -each.smallest)
+    return TrialDesign(diagnosis, models, limits, trial, titles, means, expected, tuple(hindrances))
+
+
+def _best(
+    diagnosis: Diagnosis, models: tuple[RemainingModel, ...], template: Measurement, limits: Limits
+) -> tuple[Measurement, tuple[str, ...]]:
+    """Return the best trial within limits, without readings, and the descriptions of its runs."""
+    library = LIBRARIES[template.kind](template, limits, robots_of(models))
+    statistics = predicted_units(diagnosis, models, library.measurement).statistics(library)
+    criterion = criterion_of(statistics)
+    units = best_units(statistics, library.slots, library.setting, criterion)
+    easy = library.ordered(units)
+    best, other = (_value(statistics, criterion, each) for each in (units, easy))
+    chosen = easy if other >= best - ORDERED * abs(best) else units
+    return library.composed(chosen), tuple(library.titles[unit] for unit in chosen.tolist() if library.titles)
+
+
+def criterion_of(statistics: UnitStatistics) -> Criterion:
+    """Return the criterion: the smallest separation of each model from its rivals, as a mean by weight, and precision.
+
+    A separation counts up to ENOUGH, so that no pair is neglected for another one that is far apart already.
+    """
+    weights = np.array([model.weight for model in statistics.models])
+
+    def value(sums: Sums) -> Array:
+        precision = PRECISION * statistics.precision(sums)
+        if len(weights) == 1:
+            return precision
+        smallest = np.minimum(statistics.smallest(statistics.separations(sums)), ENOUGH)
+        return smallest @ weights + precision
+
+    return value
+
+
+def _value(statistics: UnitStatistics, criterion: Criterion, units: Units) -> float:
+    return float(criterion(statistics.of_units.of(units).total()))
+
+
+def _relaxed(template: Measurement, limits: Limits) -> Iterator[tuple[str, Limits]]:
+    """Yield wider limits with a text each."""
+    seconds = RELAXED * limits.seconds
+    yield f"{seconds:g} s instead of {limits.seconds:g} s", replace(limits, seconds=seconds)
+    if template.kind is CaseKind.TOF_BENCH:
+        near_m, far_m = limits.distances_m
+        wider = (near_m / RELAXED, far_m * RELAXED)
+        text = f"distances from {wider[0]:.3g} to {wider[1]:.3g} m"
+        yield text, replace(limits, distances_m=wider)
+        return
+    voltage_V = RELAXED * limits.max_voltage_V
+    text = f"{voltage_V:g} V instead of {limits.max_voltage_V:g} V"
+    yield text, replace(limits, max_voltage_V=voltage_V)
+    if limits.one_direction:
+        yield "both directions", replace(limits, one_direction=False)

@@ -1,0 +1,85 @@
+"""Rows of a range bench: distance, material, angle and light of each reading."""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.measurement import Measurement, Trial
+from diagnosis.measured.nominal import NominalTof
+from diagnosis.next_trial.library.base import Library, Units
+from diagnosis.next_trial.limits import Limits
+from diagnosis.next_trial.template import measurement_of, trial_with
+from symolo.core.arrays import Array
+
+DISTANCES = 13
+ORDER = ("material", "incidence_rad", "ambient_lux", "distance_m")
+"""Inputs by which the rows are sorted: those that are changed with most effort come first."""
+
+
+def tof_bench(template: Measurement, limits: Limits, robots: Sequence[RobotConfig]) -> Library:
+    """Return the rows for the limits; each input stays within the values of the old data."""
+    del robots
+    near_m, far_m = limits.distances_m
+    conditions = list(
+        product(
+            _materials(template),
+            _values(template, "incidence_rad"),
+            _values(template, "ambient_lux"),
+            np.round(np.geomspace(max(near_m, 1e-3), far_m, DISTANCES), 3).tolist(),
+        )
+    )
+    columns = {
+        name: np.array([condition[k] for condition in conditions], dtype=float)
+        for k, name in enumerate(ORDER)
+        if name != "material"
+    }
+    materials = np.array([condition[0] for condition in conditions])
+    t_s = limits.row_s * np.arange(1.0, limits.units + 1.0)
+    count, temperature = len(t_s), _values(template, "temperature_C")[0]
+
+    def trial(name: str, chosen: Units) -> Trial:
+        inputs = {key: values[chosen] for key, values in columns.items()}
+        inputs["temperature_C"] = np.full(len(chosen), temperature)
+        return trial_with(template, name, t_s.copy(), inputs, words={"material": materials[chosen].tolist()})
+
+    def composed(units: Units) -> Measurement:
+        return measurement_of(template, [trial("1", units // count)])
+
+    def ordered(units: Units) -> Units:
+        chosen = units // count
+        keys = [columns["distance_m"], columns["ambient_lux"], columns["incidence_rad"], _codes(materials)]
+        return chosen[np.lexsort([key[chosen] for key in keys])] * count + np.arange(count)
+
+    trials = [trial(str(k + 1), np.full(count, k)) for k in range(len(conditions))]
+    slots = tuple(np.arange(len(conditions)) * count + slot for slot in range(count))
+    return Library(
+        measurement_of(template, trials),
+        np.arange(len(conditions) * count) // count,
+        is_unit_a_row=True,
+        slots=slots,
+        composed=composed,
+        ordered=ordered,
+    )
+
+
+def _materials(template: Measurement) -> list[str]:
+    """Return the materials of the old data, in the order of the nominal parameters."""
+    labels = [trial.label("material").values for trial in template.trials]
+    seen = dict.fromkeys(word for words in labels for word in words)
+    known = template.nominal.tof.reflectance if isinstance(template.nominal, NominalTof) else {}
+    return [*(name for name in known if name in seen), *(name for name in seen if name not in known)]
+
+
+def _values(template: Measurement, name: str) -> list[float]:
+    """Return the usual, least and greatest values of an input of the old data; NaN if it was not logged."""
+    values = np.concatenate([channel.values for channel in template.across(name)])
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return [np.nan]
+    return list(dict.fromkeys(np.round([np.median(known), known.min(), known.max()], 4).tolist()))
+
+
+def _codes(words: Array) -> Array:
+    return np.unique(words, return_inverse=True)[1].astype(float)

@@ -1,0 +1,87 @@
+"""A measurement with inputs and without readings, of the same kind and robot as the old data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.measured.channel import Channel, Label, Role
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from diagnosis.measured.nominal import NominalTof
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
+
+KINDS = (CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP, CaseKind.TOF_BENCH)
+"""Kinds of measurement for which a trial can be designed."""
+
+
+def template_of(measurement: Measurement) -> Measurement:
+    """Return the first case of a measurement, whose kind and nominal parameters the next trial has.
+
+    Raises:
+        InputError: No trial can be designed for such data.
+    """
+    cases = measurement.cases or (measurement,)
+    kinds = {case.kind for case in cases}
+    allowed = ", ".join(KINDS)
+    if len(kinds) > 1:
+        cure = "name a diagnosis of cases of one kind"
+        raise InputError("cases of several kinds", where=measurement.where, got=", ".join(sorted(kinds)), cure=cure)
+    template = cases[0]
+    if template.kind not in KINDS or template.nominal is None:
+        what = f"no trial can be designed for data of kind {template.kind}"
+        what += "" if template.nominal is not None else " without a nominal.yaml"
+        raise InputError(what, where=measurement.where, allowed=f"{allowed}, with a nominal.yaml")
+    return template
+
+
+def trial_with(
+    template: Measurement,
+    name: str,
+    t_s: Array,
+    inputs: Mapping[str, Array],
+    *,
+    words: Mapping[str, Sequence[str]] | None = None,
+    begins_s: float = 0.0,
+) -> Trial:
+    """Return a trial with inputs (N,) and without readings; nothing of it is held out.
+
+    Args:
+        template: The old data, whose channels the trial has.
+        name: Name of the trial.
+        t_s: (N,), times.
+        inputs: Values of the inputs by channel; inputs that are left out are missing.
+        words: Words of the rows by label.
+        begins_s: Time of the beginning since the session began.
+    """
+    rows = len(t_s)
+    channels = []
+    for channel in template.trials[0].channels:
+        values = inputs.get(channel.name, np.full(rows, np.nan))
+        is_reading = channel.role is Role.READING
+        channels.append(
+            Channel.logged(
+                TimeSeries(channel.name, channel.unit, t_s.copy(), values.copy()),
+                channel.role,
+                noise_sd=_noise_sd(template, channel.name, inputs, rows) if is_reading else None,
+                noise_correlation=channel.noise_correlation,
+                clock=channel.clock,
+            )
+        )
+    labels = tuple(Label(label, tuple(values)) for label, values in (words or {}).items())
+    return Trial(name, t_s, np.zeros(rows, dtype=bool), tuple(channels), labels, begins_s)
+
+
+def measurement_of(template: Measurement, trials: Sequence[Trial], name: str = "next_trial") -> Measurement:
+    """Return trials as a measurement of the same robot as the old data."""
+    return replace(
+        template, name=name, source=MeasurementSource("the next trial", ()), trials=tuple(trials), notes=(), cases=()
+    )
+
+
+def _noise_sd(template: Measurement, name: str, inputs: Mapping[str, Array], rows: int) -> Array | None:
+    if isinstance(template.nominal, NominalTof):
+        return template.nominal.noise.sd_m(inputs["distance_m"])
+    stated = [channel.noise_sd for channel in template.across(name)]
+    return None if stated[0] is None else np.full(rows, float(np.median(stated[0])))

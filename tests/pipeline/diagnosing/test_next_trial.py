@@ -1,0 +1,96 @@
+"""`symolo next`: the trial that tells two explanations apart, its files, and what is refused."""
+
+import json
+
+import numpy as np
+import pytest
+
+from diagnosis.diagnose import diagnose
+from diagnosis.importers import IMPORTERS
+from diagnosis.importers.choose import read_measurement
+from diagnosis.next_trial.design import design_trial
+from diagnosis.next_trial.limits import limits_of
+from diagnosis.next_trial.text import hindrance_lines
+from pipeline.diagnosing.made_from import MADE_FROM
+from symolo.core.errors import InputError
+
+COULOMB = "coulomb_friction_scale"
+ASYMMETRY = "friction_asymmetry"
+
+
+@pytest.fixture(scope="module")
+def forward_only(motor_bench_case, tmp_path_factory):
+    """A bench whose motor has 1.6 times the dry friction, or that much in this direction only: nobody reversed it."""
+    root = tmp_path_factory.mktemp("forward")
+    folder = motor_bench_case(root / "bench", sweeps=1)
+    noise = np.random.default_rng(11)
+    lines = ["row,sweep,split,t_s,u_cmd_V,current_A,omega_rad_s"]
+    for row in range(21):
+        volts, resistance, constant, viscous, coulomb = 0.25 * row, 3.0, 0.3, 0.002, 0.032
+        speed = max(constant * volts / resistance - coulomb, 0.0) / (constant**2 / resistance + viscous)
+        current = (volts - constant * speed) / resistance + 0.001 * noise.standard_normal()
+        speed += 0.04 * noise.standard_normal() * (speed > 0.0)
+        split = "holdout" if row % 4 == 3 else "fit"
+        lines.append(f"{row + 1},1,{split},{3.0 * row},{volts},{current:.6f},{speed:.5f}")
+    (folder / "data.csv").write_text("\n".join(lines) + "\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def diagnosis(forward_only):
+    return diagnose(read_measurement(forward_only, IMPORTERS))
+
+
+def record(case, folder):
+    folder.mkdir()
+    (folder / MADE_FROM).write_text(json.dumps({"cases": [str(case)]}))
+    return folder
+
+
+def test_a_friction_of_one_direction_is_told_from_more_friction_by_reversing(symolo, forward_only, tmp_path):
+    """Forward, Tc (1 - a) and s Tc are one number; in reverse they are (1 + a) Tc and s Tc."""
+    made = record(forward_only, tmp_path / "diagnosis")
+    ended = symolo("next", made, "--rows", 6, "--row-seconds", 1, "--out", tmp_path / "next")
+    assert ended.code == 0
+    out = tmp_path / "next"
+    expected = json.loads((out / "expected.json").read_text())
+    assert {model["name"] for model in expected["models"]} == {COULOMB, ASYMMETRY}
+    assert expected["one_right"] > 0.95
+    rows = (out / "trial_1" / "data.csv").read_text().splitlines()
+    assert len(rows) == 7
+    assert all(row.endswith(",,") for row in rows[1:])
+    voltage_V = [float(row.split(",")[4]) for row in rows[1:]]
+    assert min(voltage_V) < 0.0
+    assert max(map(abs, voltage_V)) <= 5.0
+    header = (out / "voltages.h").read_text()
+    assert all(f"{{1000, {round(1000.0 * volts)}}}" in header for volts in voltage_V)
+    assert ended.out.startswith((out / "trial.md").read_text().rstrip("\n"))
+    assert f"{out / 'trial_1'} --together" in ended.out
+
+
+def test_what_hinders_most_is_named_where_no_trial_tells_two_effects_apart(diagnosis):
+    limits = limits_of(diagnosis.measurement, rows=6, row_s=1.0, one_direction=True)
+    design = design_trial(diagnosis, limits)
+    smallest = design.expected.smallest
+    assert smallest is not None
+    assert smallest.separation == pytest.approx(0.0, abs=0.05)
+    assert design.hindrances[0].text == "both directions"
+    assert "Both directions would be enough" in " ".join(hindrance_lines(design))
+
+
+def test_limits_that_leave_no_trial_are_refused(diagnosis):
+    with pytest.raises(InputError, match="rows or runs"):
+        limits_of(diagnosis.measurement, seconds=4.0)
+    with pytest.raises(InputError, match="does not turn"):
+        design_trial(diagnosis, limits_of(diagnosis.measurement, row_s=1.0, max_voltage_V=0.1))
+
+
+def test_what_is_no_diagnosis_or_has_lost_its_case_is_refused(symolo, forward_only, tmp_path):
+    ended = symolo("next", forward_only, "--out", tmp_path / "next")
+    assert ended.code == 2
+    assert "there is no made_from.json" in ended.err
+    made = record(tmp_path / "gone", tmp_path / "diagnosis")
+    ended = symolo("next", made, "--out", tmp_path / "next")
+    assert ended.code == 2
+    assert "no longer there" in ended.err
+    assert not (tmp_path / "next").exists()
