@@ -3,7 +3,8 @@
     python painter.py JOB SETTINGS FOLDER THREADS
 
 Settings: {"kind": "ours", "sampling": fields of `TracingSettings`, "hybrid": fields of `HybridSamples` or null},
-{"kind": "plain", "cycles": properties of Cycles}, or {"kind": "passes", "samples": N, "seed": N}.
+{"kind": "plain", "cycles": properties of Cycles}, {"kind": "passes", "samples": N, "seed": N}, or {"kind": "chosen"},
+which leaves the settings to the measurement of a long run.
 """
 
 import sys
@@ -35,8 +36,9 @@ def main() -> None:
     kind = request.settings["kind"]
     parts = request.settings.get("hybrid")
     sampling_fields = {**request.settings.get("sampling", {}), "hybrid": HybridSamples(**parts) if parts else None}
-    sampling = replace(request.job.sampling, **sampling_fields)
-    request = replace(request, job=replace(request.job, sampling=sampling))
+    if kind != "chosen":
+        sampling = replace(request.job.sampling, **sampling_fields)
+        request = replace(request, job=replace(request.job, sampling=sampling))
     build.start()
     build.build(request.job.scene, request.job.camera, caustics=request.job.sampling.paths.caustics)
     engine.configure(request.job, request.threads, request.folder)
@@ -48,6 +50,15 @@ def _ours(request: PaintRequest) -> Paint:
 
     images = engine.FrameTracer(request.job, request.threads, request.folder)
     return _painted(request, lambda view, _warm_up: images.light(view))
+
+
+def _chosen(request: PaintRequest) -> Paint:
+    """Return a painter that renders as a long run does; its decision lies in the folder of the images."""
+    from blender_scenes.blender_side.choice import tracer_for  # noqa: PLC0415 - it imports bpy
+
+    images = request.folder / "images"
+    tracer = tracer_for(request.job, "", images, request.threads, request.folder, lambda: None)
+    return _painted(request, lambda view, _warm_up: tracer.light(view))
 
 
 def _plain(request: PaintRequest) -> Paint:
@@ -101,7 +112,7 @@ def _passes(request: PaintRequest) -> Paint:
     return paint
 
 
-_KINDS = {"ours": _ours, "plain": _plain, "passes": _passes}
+_KINDS = {"ours": _ours, "chosen": _chosen, "plain": _plain, "passes": _passes}
 
 
 def _split(channels: dict[str, np.ndarray]) -> np.ndarray:

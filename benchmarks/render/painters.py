@@ -13,6 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.probe import Decision, read_decision
 from blender_scenes.render.surroundings import without_blender_settings
 
 _HERE = Path(__file__).parent
@@ -66,6 +67,13 @@ class Painter:
     def light(self, number: int) -> np.ndarray:
         """(H, W, 3) linear light of a frame that was rendered last, or its passes."""
         return np.load(Path(self._folder.name) / f"{number}.npy")
+
+    def decision(self) -> Decision:
+        """Return what a painter of the kind `chosen` has chosen."""
+        decision = read_decision(Path(self._folder.name, "images"), "")
+        if decision is None:
+            raise ChildProcessError("the rendering process chose nothing")
+        return decision
 
     def __enter__(self) -> Self:
         return self

@@ -11,14 +11,13 @@ from blender_scenes.blender_side.engine import FrameTracer, noise_seed, traced_l
 from blender_scenes.blender_side.rendering import Part
 from blender_scenes.render.crop_errors import mean_square_errors
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.probe import CropErrors, TracedSamples
+from blender_scenes.render.probe import CropErrors, TracedSamples, probed_numbers
 from blender_scenes.render.sampling import HybridSamples
 from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView
 from symolo.core.arrays import FloatImage
 from symolo.core.random_streams import stream
 
-_VIEWS = 4
 _CORE_PX = 48, 40
 """Maximum width and height of the part of a crop that counts; each view has one in its upper and one in its lower half.
 
@@ -60,7 +59,7 @@ class CropProbe:
         camera = pinhole_image(job.camera).camera
         self._size = camera.width_px, camera.height_px
         FrameTracer(job, threads, scratch, metered)  # sets the limit on the light of a path
-        numbers = np.unique(((np.arange(_VIEWS) + 0.5) / _VIEWS * len(job.frames)).astype(int)).tolist()
+        numbers = probed_numbers(len(job.frames))
         self._crops = [self._crop(job.frames[number], half) for number in numbers for half in range(2)]
 
     def errors(self, candidate: HybridSamples | TracedSamples) -> CropErrors:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from blender_scenes.render.sampling import HybridSamples, TracingSettings
@@ -18,6 +19,7 @@ from symolo.dataset.documents.rendering_record import ImageErrorRecord
 
 PROBE = "probe.json"
 """File beside the folder of the images, with the decision."""
+PROBE_VIEWS = 4
 _MARGIN = 10 ** (-0.5 / 10)
 """Maximum ratio of the mean square errors of a rendering and of JPEG, over all crops."""
 _WORST = 10 ** (1 / 10)
@@ -90,6 +92,11 @@ class Decision:
             hybrid=None,
             probe=False,
         )
+
+
+def probed_numbers(images: int) -> list[int]:
+    """Return the indices of the images of a run of that length on whose crops errors are measured."""
+    return np.unique(((np.arange(PROBE_VIEWS) + 0.5) / PROBE_VIEWS * images).astype(int)).tolist()
 
 
 def _ratio(rendering: float, jpeg: float) -> float:

@@ -3,7 +3,7 @@
 import bpy
 
 COVER, SURFACE_DATA = "cover", "surface_data"
-"""Additional passes: the share of a pixel that is floor; and height of the relief, number of the mesh, roughness."""
+"""Additional passes: share of a pixel that is floor; height of the relief, number of the material, and roughness."""
 MIDDLE_GREY = 0.5
 """Reflectance of the floor in the light image, in place of its real one."""
 

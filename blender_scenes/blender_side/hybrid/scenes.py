@@ -75,7 +75,8 @@ class HybridScenes:
         _add_pass(self._view, COVER)
         self._reflectance = self._scene("reflectance", ())
         self._keep_floor(self._reflectance)
-        numbers = {item.data.materials[0].name: number for number, item in enumerate(self._floor)}
+        names = dict.fromkeys(material.name for item in self._floor for material in item.data.materials)
+        numbers = {name: number for number, name in enumerate(names)}
         self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
         self._reflectance.cycles.filter_width = _MIN_FILTER_PX
         _add_pass(self._reflectance, SURFACE_DATA)

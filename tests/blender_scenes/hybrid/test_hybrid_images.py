@@ -94,6 +94,22 @@ def _scene(*walls: Mesh, ground: Surface = FLOOR) -> Scene:
     )
 
 
+def _with_sheet(scene: Scene) -> Scene:
+    """Return the scene with a red sheet of paper on its floor, which is a face of the floor's mesh."""
+    ground, *others = scene.meshes
+    corners = [(x, y, 0.00005) for x, y in ((0.25, 0.1), (0.75, 0.1), (0.75, 0.45), (0.25, 0.45))]
+    sheet = rectangle("sheet", corners, "red")
+    first = len(ground.vertices)
+    both = replace(
+        ground,
+        vertices=(*ground.vertices, *sheet.vertices),
+        faces=(*ground.faces, *(tuple(first + corner for corner in face) for face in sheet.faces)),
+        face_surface=(*ground.face_surface, *sheet.face_surface),
+        uv_m=(*ground.uv_m, *sheet.uv_m),
+    )
+    return replace(scene, meshes=(both, *others))
+
+
 def _at(number: int, pose: PlanarPose, moving: PlanarPose = AWAY) -> FrameView:
     return FrameView(number, 0.0, pose, _rows(pose), (moving,))
 
@@ -146,6 +162,7 @@ def images(lights_of) -> dict[str, np.ndarray]:
         "glass": (behind, STILL[:1], INSTANT),
         "mirror": (before, STILL[:1], INSTANT),
         "taped": (_scene(ground=TAPED), STILL[:1], INSTANT),
+        "sheet": (_with_sheet(_scene()), STILL[:1], INSTANT),
         "bumper": (replace(_scene(), robot_in_sight=(BUMPER,)), STILL[:1], INSTANT),
         "bulb": (replace(_scene(), panels=(LAMP, BEHIND, BULB)), STILL[:1], INSTANT),
     }
@@ -232,6 +249,17 @@ def test_a_glossy_strip_on_a_rough_floor_is_as_bright_as_in_a_full_image(images,
     around = np.r_[0:1, 6:8]
     assert np.abs(full[1:6] / full[around].mean() - 1).max() > 0.05
     assert hybrid == pytest.approx(full, rel=0.03)
+
+
+def test_a_sheet_of_another_material_on_the_floor_is_as_bright_as_in_a_full_image(images):
+    (left, bottom), (right, top) = (
+        project(CAMERA, HERE, np.array([corner]))[0][0] for corner in ((0.3, 0.2, 0.0), (0.55, 0.12, 0.0))
+    )
+    sheet = np.s_[int(np.ceil(top)) : int(bottom), int(np.ceil(left)) : int(right)]
+    hybrid, full = (images[f"sheet {kind}"][0][sheet] for kind in ("hybrid", "full"))
+    assert full.size > 3 * 40
+    assert full[..., 0].mean() > 3 * full[..., 1].mean()
+    assert hybrid.mean(axis=(0, 1)) == pytest.approx(full.mean(axis=(0, 1)), rel=0.05)
 
 
 @pytest.mark.parametrize("light", ["as many pixels", "half as many"])
