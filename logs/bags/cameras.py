@@ -29,7 +29,7 @@ class BagCameras:
 
     cameras: tuple[LoggedCamera, ...]
     topics: dict[str, str]
-    """Topic by the name of the camera."""
+    """Topic, number and size of the images by the name of the camera."""
     notes: tuple[str, ...]
     """What was changed or left out, in one sentence each."""
 
@@ -59,7 +59,9 @@ def cameras_of(bag: Bag, robot_frame: str, transforms: Sequence[Track], taken: S
         except _LeftOutError as error:
             notes.append(f"left out: {images.topic}: {error}")
             continue
-        by_place[place], topics[name] = images.topic, images.topic
+        by_place[place] = images.topic
+        count = plural(len(camera.files), "image")
+        topics[name] = f"{images.topic}: {count} of {camera.size[0]} x {camera.size[1]} px"
         cameras.append(camera)
         notes += changes
     return BagCameras(tuple(cameras), topics, tuple(notes))

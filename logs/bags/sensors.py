@@ -34,7 +34,7 @@ class BagSensors:
 
     sensors: tuple[LoggedSensor, ...]
     topics: dict[str, str]
-    """Topic by the name of the sensor."""
+    """Topic and number of the messages by the name of the sensor."""
     notes: tuple[str, ...]
     """What was left out or is not known, in one sentence each."""
 
@@ -61,7 +61,8 @@ def sensors_of(bag: Bag, robot_frame: str, transforms: Sequence[Track]) -> BagSe
         if isinstance(sensor, str):
             notes.append(f"left out: {topic.stream.topic}: {sensor}")
             continue
-        topics[name] = topic.stream.topic
+        what = "scan" if is_scan(topic) else "sample"
+        topics[name] = f"{topic.stream.topic}: {plural(len(topic.t_s), what)}"
         sensors.append(sensor)
     return BagSensors(tuple(sensors), topics, tuple(notes))
 

@@ -1,6 +1,6 @@
 """Cameras of a log as further cameras of an imported run: settings, images, times, poses and lens."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ from configs.robot_sensors import IS_LOGGED
 from configs.schema.scenario import SceneSpec
 from logs.trajectories.base import LoggedCamera
 from symolo.core.geometry.fisheye import Fisheye
+from symolo.core.progress import plural
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_files
 from symolo.dataset.documents.camera_specification import KIND, specification_of
 from symolo.dataset.documents.run_document import RunDocument
@@ -81,6 +82,14 @@ def image_times(camera: LoggedCamera, rows: Rows, start_s: float) -> tuple[list[
     is_new = np.concatenate(([True], np.diff(t_ms) > 0))
     chosen = np.flatnonzero(is_new & (t_ms >= 0) & (t_ms <= rows.t_ms[-1]))
     return chosen.tolist(), t_ms[chosen]
+
+
+def left_out_images(cameras: Sequence[LoggedCamera], rows: Rows, start_s: float) -> Iterator[str]:
+    """Yield how many images of each camera are not in the dataset, and why."""
+    for camera in cameras:
+        if left_out := len(camera.files) - len(image_times(camera, rows, start_s)[0]):
+            text = f"{camera.name}: left out: {plural(left_out, 'image')} before the first or after the last row"
+            yield f"{text}, or within a millisecond of another one"
 
 
 def _intrinsics(document: RunDocument, camera: LoggedCamera) -> bytes:

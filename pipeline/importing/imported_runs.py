@@ -14,7 +14,7 @@ from configs.robot_sensors import IS_LOGGED, RobotSensors, UnloadedSettings
 from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import SceneSpec, StartPose
 from logs.trajectories.base import LoggedCamera, ReadSettings
-from pipeline.importing.cameras import camera_content, camera_settings, image_times
+from pipeline.importing.cameras import camera_content, camera_settings, image_times, left_out_images
 from pipeline.importing.floor import MAX_HALF_EXTENT_M, fitting_floor, middle_of
 from pipeline.importing.log_files import ReadLog, read_logs
 from pipeline.importing.rows import ImportedRows, ImportedTable, imported_rows
@@ -95,7 +95,9 @@ def imported_dataset(request: ImportRequest) -> ImportedDataset:
     runs = []
     for number, each in enumerate(placed, 1):
         look, look_drawn = draw_look(look_section, request.seed, request.route, number)
-        origin = Origin(log=each.log.origin.model_copy(update={"changes": each.changes}))
+        cameras = () if request.with_images else each.log.trajectory.cameras
+        notes = left_out_images(cameras, each.imported.rows, float(each.log.trajectory.t_s[0]))
+        origin = Origin(log=each.log.origin.model_copy(update={"changes": (*each.changes, *notes)}))
         spec = SceneSpec(
             scenario=name,
             seed=request.seed,
@@ -109,7 +111,6 @@ def imported_dataset(request: ImportRequest) -> ImportedDataset:
             origin=origin,
             drawn=dict(sorted({**robot_drawn, **look_drawn}.items())),  # type: ignore[arg-type]
         )
-        cameras = () if request.with_images else each.log.trajectory.cameras
         runs.append(_taken(spec, each, cameras))
     sections = {"arena": arena_tree, "robot": robot_section.tree, "look": look_section.tree}
     tree = {

@@ -165,7 +165,7 @@ def test_jpeg_files_stay_as_they_are_and_the_lens_is_that_of_the_camera_info(mix
     assert (cameras["wide"].distortion_model, cameras["wide"].D) == ("equidistant", (0.01, 0.002, 0.0, 0.0))
     place = {"x_m": 0.06, "y_m": 0.01, "z_m": 0.12, "yaw_deg": 0.0, "pitch_up_deg": 0.0, "roll_deg": 0.0}
     assert good.settings == {"period_s": 0.5, "delay_s": 0.0, **place}
-    assert trajectory.quantities["good"] == "/good/image_raw/compressed"
+    assert trajectory.quantities["good"] == "/good/image_raw/compressed: 6 images of 16 x 12 px"
 
 
 @pytest.mark.parametrize(

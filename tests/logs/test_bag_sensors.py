@@ -86,7 +86,7 @@ def drive(request, tmp_path_factory):
 def test_scans_have_their_rays_and_the_time_of_the_last_one(drive):
     trajectory, sensors = drive
     lidar = sensors["scan"]
-    assert (lidar.kind, trajectory.quantities["scan"]) == ("lidar", "/scan")
+    assert (lidar.kind, trajectory.quantities["scan"]) == ("lidar", "/scan: 10 scans")
     expected = [[1.25 + 0.1 * n, 0.0, 0.0, math.nan, math.nan, 0.0, 2.5, 0.1234] for n in range(SCANS)]
     np.testing.assert_allclose(lidar.values[:, :RAYS], expected, rtol=1e-7)  # floats of 32 bits
     np.testing.assert_array_equal(lidar.values[:, RAYS:], np.add.outer(np.arange(SCANS), np.arange(RAYS)))

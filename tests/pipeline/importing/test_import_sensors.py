@@ -10,6 +10,7 @@ from pipeline.cli import main
 from pipeline.importing.imported_runs import ImportRequest
 from pipeline.rerendering.rerender import RerenderRequest, prepare
 from pipeline.rerendering.sources import read_sources
+from tests.logs.test_bag_cameras import COUNT, Camera, encoded, scene, written
 
 RUN = "CW/test_1"
 
@@ -112,6 +113,20 @@ def test_repair_takes_recorded_images_from_the_stages_and_writes_the_description
     (root / "imported/test_1/cameras/left/images/000002.jpg").write_bytes(b"damaged")
     ended = symolo("repair", root)
     assert (ended.code, symolo("verify", root).out.strip()) == (0, f"{root}: no fault"), ended.out
+
+
+def test_images_after_the_last_row_are_left_out_in_one_sentence(tmp_path, symolo):
+    def of_image(ros, at_ns, number):
+        front = Camera(ros, "front")
+        yield front.info(at_ns)
+        for late_ns in (0, 600_000_000 if number == COUNT - 1 else 1):  # the second one is within a millisecond
+            yield front.compressed(at_ns + late_ns, encoded(scene(number), ".jpg"))
+
+    ended = symolo("import", written(tmp_path, 1, of_image), "--yes", "--out", tmp_path / "data")
+    assert ended.code == 0, ended.err
+    assert "front: left out: 6 images before the first or after the last row, or within a millisecond of" in ended.out
+    (run,) = symolo_reader.load(tmp_path / "data")
+    assert len(run.cameras["front"].images) == COUNT
 
 
 def test_rerender_replaces_recorded_cameras_by_rendered_ones(recorded):
