@@ -58,6 +58,14 @@ def export(
             help="Store the images of lerobot as MP4 (H.264), which changes pixels; needs the extra `video`.",
         ),
     ] = False,
+    polygons: Annotated[
+        bool,
+        typer.Option(
+            "--polygons",
+            help="Labels of yolo for segmentation: polygons of walls, obstacles and the line in place of boxes; needs "
+            "the annotation kind `instance`.",
+        ),
+    ] = False,
     dry_run: DryRun = False,
 ) -> None:
     """Convert a release to other formats; each format gets a folder of its name in OUT.
@@ -80,11 +88,13 @@ def export(
     exporters = exporters_of(names(formats, "--format"), "--format")
     if video and not any(exporter.name == "lerobot" for exporter in exporters):
         raise InputError("--video", got=formats, allowed="--format lerobot")
+    if polygons and not any(exporter.name == "yolo" for exporter in exporters):
+        raise InputError("--polygons", got=formats, allowed="--format yolo")
     data = with_splits(open_release(folder, runs), splits)
     check_new(out, data.root)
     if data.splits is not None and data.splits.by == "image":
         typer.echo(f"warning: {NEIGHBOURS_WARNING}", err=True)
-    planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE, video))
+    planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE, video, polygons))
     if dry_run:
         for export_plan in planned:
             files, exporter = export_plan.files, export_plan.exporter

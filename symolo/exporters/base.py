@@ -69,6 +69,8 @@ class ExportSettings:
     """Largest size of a shard, for formats that have shards."""
     video: bool = False
     """Whether lerobot has the images as videos."""
+    polygons: bool = False
+    """Whether yolo has polygons of masks in the place of boxes."""
 
 
 @dataclass(frozen=True)
