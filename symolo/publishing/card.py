@@ -56,7 +56,7 @@ def _head(data: Published) -> str:
 
 def _files(data: Published) -> str:
     described = [(shard, f"the dataset, below `{data.name}/`") for shard in data.shards]
-    described += [(file, f"`{table.source}` of all runs") for table, file in data.tables]
+    described += data.described_tables
     rows = [(file.name, f"{file.size / 1e6:.1f} MB", text) for file, text in described]
     rows += [
         ("croissant.json", "", "files, tables and columns for MLCommons' `mlcroissant`"),

@@ -10,6 +10,7 @@ from symolo.dataset.layout import IMAGES
 from symolo.dataset.tables.column import single
 from symolo.publishing.about import Author
 from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.membership import RUN_REGEX, Membership
 from symolo.publishing.responsible_ai import RAI_CONFORMS_TO, responsible_ai
 from symolo.publishing.tables import RUN, PlannedTable
 
@@ -58,13 +59,15 @@ def croissant(data: Published) -> dict[str, Any]:
         "isLiveDataset": False,
         "distribution": [
             *(_file(shard, "application/x-tar") for shard in data.shards),
-            *(_file(file, "text/csv") for _, file in data.tables),
+            *(_file(file, "text/csv") for file, _ in data.described_tables),
         ],
         "recordSet": [_rows(table, data) for table, _ in data.tables],
     }
+    if membership := data.membership:
+        document["recordSet"] += membership.record_sets()
     if any(run.images for run in data.metadata.runs):
         document["distribution"].append(_image_files(data))
-        document["recordSet"].append(_images())
+        document["recordSet"].append(_images(membership))
     return document | responsible_ai(data.metadata) | ({"url": about.address} if about.address else {})
 
 
@@ -124,22 +127,27 @@ def _rows(table: PlannedTable, data: Published) -> dict[str, Any]:
     }
 
 
-def _images() -> dict[str, Any]:
+def _images(membership: Membership | None) -> dict[str, Any]:
     files = {"fileSet": {"@id": IMAGE_FILES}}
     # The first folder of a path is that of the dataset; the next two name the run.
-    run = {"extract": {"fileProperty": "fullpath"}, "transform": {"regex": f"^[^/]+/([^/]+/[^/]+)/{IMAGES}/"}}
+    run = {"extract": {"fileProperty": "fullpath"}, "transform": {"regex": RUN_REGEX}}
     number = {"extract": {"fileProperty": "filename"}, "transform": {"regex": r"0*(\d+)\.jpg$"}}
     content = {"extract": {"fileProperty": "content"}}
+    fields = [
+        _field(IMAGES, RUN, "for example CW/test_1", "sc:Text", files | run),
+        _field(IMAGES, "img", "number of the image", "sc:Integer", files | number),
+        _field(IMAGES, "image", "the image", "sc:ImageObject", files | content),
+    ]
+    if membership:
+        of_split = membership.fields_of_images(files | {"extract": {"fileProperty": "fullpath"}})
+        names = {field["name"] for field in of_split}
+        fields = [*(field for field in fields if field["name"] not in names), *of_split]
     return {
         "@type": "cr:RecordSet",
         "@id": IMAGES,
         "name": IMAGES,
-        "description": "Every image; run and img are those of the row at whose time it was taken.",
-        "field": [
-            _field(IMAGES, RUN, "for example CW/test_1", "sc:Text", files | run),
-            _field(IMAGES, "img", "number of the image", "sc:Integer", files | number),
-            _field(IMAGES, "image", "the image", "sc:ImageObject", files | content),
-        ],
+        "description": "Every image; the table `camera` has time and pose of the image with its run and number.",
+        "field": fields,
     }
 
 

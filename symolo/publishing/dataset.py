@@ -1,10 +1,12 @@
 """The facts from which the documents of a publication are written."""
 
 from dataclasses import dataclass
+from hashlib import sha256
 
 from symolo.dataset.documents.metadata import Metadata
 from symolo.publishing.about import About
 from symolo.publishing.licences import Licence, licence_of
+from symolo.publishing.membership import Membership
 from symolo.publishing.tables import PlannedTable
 
 
@@ -28,6 +30,21 @@ class Published:
     def name(self) -> str:
         """Name of the dataset and of the folder that the shards unpack to."""
         return self.metadata.name
+
+    @property
+    def membership(self) -> Membership | None:
+        """Split of each run or image; None if the dataset is not divided."""
+        return Membership.of(self.metadata.splits) if self.metadata.splits else None
+
+    @property
+    def described_tables(self) -> tuple[tuple[PackedFile, str], ...]:
+        """Tables beside the shards, each with what it is."""
+        tables = tuple((file, f"{table.source} of all runs") for table, file in self.tables)
+        if membership := self.membership:
+            content = membership.csv()
+            file = PackedFile(membership.file, len(content), sha256(content).hexdigest())
+            return (*tables, (file, membership.meaning))
+        return tables
 
     @property
     def licence(self) -> Licence:

@@ -113,7 +113,9 @@ def _chunks(shard: PlannedShard, stage: StageReport) -> Iterator[bytes]:
 
 
 def _documents(data: Published) -> dict[str, bytes]:
+    membership = data.membership
     return {
+        **({membership.file: membership.csv()} if membership else {}),
         CARD: card(data),
         SCENARIO: yaml.safe_dump(data.metadata.scenario, sort_keys=False, allow_unicode=True, width=120).encode(),
         "CITATION.cff": citation(data),

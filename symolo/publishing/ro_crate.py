@@ -32,7 +32,7 @@ def ro_crate(data: Published) -> dict[str, Any]:
 
 def _entities(data: Published) -> Iterator[dict[str, Any]]:
     about, licence = data.about, data.licence
-    files = [*data.shards, *(file for _, file in data.tables)]
+    files = [*data.shards, *(file for file, _ in data.described_tables)]
     authors = [_author(author, number) for number, author in enumerate(about.authors, start=1)]
     programs = [_program(name, version) for name, version in sorted(data.metadata.made_with.items())]
     yield {
@@ -71,7 +71,7 @@ def _entities(data: Published) -> Iterator[dict[str, Any]]:
         "actionStatus": "http://schema.org/CompletedActionStatus",
     }
     yield from (_file(shard, "application/x-tar", f"the release, below {data.name}/") for shard in data.shards)
-    yield from (_file(file, "text/csv", f"{table.source} of all runs") for table, file in data.tables)
+    yield from (_file(file, "text/csv", text) for file, text in data.described_tables)
     yield {
         "@id": CARD,
         "@type": "File",

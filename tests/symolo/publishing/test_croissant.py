@@ -2,10 +2,13 @@
 
 import io
 import json
+import shutil
 
 import numpy as np
 import pytest
 from PIL import Image
+
+from pipeline.cli import main
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # of rdflib, at mlcroissant's way to call it
@@ -72,3 +75,49 @@ def test_it_states_how_the_data_came_about_and_what_varies(croissant, packed):
         assert line == f"{name}: {low:.6g} to {high:.6g}"
     assert described.personal_sensitive_information == ["None: no person was recorded."]
     assert "without a person" in described.data_annotation_protocol[0]
+
+
+@pytest.mark.parametrize("by", ["runs", "images"])
+def test_splits_are_record_sets_to_which_the_images_refer(by, random_release, about, sign, tmp_path, monkeypatch):
+    """In the way of section "Splits" of the specification of Croissant 1.1."""
+    truth = random_release(2, annotated=True)
+    root = shutil.copytree(truth.root, tmp_path / "release")
+    runs = [run.name for run in truth.runs]
+    numbers = {run.name: list(range(1, len(run.pictures) + 1)) for run in truth.runs}
+    listed = {"train": runs[:1], "test": runs[1:]}
+    divided = {
+        "train": {run: n[::2] for run, n in numbers.items()},
+        "test": {run: n[1::2] for run, n in numbers.items()},
+    }
+    record = (
+        {"by": "image", "seed": 1, "images": divided} if by == "images" else {"by": "run", "seed": 1, "runs": listed}
+    )
+    metadata = json.loads((root / "metadata.json").read_text())
+    (root / "metadata.json").write_text(json.dumps({**metadata, "splits": record}))
+    sign(root)
+    out = tmp_path / "upload"
+    assert main(["pack", str(root), "--about", str(about), "--out", str(out)]) == 0
+    monkeypatch.setenv("CROISSANT_CACHE", str(tmp_path / "cache"))
+    import mlcroissant  # noqa: PLC0415 - it reads at import where to unpack
+
+    dataset = mlcroissant.Dataset(out / "croissant.json")
+    assert not dataset.metadata.issues.errors
+    assert not dataset.metadata.issues.warnings
+    (splits,) = [one for one in json.loads((out / "croissant.json").read_text())["recordSet"] if one["@id"] == "splits"]
+    assert splits["dataType"] == "cr:Split"
+    assert splits["data"] == [
+        {"splits/name": "train", "splits/url": "cr:TrainingSplit"},
+        {"splits/name": "test", "splits/url": "cr:TestSplit"},
+    ]
+    got = {
+        (record["images/run"].decode(), record["images/img"]): record["images/split"].decode()
+        for record in dataset.records("images")
+    }
+    expected = {
+        (run, number): ("train" if run in listed["train"] else "test")
+        if by == "runs"
+        else ("train" if number in divided["train"][run] else "test")
+        for run in runs
+        for number in numbers[run]
+    }
+    assert got == expected
