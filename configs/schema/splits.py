@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from configs.schema.base import Fixed, FromList, Section, absent, disagreement
-from symolo.dataset.documents.splits_record import SPLIT_NAMES, Grouping, SplitName
+from symolo.dataset.documents.splits_record import SPLIT_NAMES, Grouping, SplitName, Stratum
 from symolo.dataset.splits import DEFAULT_SHARES, SplitRule
 
 _WHOLE = Fixed("it applies to the whole dataset")
@@ -60,15 +60,23 @@ class Splits(Section):
     seed: Annotated[int | None, _WHOLE] = Field(default_factory=absent, ge=0, le=2**63 - 1)
     """Seed of the random assignment; by default that of the scenario."""
 
+    stratify: Annotated[tuple[Annotated[Stratum, _WHOLE], ...] | None, FromList, Field(min_length=1)] = Field(
+        default_factory=absent
+    )
+    """Properties whose values each split has in about the same proportions, such as `[route]`; no group is divided."""
+
     @model_validator(mode="after")
     def _complete(self) -> "Splits":
         if (self.by is None) == (self.runs is None):
             raise disagreement("", "by and runs" if self.by else "neither by nor runs", "one of by and runs")
         if self.runs is not None:
-            if self.shares is not None or self.seed is not None:
-                raise disagreement("runs", "runs with shares or seed", "shares and seed only with by")
+            if self.shares is not None or self.seed is not None or self.stratify is not None:
+                raise disagreement("runs", "runs with shares or seed", "shares, seed and stratify only with by")
             if not self.runs.by_name:
                 raise disagreement("runs", "no split", f"runs of {', '.join(SPLIT_NAMES)}")
+        if self.stratify is not None and (self.by == "image" or self.by in self.stratify):
+            allowed = "other properties than by, and none with by: image"
+            raise disagreement("stratify", f"{', '.join(self.stratify)} with by: {self.by}", allowed)
         if self.shares is not None:
             shares = self.shares.by_name
             total = sum(shares.values())
@@ -81,4 +89,4 @@ class Splits(Section):
         """Return the rule; `seed` is that of the scenario."""
         chosen = seed if self.seed is None else self.seed
         shares = self.shares.by_name if self.shares else DEFAULT_SHARES
-        return SplitRule(self.by, shares, self.runs.by_name if self.runs else {}, chosen)
+        return SplitRule(self.by, shares, self.runs.by_name if self.runs else {}, chosen, self.stratify or ())

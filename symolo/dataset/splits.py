@@ -10,7 +10,7 @@ from symolo.core.errors import InputError
 from symolo.core.progress import plural
 from symolo.core.random_streams import stream
 from symolo.dataset.documents.origin import Origin
-from symolo.dataset.documents.splits_record import SPLIT_NAMES, Grouping, SplitName, SplitsRecord
+from symolo.dataset.documents.splits_record import SPLIT_NAMES, Grouping, SplitName, SplitsRecord, Stratum
 
 DEFAULT_SHARES: Mapping[SplitName, float] = {"train": 0.7, "validation": 0.15, "test": 0.15}
 _MAX_LISTED = 5
@@ -27,6 +27,8 @@ class SplitRule:
     patterns: Mapping[SplitName, Sequence[str]]
     """Patterns of names such as `CW/*` for each split; empty unless `by` is None."""
     seed: int
+    stratify: tuple[Stratum, ...] = ()
+    """Properties whose values are mixed about alike in all splits."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def assign(rule: SplitRule, members: Sequence[SplitMember], where: str) -> Split
     """Return the split of every run or image; the same rule and members give the same splits.
 
     Groups are put into a random order that depends on the seed and their names only. The first ones are those of
-    training, then come those of validation and test.
+    training, then come those of validation and test. With `stratify`, the same is done within each stratum.
 
     Args:
         rule: How the dataset is divided.
@@ -81,13 +83,17 @@ def assign(rule: SplitRule, members: Sequence[SplitMember], where: str) -> Split
         return SplitsRecord(by="image", seed=rule.seed, images=_divided(rule, members, where))
     names = _groups(rule, rule.by, members, where)
     keys = {name: stream(rule.seed, "splits", rule.by, name).random() for name in names}
-    split_of = dict(zip(sorted(names, key=lambda name: keys[name]), _in_order(len(names), rule.shares), strict=True))
+    in_order, split_of = sorted(names, key=lambda name: keys[name]), {}
+    strata = _strata(rule, rule.by, members)
+    groups = [[name for name in in_order if strata[name] == stratum] for stratum in sorted(set(strata.values()))]
+    for ones, splits in zip(groups, _in_strata([len(ones) for ones in groups], rule.shares), strict=True):
+        split_of |= dict(zip(ones, splits, strict=True))
     runs: dict[SplitName, tuple[str, ...]] = {
         split: tuple(member.run for member in members if split_of[member.group(rule.by)] == split)
         for split in SPLIT_NAMES
         if split in rule.shares
     }
-    return SplitsRecord(by=rule.by, seed=rule.seed, runs=runs)
+    return SplitsRecord(by=rule.by, seed=rule.seed, stratify=rule.stratify, runs=runs)
 
 
 def check(rule: SplitRule, members: Sequence[SplitMember], where: str) -> None:
@@ -122,6 +128,37 @@ def _in_order(count: int, shares: Mapping[SplitName, float]) -> list[SplitName]:
             sizes[min((index for index, size in enumerate(sizes) if size > 1), key=lacking.__getitem__)] -= 1
     in_order: list[SplitName] = [name for name, size in zip(names, sizes, strict=True) for _ in range(size)]
     return in_order
+
+
+def _strata(rule: SplitRule, by: Grouping, members: Sequence[SplitMember]) -> dict[str, tuple[tuple[str, ...], ...]]:
+    """Return the stratum of each group: the values that its members have of each property, in order."""
+    values: dict[str, tuple[set[str], ...]] = {}
+    for member in members:
+        of_group = values.setdefault(member.group(by), tuple(set() for _ in rule.stratify))
+        for known, name in zip(of_group, rule.stratify, strict=True):
+            known.add(member.group(name))
+    return {name: tuple(tuple(sorted(known)) for known in of_group) for name, of_group in values.items()}
+
+
+def _in_strata(counts: Sequence[int], shares: Mapping[SplitName, float]) -> list[list[SplitName]]:
+    """Return the splits of the things of each stratum, of which there are `counts`, in their random order.
+
+    Each split has as many things as without strata, and of each stratum its share, rounded down or up. Such a rounding
+    exists for every table of shares; it is that of a matrix of zeros and ones with given sums of rows and columns (Gale
+    and Ryser, 1957), whose rows are filled where the sums of the columns lack most.
+    """
+    in_order = _in_order(sum(counts), shares)
+    sizes = Counter(in_order)
+    names: list[SplitName] = [name for name in SPLIT_NAMES if name in shares]
+    exact = [{name: count * sizes[name] / len(in_order) for name in names} for count in counts]
+    table = [{name: math.floor(row[name] + 1e-9) for name in names} for row in exact]
+    lacking = {name: sizes[name] - sum(row[name] for row in table) for name in names}
+    for count, row in zip(counts, table, strict=True):
+        missing = count - sum(row.values())
+        for name in sorted(names, key=lambda name: -lacking[name])[:missing]:
+            row[name] += 1
+            lacking[name] -= 1
+    return [[name for name in names for _ in range(row[name])] for row in table]
 
 
 def _divided(

@@ -17,8 +17,11 @@ from symolo.core.errors import InputError
         ("splits={by: run, runs: {train: ['*']}}", "got 'by and runs', allowed: one of by and runs"),
         (
             "splits={runs: {train: ['*']}, seed: 3}",
-            "got 'runs with shares or seed', allowed: shares and seed only with",
+            "got 'runs with shares or seed', allowed: shares, seed and stratify only with",
         ),
+        ("splits={by: route, stratify: [route]}", "got 'route with by: route', allowed: other properties than by"),
+        ("splits={by: image, stratify: [look]}", "splits.stratify: got 'look with by: image'"),
+        ("splits={by: run, stratify: [seed]}", "splits.stratify"),
         ("splits={runs: {}}", "splits.runs: got 'no split', allowed: runs of train, validation, test"),
         ("splits={runs: {train: [CW/*], test: [CWW/*]}}", "splits.runs.test: no run matches: got 'CWW/*'"),
         ("splits={runs: {train: [CW/*]}}", "splits.runs: CCW/test_1 is in no split"),

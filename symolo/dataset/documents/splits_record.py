@@ -13,6 +13,8 @@ SPLIT_NAMES: tuple[SplitName, ...] = get_args(SplitName)
 """Splits in the order in which every output lists them."""
 Grouping = Literal["run", "route", "look", "robot", "seed", "image"]
 """Properties by which runs are grouped; `image` divides runs."""
+Stratum = Literal["route", "look", "robot"]
+"""Properties whose values may be mixed alike in all splits."""
 NEIGHBOURS_WARNING = (
     "splits by image: neighbouring images of a run are nearly alike, so results for validation and test are better than"
     " those for new runs; divide by run instead"
@@ -27,6 +29,8 @@ class SplitsRecord(Record):
     split were listed; with `image`, runs are divided."""
     seed: int
     """Seed of the random assignment."""
+    stratify: tuple[Stratum, ...] = Field(default=(), exclude_if=lambda names: not names)
+    """Properties whose values are mixed about alike in all splits; absent if there are none."""
     runs: dict[SplitName, tuple[str, ...]] = Field(default_factory=dict, exclude_if=lambda runs: not runs)
     """Runs of each split; absent for splits by image."""
     images: dict[SplitName, dict[str, tuple[int, ...]]] = Field(
@@ -62,7 +66,7 @@ class SplitsRecord(Record):
         of_images: dict[SplitName, dict[str, tuple[int, ...]]] = {
             name: {run: n for run, n in ones.items() if run in runs} for name, ones in self.images.items()
         }
-        return SplitsRecord(by=self.by, seed=self.seed, runs=of_runs, images=of_images)
+        return self.model_copy(update={"runs": of_runs, "images": of_images})
 
     def faults(self, known: set[str]) -> Iterator[str]:
         """Yield what is wrong with the assignment of runs with these names."""

@@ -1,7 +1,9 @@
 """Which run or image is in which split: shares, whole groups, and rules that cannot be applied."""
 
 from collections import Counter
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from symolo.core.errors import InputError
@@ -121,3 +123,54 @@ def test_a_rule_that_the_runs_do_not_allow_is_refused(rule, message):
         assign(rule, members(runs=2), "my.yaml:3")
     assert str(error.value).startswith("my.yaml:3: ")
     assert message in str(error.value)
+
+
+def of_looks(counts, route="A"):
+    return [
+        SplitMember(f"{route}/test_{look}{n}", look, "nominal", 1)
+        for look, count in counts.items()
+        for n in range(count)
+    ]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_each_split_has_the_same_mix_of_looks_up_to_one_run(seed):
+    """Sizes are those without strata; of each look, a split has its share, rounded down or up."""
+    rng = np.random.default_rng(seed)
+    looks = {f"look{i}": int(count) for i, count in enumerate(rng.integers(1, 12, 5))}
+    runs = of_looks(looks)
+    rule = replace(by("run", seed=seed), stratify=("look",))
+    record = assign(rule, runs, "")
+    assert sizes(record) == sizes(assign(by("run", seed=seed), runs, ""))
+    look_of = {run.run: run.look for run in runs}
+    for split, ones in record.runs.items():
+        got = Counter(look_of[run] for run in ones)
+        for look, count in looks.items():
+            assert abs(got[look] - count * len(record.runs[split]) / len(runs)) < 1 + 1e-6
+    assert assign(rule, list(reversed(runs)), "").of_runs == record.of_runs
+
+
+def test_runs_of_each_look_are_divided_as_the_shares_say():
+    """Of 20 runs of each of three looks: 14, 3 and 3. Without strata, another mix is more likely."""
+    runs = of_looks({"lab": 20, "night": 20, "sun": 20})
+    rules = [replace(by("run", seed=seed), stratify=("look",)) for seed in range(3)]
+    for record in (assign(rule, runs, "") for rule in rules):
+        for split, count in (("train", 14), ("validation", 3), ("test", 3)):
+            names = [run.partition("_")[2].rstrip("0123456789") for run in record.runs[split]]
+            assert Counter(names) == {"lab": count, "night": count, "sun": count}
+    assert len({tuple(assign(rule, runs, "").runs["test"]) for rule in rules}) == 3
+
+
+def test_strata_divide_no_group():
+    """Four routes, two of them driven by each robot."""
+    runs = [
+        SplitMember(f"{route}/test_{n}", "lab", robot, 1)
+        for route, robot in zip("ABCD", "xxyy", strict=True)
+        for n in (1, 2, 3)
+    ]
+    for seed in range(10):
+        record = assign(SplitRule("route", HALVES, {}, seed, ("robot",)), runs, "")
+        for ones in record.runs.values():
+            assert {run.partition("/")[0] for run in ones} in ({"A", "C"}, {"A", "D"}, {"B", "C"}, {"B", "D"})
+    assert record.model_dump(mode="json")["stratify"] == ["robot"]
+    assert "stratify" not in assign(by("route", HALVES), runs, "").model_dump(mode="json")
