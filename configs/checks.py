@@ -26,6 +26,8 @@ from symolo.dataset.documents.camera_specification import KIND as CAMERA
 from symolo.dataset.documents.camera_specification import further_cameras, specification_of
 from symolo.dataset.splits import SplitMember, check
 
+FAR = 3.0
+"""A point farther than so many half sides of the floor is probably given in another unit."""
 LINTEL_M = 0.1
 """Smallest height of wall between a window and the ceiling; a window that is too high is made lower."""
 MIN_WINDOW_M = 0.2
@@ -218,9 +220,11 @@ def _outside_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
         points += [(("arena", "walls", index, "start"), wall.start), (("arena", "walls", index, "end"), wall.end)]
     points += [(("arena", "obstacles", i, "center"), obstacle.center) for i, obstacle in enumerate(arena.obstacles)]
     for path, point in points:
-        if max(abs(point[0]), abs(point[1])) > limit:
+        if (farthest := max(abs(point[0]), abs(point[1]))) > limit:
             allowed = f"points on the floor, within {limit} m of the origin along x and y"
             cure = "move it or enlarge arena.floor.half_extent_m"
+            if farthest >= FAR * limit:
+                cure = f"are the lengths of the arena in metres? If they are, {cure}"
             yield ConfigFault(path, "beyond the edge of the floor", got=point, allowed=allowed, cure=cure)
 
 

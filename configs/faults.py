@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from symolo.core.errors import InputError, shown
 from symolo.core.yaml.tree import FieldPath, Node, dotted
 
+SETTING = "--set "
+"""Begin of the place of a value that the command line changes."""
+
 
 @dataclass(frozen=True)
 class ConfigFault:
@@ -19,6 +22,20 @@ class ConfigFault:
     """Other field that it contradicts; its place is shown too."""
     cure: str = ""
 
+    def _places(self, root: Node) -> tuple[str, str]:
+        """Return the place of the fault, and a remark about the place of the other field.
+
+        What the command line changes is at fault, rather than what it contradicts in a file.
+        """
+        here = root.place_of(self.path)
+        changed = "" if here.startswith(SETTING) else _changed_below(root, self.path)
+        if not self.against:
+            return changed or here, ""
+        there = root.place_of(self.against)
+        if not changed and there.startswith(SETTING) and not here.startswith(SETTING):
+            return there, f" ({dotted(self.path)} is at {here})"
+        return changed or here, f" (given at {there})"
+
     def error(self, root: Node, note: str = "") -> InputError:
         """Return the fault as an error of one line.
 
@@ -26,16 +43,23 @@ class ConfigFault:
             root: Tree with the fault.
             note: Text for the end of the line.
         """
-        other = f" (given at {root.place_of(self.against)})" if self.against else ""
+        where, other = self._places(root)
         drawn = [_cure_of_distribution(path, root) for path in (self.path, self.against)]
         return InputError(
             ": ".join(part for part in (dotted(self.path) or "top level", self.problem) if part),
-            where=root.place_of(self.path),
+            where=where,
             got=self.got,
             allowed=self.allowed + other,
             nearest=self.nearest,
             cure="; ".join(part for part in (*drawn, self.cure, note) if part),
         )
+
+
+def _changed_below(root: Node, path: FieldPath) -> str:
+    """Return the place of the first value within a mapping that the command line changes; empty if there is none."""
+    node = root.at(path)
+    places = (inner.where for _, inner in node.walk()) if node else ()
+    return next((place for place in places if place.startswith(SETTING)), "")
 
 
 def _cure_of_distribution(path: FieldPath, root: Node) -> str:

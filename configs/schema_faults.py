@@ -2,10 +2,11 @@
 
 import re
 
+import numpy as np
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from configs.faults import ConfigFault
+from configs.faults import SETTING, ConfigFault
 from configs.schema.base import FIELDS_DISAGREE
 from configs.shapes import Shape, shown_names
 from symolo.core.errors import InputError, nearest
@@ -70,7 +71,7 @@ def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> Co
         return ConfigFault(path, "missing", allowed=here.words())
     context = fault.get("ctx", {})
     if fault["type"] == FIELDS_DISAGREE:
-        return ConfigFault(path, got=context["got"], allowed=context["allowed"])
+        return ConfigFault(path, got=context["got"], allowed=context["allowed"], against=_changed_beside(path, root))
     got = fault["input"]
     if here.tag_key and isinstance(got, dict):
         tag, tags = got.get(here.tag_key), f"one of {shown_names(here.tags)}"
@@ -80,6 +81,14 @@ def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> Co
         return ConfigFault((*path, here.tag_key), got=tag, allowed=tags, nearest=nearest(tag, here.tags))
     close = nearest(got, [str(option) for option in here.schema.get("enum", [])])
     return ConfigFault(path, got=got, allowed=here.words(), nearest=close, cure=_cure(path, got, here))
+
+
+def _changed_beside(path: FieldPath, root: Node) -> FieldPath:
+    """Return the first field of the same section that the command line changes, unless it is this one."""
+    above = root.at(path[:-1])
+    if not path or above is None or root.place_of(path).startswith(SETTING):
+        return ()
+    return next(((*path[:-1], key) for key, node in above.children() if node.where.startswith(SETTING)), ())
 
 
 def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
@@ -105,6 +114,9 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
     """Return what to do about a value of the wrong type, or an empty string."""
     if (shape.is_number or shape.is_integer) and isinstance(got, str):
         return _cure_of_text(str(path[-1]), got)
+    is_length = path[:1] == ("arena",) and (isinstance(path[-1], int) or path[-1].endswith("_m"))
+    if is_length and isinstance(got, int | float) and got >= 2 * shape.schema.get("maximum", np.inf):
+        return f"is it in metres? {got:g} cm are {got / 100:g}, {got:g} mm are {got / 1000:g}"
     if shape.is_integer and isinstance(got, float) and got.is_integer():
         return f"write {int(got)}, without a decimal point or exponent"
     if shape.types == {"string"} and isinstance(got, bool | int | float):

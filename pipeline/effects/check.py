@@ -62,7 +62,8 @@ def load_to_fit(path: Path) -> type[Effect]:
         for verdict in judged(trial, rules):
             if verdict.problem:
                 cure = f"`symolo effect check {path}` explains it"
-                what = f"effect {effect.name} breaks the rule '{verdict.rule.name}': {verdict.problem}"
+                broken = "" if verdict.is_failure else f" breaks the rule '{verdict.rule.name}'"
+                what = f"effect {effect.name}{broken}: {verdict.problem}"
                 raise InputError(what, where=str(path), cure=cure)
     return effect
 
@@ -79,9 +80,12 @@ def check_text(checked: CheckedEffect) -> Iterator[str]:
     """Yield the lines about the result, each rule with what it means."""
     yield f"{checked.effect.name}, in the slot '{checked.effect.slot}': {checked.effect.cause}"
     for rule in RULES:
-        found = [(choice, verdict.problem) for choice, verdict in checked.verdicts if verdict.rule is rule]
-        problems = [f"{choice}: {problem}" if choice else problem for choice, problem in found if problem]
-        yield f"  {'FAILED' if problems else 'ok' if found else '-':<7}{rule.name:<10}{rule.meaning}"
+        verdicts = [(choice, verdict) for choice, verdict in checked.verdicts if verdict.rule is rule]
+        problems = [f"{choice}: {one.problem}" if choice else one.problem for choice, one in verdicts if one.problem]
+        name, meaning = rule.name, rule.meaning
+        if any(verdict.is_failure for _, verdict in verdicts):
+            name, meaning = "runs", "apply runs without an error"
+        yield f"  {'FAILED' if problems else 'ok' if verdicts else '-':<7}{name:<10}{meaning}"
         yield from (f"         {problem}" for problem in problems)
     if not checked.is_good:
         return

@@ -53,6 +53,8 @@ class Verdict:
     rule: Rule
     problem: str
     """Why the effect breaks it; empty where it keeps it."""
+    is_failure: bool = False
+    """Whether the function of the effect raised an error, so that the rule could not be tested."""
 
 
 def judged(trial: Trial, rules: "Sequence[Rule] | None" = None) -> Iterator[Verdict]:
@@ -63,7 +65,7 @@ def judged(trial: Trial, rules: "Sequence[Rule] | None" = None) -> Iterator[Verd
         except BrokenRule as broken:
             yield Verdict(rule, one_line(str(broken)))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - the function of a user may raise whatever it likes
-            yield Verdict(rule, one_line(place_and_text(error, trial.effect)))
+            yield Verdict(rule, one_line(place_and_text(error, trial.effect)), is_failure=True)
         else:
             yield Verdict(rule, "")
 
@@ -74,7 +76,7 @@ def place_and_text(error: BaseException, effect: type[Effect]) -> str:
     file = effect.apply.__code__.co_filename
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
     if lines:
-        return f"line {lines[-1]}: {text}"
+        return f"apply fails in line {lines[-1]}: {text}"
     if isinstance(error, TypeError) and "apply()" in text:
         how = f"`symolo effect new NAME --slot '{effect.slot}'` writes a file that takes them"
         return f"apply takes other arguments than this slot passes: {text}; {how}"

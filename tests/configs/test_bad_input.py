@@ -170,7 +170,8 @@ CASES = {
         "rates.wheel_loop_hz",
         "got 300, allowed: a whole fraction",
     ),
-    "rate against a default": added("rates: {camera_hz: 3} #!", "rates.camera_hz", "of control_hz, which is 20"),
+    "rate against a default": added("rates: {control_hz: 30} #!", "rates.control_hz", "of wheel_loop_hz, which is 100"),
+    "rate beyond its bounds": added("rates: {camera_hz: 2000} #!", "rates.camera_hz", "<= 1000"),
     "period of no whole steps": robot(
         "tof: {period_s: 0.0335} #!",
         "robot.tof.period_s",
@@ -222,6 +223,12 @@ CASES = {
     ),
     "one name for two boxes": obstacle("{name: A1, center: [0, 0]}", ".name", "the same name as arena.walls.0"),
     "obstacle beyond the floor": obstacle("{name: A, center: [5, 0]}", ".center", "enlarge arena.floor.half_extent_m"),
+    "line in centimetres": piece(
+        "{kind: straight, start: [0, 0], end: [150, 0]}", ".end.0", "is it in metres? 150 cm are 1.5, 150 mm are 0.15"
+    ),
+    "obstacle in centimetres": obstacle(
+        "{name: A, center: [40, 30]}", ".center", "are the lengths of the arena in metres? If they are, move it or"
+    ),
     "arc beyond the floor": piece(
         "{kind: arc, center: [3.5, 0], radius_m: 1, start_deg: 0, end_deg: 90}", "", "beyond the edge of the floor"
     ),
@@ -316,3 +323,24 @@ def test_each_fault_is_one_line_with_place_and_field(case: Bad, here: Path, scen
     assert case.telling in message
     assert len(message.splitlines()) == 1
     assert len(message) < 500
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        (
+            "robot.motor.winding_resistance_ohm=900",
+            "robot.motor.coulomb_friction_N_m: the motor cannot overcome its friction: got 0.017421774,",
+        ),
+        (
+            "robot.tof.max_range_m=0.03",
+            "robot.tof.min_range_m: got 0.04, allowed: less than max_range_m, which is 0.03",
+        ),
+        ("robot.camera.distortion.k1=-1", "robot.camera.distortion: the lens folds"),
+        ("rates.wheel_loop_hz=50", "rates.control_hz: got 20, allowed: a whole fraction of wheel_loop_hz"),
+    ],
+)
+def test_a_setting_that_contradicts_a_file_is_at_fault_and_not_the_file(setting, message):
+    with pytest.raises(InputError) as error:
+        load_scenario("symolo", [setting])
+    assert str(error.value).startswith(f"--set {setting.partition('=')[0]}: {message}")

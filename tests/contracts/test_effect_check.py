@@ -7,10 +7,12 @@ import pytest
 
 from configs.effects.registry import EFFECTS
 from pipeline.cli import main
+from pipeline.effects.check import load_to_fit
 from pipeline.effects.contract import RULES, judged
 from pipeline.effects.probe import Probe
 from pipeline.effects.template import LAWS, template
 from pipeline.effects.trial import trials
+from symolo.core.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples/oval_wheel.py"
@@ -84,8 +86,8 @@ BROKEN = [
     ("units", ('"1/A"', '" "'), "bend_per_A: no unit"),
     ("settings", ("    cause =", REFUSING + "    cause ="), r"bend_per_A: 0\.5 is refused, within its bounds"),
     ("form", (RETURN, "pass"), "apply returns NoneType, and its first argument is ndarray"),
-    ("form", (RETURN, "return current_A[..., 0]"), "line 22: IndexError|of shape"),
-    ("form", (RETURN, "return current_A if current_A > 1 else self.bend_per_A"), "line 22: ValueError: The truth"),
+    ("form", (RETURN, "return current_A[..., 0]"), "apply fails in line 22: IndexError|of shape"),
+    ("form", (RETURN, "return current_A if current_A > 1 else self.bend_per_A"), "apply fails in line 22: ValueError"),
     ("form", ("self, current_A", "self, current_A, view"), "apply takes other arguments than this slot passes"),
     ("form", (RETURN, "raise SystemExit(3)"), "line 22: SystemExit: 3"),
     ("null", (RETURN, "return current_A * (1.0 + 1e-15)"), "at the null values the reading .*current_A changes by"),
@@ -147,6 +149,18 @@ def test_the_command_explains_every_rule_and_names_the_most_similar_effect(capsy
     for rule in RULES:
         assert re.search(rf"^  ok +{rule.name} +{re.escape(rule.meaning)}$", printed, re.MULTILINE)
     assert "simulate smoke --set robot.effects.oval_wheel.amplitude=0.03 --out data" in printed
+
+
+def test_a_function_that_fails_is_reported_with_its_line_and_as_no_rule_of_form(tmp_path, capsys):
+    path = tmp_path / "bent_shunt.py"
+    path.write_text(GOOD.replace(RETURN, "return current_A * npp.exp(self.bend_per_A)"))
+    assert main(["effect", "check", str(path)]) == 2
+    EFFECTS.unload(path)
+    text = "apply fails in line 22: NameError: name 'npp' is not defined"
+    assert f"  FAILED runs      apply runs without an error\n         {text}\n" in capsys.readouterr().out
+    with pytest.raises(InputError, match=rf"effect bent_shunt: {text}; `symolo effect check"):
+        load_to_fit(path)
+    EFFECTS.unload(path)
 
 
 def test_a_broken_rule_ends_with_exit_code_2(tmp_path, capsys):
