@@ -23,6 +23,8 @@ _UNITS = {
 
 NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pitch_deg", "roll_deg", "tilt_deg"})
 """Keys of an arena by which users try to describe a floor that is no plane."""
+IMAGE_RATE = frozenset({"rate_hz", "period_s", "fps", "frame_rate", "frame_rate_hz"})
+"""Keys by which users try to give the rate of the images of data.csv."""
 FLAT_FLOOR = (
     "the floor is a plane: ramps, steps and tilted things cannot be simulated; for a floor that slopes everywhere, use"
     " robot.effects.floor_slope"
@@ -103,6 +105,8 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
         close, cure = "", FLAT_FLOOR
     elif key == "extends":
         cure = "'extends' is allowed at the top of a file and directly in arena, robot and look"
+    elif key in IMAGE_RATE and above in {("robot", "camera"), ("render",)}:
+        close = "rates.camera_hz"
     elif above == ("robot", "effects"):
         cure = "an effect of your own needs its file: robot.effect_files, or symolo --effect-file FILE ..."
     elif not close:

@@ -16,6 +16,7 @@ from configs.schema.splits import Splits
 from symolo.core.files.image_headers import MAX_DECODER_BYTES
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.origin import Origin
+from symolo.dataset.rates import Rate
 
 
 class StartPose(Section):
@@ -52,7 +53,7 @@ class Stop(Section):
 class Rates(Section):
     """Rates of simulation, control and camera.
 
-    Each slower rate must be a whole number of periods of the next faster one.
+    A period of the control is a whole number of periods of the wheel loop, and this one of the physics.
     """
 
     physics_hz: Annotated[int, PLANNED] = Field(default=1000, ge=50, le=100_000)
@@ -61,16 +62,17 @@ class Rates(Section):
     """Rate of the controllers of the wheel speeds."""
     control_hz: Annotated[int, PLANNED] = Field(default=20, ge=1, le=1000)
     """Rate of the controller and of the rows of data.csv."""
-    camera_hz: Annotated[int, PLANNED] = Field(default=5, ge=1, le=1000)
-    """Rate of the images."""
+    camera_hz: Annotated[Rate, PLANNED] = Field(default=5, ge=0.001, le=1000)
+    """Rate of the images, of any size. If it does not divide control_hz, images are also taken between the rows of
+    data.csv."""
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> "Rates":
-        chain = [("physics_hz", self.physics_hz), ("wheel_loop_hz", self.wheel_loop_hz)]
-        chain += [("control_hz", self.control_hz), ("camera_hz", self.camera_hz)]
-        for (fast_name, fast), (slow_name, slow) in pairwise(chain):
-            if fast % slow:
-                raise disagreement(slow_name, slow, f"a whole fraction of {fast_name}, which is {fast}")
+        names = ("physics_hz", "wheel_loop_hz", "control_hz")
+        for fast, slow in pairwise(names):
+            fast_hz, slow_hz = getattr(self, fast), getattr(self, slow)
+            if fast_hz % slow_hz:
+                raise disagreement(slow, slow_hz, f"a whole fraction of {fast}, which is {fast_hz}")
         return self
 
 

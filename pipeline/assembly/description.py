@@ -22,6 +22,7 @@ from symolo.dataset.documents.metadata import Metadata, side_tables
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.layout import DATA
+from symolo.dataset.rates import period_beside_rows_s
 
 
 def markdown(metadata: Metadata, example: SceneSpec) -> bytes:
@@ -56,7 +57,9 @@ def _layout(metadata: Metadata) -> str:
     rows, images = "one row for each pose", "camera pictures, numbered from 1"
     if rates:
         rows = f"one row every {1000 / rates.control_hz:g} ms ({rates.control_hz} Hz)"
-        images = f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz} Hz), numbered from 1"
+        images = f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz:g} Hz), numbered from 1"
+        if period_beside_rows_s(rates) is not None:
+            images += ", also between rows; their times are in side/camera.csv"
     of_images = (
         f"    <route>/test_<n>/images/000001.jpg     {images}\n"
         "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"

@@ -104,8 +104,8 @@ def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, .
 def _released(run: Run) -> LoggedRun:
     spec = read_simulated_spec(run.folder / SIDE / SPEC)
     wheels, tof = (run.side(table.file.partition(".")[0]).to_numpy(float) for table in (WHEELS, TOF))
-    recorded = run.images
-    rows = np.array([image.row for image in recorded], dtype=np.int64)
-    images = RunImages(rows, lambda index: recorded[index].pixels()) if recorded else None
+    rows = np.flatnonzero(run.table.image)
+    numbers = run.table.image[rows].tolist()
+    images = RunImages(rows, lambda index: run.image(numbers[index]).pixels()) if numbers else None
     further = FurtherReadings.of(spec.robot.sensors, lambda table: run.sensors[table.name].numbers)
     return LoggedRun(run.name, spec, run.table, wheels, tof, images, further)

@@ -1,11 +1,13 @@
 """The images of a run on disk as a case for camera identification."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from configs.schema.scenario import SceneSpec
+from blender_scenes.render.job import FramePose
+from configs.schema.scenario import RunSpec, SceneSpec
 from diagnosis.camera.case import HELD_OUT_EACH, CameraCase, CameraFrame, ImagePixels, PoseErrors
 from pipeline.run_folder.stored_runs import run_name
 from pipeline.run_folder.stored_spec import read_spec
@@ -17,6 +19,7 @@ from symolo.core.geometry.robot_path import RobotPath
 from symolo.core.progress import plural
 from symolo.dataset.layout import DATA, SIDE, SPEC, frame_name
 from symolo.dataset.pixels import decoded_bytes
+from symolo.dataset.tables.camera_rows import main_camera_rows
 from symolo.dataset.tables.rows import Rows, read_rows
 
 MAX_FRAMES = 60
@@ -31,6 +34,12 @@ class _RunImages:
     folder: Path
     rows: Rows
     spec: SceneSpec | None
+
+    @property
+    def poses(self) -> tuple[FramePose, ...]:
+        """Pose of the robot at each image."""
+        rates = self.spec.rates if isinstance(self.spec, RunSpec) else None
+        return frame_poses(main_camera_rows(self.rows, rates))
 
 
 def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors) -> CameraCase:
@@ -55,7 +64,7 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
             cure="name a run of a dataset by --simulated",
         )
     rows = real.rows
-    poses = frame_poses(rows)
+    poses = real.poses
     if len(poses) < MIN_FRAMES:
         raise InputError(
             "data.csv",
@@ -65,7 +74,7 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
             cure="give a longer run",
         )
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MAX_FRAMES)).round().astype(int)).tolist()
-    same_place = {} if simulated is None else _same_places(rows, nominal)
+    same_place = {} if simulated is None else _same_places(poses, nominal)
     frames = []
     for k, i in enumerate(chosen):
         file = real.folder / IMAGES / frame_name(poses[i].number)
@@ -105,17 +114,17 @@ def _run(path: Path) -> _RunImages:
     return _RunImages(folder, read_rows(folder / DATA), read_spec(spec) if spec.is_file() else None)
 
 
-def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
+def _same_places(poses: Sequence[FramePose], nominal: _RunImages) -> dict[int, int]:
     """Return the number of the simulated image with the same pose for each measured image.
 
     Raises:
         InputError: None is.
     """
-    theirs = frame_poses(nominal.rows)
+    theirs = nominal.poses
     places = np.array([(p.x_m, p.y_m) for p in theirs]).reshape(-1, 2)
     yaws = np.array([p.yaw_rad for p in theirs])
     matches: dict[int, int] = {}
-    for pose in frame_poses(rows):
+    for pose in poses:
         if not len(places):
             break
         turned = np.abs((yaws - pose.yaw_rad + np.pi) % (2 * np.pi) - np.pi)

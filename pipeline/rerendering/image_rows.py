@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.schema.scenario import RunSpec
 from pipeline.stages.run_tables import TakenRun
-from symolo.core.errors import InputError
+from symolo.dataset.tables.camera_rows import image_column, main_camera_rows
 from symolo.dataset.tables.rows import HEADER, Ints
 
 DEFAULT_HZ = 5.0
@@ -16,28 +16,25 @@ DEFAULT_HZ = 5.0
 def with_images(run: TakenRun, camera_hz: float | None) -> TakenRun:
     """Return a run with image numbers at `camera_hz`; by default its own, or those of 5 Hz if it has none.
 
-    Raises:
-        InputError: The rows of a simulation do not come at a multiple of this rate.
+    The images of a log are taken at its rows, the first one of each period. Those of a simulation are also between the
+    rows if its rows do not come at a multiple of the rate.
     """
     rows, spec = run.rows, run.spec
     if camera_hz is None and np.any(rows.image > 0):
         return _counted(run)
     if camera_hz is not None and isinstance(spec, RunSpec):
-        row_hz = spec.rates.control_hz
-        if not (row_hz / camera_hz).is_integer() or not float(camera_hz).is_integer():
-            rates = ", ".join(str(hz) for hz in range(row_hz, 0, -1) if row_hz % hz == 0)
-            cure = "for a few images, use `symolo preview -n N`"
-            if camera_hz >= 1 and float(camera_hz).is_integer():
-                cure = f"for other rates, simulate again with --set rates.camera_hz={camera_hz:g}"
-            raise InputError("--camera-hz", got=camera_hz, allowed=rates, cure=cure)
-        spec = spec.model_copy(update={"rates": spec.rates.model_copy(update={"camera_hz": int(camera_hz)})})
-    image = image_numbers(rows.t_ms, camera_hz or DEFAULT_HZ)
+        spec = spec.model_copy(update={"rates": spec.rates.model_copy(update={"camera_hz": camera_hz})})
+        image = image_column(rows.t_ms, spec.rates)
+    else:
+        image = image_numbers(rows.t_ms, camera_hz or DEFAULT_HZ)
     columns = tuple(name for name in HEADER if name in {*rows.columns, "img"})
     return _counted(replace(run, rows=replace(rows, image=image, columns=columns), spec=spec))
 
 
 def _counted(run: TakenRun) -> TakenRun:
-    outcome = run.outcome.model_copy(update={"images": int(np.count_nonzero(run.rows.image))})
+    rates = run.spec.rates if isinstance(run.spec, RunSpec) else None
+    images = len(main_camera_rows(run.rows, rates).t_ms)
+    outcome = run.outcome.model_copy(update={"images": images})
     return replace(run, outcome=outcome)
 
 

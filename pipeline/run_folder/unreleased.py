@@ -1,12 +1,13 @@
 """Simulated runs that are not released yet, as a dataset, so that they can be looked at as a release can."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from configs.schema.scenario import RunSpec
 from pipeline.run_folder.stored_runs import read_simulated, run_name
 from pipeline.run_folder.stored_spec import read_simulated_spec
 from pipeline.stages.run_tables import tables
@@ -15,9 +16,12 @@ from sensors.fit_out import listed_sensors
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.time_series import Recording
+from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import RunRecord, describe
-from symolo.dataset.layout import IMAGES, SIDE, SPEC, STAGES, frame_name
+from symolo.dataset.layout import IMAGES, POSITIONS, SIDE, SPEC, STAGES, frame_name
+from symolo.dataset.tables.camera_rows import main_camera_rows
 from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.side_tables import image_positions
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
@@ -38,7 +42,8 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
             spec, recording = read_simulated_spec(folder / SPEC), read_simulated(folder)
             images = _rendered_images(folder)
             recording = _with_images(recording, images)
-            _write_tables(scratch / run_name(folder), tables(spec, recording))
+            files = {**dict(tables(spec, recording)), **dict(_of_main_camera(spec, recording, images))}
+            _write_tables(scratch / run_name(folder), files)
             sensor_tables = tuple(sensor.table for sensor in listed_sensors(spec.robot.sensors))
             runs.append(Run(scratch / run_name(folder), run_name(folder), sensor_tables, images))
             outcome = read_outcome(folder)
@@ -65,7 +70,15 @@ def _with_images(recording: Recording, folder: Path) -> Recording:
     return replace(recording, series=tuple(kept if one is series else one for one in recording.series))
 
 
-def _write_tables(folder: Path, files: Iterator[tuple[str, bytes]]) -> None:
+def _of_main_camera(spec: RunSpec, recording: Recording, folder: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield the files that describe those images of the camera of data.csv that are in a folder, by their paths."""
+    rows = main_camera_rows(Rows.from_recording(recording), spec.rates)
+    rows = rows.where(np.array([(folder / frame_name(number)).is_file() for number in rows.image.tolist()], dtype=bool))
+    yield POSITIONS, image_positions(rows)
+    yield from camera_files(spec, rows)
+
+
+def _write_tables(folder: Path, files: Mapping[str, bytes]) -> None:
     make_folder(folder / SIDE)
-    for name, data in files:
+    for name, data in files.items():
         write_file(folder / name, data)

@@ -8,6 +8,7 @@ from configs.robot_sensors import IS_LOGGED, RobotSensors, UnloadedSettings
 from configs.schema.scenario import RunSpec, SceneSpec
 from symolo.dataset.documents.camera_specification import KIND, further_cameras, specification_of
 from symolo.dataset.layout import camera_folder
+from symolo.dataset.rates import period_beside_rows_s
 from symolo.dataset.tables.camera_rows import rows_at_images
 from symolo.dataset.tables.rows import Rows
 
@@ -21,11 +22,11 @@ class RunCamera:
     spec: SceneSpec
     """Specification of the run in which this camera is that of data.csv."""
     period_s: float
-    """Time between two images of a further camera; 0 for that of data.csv, whose images are at its rows."""
+    """Time between two images; 0 for the camera of data.csv, if all its images are at rows."""
 
     def rows(self, rows: Rows) -> Rows:
-        """Return the rows of data.csv; for a further camera, one row for each of its images."""
-        return rows_at_images(rows, self.period_s) if self.name else rows
+        """Return the rows of data.csv, or one row for each image of a camera whose images are between them."""
+        return rows_at_images(rows, self.period_s) if self.period_s else rows
 
     def inner(self, path: str) -> str:
         """Return the path within the folder of the run of a file with this path within the folder of the camera."""
@@ -34,7 +35,8 @@ class RunCamera:
 
 def cameras_of(spec: SceneSpec) -> tuple[RunCamera, ...]:
     """Return the cameras of a run whose images are rendered, that of data.csv first."""
-    nominal = RunCamera("", spec, 0.0)
+    rates = spec.rates if isinstance(spec, RunSpec) else None
+    nominal = RunCamera("", spec, period_beside_rows_s(rates) or 0.0)
     if KIND not in spec.robot.sensors.kinds:
         return (nominal,)
     content = spec.model_dump(mode="json")

@@ -16,6 +16,7 @@ from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
 from symolo.core.time_series import Recording, TimeSeries, Trajectory
+from symolo.dataset.tables.camera_rows import image_column
 from symolo.dataset.tables.obstacles import obstacle_series
 from symolo.dataset.tables.side_tables import BOARD_SERIES
 
@@ -63,7 +64,6 @@ class _Recorder:
 
     def __init__(self, spec: RunSpec, loop: ClosedLoop, pilot: Pilot, watch: Watch | None) -> None:
         self._spec, self._loop, self._pilot, self._watch = spec, loop, pilot, watch
-        self._ticks_per_image = spec.rates.control_hz // spec.rates.camera_hz
         self._units: dict[str, str] = {}
         self._values: dict[str, list[object]] = defaultdict(list)
         """Recorded values by name of the series, one for each control tick; they are stacked at the end."""
@@ -105,11 +105,10 @@ class _Recorder:
         if self._watch is not None:
             self._watch(seen.t_s, seen, decision)
         self._loop.act(decision)
-        self._record(tick, seen, decision)
+        self._record(seen, decision)
 
-    def _record(self, tick: int, seen: Observation, decision: Decision) -> None:
+    def _record(self, seen: Observation, decision: Decision) -> None:
         loop, world, command = self._loop, self._loop.world, decision.command
-        image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
         row: list[tuple[str, str, object]] = [
             ("pose", "m, m, rad", world.pose()),
             ("twist", "m/s, rad/s", world.twist()),
@@ -123,7 +122,6 @@ class _Recorder:
             ("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s)),
             ("line_lost", "1", decision.line_lost),
             *([(BOARD_SERIES, "1", decision.board)] if decision.board else []),
-            ("image", "1", image),
         ]
         for name, unit, value in row:
             self._units[name] = unit
@@ -136,6 +134,8 @@ class _Recorder:
         trajectory = Trajectory(t_s, stacked["pose"], stacked["twist"], stacked["state"])
         stacked["wheel_speed_rad_s"] = read_speed_rad_s(effects, t_s, stacked["wheel_speed_rad_s"])
         stacked["current_A"] = read_current_A(effects, stacked["current_A"])
+        stacked["image"] = image_column(np.rint(1000 * t_s).astype(np.int64), self._spec.rates)
+        self._units["image"] = "1"
         in_trajectory = {"pose", "twist", "state"}
         series = [
             TimeSeries(name, self._units[name], t_s, values)

@@ -6,7 +6,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from configs.schema.board import Board
@@ -34,6 +33,7 @@ from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.documents.run_records import BoardRecord, ControllerRecord
 from symolo.dataset.layout import SPEC
+from symolo.dataset.tables.camera_rows import main_camera_rows
 from symolo.dataset.tables.rows import Rows
 
 if TYPE_CHECKING:
@@ -80,14 +80,13 @@ class RunOutcome(BaseModel):
         controller: ControllerRecord | None = None,
         suspicions: Sequence[str] = (),
     ) -> "RunOutcome":
-        """Return the outcome of a run whose trajectory was not simulated here."""
-        images = int(np.count_nonzero(rows.image))
+        """Return the outcome of a run whose trajectory was not simulated here, with its images at rows."""
         return cls(
             finished=True,
             problems=(),
             lap_time_s=lap_time_s,
             rows=len(rows.t_ms),
-            images=images,
+            images=len(main_camera_rows(rows, None).t_ms),
             board=board,
             controller=controller,
             suspicions=tuple(suspicions),
@@ -249,7 +248,7 @@ def _publish(
         problems=outcome.problems,
         lap_time_s=outcome.lap_time_s,
         rows=len(recording.trajectory.t_s),
-        images=int((recording["image"].values > 0).sum()),
+        images=len(main_camera_rows(Rows.from_recording(recording), spec.rates).t_ms),
         cpu=cpu_class(),
         board=_board_record(spec.board, pilot) if spec.board and pilot else None,
         controller=_controller_record(spec),

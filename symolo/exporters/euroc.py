@@ -16,6 +16,7 @@ from symolo.core.arrays import Array
 from symolo.core.geometry.poses import pose_X_WR, quaternions
 from symolo.dataset.documents.camera_model import CameraDocument
 from symolo.dataset.documents.sensor_sections import ImuSection
+from symolo.dataset.rates import period_beside_rows_s
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.stereo import pair_first
 from symolo.reader.camera_run import CameraRun
@@ -80,7 +81,7 @@ def _body_file(body: _Body) -> bytes:
 
 
 def _camera_files(folder: str, name: str, camera: RunFolder, body: _Body) -> Iterator[ExportedFile]:
-    stamps = {image.number: _stamp(float(camera.table.t_ms[image.row])) for image in camera.images}
+    stamps = {image.number: _stamp(float(camera.image_table.t_ms[image.index])) for image in camera.images}
     lines = [f"{stamp},{stamp}.png" for stamp in stamps.values()]
     yield ExportedFile(f"{folder}/data.csv", lambda: _text([f"{_STAMP},filename", *lines]))
     yield ExportedFile(f"{folder}/sensor.yaml", lambda: _camera_file(name, camera, body))
@@ -116,7 +117,9 @@ def _camera_file(name: str, camera: RunFolder, body: _Body) -> bytes:
 
 
 def _period_s(camera: RunFolder) -> float:
-    """Return the mean time between two images of the camera of data.csv, 1 s if there is one image."""
+    """Return the time between two images of the camera of data.csv: of those at rows the mean, 1 s for one image."""
+    if (period_s := period_beside_rows_s(camera.spec.rates)) is not None:
+        return period_s
     t_s = [image.t_s for image in camera.images]
     return (t_s[-1] - t_s[0]) / (len(t_s) - 1) if len(t_s) > 1 else 1.0
 
@@ -178,7 +181,7 @@ def _robot_table(body: _Body) -> bytes:
 
 def _motion(body: _Body) -> tuple[Array, Array, Array]:
     """Return t (N,) [ms], pose (N, 3) and v, w (N, 2) at each row of data.csv and each image."""
-    tables = [body.run.table, *(camera.table for camera in body.cameras.values())]
+    tables = [body.run.table, *(camera.image_table for camera in body.cameras.values())]
     stacked = [np.concatenate([getattr(table, name) for table in tables]) for name in ("t_ms", "pose", "twist")]
     t_ms, first = np.unique(stacked[0], return_index=True)
     return t_ms.astype(np.float64), stacked[1][first], stacked[2][first]

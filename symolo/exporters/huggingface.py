@@ -93,7 +93,7 @@ def _bytes(image: Image) -> int:
 
 
 def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
-    rows = np.array([image.run.table.at(image.row) for image in images])
+    rows = np.array([image.run.image_table.at(image.index) for image in images])
     number = value("float64")
     columns: Columns = {
         "image": (image_file(), [_file(image, image.path) for image in images]),

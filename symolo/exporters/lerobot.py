@@ -123,7 +123,7 @@ class _Episode:
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
         """All features except the images, (frames,) or (frames, components)."""
-        rows = self.run.rows.iloc[[image.row for image in self.run.images]].reset_index(drop=True)
+        rows = self.run.image_rows.reset_index(drop=True)
         vectors = {}
         if _ACTION in self.vectors:
             drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[[i.row for i in self.run.images]]
@@ -243,7 +243,10 @@ def image_hz(run: Run) -> int:
         InputError: They are not, as those of an imported trajectory with rows at any times, or the rate is no integer.
     """
     if run.spec.rates:
-        return run.spec.rates.camera_hz
+        if not (rate_hz := float(run.spec.rates.camera_hz)).is_integer():
+            what = f"run {run.name}: images are at {rate_hz:g} Hz, and the rate of this format is an integer"
+            raise InputError(what, where=str(run.folder), cure="render it again with `symolo rerender --camera-hz`")
+        return int(rate_hz)
     t_s = np.array([image.t_s for image in run.images])
     hz = max(1, round((len(t_s) - 1) / (t_s[-1] - t_s[0]))) if len(t_s) > 1 else 1
     late_s = np.abs(t_s - t_s[0] - np.arange(len(t_s)) / hz)

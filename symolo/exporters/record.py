@@ -15,8 +15,8 @@ def record_of(image: Image) -> bytes:
     The row has the names and units of the file; numbers of columns without decimals are integers, and what was not
     measured is null.
     """
-    camera, table = image.run.camera, image.run.table
-    values = [None if np.isnan(value) else value for value in table.at(image.row).tolist()]
+    camera, table = image.run.camera, image.run.image_table
+    values = [None if np.isnan(value) else value for value in table.at(image.index).tolist()]
     content: dict[str, object] = {
         column.name: value if column.decimals or value is None else int(value)
         for column, value in zip(table.definitions, values, strict=True)

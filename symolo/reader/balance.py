@@ -135,7 +135,7 @@ def _add_run(content: SplitContent, run: Run, images: Sequence[Image]) -> None:
     content.looks[run.spec.look.name] = None
     content.robots[run.spec.robot.name] = None
     if images and "v" in run.table.columns:
-        speeds = run.table.twist[[image.row for image in images], 0]
+        speeds = run.image_table.twist[[image.index for image in images], 0]
         known = speeds[np.isfinite(speeds)]
         content.speeds_m_s += [float(known.min()), float(known.max())] if len(known) else []
 

@@ -40,6 +40,10 @@ class CameraRun(RunFolder):
         return rows_at_images(self.whole.table, self.settings.period_s)
 
     @cached_property
+    def image_table(self) -> Rows:
+        return self.table
+
+    @cached_property
     def specification(self) -> dict[str, Any]:
         """The specification of the run with this camera in the place of that of data.csv.
 

@@ -22,6 +22,7 @@ from symolo.dataset.documents.metadata import side_tables
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.layout import ANNOTATIONS, DATA, IMAGES, SIDE, SPEC, frame_name
 from symolo.dataset.pixels import decoded
+from symolo.dataset.tables.camera_rows import main_camera_rows
 from symolo.dataset.tables.rows import RANGES, Rows, read_rows
 from symolo.dataset.tables.side_reading import first_fault, read_side
 from symolo.dataset.tables.side_tables import CAMERA, TOF, SideTable
@@ -40,17 +41,17 @@ class Image:
     index: int
     """Place among the run's images, from 0."""
     row: int
-    """Row of data.csv at which it was taken, from 0; its stamp is that of the row."""
+    """Row of data.csv at which it was taken, from 0; the last one before, if it was taken between two."""
 
     @property
     def t_s(self) -> float:
         """Time since the start of the run: the middle of the exposure."""
-        return float(self.run.table.t_ms[self.row]) / 1000
+        return float(self.run.image_table.t_ms[self.index]) / 1000
 
     @property
     def pose(self) -> Array:
         """(3,), x [m], y [m], theta [rad] of the robot in W."""
-        return self.run.table.pose[self.row]
+        return self.run.image_table.pose[self.index]
 
     @property
     def X_WC(self) -> Array:
@@ -160,9 +161,23 @@ class RunFolder:
 
     @property
     def image_rows(self) -> pd.DataFrame:
-        """Rows at which an image was taken, by its number. Row i belongs to the i-th image and the i-th X_WC."""
-        rows = self.rows
-        return rows[rows["img"] > 0].set_index("img", drop=False)
+        """Rows of `image_table`, by the number of the image. Row i belongs to the i-th image and the i-th X_WC."""
+        return rows_frame(self.image_table).set_index("img", drop=False)
+
+    @cached_property
+    def image_table(self) -> Rows:
+        """A row for each image: that of data.csv at which it was taken.
+
+        An image between two rows has pose and speeds at its time, and everything else of the last row before it.
+
+        Raises:
+            InputError: data.csv or spec.json is damaged.
+        """
+        has_spec = (self.folder / SIDE / SPEC).is_file()
+        rows = main_camera_rows(self.table, self.spec.rates if has_spec else None)
+        if self.image_folder is None:
+            return rows
+        return rows.where(np.array([self.image_path(number).is_file() for number in rows.image.tolist()], dtype=bool))
 
     @property
     def t_s(self) -> Array:
@@ -234,7 +249,7 @@ class RunFolder:
     @cached_property
     def numbers(self) -> tuple[int, ...]:
         """Numbers of the images, in their order."""
-        return tuple(self.table.image[self.table.image > 0].tolist())
+        return tuple(self.image_table.image.tolist())
 
     def index_of(self, number: int) -> int:
         """Return the index of the image with this number.
@@ -250,8 +265,8 @@ class RunFolder:
     @property
     def images(self) -> tuple[Image, ...]:
         """All images in their order; no file is opened."""
-        at = np.flatnonzero(self.table.image).tolist()
-        taken = zip(self.numbers, at, strict=True)
+        rows = np.searchsorted(self.table.t_ms, self.image_table.t_ms, side="right") - 1
+        taken = zip(self.numbers, rows.tolist(), strict=True)
         return tuple(Image(self, number, index, row) for index, (number, row) in enumerate(taken))
 
     def image(self, number: int) -> Image:
@@ -334,7 +349,8 @@ class RunFolder:
         return self.folder / ANNOTATIONS
 
     def _side(self, table: SideTable) -> Array:
-        return read_side(self.folder / SIDE / table.file, table, self.table)
+        rows = self.image_table if table.rows_of == "images" else self.table
+        return read_side(self.folder / SIDE / table.file, table, rows)
 
     def __iter__(self) -> Iterator[Image]:
         return iter(self.images)

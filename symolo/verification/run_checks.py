@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import plural
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
@@ -20,7 +21,8 @@ from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.run_records import RatesRecord
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, IMAGES, POSITIONS, SIDE, camera_folder
-from symolo.dataset.tables.camera_rows import rows_at, rows_at_images
+from symolo.dataset.rates import period_beside_rows_s
+from symolo.dataset.tables.camera_rows import image_column, main_camera_rows, rows_at, rows_at_images
 from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
 from symolo.dataset.tables.rows import HEADER, MAY_BE_EMPTY, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.sensor_tables import fractions, sample_times_ms
@@ -67,12 +69,17 @@ def check_run(
     rows = Rows.from_table(table, columns)
     yield from limited(data, [str(fault) for fault in semantic_faults(rows)])
     yield from _rows_checks(data, rows, record)
-    yield from check_images(run / IMAGES, f"{record.run}/{IMAGES}", rows, record)
+    # Without the times of the rows, those of images between them are not known.
+    is_in_time = record.rates is not None and np.array_equal(rows.t_ms, _times_ms(len(rows.t_ms), record.rates))
+    at_images = main_camera_rows(rows, record.rates if is_in_time else None)
+    yield from check_images(run / IMAGES, f"{record.run}/{IMAGES}", at_images, record)
     if record.images:
-        yield from _positions(run / POSITIONS, f"{record.run}/{POSITIONS}", rows)
+        yield from _positions(run / POSITIONS, f"{record.run}/{POSITIONS}", at_images)
     content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json", check_spec)
     yield from faults
-    yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
+    yield from _side(run / "side", f"{record.run}/side", rows, record)
+    if record.images:
+        yield from _camera(run / "side", f"{record.run}/side", at_images, record, spec)
     yield from _sensors(run / "side", f"{record.run}/side", rows, record, spec, sensor_tables)
     if spec is not None and spec.origin != record.origin:
         yield Finding(f"{record.run}/side/spec.json", "origin is not that of metadata.json")
@@ -80,7 +87,7 @@ def check_run(
         yield from _listed(run, content, spec, rows, record, {table.name for table in sensor_tables})
     if content is not None:
         yield from _obstacles(run / "side", f"{record.run}/side", content, rows, record)
-    for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
+    for file, what in annotation_faults(run / ANNOTATIONS, at_images, record, spec):
         yield Finding(f"{record.run}/{ANNOTATIONS}/{file}".rstrip("/"), what)
 
 
@@ -110,7 +117,7 @@ def _further_camera(
         is_logged = settings.get("logged") is True and record.is_imported
         spec = RunDocument.model_validate_json(json.dumps(specification_of(content, name)))
         at_images = rows_at_images(rows, settings["period_s"])
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, InputError):
         yield Finding(f"{record.run}/side/spec.json", f"robot.sensors.{name} does not describe a camera")
         return
     if is_logged:
@@ -123,10 +130,7 @@ def _further_camera(
     own = record.of_camera(name)
     yield from check_images(folder / IMAGES, f"{where}/{IMAGES}", at_images, own, "its period")
     yield from _positions(folder / POSITIONS, f"{where}/{POSITIONS}", at_images, "its path")
-    side, name_of_side = folder / SIDE, f"{where}/{SIDE}"
-    yield from _camera_times(side / CAMERA.file, f"{name_of_side}/{CAMERA.file}", at_images)
-    yield from _camera_model(side / INTRINSICS, f"{name_of_side}/{INTRINSICS}", own, spec, is_logged=is_logged)
-    yield from _camera_poses(side / CAMERA.file, f"{name_of_side}/{CAMERA.file}", at_images, spec)
+    yield from _camera(folder / SIDE, f"{where}/{SIDE}", at_images, own, spec, is_logged=is_logged)
     for file, what in annotation_faults(folder / ANNOTATIONS, at_images, own, spec):
         yield Finding(f"{where}/{ANNOTATIONS}/{file}".rstrip("/"), what)
 
@@ -153,16 +157,19 @@ def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
         yield from _motion(name, rows)
 
 
+def _times_ms(rows: int, rates: RatesRecord) -> Array:
+    return np.rint(np.arange(rows) * 1000 / rates.control_hz)
+
+
 def _rates(name: str, rows: Rows, rates: RatesRecord) -> Iterator[Finding]:
     """Check that rows and images are at their rates."""
     row_hz, camera_hz = rates.control_hz, rates.camera_hz
-    ticks = np.arange(len(rows.t_ms))
-    expected_ms = np.rint(ticks * 1000 / row_hz)
-    yield from limited(name, _at(rows.t_ms != expected_ms, rows.t_ms, "column t", f"ms does not keep {row_hz} Hz"))
-    per_image = row_hz // camera_hz
-    expected_image = np.where(ticks % per_image == 0, 1 + ticks // per_image, 0)
-    wrong = rows.image != expected_image
-    yield from limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz} Hz"))
+    late = rows.t_ms != _times_ms(len(rows.t_ms), rates)
+    yield from limited(name, _at(late, rows.t_ms, "column t", f"ms does not keep {row_hz} Hz"))
+    if late.any() and period_beside_rows_s(rates) is not None:
+        return
+    wrong = rows.image != image_column(rows.t_ms, rates)
+    yield from limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz:g} Hz"))
 
 
 def _ranges(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
@@ -238,18 +245,23 @@ def _specification(path: Path, name: str, check_spec: SpecCheck) -> tuple[object
     return content, None if problem else document, [Finding(name, problem)] if problem else []
 
 
-def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
+def _side(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     by_row = () if record.is_imported else (WHEELS, TOF, BOARD) if record.board else (WHEELS, TOF)
-    camera = [(CAMERA, rows.t_ms[rows.image > 0])] if record.images else []
-    for table, times in (*((table, rows.t_ms) for table in by_row), *camera):
+    for table in by_row:
         numbers, faults = _table(folder / table.file, table.header)
         yield from limited(f"{name}/{table.file}", faults)
-        if len(numbers) and not np.array_equal(numbers[:, table.header.index("t")], times):
+        if len(numbers) and not np.array_equal(numbers[:, table.header.index("t")], rows.t_ms):
             yield Finding(f"{name}/{table.file}", "column t is not that of data.csv")
     yield from _scene(folder / SCENE, f"{name}/{SCENE}")
-    if record.images:
-        yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
-    if record.images and spec is not None:
+
+
+def _camera(
+    folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocument | None, *, is_logged: bool = False
+) -> Iterator[Finding]:
+    """Check the tables of a camera; `rows` has a row for each of its images."""
+    yield from _camera_times(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows)
+    yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec, is_logged=is_logged)
+    if spec is not None:
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
 
 

@@ -171,6 +171,9 @@ CASES = {
         "got 300, allowed: a whole fraction",
     ),
     "rate against a default": added("rates: {control_hz: 30} #!", "rates.control_hz", "of wheel_loop_hz, which is 100"),
+    "rate in the section of the camera": robot(
+        "camera: {rate_hz: 30} #!", "robot.camera.rate_hz", "did you mean rates.camera_hz"
+    ),
     "rate beyond its bounds": added("rates: {camera_hz: 2000} #!", "rates.camera_hz", "<= 1000"),
     "period of no whole steps": robot(
         "tof: {period_s: 0.0335} #!",

@@ -63,7 +63,7 @@ BAD = {
     "misspelt device": (["plan", "smoke", "--set", "render.device=gpus"], "did you mean gpu"),
     "device that varies": (["plan", "smoke", "--set", "render.device={choice: [cpu, gpu]}"], "the whole command"),
     "device by a wrong option": (["release", "smoke", "--out", "OUT", "--device", "gpus"], "'gpu'"),
-    "set of rates that do not divide": (["release", "smoke", "--out", "OUT", "--set", "rates.camera_hz=7"], "7"),
+    "set of rates that do not divide": (["release", "smoke", "--out", "OUT", "--set", "rates.control_hz=7"], "7"),
     "set of a look that is not there": (["release", "smoke", "--out", "OUT", "--set", "look=palace"], "palace"),
     "output is a file": (["release", "smoke", "--out", "HERE/data.csv"], "is a file"),
     "output below a file": (["release", "smoke", "--out", "HERE/data.csv/x"], "below the file"),

@@ -31,9 +31,11 @@ from symolo.dataset.documents.run_records import (
 )
 from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.dataset.layout import DATA
+from symolo.dataset.rates import period_beside_rows_s
+from symolo.dataset.tables.camera_rows import main_camera_rows
 from symolo.dataset.tables.column import Column, single
 from symolo.dataset.tables.obstacles import obstacle_table
-from symolo.dataset.tables.rows import COLUMNS, HEADER, RANGES, Rows
+from symolo.dataset.tables.rows import COLUMNS, HEADER, IMG_NEAREST, RANGES, Rows
 from symolo.dataset.tables.sensor_tables import MAX_COLUMNS, SENSOR_NAME, TAKEN_NAMES, TIME, ListedSensor
 from symolo.dataset.tables.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
 
@@ -167,7 +169,7 @@ class RunRecord(Record):
             rendering=rendering,
             cpu_classes=tuple(cpus) if len(cpus) > 1 else (),
             rows=len(rows.t_ms),
-            images=int(np.count_nonzero(rows.image)),
+            images=len(main_camera_rows(rows, spec.rates).t_ms),
             duration_s=float(rows.t_ms[-1]) / 1000,
             distance_m=round(float(steps.sum()), 4),
             lap_time_s=lap_time_s,
@@ -349,8 +351,14 @@ def describe(
         splits: Division into training, validation and test.
     """
     first = RunDocument.model_validate(specifications[0])
+    is_beside_rows = period_beside_rows_s(first.rates) is not None
+    meanings = {"img": IMG_NEAREST} if is_beside_rows else {}
     columns = {
-        DATA: [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS if c.name in columns_of_data]
+        DATA: [
+            ColumnRecord(name=c.name, unit=c.unit, meaning=meanings.get(c.name, c.meaning))
+            for c in COLUMNS
+            if c.name in columns_of_data
+        ]
     }
     for table in side_tables(first, has_images=any(run.images for run in runs)):
         columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from symolo.arena.mesh import unpacked
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.origin import Origin
+from symolo.dataset.rates import Rate
 
 Point2 = tuple[float, float]
 Positive = Annotated[float, Field(gt=0)]
@@ -232,7 +233,7 @@ class RatesSection(SpecSection):
     physics_hz: int
     wheel_loop_hz: int
     control_hz: int
-    camera_hz: int
+    camera_hz: Rate = Field(gt=0, le=1000)
 
 
 class BoardSection(SpecSection):

@@ -6,6 +6,7 @@ from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import BoardKind, FramingName
 from symolo.dataset.documents.record import Record
 from symolo.dataset.documents.rendering_record import RenderingRecord
+from symolo.dataset.rates import Rate
 
 
 class StartRecord(Record):
@@ -17,20 +18,19 @@ class StartRecord(Record):
 
 
 class RatesRecord(Record):
-    """Rates of a run; each rate divided by the next slower one is a whole number."""
+    """Rates of a run; those of physics, wheel loop and control divided by the next one are whole numbers."""
 
     physics_hz: int = Field(ge=1)
     wheel_loop_hz: int = Field(ge=1)
     control_hz: int = Field(ge=1)
     """Rate of the controller and of the rows of data.csv."""
-    camera_hz: int = Field(ge=1)
+    camera_hz: Rate = Field(gt=0, le=1000)
+    """Rate of the images; if it does not divide control_hz, they are also between the rows."""
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> "RatesRecord":
         if self.physics_hz % self.wheel_loop_hz or self.wheel_loop_hz % self.control_hz:
             raise ValueError("physics_hz must be a multiple of wheel_loop_hz, and this a multiple of control_hz")
-        if self.control_hz % self.camera_hz:
-            raise ValueError("control_hz must be a multiple of camera_hz")
         return self
 
 

@@ -55,6 +55,11 @@ REQUIRED = ("t", "x", "y", "theta")
 """Columns that every data.csv has; the others may be absent from a trajectory that was imported."""
 MAY_BE_EMPTY = frozenset(HEADER) - {*REQUIRED, *WHOLE}
 """Columns of readings. A cell of a trajectory that was imported is empty where nothing was measured."""
+IMG_NEAREST = (
+    "number of the image that is nearest in time to this row, 0 for none; "
+    "time and pose of the image are in side/camera.csv and image_positions.txt"
+)
+"""Meaning of the column img if images are also taken between rows."""
 NO_STATE = -1
 """State of the rows of a data.csv without the column `state`."""
 
@@ -130,6 +135,19 @@ class Rows:
         series = (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image)
         whole = np.column_stack([one.astype(np.float64) for one in series])
         return whole if self.columns == HEADER else whole[:, [HEADER.index(name) for name in self.columns]]
+
+    def where(self, is_wanted: NDArray[np.bool_]) -> "Rows":
+        """Return the rows for which a mask (N,) is True."""
+        return Rows(
+            t_ms=self.t_ms[is_wanted],
+            pose=self.pose[is_wanted],
+            state=self.state[is_wanted],
+            twist=self.twist[is_wanted],
+            tof_m=self.tof_m[is_wanted],
+            line=self.line[is_wanted],
+            image=self.image[is_wanted],
+            columns=self.columns,
+        )
 
     def at(self, row: int) -> Array:
         """Return one row of `table`, (columns,)."""

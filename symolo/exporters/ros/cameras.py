@@ -66,5 +66,5 @@ def _shutters(name: str, camera: RunFolder, ros: Vocabulary) -> Iterator[tuple[I
     """Yield image, time in the bag [ns] and header."""
     delay_ns = round(1e9 * camera.settings.delay_s) if isinstance(camera, CameraRun) else 0
     for image in camera.images:
-        at_ns = START_NS + int(camera.table.t_ms[image.row]) * 1_000_000
+        at_ns = START_NS + int(camera.image_table.t_ms[image.index]) * 1_000_000
         yield image, at_ns + delay_ns, ros.header(at_ns, _frames(name)[1], image.index)

@@ -55,7 +55,7 @@ def run_facts(run: Run, record: RunRecord, *, with_path: bool) -> RunFacts:
     arena = Arena.from_config(spec.arena)
     following = (rows.state == State.LINE.value) & bool(arena.line.pieces)
     off_m = off_line_m(arena.line, ahead_of(rows.pose[following], spec.robot.line_sensor.x_m))
-    taken = np.flatnonzero(rows.image)
+    taken = run.image_table
     return RunFacts(
         record=record,
         arena=arena,
@@ -63,9 +63,9 @@ def run_facts(run: Run, record: RunRecord, *, with_path: bool) -> RunFacts:
         farthest_following_m=float(off_m.max()) if len(off_m) else None,
         images=tuple(
             zip(
-                rows.image[taken].tolist(),
-                rows.state[taken].tolist(),
-                (rows.t_ms[taken] / 1000).tolist(),
+                taken.image.tolist(),
+                taken.state.tolist(),
+                (taken.t_ms / 1000).tolist(),
                 strict=True,
             )
         ),

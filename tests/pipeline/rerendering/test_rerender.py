@@ -13,6 +13,7 @@ import symolo as symolo_reader
 from pipeline.cli import main
 from pipeline.rerendering.rerender import RerenderRequest
 from pipeline.run_folder.workspace import Workspace
+from pipeline.stages.cameras import cameras_of
 from symolo.dataset.folder_kind import Kind
 
 RUN, OTHER = "CW/test_1", "CCW/test_1"
@@ -317,13 +318,19 @@ def test_the_robot_of_a_simulation_keeps_what_its_readings_came_from(dataset, pr
             prepared(dataset / RUN, RerenderRequest(("lab",), overrides=(setting,)))
 
 
-def test_other_rates_of_the_images_divide_the_rate_of_the_rows(dataset, prepared):
-    """Rows come 20 times per second."""
+def test_images_have_any_rate(dataset, prepared):
+    """Rows come 20 times per second; a rate that does not divide this has images between rows too."""
     (run,) = prepared(dataset / RUN, RerenderRequest(("lab",), camera_hz=10))
     assert np.flatnonzero(run.rows.image)[:3].tolist() == [0, 2, 4]
     assert run.spec.rates.camera_hz == 10
-    with pytest.raises(symolo_reader.InputError, match=r"--camera-hz: got 3.*allowed: 20, 10, 5, 4, 2, 1"):
-        prepared(dataset / RUN, RerenderRequest(("lab",), camera_hz=3))
+    (run,) = prepared(dataset / RUN, RerenderRequest(("lab",), camera_hz=3))
+    images = cameras_of(run.spec)[0].rows(run.rows)
+    assert images.t_ms[:4].tolist() == [0, 333, 667, 1000]
+    assert np.flatnonzero(run.rows.image)[:4].tolist() == [0, 7, 13, 20]
+    assert run.outcome.images == len(images.t_ms)
+    (run,) = prepared(dataset / RUN, RerenderRequest(("lab",), camera_hz=0.5))
+    assert np.flatnonzero(run.rows.image)[:2].tolist() == [0, 40][: run.outcome.images]
+    assert run.spec.model_dump(mode="json")["rates"]["camera_hz"] == 0.5
 
 
 def test_finished_images_are_left_alone_and_damaged_ones_put_back(dataset, again, copy_of, symolo, release_of):

@@ -1,8 +1,10 @@
-"""Rows at the images of a further camera, on an arc with a closed form."""
+"""Rows at the images of a camera whose images are between rows, on an arc with a closed form."""
 
 import numpy as np
+import pytest
 
-from symolo.dataset.tables.camera_rows import rows_at_images
+from symolo.dataset.documents.run_records import RatesRecord
+from symolo.dataset.tables.camera_rows import image_column, rows_at_images
 from symolo.dataset.tables.rows import Rows
 
 SPEED_M_S, RATE_RAD_S = 0.2, 1.6
@@ -33,3 +35,21 @@ def test_a_camera_with_a_period_between_the_rows_has_the_poses_of_the_path():
     np.testing.assert_array_equal(seen.state, (seen.t_ms // 50) // 7)
     np.testing.assert_array_equal(seen.tof_m[:, 0], 3.0 * (seen.t_ms // 50))
     np.testing.assert_allclose(seen.twist, np.tile([SPEED_M_S, RATE_RAD_S], (29, 1)))
+
+
+@pytest.mark.parametrize(
+    ("camera_hz", "column"),
+    [
+        # Images after 0, 33, 67, 100... ms: the second and the third are both nearest to the row at 50 ms.
+        (30, [1, 2, 4, 5, 7, 8, 10]),
+        # After 0, 143 and 286 ms.
+        (7, [1, 0, 0, 2, 0, 0, 3]),
+        # At every second row, as numbers of rows say.
+        (10, [1, 0, 2, 0, 3, 0, 4]),
+        # After 0, 400 ms and so on: only the first one is within the rows.
+        (2.5, [1, 0, 0, 0, 0, 0, 0]),
+    ],
+)
+def test_a_row_has_the_number_of_the_image_that_is_nearest_in_time(camera_hz, column):
+    rates = RatesRecord(physics_hz=1000, wheel_loop_hz=100, control_hz=20, camera_hz=camera_hz)
+    assert image_column(50 * np.arange(7), rates).tolist() == column
