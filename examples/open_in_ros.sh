@@ -46,8 +46,9 @@ rosparam set /robot_description -t "$urdf"
 started+=($!)
 
 # Debian has no compressed_image_transport, with which RViz shows compressed images itself.
-python3 - > images.log 2>&1 << 'PYTHON' &
+python3 - "$bag" > images.log 2>&1 << 'PYTHON' &
 import io
+import sys
 
 import rosbag
 import rospy
@@ -67,8 +68,11 @@ def shown(topic):
 
 
 rospy.init_node("images")
-for topic in ("/camera", "/sensors/left", "/sensors/right", "/sensors/rear"):
-    shown(f"{topic}/image_raw/compressed")
+with rosbag.Bag(sys.argv[1]) as bag:
+    topics = bag.get_type_and_topic_info().topics
+for topic, about in topics.items():
+    if about.msg_type == "sensor_msgs/CompressedImage":
+        shown(topic)
 rospy.spin()
 PYTHON
 started+=($!)
