@@ -9,6 +9,8 @@ from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.checks import check_run
 from configs.faults import ConfigFault
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone, SingleRoute
+from configs.posterior.drawing import HYPOTHESIS, NUMBERS, drawn_hypothesis, drawn_robot
+from configs.posterior.schema import DrawnFrom
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
@@ -72,7 +74,15 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         # A specification has the start of its route at the top.
         spec_path = path[2:] if path[0] == "routes" else path
         values[path] = drawn[dotted(spec_path)] = item.draw(_field_stream(spec_path, loaded.seed, route, run))
-    scenario = validated(single.root, Scenario, values)
+    root, like = single.root, None
+    if loaded.like is not None:
+        hypothesis = drawn_hypothesis(loaded.like, stream(loaded.seed, route, run, HYPOTHESIS))
+        robot = drawn_robot(root, hypothesis, values, stream(loaded.seed, route, run, NUMBERS))
+        root = robot.on(root)
+        drawn |= {HYPOTHESIS: hypothesis.name} | {f"robot.{field}": value for field, value in robot.numbers.items()}
+        measured = tuple(each for each in loaded.like.measured if each.quantity is not None)
+        like = DrawnFrom(sha256=loaded.like.sha256, hypothesis=hypothesis.name, measured=measured)
+    scenario = validated(root, Scenario, values)
     if scenario.arena.generate is not None:
         middle = _drawn_about(single, values).routes[0].start
         about = (middle.x_m, middle.y_m, math.radians(middle.yaw_deg))
@@ -95,6 +105,7 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         controller=scenario.controller,
         look=scenario.look,
         drawn=dict(sorted(drawn.items())),  # type: ignore[arg-type]
+        like=like,
     )
 
 

@@ -7,6 +7,14 @@ one contains, and have a distribution at any leaf that may be drawn.
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from configs.posterior.schema import (
+    ChannelNoise,
+    FittedNumber,
+    FixedField,
+    LoadedPosterior,
+    MeasuredRange,
+    RobotHypothesis,
+)
 from configs.references import SECTIONS, shipped_names
 from configs.scaling import MAX_SCALE, MIN_SCALE, MODELS
 from configs.schema.base import FILE_KEY
@@ -37,6 +45,11 @@ _EFFECT_FILES = {
     "items": {"type": "string", "pattern": r"\.py$"},
     "description": "Python files with effects of your own, relative to the YAML file that names them.",
 }
+_OF_POSTERIOR = tuple(
+    model.__name__
+    for model in (LoadedPosterior, RobotHypothesis, FixedField, FittedNumber, MeasuredRange, ChannelNoise)
+)
+"""Sections of a posterior, which a scenario file names and does not contain."""
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
@@ -61,8 +74,11 @@ def scenario_json_schema() -> dict[str, Any]:
     for name in ("ArenaConfig", "RobotConfig"):
         definitions[name]["properties"]["assets"] = {**_FOLDER, "description": _FOLDER_OF_MESHES}
     definitions["RobotConfig"]["properties"]["effect_files"] = _EFFECT_FILES
-    definitions.pop("EffectFile", None)
     top = _mapping(shape.schema, shape, required=False)
+    named = [{"type": "string", "description": "path, relative to the YAML file that names it"}, {"type": "null"}]
+    top["properties"]["like"] = {"anyOf": named, "description": top["properties"]["like"]["description"]}
+    for name in ("EffectFile", *_OF_POSTERIOR):
+        definitions.pop(name, None)
     for kind in SECTIONS:
         field = shape.schema["properties"][kind]
         section = {key: value for key, value in field.items() if key != "description"}

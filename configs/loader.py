@@ -15,6 +15,9 @@ from configs.assets.meshes import with_meshes
 from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario, check_splits
 from configs.effects.own_files import with_own_effects
 from configs.overrides import apply_override
+from configs.posterior.agreement import check_posterior
+from configs.posterior.reading import with_posterior
+from configs.posterior.schema import LoadedPosterior
 from configs.references import locate, read_file, resolve
 from configs.robot_controller import with_chosen
 from configs.schema.appearance.look import LookConfig
@@ -64,6 +67,8 @@ class LoadedScenario:
     routes: tuple[PlannedRoute, ...]
     stop: Stop
     rates: Rates
+    like: LoadedPosterior | None = None
+    """Posterior from which the robots are drawn; None for none."""
 
     @cached_property
     def single_routes(self) -> Mapping[str, SingleRoute]:
@@ -146,7 +151,8 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
         InputError: Something is wrong; nothing has been drawn yet.
     """
     root = read_file("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
-    root = with_defaults(with_chosen(_overridden(root, Scenario, overrides)), Shape.of(Scenario))
+    root = with_posterior(_overridden(root, Scenario, overrides))
+    root = with_defaults(with_chosen(root), Shape.of(Scenario))
     root, assets = with_assets(with_meshes(with_course(with_polygons(root))), Shape.of(Scenario))
     return _checked(root, assets)
 
@@ -168,6 +174,8 @@ def _checked(root: Node, assets: Mapping[str, Path]) -> LoadedScenario:
         check_scenario(scenario, root)
     scenario = probed[0]  # the fields below are the same in all
     check_splits(scenario, root)
+    if scenario.like is not None:
+        check_posterior(root, scenario.like, next(probes(placed)))
     return LoadedScenario(
         root=root,
         placed=placed,
@@ -179,6 +187,7 @@ def _checked(root: Node, assets: Mapping[str, Path]) -> LoadedScenario:
         routes=tuple(PlannedRoute(route.name, route.runs) for route in scenario.routes),
         stop=scenario.stop,
         rates=scenario.rates,
+        like=scenario.like,
     )
 
 

@@ -4,6 +4,8 @@ from pathlib import Path
 
 from configs.assets.folder import anchored
 from configs.effects.own_files import KEY, anchored_files
+from configs.posterior.reading import KEY as LIKE
+from configs.posterior.reading import anchored_posterior
 from configs.references import SECTIONS, resolve_camera, resolve_section
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
@@ -18,7 +20,7 @@ def apply_override(root: Node, text: str) -> Node:
     """
     name, equals, value = text.partition("=")
     name = name.strip()
-    where = f"--set {name}"
+    where = f"--{LIKE}" if name == LIKE else f"--set {name}"
     keys = name.split(".")
     if not equals or not all(keys) or len(keys) > MAX_DEPTH:
         raise InputError("--set", got=text, allowed="field.path=value, such as look.sun.elevation_deg=30")
@@ -34,6 +36,8 @@ def apply_override(root: Node, text: str) -> Node:
         node = resolve_camera(node, Path.cwd())
     if name == "look.assets":
         node = anchored(Node({"assets": node}, where), Path.cwd()).child("assets") or node
+    if name == LIKE:
+        node = anchored_posterior(Node({LIKE: node}, where), Path.cwd()).child(LIKE) or node
     if keys == ["robot", KEY]:
         node = anchored_files(Node({KEY: node}, where), Path.cwd()).child(KEY) or node
     return _set(root, keys, (), node, where)

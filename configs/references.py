@@ -6,6 +6,7 @@ from pathlib import Path
 
 from configs.assets.folder import anchored
 from configs.effects.own_files import anchored_files, with_both
+from configs.posterior.reading import anchored_posterior
 from configs.scaling import MODELS, scaled
 from configs.schema.appearance.camera_look import CameraLook
 from configs.shapes import Shape, with_defaults
@@ -124,6 +125,7 @@ def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), p
 def _anchored(kind: str, node: Node, folder: Path) -> Node:
     """Return a section with absolute paths of the files that it names."""
     node = anchored_files(node, folder) if kind == "robot" else node
+    node = anchored_posterior(node, folder) if kind == "scenario" else node
     return anchored(node, folder) if kind in WITH_FILES else node
 
 

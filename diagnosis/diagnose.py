@@ -1,15 +1,14 @@
 """The whole diagnosis of one measurement: named effects, their confidence, what stays unexplained, and the gain."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
 
-from configs.draw import draw_robot
 from configs.effects.base import Effect
-from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
 from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
@@ -24,7 +23,7 @@ from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.naming.transfer import groups
 from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclusion
 from diagnosis.inference.refusal import is_of_noise
-from diagnosis.inference.rivals import RivalComparison, compare_rivals
+from diagnosis.inference.rivals import AS_GOOD, RivalComparison, compare_rivals
 from diagnosis.inference.selection import Selection, rescued, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
@@ -33,14 +32,11 @@ from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.unlisted import with_forms
 from diagnosis.inference.unexplained.wander import Wander, wander
-from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import KnownWheels, NominalLog
-from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import Nuisance, command_timing, nuisances
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import KnownWheels
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
-from diagnosis.together import joint_nuisances, joint_robot, joint_stages
-from diagnosis.usual_tolerances import usual, usual_of_log
+from diagnosis.together import joint_nuisances, joint_stages
 from symolo.core.errors import InputError
 
 MIN_BETTER = 0.5
@@ -82,6 +78,15 @@ class NamedEffect:
 
 
 @dataclass(frozen=True)
+class Alternative:
+    """A fit that explains the data as well as the named effects."""
+
+    fit: HypothesisFit
+    worse: float
+    """Increase of the cost over the named effects, with a toll for each parameter."""
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Result of a diagnosis."""
 
@@ -90,6 +95,8 @@ class Diagnosis:
     """The observations, to which the effects are fitted; without the error `wander` if there is one."""
     measured: Evidence
     """The observations as they were measured, with all errors. Every gain is computed on them."""
+    carrier: RobotConfig
+    """The robot that the nominal parameters of the measurement were put into."""
     nominal: RobotConfig
     candidates: Candidates
     selection: Selection
@@ -108,6 +115,8 @@ class Diagnosis:
     """Gain of plain calibration: the nominal model with its nuisances fitted and without effects."""
     wander: Wander | None = None
     """The slow error of a range sensor, which is random and therefore not part of the fit."""
+    alternatives: tuple[Alternative, ...] = ()
+    """Fits with a rival in place of one named effect, which these data do not distinguish from `fit`."""
 
     @property
     def unexplained(self) -> Structure | None:
@@ -184,13 +193,14 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     """
     check_kind(measurement)
     where = measurement.where
-    robot = _nominal(measurement, nominal)
+    carrier = carrier_of(measurement, nominal)
+    robot = nominal_of(measurement, carrier)
     if measurement.cases:
         stages = joint_stages(measurement, robot)
         bare = Hypothesis(robot, joint_nuisances(measurement, robot, Evidence(stages)) if stages else ())
     else:
         stages = STAGES[measurement.kind](measurement, robot)
-        bare = Hypothesis(robot, _spreads(measurement, robot))
+        bare = Hypothesis(robot, spreads_of(measurement, robot))
     if not stages:
         cure = "log voltages and counts, counts and poses, or poses and ranges"
         raise InputError("no reading that a stage could predict from the logged inputs", where=where, cure=cure)
@@ -224,6 +234,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     model, withheld_names = standing(evidence, selection, NamedModel(fit, comparisons, result), library.testable, parts)
     fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
+    alternatives = tuple(_alternatives(measurement, evidence, comparisons))
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
     # The remembered fits with their slopes need much memory and are not used again.
     evidence.known.clear()
@@ -232,6 +243,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         measurement=measurement,
         evidence=evidence,
         measured=measured,
+        carrier=carrier,
         nominal=robot,
         candidates=library,
         selection=selection,
@@ -252,6 +264,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         gain=gain(measured, robot, fit.robot, (0.0, fit.local_change)),
         calibrated=gain(measured, robot, selection.nominal.robot, (0.0, selection.nominal.local_change)),
         wander=slow,
+        alternatives=alternatives,
     )
 
 
@@ -299,19 +312,15 @@ def check_kind(measurement: Measurement) -> None:
         raise InputError(what, where=measurement.where, allowed=allowed, cure=cure)
 
 
-def _nominal(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:
-    """Return a robot, or the shipped one, with the nominal parameters of the measurement."""
-    carrier = robot or draw_robot(load_section("robot", "nominal"), 0, "diagnosis")[0]
-    if measurement.cases:
-        return joint_robot(measurement, carrier)
-    return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
-
-
-def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:
-    """Return the nuisances that the measurement states, or else the usual ones."""
-    if (case := measurement.nominal) is not None:
-        return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
-    return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
+def _alternatives(
+    measurement: Measurement, evidence: Evidence, comparisons: Sequence[RivalComparison]
+) -> Iterator[Alternative]:
+    """Yield the fits with a rival that explains the data as well as the effect in whose place it is."""
+    for comparison in comparisons:
+        for rival in comparison.rivals:
+            if rival.worse < AS_GOOD:
+                fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, rival.fit))
+                yield Alternative(fit, rival.worse)
 
 
 def _structures_of(evidence: Evidence, selection: Selection, result: Adequacy) -> Adequacy:

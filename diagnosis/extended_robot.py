@@ -13,7 +13,7 @@ and the drawn robots agree with the data as well.
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, isfinite
 from typing import Any
@@ -30,6 +30,8 @@ from configs.schema.effect_file import EffectFile
 from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
+from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.naming.seen_range import SeenRange
 from diagnosis.nuisances import Nuisance
 from symolo.core.yaml.tree import FieldPath
 
@@ -78,24 +80,14 @@ class ExtendedRobot:
 
 def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     """Return the extended model of a diagnosis as robot files."""
-    config = _enclosing(_within_bounds(diagnosis))
-    left_out: list[LeftOut] = []
-    problem = ""
-    for fault in robot_faults(config, in_simulation=True):
-        why = ", ".join(part for part in (fault.problem, f"allowed: {fault.allowed}" if fault.allowed else "") if part)
-        if fault.path[:2] == ("robot", "effects"):
-            left_out.append(LeftOut(str(fault.path[2]), why))
-        elif not problem:
-            problem = ".".join(map(str, fault.path)) + f": {why}"
-    for effect in left_out:
-        config = config.model_copy(update={"effects": config.effects.without(effect.name)})
+    config, left_out, problem = simulated(diagnosis.extended, [named.effect for named in diagnosis.named])
     measured = diagnosis.measurement
     source = f"{measured.name} ({measured.kind})"
     named = ", ".join(name.partition("[")[0] for name in diagnosis.names) or "no effect"
     config = config.model_copy(
         update={"name": _slug(measured.name), "description": f"Fitted to {source}: the nominal model with {named}"}
     )
-    config, moved = _rounded(config, diagnosis.nominal)
+    config, moved = rounded(config, diagnosis.nominal)
     config = config.model_copy(
         update={"effect_ranges": tuple(_ranges(diagnosis, config)), "effect_files": tuple(_own_files(config))}
     )
@@ -109,18 +101,47 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     tree = _difference(config)
     if config.effect_files:  # the file names them, and they lie beside it
         tree["effect_files"] = [file.file for file in config.effect_files]
-    comments = {path: "of the nominal model" for path in _paths(tree) if len(path) > 1} | _comments(diagnosis) | moved
+    comments = (
+        {path: "of the nominal model" for path in leaf_paths(tree) if len(path) > 1} | _comments(diagnosis) | moved
+    )
     text = "\n".join([*head, *_lines(tree, comments)]) + "\n"
-    return ExtendedRobot(config, text, _varied(diagnosis, config), tuple(left_out), problem)
+    return ExtendedRobot(config, text, _varied(diagnosis, config), left_out, problem)
+
+
+def simulated(config: RobotConfig, effects: Sequence[CandidateEffect]) -> tuple[RobotConfig, tuple[LeftOut, ...], str]:
+    """Return a fitted robot as a drive can simulate it, the effects that this leaves out, and why no drive can.
+
+    Args:
+        config: The fitted robot.
+        effects: Those of its effects that were fitted.
+    """
+    config = enclosing(_within_bounds(config, effects))
+    left_out: list[LeftOut] = []
+    problem = ""
+    for fault in robot_faults(config, in_simulation=True):
+        why = ", ".join(part for part in (fault.problem, f"allowed: {fault.allowed}" if fault.allowed else "") if part)
+        if fault.path[:2] == ("robot", "effects"):
+            left_out.append(LeftOut(str(fault.path[2]), why))
+        elif not problem:
+            problem = ".".join(map(str, fault.path)) + f": {why}"
+    for effect in left_out:
+        config = config.model_copy(update={"effects": config.effects.without(effect.name)})
+    return config, tuple(left_out), problem
 
 
 def _ranges(diagnosis: Diagnosis, config: RobotConfig) -> Iterator[EffectRange]:
     """Yield the ranges in which the effects of the robot were seen, of those quantities that a run records."""
     for named in diagnosis.named:
-        for seen in named.ranges if config.effects.get(named.effect.kind) is not None else ():
-            if (quantity := RECORDED.get(seen.covariate)) is not None:
-                low, high = (float(f"{value:.4g}") for value in (seen.low, seen.high))
-                yield EffectRange.model_validate({"effect": named.name, "quantity": quantity, "low": low, "high": high})
+        if config.effects.get(named.effect.kind) is not None:
+            yield from recorded_ranges(named.name, named.ranges)
+
+
+def recorded_ranges(effect: str, ranges: Iterable[SeenRange]) -> Iterator[EffectRange]:
+    """Yield those of the ranges in which an effect was seen whose quantities a run records."""
+    for seen in ranges:
+        if (quantity := RECORDED.get(seen.covariate)) is not None:
+            low, high = (float(f"{value:.4g}") for value in (seen.low, seen.high))
+            yield EffectRange.model_validate({"effect": effect, "quantity": quantity, "low": low, "high": high})
 
 
 def _own_files(config: RobotConfig) -> Iterator[EffectFile]:
@@ -130,18 +151,17 @@ def _own_files(config: RobotConfig) -> Iterator[EffectFile]:
             yield EffectFile.model_validate(record_of(effect.name))
 
 
-def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
+def _within_bounds(config: RobotConfig, effects: Sequence[CandidateEffect]) -> RobotConfig:
     """Return the fitted robot within the bounds, which the rounding of a logarithm and back may exceed."""
-    config = diagnosis.extended
-    for named in diagnosis.named:
-        kind = named.effect.kind
+    for effect in effects:
+        kind = effect.kind
         fitted = config.effects.get(kind)
         numbers = {name: min(max(float(getattr(fitted, name)), p.low), p.high) for name, p in kind.parameters().items()}
-        config = config.with_effect(kind.model_validate({**numbers, **dict(named.effect.choices)}))
+        config = config.with_effect(kind.model_validate({**numbers, **dict(effect.choices)}))
     return config
 
 
-def _enclosing(config: RobotConfig) -> RobotConfig:
+def enclosing(config: RobotConfig) -> RobotConfig:
     """Return the robot with a chassis that covers the wheels; a case does not state the width of the body."""
     needed_m = config.drive.track_m + config.drive.wheel_width_m
     if config.chassis.width_m >= needed_m:
@@ -149,7 +169,7 @@ def _enclosing(config: RobotConfig) -> RobotConfig:
     return config.with_section("chassis", {"width_m": ceil(1e3 * needed_m) / 1e3})
 
 
-def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, dict[FieldPath, str]]:
+def rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, dict[FieldPath, str]]:
     """Return the robot with rounded differences within the bounds of the schema.
 
     Args:
@@ -159,8 +179,8 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
     Returns:
         The robot, and a comment by field for each number that was outside its bounds.
     """
-    tree, nominal_tree = _tree(config), _tree(nominal)
-    for path in _paths(_difference(config)):
+    tree, nominal_tree = plain_tree(config), plain_tree(nominal)
+    for path in leaf_paths(_difference(config)):
         section, name = _section(tree, path), str(path[-1])
         if isinstance(value := section.get(name), float):
             section[name] = float(f"{value:.{DIGITS}g}")
@@ -181,7 +201,7 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
     return RobotConfig.model_validate(tree), moved
 
 
-def _tree(config: RobotConfig) -> dict[str, Any]:
+def plain_tree(config: RobotConfig) -> dict[str, Any]:
     """Return a robot as plain data."""
     # The counts of a turn need not be an integer in a nominal robot, of which pydantic would warn.
     return config.model_dump(mode="json", warnings=False)
@@ -200,16 +220,16 @@ def _slug(name: str) -> str:
 
 def _difference(config: RobotConfig) -> dict[str, Any]:
     base, _ = draw_robot(load_section("robot", BASE), 0, "diagnosis")
-    return _differing(_tree(config), _tree(base))
+    return difference_of(plain_tree(config), plain_tree(base))
 
 
-def _differing(tree: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str, Any]:
+def difference_of(tree: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keys of `tree` that `base` lacks or has with other values; keys that only `base` has become null."""
     differing: dict[str, Any] = {}
     for key, value in tree.items():
         other = base.get(key)
         if isinstance(value, Mapping) and isinstance(other, Mapping):
-            if inner := _differing(value, other):
+            if inner := difference_of(value, other):
                 differing[key] = inner
         elif key not in base or value != other:
             differing[key] = value
@@ -224,9 +244,11 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
     bare = hypothesis.nominal
     for k, nuisance in enumerate(hypothesis.nuisances):
         at = nuisance.value + 3.0 * nuisance.tolerance
-        moved = _differing(_tree(nuisance.applied(bare, at)), _tree(bare))
+        moved = difference_of(plain_tree(nuisance.applied(bare, at)), plain_tree(bare))
         text = _nuisance_text(nuisance, float(fit.x[k]), errors[k])
-        comments |= {path: text if path[-1] == nuisance.name else f"{nuisance.name}: {text}" for path in _paths(moved)}
+        comments |= {
+            path: text if path[-1] == nuisance.name else f"{nuisance.name}: {text}" for path in leaf_paths(moved)
+        }
     for named in diagnosis.named:
         for name in named.values:
             error = named.std[name]
@@ -253,10 +275,10 @@ def _nuisance_text(nuisance: Nuisance, off: float, error: float) -> str:
     return f"{prior}; fitted {off:+.2f} tolerances away, standard error {error * nuisance.tolerance:.2g}"
 
 
-def _paths(tree: Mapping[str, Any], above: FieldPath = ()) -> Iterator[FieldPath]:
+def leaf_paths(tree: Mapping[str, Any], above: FieldPath = ()) -> Iterator[FieldPath]:
     for key, value in tree.items():
         if isinstance(value, Mapping):
-            yield from _paths(value, (*above, key))
+            yield from leaf_paths(value, (*above, key))
         else:
             yield (*above, key)
 

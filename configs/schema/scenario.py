@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
+from configs.posterior.schema import DrawnFrom, LoadedPosterior
 from configs.robot_controller import ChosenController
 from configs.schema.appearance.light_paths import LightPaths
 from configs.schema.appearance.look import LookConfig
@@ -173,6 +174,9 @@ class Scenario(Section):
     """Arena: the name of a shipped one, the path of a YAML file, or its settings here."""
     robot: RobotConfig
     """Robot: the name of a shipped one, the path of a YAML file, or its settings here."""
+    like: LoadedPosterior | None = Field(default_factory=absent, exclude_if=lambda like: like is None)
+    """Posterior of a diagnosis, from which the robot of each run is drawn: the folder of the diagnosis, or its
+    posterior.yaml."""
     board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
     """Board that drives the robot instead of the built-in controller."""
     controller: ChosenController | None = Field(default_factory=absent, exclude_if=lambda chosen: chosen is None)
@@ -231,3 +235,5 @@ class RunSpec(SceneSpec):
     rates: Rates
     board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
     controller: ChosenController | None = Field(default_factory=absent, exclude_if=lambda chosen: chosen is None)
+    like: DrawnFrom | None = Field(default_factory=absent, exclude_if=lambda like: like is None)
+    """Posterior from which the robot was drawn; None if the scenario names none."""

@@ -2,6 +2,7 @@
 
 from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.gain import Gain
+from diagnosis.report import predictive
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
 
@@ -9,6 +10,7 @@ from diagnosis.report.report_data import ReportData
 def answer(data: ReportData) -> dict[str, object]:
     """Return the answer in GAP_FORMAT, with the conclusion, and `intervals` and `without` if effects are named."""
     result = data.diagnosis.answer() | {"conclusion": str(data.diagnosis.conclusion)}
+    result["predictive"] = predictive.in_json(data.predictive)
     if errors := fitted_errors(data.diagnosis.fit):
         sessions: dict[str, dict[str, object]] = {}
         for each in errors:

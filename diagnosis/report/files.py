@@ -7,12 +7,15 @@ from types import MappingProxyType
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import FILE, VARIED_FILE
 from diagnosis.measured.measurement import Measurement
+from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
+from diagnosis.posterior.posterior import posterior_text
 from diagnosis.report.answer import answer
 from diagnosis.report.page import page
 from diagnosis.report.plots.coverage import coverage_plot
 from diagnosis.report.plots.gain import gain_plot
 from diagnosis.report.plots.misfit import misfit_plot
 from diagnosis.report.plots.path import path_plot
+from diagnosis.report.plots.predictive import predictive_plot
 from diagnosis.report.plots.unexplained import unexplained_plot
 from diagnosis.report.plots.unseen import unseen_plot
 from diagnosis.report.report_data import ReportData, report_data
@@ -44,6 +47,7 @@ def files(
         ANSWER: json.dumps(answer(data), indent=2, ensure_ascii=False) + "\n",
         FILE: data.robot.text,
         VARIED_FILE: data.robot.varied_text,
+        POSTERIOR_FILE: posterior_text(diagnosis),
         PAGE: page(data, plots),
         SUMMARY: "\n".join(summary(data)) + "\n",
         REASONING: "\n".join(reasoning(data)) + "\n",
@@ -62,6 +66,8 @@ def _plots(data: ReportData) -> dict[str, bytes]:
         plots["gain"] = gain_plot(data)
     if data.engines is not None and data.engines.path is not None:
         plots["path"] = path_plot(data.engines.path)
+    if data.predictive:
+        plots["predictive"] = predictive_plot(data.predictive)
     if data.dataset is not None:
         plots["against"] = coverage_plot(data.dataset)
     for prediction in data.unseen:

@@ -6,9 +6,11 @@ from diagnosis.diagnose import NamedEffect
 from diagnosis.extended_robot import FILE, VARIED_FILE
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
+from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
 from diagnosis.report import dataset_comparison, engines, quantities, verdict
 from diagnosis.report.compared import quantity_rows, source_text
 from diagnosis.report.matrix import matrix_rows
+from diagnosis.report.predictive import predictive_sentence
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.row_sentences import too_large
 from diagnosis.report.summary import reasoning
@@ -49,6 +51,8 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         as_good=AS_GOOD,
         file=FILE,
         varied_file=VARIED_FILE,
+        posterior_file=POSTERIOR_FILE,
+        predictive_sentence=predictive_sentence(data.predictive),
         too_large=too_large,
         dataset_comparison=dataset_comparison,
         engines=engines,

@@ -18,6 +18,7 @@ from diagnosis.inference.naming.transfer import trial_groups
 from diagnosis.inference.profile import Interval, profiles
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
+from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.prediction_error import UnseenPrediction, predictions
 from diagnosis.report.own_effects import TriedEffect, tried_effects
 from diagnosis.report.row_sentences import row_sentences
@@ -82,6 +83,8 @@ class ReportData:
     """Effects of the user's own that are not named."""
     unseen: tuple[UnseenPrediction, ...] = ()
     """Predictions of the extended robot for unseen runs of the case."""
+    predictive: tuple[CheckedStatistic, ...] = ()
+    """Statistics of the measured readings among those of robots from the posterior."""
 
 
 def report_data(
@@ -125,6 +128,7 @@ def report_data(
         dataset=None if release is None else compare_with_dataset(diagnosis.measurement, release, diagnosis.nominal),
         own_effects=tuple(tried_effects(diagnosis)),
         unseen=predictions(diagnosis, unseen),
+        predictive=predictive_check(diagnosis),
     )
 
 

@@ -342,6 +342,12 @@ def diagnosis(workspace: Path) -> None:
     _save_smaller("diagnosis.png", workspace / "diagnosis/plots/current_A.png", 1200)
 
 
+def predictive(workspace: Path) -> None:
+    """Write the plot of the posterior predictive check of a drive."""
+    _remake("diagnose", EXAMPLES / "drive_log_001", workspace / "predictive")
+    _save_smaller("predictive.png", workspace / "predictive/plots/predictive.png", 1200)
+
+
 def reliability(workspace: Path) -> None:
     """Write the diagram of stated confidences from 1,000 cases, which take a quarter of an hour."""
     script = HERE.parents[1] / "benchmarks/diagnosis/hide_and_find.py"
@@ -394,6 +400,7 @@ IMAGES: dict[str, Callable[[Path], None]] = {
     "preview": preview,
     "baselines": baselines,
     "diagnosis": diagnosis,
+    "predictive": predictive,
     "reliability": reliability,
     "ros": ros,
 }

@@ -177,6 +177,9 @@ def diagnose(
     - extended_varied.yaml: the same robot, with its uncertain values drawn
       for each run
 
+    - posterior.yaml: the robots that agree with the data, for
+      release --like DIR
+
     - the file of each effect of your own that the extended robot has
 
     - made_from.json: the cases and options, for `symolo next`

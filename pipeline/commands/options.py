@@ -1,5 +1,6 @@
 """Arguments and options that several commands share, and the checks of their values."""
 
+import json
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -86,6 +87,16 @@ Settings = Annotated[
         metavar="PATH=VALUE",
         help="Override one field, such as render.quality=high; may be repeated. The value is YAML and may be a "
         "distribution, such as '{uniform: [4, 8]}'.",
+    ),
+]
+Like = Annotated[
+    Path | None,
+    typer.Option(
+        "--like",
+        metavar="DIAGNOSIS",
+        callback=if_given(checked_input),
+        help="Draw the robot of each run from the posterior of a diagnosis: the output folder of `symolo diagnose`, or "
+        "its posterior.yaml.",
     ),
 ]
 Seed = Annotated[
@@ -192,6 +203,11 @@ OnDevice = Annotated[
 def with_device(settings: Sequence[str] | None, device: Device | None) -> tuple[str, ...]:
     """Return the overrides with that of `--device` at the end, where it wins."""
     return (*(settings or ()), *([f"render.device={device}"] if device else []))
+
+
+def with_like(settings: Sequence[str] | None, like: Path | None) -> tuple[str, ...]:
+    """Return the overrides with the posterior of `--like` at the end, where it wins."""
+    return (*(settings or ()), *([f"like={json.dumps(str(like))}"] if like else []))
 
 
 ALL_LOOKS = "all"

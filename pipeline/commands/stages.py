@@ -16,6 +16,7 @@ from pipeline.commands.options import (
     ExecutorName,
     GpuShare,
     Json,
+    Like,
     OnDevice,
     Out,
     Part,
@@ -25,6 +26,7 @@ from pipeline.commands.options import (
     WorkerMemory,
     Workers,
     with_device,
+    with_like,
 )
 from symolo.core.errors import InputError
 from symolo.core.extras import check_installed
@@ -45,6 +47,7 @@ def plan(
     scenario: Scenario,
     *,
     settings: Settings = None,
+    like: Like = None,
     images: Annotated[
         int | None,
         typer.Option(
@@ -69,7 +72,7 @@ def plan(
     from pipeline.work.supervisor import cores
     from symolo.core.progress import report_here
 
-    overrides = with_device(settings, device)
+    overrides = with_device(with_like(settings, like), device)
     if images is not None:
         from pipeline.planning.price import measure
 
@@ -81,7 +84,8 @@ def plan(
         else:
             typer.echo(price.text(images, about))
         return
-    planned = ScenarioPlan.of(draw_reported(load_scenario(scenario, overrides), report_here()), cores())
+    loaded = load_scenario(scenario, overrides)
+    planned = ScenarioPlan.of(draw_reported(loaded, report_here()), cores(), loaded.like)
     if as_json:
         from pipeline.json_results.plan import PlanResult
 
@@ -95,6 +99,7 @@ def simulate(
     out: Out,
     *,
     settings: Settings = None,
+    like: Like = None,
     workers: Workers = None,
     memory: WorkerMemory = None,
     part: Part = None,
@@ -102,10 +107,12 @@ def simulate(
     """Simulate every run in PyBullet, and store its trajectory and sensor readings.
 
     Example: symolo simulate smoke --out data
+
+    Robots that agree with a diagnosis: symolo simulate smoke --like diagnosis --out data
     """
     from pipeline.executors import chosen
 
-    return _make(["simulate"], scenario, settings or (), out, chosen(workers, memory, part), part=part)
+    return _make(["simulate"], scenario, with_like(settings, like), out, chosen(workers, memory, part), part=part)
 
 
 def render(
@@ -113,6 +120,7 @@ def render(
     out: Out,
     *,
     settings: Settings = None,
+    like: Like = None,
     workers: Workers = None,
     device: OnDevice = None,
     memory: WorkerMemory = None,
@@ -126,11 +134,24 @@ def render(
     """
     from pipeline.executors import chosen
 
-    return _make(["render"], scenario, with_device(settings, device), out, chosen(workers, memory, part), part=part)
+    return _make(
+        ["render"],
+        scenario,
+        with_device(with_like(settings, like), device),
+        out,
+        chosen(workers, memory, part),
+        part=part,
+    )
 
 
 def assemble(
-    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
+    scenario: Scenario,
+    out: Out,
+    *,
+    settings: Settings = None,
+    like: Like = None,
+    workers: Workers = None,
+    device: OnDevice = None,
 ) -> int:
     """Assemble the dataset from the rendered runs, with description, metadata and checksums.
 
@@ -138,7 +159,7 @@ def assemble(
     """
     from pipeline.executors import chosen
 
-    return _make(["assemble"], scenario, with_device(settings, device), out, chosen(workers))
+    return _make(["assemble"], scenario, with_device(with_like(settings, like), device), out, chosen(workers))
 
 
 def release(
@@ -146,6 +167,7 @@ def release(
     out: Out,
     *,
     settings: Settings = None,
+    like: Like = None,
     workers: Workers = None,
     device: OnDevice = None,
     memory: WorkerMemory = None,
@@ -170,6 +192,8 @@ def release(
     The same command continues after an interruption. It repeats only the work whose inputs have changed: after a change
     of the look, it renders again, but does not simulate again.
 
+    Robots that agree with a diagnosis, another one in each run: symolo release smoke --like diagnosis --out data
+
     On a cluster: symolo release symolo --out /shared/data --executor ray --address head:6379
 
     Upload while it runs: symolo release smoke --out data --upload file:///mnt/shelf/data
@@ -185,7 +209,7 @@ def release(
     cluster = address if executor is ExecutorName.RAY else None
     workplace = chosen(workers, memory, address=cluster, card_share=gpu_share)
     to = _destination(out, upload, endpoint, allow_http=allow_http)
-    return _make(STAGES, scenario, with_device(settings, device), out, workplace, to=to)
+    return _make(STAGES, scenario, with_device(with_like(settings, like), device), out, workplace, to=to)
 
 
 def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
@@ -249,9 +273,14 @@ def _do_stages(
     along: "Along | None",
 ) -> "list[FailedRun]":
     """Do the stages and return all failures; `along` uploads each run as soon as it is complete."""
+    from pipeline.planning.demands import demand_lines, source_line
     from pipeline.run_folder.status import again
 
     failed = [*failures]
+    if "simulate" in stages and batch.loaded.like is not None:
+        report.say(f"robots: {source_line(batch.loaded.like)}")
+        for line in demand_lines(batch.loaded.like, batch.specs):
+            report.say(f"beyond what was measured: {line}")
     for line in again(batch.workspace, batch.specs):
         report.say(line)
     if "render" in stages:

@@ -79,6 +79,10 @@ class PlanResult(JsonResult):
     """Disk space, stages included; estimated, or measured with --images."""
     time_s: float
     """Time on this machine to simulate and render; estimated, or measured with --images."""
+    robots: str = ""
+    """Diagnosis from which the robots are drawn, with its hypotheses; empty without --like."""
+    beyond_measured: list[str] = []
+    """Demands of the scenario that leave what this diagnosis measured."""
     price: PricePart | None = None
     """Measured cost of the images of --images; null without it."""
 
@@ -93,6 +97,8 @@ class PlanResult(JsonResult):
             cameras=[PlannedRunPart.of(camera) for camera in plan.cameras],
             bytes=plan.bytes_needed,
             time_s=time_s,
+            robots=plan.robots,
+            beyond_measured=list(plan.demands),
         )
 
     @classmethod

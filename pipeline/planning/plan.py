@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 
 from blender_scenes.render.probe import LADDER
 from blender_scenes.render.sampling import TracingSettings, tracing_settings
+from configs.posterior.schema import LoadedPosterior
 from configs.schema.scenario import RunSpec
+from pipeline.planning.demands import demand_lines, source_line
 from pipeline.stages.cameras import RunCamera, cameras_of
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
@@ -81,12 +83,17 @@ class ScenarioPlan:
     cameras: tuple[PlannedRun, ...]
     """The images of the further cameras, without rows."""
     cores: int
+    robots: str = ""
+    """Source of the robots, if a scenario draws them from a diagnosis."""
+    demands: tuple[str, ...] = ()
+    """Lines about demands of the scenario that leave what this diagnosis measured."""
 
     @classmethod
-    def of(cls, specs: Sequence[RunSpec], cores: int) -> "ScenarioPlan":
+    def of(cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None) -> "ScenarioPlan":
         planned = [(camera.name, _planned(spec, camera)) for spec in specs for camera in cameras_of(spec)]
         runs = tuple(run for name, run in planned if not name)
-        return cls(runs, tuple(replace(run, rows=0) for name, run in planned if name), cores)
+        cameras = tuple(replace(run, rows=0) for name, run in planned if name)
+        return cls(runs, cameras, cores, source_line(like), demand_lines(like, specs))
 
     @property
     def _all(self) -> tuple[PlannedRun, ...]:
@@ -125,6 +132,8 @@ class ScenarioPlan:
             f"images     {self.images}",
             f"quality    {' or '.join(qualities)}",
             f"light      {' or '.join(lights)}",
+            *([f"robots     {self.robots}"] if self.robots else []),
+            *(f"beyond     {line}" for line in self.demands),
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
             f"render     about {seconds(self.render_s)}",

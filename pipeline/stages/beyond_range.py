@@ -1,9 +1,10 @@
-"""Warnings of a run in which an effect of the robot acts outside the range where it was observed."""
+"""Warnings of a run in which the robot leaves the range where its effects were observed, or where it was measured."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from configs.posterior.schema import MeasuredRange
 from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
 from symolo.core.arrays import Array
@@ -17,29 +18,45 @@ MEAN_S = 0.5
 """Time over which the speeds of the robot are averaged, as in the diagnosis, which sees them as changes of the pose."""
 
 
-def range_warnings(robot: RobotConfig, recording: Recording) -> tuple[str, ...]:
-    """Return a warning for each range that a run leaves, for the effects that the robot has."""
+def range_warnings(robot: RobotConfig, recording: Recording, measured: Sequence[MeasuredRange] = ()) -> tuple[str, ...]:
+    """Return a warning for each range that a run leaves.
+
+    Args:
+        robot: The robot, with the ranges of those effects that were observed.
+        recording: The run.
+        measured: Ranges over which a diagnosis has measured the robot.
+    """
     present = {effect.name for effect in robot.effects}
-    return tuple(text for each in robot.effect_ranges if each.effect in present for text in _left(each, recording))
+    effects = [each for each in robot.effect_ranges if each.effect in present]
+    return tuple(_warnings(measured, effects, recording))
 
 
-def _left(seen: EffectRange, recording: Recording) -> Iterator[str]:
-    values = _values(seen.quantity, recording)
-    margin = MARGIN * (seen.high - seen.low)
+def _warnings(measured: Sequence[MeasuredRange], effects: Sequence[EffectRange], recording: Recording) -> Iterator[str]:
+    for each in measured:
+        if each.quantity is not None and (left := _left(each.quantity, each.low, each.high, recording)):
+            yield f"the robot was measured for {left}: there its numbers are extrapolated"
+    for each in effects:
+        if left := _left(each.quantity, each.low, each.high, recording):
+            yield f"the effect {each.effect} was observed for {left}: there the effect is extrapolated"
+
+
+def _left(quantity: str, low: float, high: float, recording: Recording) -> str:
+    """Return a range and how far a run leaves it; empty if it does not."""
+    values = _values(quantity, recording)
+    margin = MARGIN * (high - low)
     values = values[np.isfinite(values)]
-    low, high = seen.low, seen.high
-    if seen.quantity != "tof_m":
-        # Every run begins and ends at rest. An effect was not seen there only because it is small there.
-        low, high = min(low, 0.0), max(high, 0.0)
+    text = f"{quantity} from {low:.3g} to {high:.3g}"
+    low, high = within(quantity, low, high)
     outside = values[(values < low - margin) | (values > high + margin)]
     if len(outside) <= MIN_SHARE * len(values):
-        return
+        return ""
     share = 100.0 * len(outside) / len(values)
-    yield (
-        f"the effect {seen.effect} was observed for {seen.quantity} from {seen.low:.3g} to {seen.high:.3g}, and"
-        f" {share:.0f} % of this run is outside, between {outside.min():.3g} and {outside.max():.3g}: there the effect"
-        " is extrapolated"
-    )
+    return f"{text}, and {share:.0f} % of this run is outside, between {outside.min():.3g} and {outside.max():.3g}"
+
+
+def within(quantity: str, low: float, high: float) -> tuple[float, float]:
+    """Return a range with the rest in it: every run begins and ends at rest, and hardly anything can be seen there."""
+    return (low, high) if quantity == "tof_m" else (min(low, 0.0), max(high, 0.0))
 
 
 def _values(quantity: str, recording: Recording) -> Array:

@@ -253,7 +253,7 @@ def _publish(
         board=_board_record(spec.board, pilot) if spec.board and pilot else None,
         controller=_controller_record(spec),
         events=_event_lines(pilot.events, spec.rates.control_hz) if pilot else (),
-        beyond_ranges=range_warnings(spec.robot, recording),
+        beyond_ranges=range_warnings(spec.robot, recording, spec.like.measured if spec.like else ()),
         suspicions=run_warnings(spec, recording),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))

@@ -4,6 +4,7 @@ import numpy as np
 
 from configs.draw import draw_robot
 from configs.loader import load_section
+from configs.posterior.schema import MeasuredRange
 from configs.schema.effect_range import EffectRange
 from physics.effects.turn_slip import TurnSlip
 from pipeline.stages.beyond_range import range_warnings
@@ -65,3 +66,17 @@ def test_a_run_begins_at_rest_and_may_come_too_near_to_a_wall():
     ranges = (("turn_slip", "v_m_s", 0.1, 0.3), ("turn_slip", "tof_m", 0.2, 1.0))
     (warning,) = range_warnings(robot(*ranges), recording(v_m_s=0.0, tof_m=(0.05, 8.19)))
     assert "for tof_m from 0.2 to 1, and 100 % of this run is outside" in warning
+
+
+def test_a_run_beyond_what_was_measured_is_named_whatever_effects_the_robot_has():
+    plain = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
+    measured = [
+        MeasuredRange(covariate="u_cmd_V", quantity="voltage_V", low=0.5, high=1.5),
+        MeasuredRange(covariate="t_s", quantity=None, low=0.0, high=1.0),
+    ]
+    (warning,) = range_warnings(plain, recording(voltage_V=2.0), measured)
+    assert warning == (
+        "the robot was measured for voltage_V from 0.5 to 1.5, and 100 % of this run is outside, between 2 and 2: there"
+        " its numbers are extrapolated"
+    )
+    assert range_warnings(plain, recording(voltage_V=1.55), measured) == ()

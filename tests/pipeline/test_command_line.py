@@ -51,6 +51,11 @@ BAD = {
         ["plan", "smoke", "--set", "render.annotations=[depth, flow, depth]"],
         "render.annotations: got 'depth twice', allowed: each annotation once",
     ),
+    "like without a posterior": (
+        ["release", "smoke", "--out", "OUT", "--like", "HERE"],
+        "--like: like: the folder has no posterior.yaml",
+    ),
+    "like a file of another kind": (["plan", "smoke", "--like", "HERE/extra.yaml"], "this is no posterior.yaml"),
     "set without a value": (["release", "smoke", "--out", "OUT", "--set", "render.samples"], "--set"),
     "set of no such field": (["release", "smoke", "--out", "OUT", "--set", "render.sampels=3"], "samples"),
     "set of the wrong type": (["release", "smoke", "--out", "OUT", "--set", "render.samples=many"], "'many'"),

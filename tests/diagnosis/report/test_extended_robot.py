@@ -11,7 +11,7 @@ from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.diagnose import NamedEffect, diagnose
-from diagnosis.extended_robot import FILE, VARIED_FILE, _rounded, extended_robot
+from diagnosis.extended_robot import FILE, VARIED_FILE, extended_robot, rounded
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import HypothesisFit
@@ -163,7 +163,7 @@ def test_counts_that_are_no_whole_number_are_rounded_and_said():
     """43.7 to 1 and 64 counts of the motor make 2796.8 of the wheel; the simulator counts whole ones."""
     nominal, _ = draw_robot(load_section("robot", "nominal"), 1, "test")
     encoder = nominal.encoder.model_copy(update={"counts_per_revolution": 2796.8})
-    config, moved = _rounded(nominal.model_copy(update={"encoder": encoder}), nominal)
+    config, moved = rounded(nominal.model_copy(update={"encoder": encoder}), nominal)
     assert config.encoder.counts_per_revolution == 2797
     assert moved == {("encoder", "counts_per_revolution"): "the nearest integer to 2796.8"}
 

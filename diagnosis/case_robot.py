@@ -1,0 +1,32 @@
+"""The robot of a measurement before anything is fitted: nominal parameters, and the tolerances between units."""
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.measurement import CaseKind, Measurement
+from diagnosis.measured.nominal import NominalLog
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.nuisances import Nuisance, command_timing, nuisances
+from diagnosis.together import joint_robot
+from diagnosis.usual_tolerances import usual, usual_of_log
+
+
+def carrier_of(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:
+    """Return the robot that has everything which the measurement does not define, the shipped one by default."""
+    if isinstance(measurement.nominal, NominalLog):
+        return measurement.nominal.robot
+    return robot or draw_robot(load_section("robot", "nominal"), 0, "diagnosis")[0]
+
+
+def nominal_of(measurement: Measurement, carrier: RobotConfig) -> RobotConfig:
+    """Return a robot with the nominal parameters of the measurement."""
+    if measurement.cases:
+        return joint_robot(measurement, carrier)
+    return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
+
+
+def spreads_of(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:
+    """Return the nuisances that the measurement states, or else the usual ones."""
+    if (case := measurement.nominal) is not None:
+        return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
+    return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)

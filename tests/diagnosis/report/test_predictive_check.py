@@ -1,0 +1,61 @@
+"""The posterior predictive check: what the model leaves out shows, and what it has does not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.posterior.predictive_check import LEVEL, STATISTICS, _noise, predictive_check
+from diagnosis.report.predictive import predictive_sentence
+from symolo.core.random_streams import stream
+
+ROWS = 4000
+
+
+def test_statistics_of_normal_noise_are_those_of_the_normal_distribution():
+    """A first-order process with the correlation 0.5; beyond 3 sd lies 0.27 %."""
+    noise = stream(1, "noise").standard_normal(ROWS)
+    for k in range(1, ROWS):
+        noise[k] = 0.5 * noise[k - 1] + np.sqrt(0.75) * noise[k]
+    values = {name: float(statistic(noise)) for name, statistic in STATISTICS.items()}
+    assert values["median"] == pytest.approx(0.0, abs=0.1)
+    assert values["half width of the middle 68 %"] == pytest.approx(1.0, abs=0.06)
+    assert values["correlation of neighbours"] == pytest.approx(0.5, abs=0.05)
+    assert values["share beyond 3 sd"] == pytest.approx(0.0027, abs=0.003)
+
+
+def test_data_of_the_model_lie_inside_as_often_as_the_level_says(diagnosis_of):
+    """The data are drawn at the fitted numbers, which are as certain as the noise allows: at most 5 % are outside."""
+    diagnosis, rng = diagnosis_of("plain"), stream(3, "data")
+    evidence, fit = diagnosis.evidence, diagnosis.fit
+    checks = []
+    for _ in range(25):
+        values = evidence.values - fit.z * fit.sd + fit.sd * rng.standard_normal(len(fit.sd))
+        drawn = replace(diagnosis, evidence=evidence.without(evidence.values - values))
+        checks += predictive_check(drawn, 60)
+    assert sum(each.is_outside for each in checks) / len(checks) < 0.08
+
+
+def test_a_bump_that_has_no_name_lies_outside(diagnosis_of):
+    checks = predictive_check(diagnosis_of("bumped"))
+    widths = {each.quantity: each for each in checks if each.rows == "fitted" and each.name.startswith("half width")}
+    assert widths["current_A"].is_outside
+    assert widths["current_A"].share_below == 1.0
+    assert not widths["omega_rad_s"].is_outside
+
+
+def test_drawn_noise_has_the_outliers_of_the_fit_and_the_same_check_gives_the_same_numbers(diagnosis_of):
+    diagnosis = diagnosis_of("plain")
+    noise = _noise(diagnosis.fit, 400, stream(2, "noise"))
+    share = diagnosis.fit.noise.shares[diagnosis.evidence.quantity].mean()
+    # Nearly all outliers, of a Cauchy density of 10 sd, are beyond 3 sd: the share 1 - 2 atan(0.3) / pi.
+    expected = 0.0027 + share * (1.0 - 2.0 * np.arctan(0.3 / diagnosis.fit.noise.levels.mean()) / np.pi)
+    assert (np.abs(noise) > 3.0).mean() == pytest.approx(expected, rel=0.2)
+    assert predictive_check(diagnosis, 20) == predictive_check(diagnosis, 20)
+
+
+def test_the_sentence_counts_what_is_outside_and_what_chance_would_put_there(diagnosis_of):
+    checks = predictive_check(diagnosis_of("bumped"))
+    outside = sum(each.is_outside for each in checks)
+    assert f"Of {len(checks)} statistics" in predictive_sentence(checks)
+    assert f"{outside} lie outside {100 * LEVEL:g} % of the robots" in predictive_sentence(checks)
