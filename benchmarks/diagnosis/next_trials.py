@@ -73,7 +73,7 @@ def motor_inputs(setting: Setting, way: str, rng: np.random.Generator) -> Inputs
 
 
 def range_inputs(setting: Setting, way: str, rng: np.random.Generator) -> Inputs:
-    """Return evenly spaced or random distances with random conditions of the old bench."""
+    """Return evenly spaced or random distances with random materials and random conditions of the old bench."""
     rows = round(SECONDS / ROW_S) * (3 if "3 times" in way else 1)
     old = setting.bench
     near, far = old.distance_m.min(), old.distance_m.max()
@@ -87,7 +87,7 @@ def range_inputs(setting: Setting, way: str, rng: np.random.Generator) -> Inputs
             ("ambient_lux", old.lux),
         )
     }
-    return Inputs(columns, rng.choice(old.material, rows), ROW_S * np.arange(1.0, rows + 1.0))
+    return Inputs(columns, rng.choice(sorted(setting.reflectance), rows), ROW_S * np.arange(1.0, rows + 1.0))
 
 
 def measured(setting: Setting, inputs: Inputs) -> Setting:

@@ -20,6 +20,9 @@ from symolo.core.arrays import Array
 
 ENOUGH = 9.0
 """Separation in standard deviations from which a larger one is not needed."""
+OTHERS = 0.25
+"""Weight of the mean separation beside the smallest one: two models that no trial can tell apart must not keep it from
+telling them from a third."""
 PRECISION = 0.02
 """Weight of the precision of the parameters beside a separation: it decides between trials that separate alike."""
 ORDERED = 0.02
@@ -106,8 +109,8 @@ def criterion_of(statistics: UnitStatistics) -> Criterion:
         precision = PRECISION * statistics.precision(sums)
         if len(weights) == 1:
             return precision
-        smallest = np.minimum(statistics.smallest(statistics.separations(sums)), ENOUGH)
-        return smallest @ weights + precision
+        separations = np.minimum(statistics.separations(sums), ENOUGH)
+        return statistics.smallest(separations) @ weights + OTHERS * separations.mean(axis=-1) + precision
 
     return value
 

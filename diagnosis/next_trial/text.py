@@ -58,7 +58,7 @@ def _purpose(design: TrialDesign) -> str:
 
 def _rows(design: TrialDesign) -> Iterator[str]:
     """Yield a table of the rows, or a list of the runs."""
-    seconds = design.limits.seconds
+    seconds = design.limits.units * design.limits.row_s
     if design.titles:
         yield f"{len(design.titles)} runs of {design.limits.row_s:g} s, {seconds:g} s in all:"
         yield ""
@@ -78,8 +78,8 @@ def _rows(design: TrialDesign) -> Iterator[str]:
 
 def _columns(design: TrialDesign, folder: str) -> str:
     readings = [c for c in design.trial.trials[0].channels if c.role is Role.READING]
-    listed = " and ".join(f"{channel.name} in {channel.unit}" for channel in readings)
-    return f"Fill the columns {listed} of {folder}/data.csv. Leave the other columns as they are."
+    listed = " and ".join(f"{channel.name} [{channel.unit}]" for channel in readings)
+    return f"Fill {listed} in {folder}/data.csv. Leave the other columns as they are."
 
 
 def _expected(design: TrialDesign) -> Iterator[str]:

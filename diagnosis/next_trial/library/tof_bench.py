@@ -19,7 +19,7 @@ ORDER = ("material", "incidence_rad", "ambient_lux", "distance_m")
 
 
 def tof_bench(template: Measurement, limits: Limits, robots: Sequence[RobotConfig]) -> Library:
-    """Return the rows for the limits; each input stays within the values of the old data."""
+    """Return the rows for the limits, with the listed materials; other inputs have values of the old data."""
     del robots
     near_m, far_m = limits.distances_m
     conditions = list(
@@ -65,11 +65,10 @@ def tof_bench(template: Measurement, limits: Limits, robots: Sequence[RobotConfi
 
 
 def _materials(template: Measurement) -> list[str]:
-    """Return the materials of the old data, in the order of the nominal parameters."""
+    """Return the materials that nominal.yaml lists, and those of the old data."""
     labels = [trial.label("material").values for trial in template.trials]
-    seen = dict.fromkeys(word for words in labels for word in words)
     known = template.nominal.tof.reflectance if isinstance(template.nominal, NominalTof) else {}
-    return [*(name for name in known if name in seen), *(name for name in seen if name not in known)]
+    return list(dict.fromkeys([*known, *(word for words in labels for word in words)]))
 
 
 def _values(template: Measurement, name: str) -> list[float]:
