@@ -2,7 +2,7 @@
 
 from pipeline.baselines import ekf, odometry, particles, regressor
 from pipeline.baselines.base import Method
-from pipeline.baselines.further_sensors import gyro_ekf, lidar_matching
+from pipeline.baselines.further_sensors import gyro_ekf, lidar_matching, stereo_matching
 
 METHODS: tuple[Method, ...] = (
     odometry.METHOD,
@@ -11,5 +11,6 @@ METHODS: tuple[Method, ...] = (
     regressor.METHOD,
     gyro_ekf.METHOD,
     lidar_matching.METHOD,
+    stereo_matching.METHOD,
 )
 """Methods in the order of tables and figures."""

@@ -21,6 +21,7 @@ _STYLES = {
     "pictures": (ORANGE, ""),
     "ekf_imu": (SKY, "-"),
     "lidar": (PURPLE, "-"),
+    "stereo": (GREY, "-"),
 }
 """Colour and line style of each method; an empty style stands for points."""
 _OTHER_STYLE = (BLACK, ":")

@@ -11,6 +11,7 @@ import numpy as np
 from configs.schema.scenario import RunSpec
 from pipeline.baselines.base import TrainingRun
 from pipeline.baselines.further_sensors.readings import FurtherReadings
+from pipeline.baselines.further_sensors.stereo_log import StereoLog
 from pipeline.baselines.robot_knowledge import NO_FURTHER, RobotKnowledge, RunImages, Start
 from pipeline.run_folder.stored_runs import (
     read_simulated,
@@ -107,5 +108,5 @@ def _released(run: Run) -> LoggedRun:
     rows = np.flatnonzero(run.table.image)
     numbers = run.table.image[rows].tolist()
     images = RunImages(rows, lambda index: run.image(numbers[index]).pixels()) if numbers else None
-    further = FurtherReadings.of(spec.robot.sensors, lambda table: run.sensors[table.name].numbers)
+    further = FurtherReadings.of(spec.robot.sensors, lambda table: run.sensors[table.name].numbers, StereoLog.of(run))
     return LoggedRun(run.name, spec, run.table, wheels, tof, images, further)

@@ -245,7 +245,7 @@ def baselines(
         typer.Option(
             "--methods",
             metavar="NAMES",
-            help="Some of odometry, ekf, particles, pictures, ekf_imu, lidar; by default all that the data allow.",
+            help="Some of odometry,ekf,particles,pictures,ekf_imu,lidar,stereo; by default all that the data allow.",
         ),
     ] = None,
     runs: Runs = None,
@@ -261,9 +261,9 @@ def baselines(
 ) -> None:
     """Localise the robot with odometry, a Kalman filter, a particle filter and images, and measure the errors.
 
-    The methods get the sensor readings, the map and the start pose, but not the true poses. Robots with an IMU or a
-    lidar have further methods. The command prints a table of the errors, and writes the table, all errors as JSON, a
-    plot, and the estimates. The same release gives the same bytes.
+    The methods get the sensor readings, the map and the start pose, but not the true poses. Robots with an IMU, a
+    lidar or a stereo pair have further methods. The command prints a table of the errors, and writes the table, all
+    errors as JSON, a plot, and the estimates. The same release gives the same bytes.
 
     Example: symolo baselines data --out baselines --start-sd-cm 5 --start-sd-deg 5
     """

@@ -1,1 +1,1 @@
-"""Localisation with the sensors of `robot.sensors`: an IMU and a lidar."""
+"""Localisation with the sensors of `robot.sensors`: an IMU, a lidar, and a pair of cameras."""

@@ -1,4 +1,4 @@
-"""The readings of `robot.sensors` that methods use: of one IMU and one lidar."""
+"""The readings of `robot.sensors` that methods use: of one IMU, one lidar and one pair of cameras."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from configs.robot_sensors import RobotSensors
 from pipeline.baselines.further_sensors.imu_log import ImuLog
 from pipeline.baselines.further_sensors.lidar_log import LidarLog
+from pipeline.baselines.further_sensors.stereo_log import StereoLog
 from sensors.inertial.imu import Imu, ImuSettings
 from sensors.ranging.lidar import Lidar, LidarSettings
 from symolo.core.arrays import Array
@@ -21,14 +22,18 @@ class FurtherReadings:
 
     imu: ImuLog | None = None
     lidar: LidarLog | None = None
+    stereo: StereoLog | None = None
 
     @classmethod
-    def of(cls, sensors: RobotSensors, numbers_of: Callable[[SideTable], Array]) -> "FurtherReadings":
+    def of(
+        cls, sensors: RobotSensors, numbers_of: Callable[[SideTable], Array], stereo: StereoLog | None = None
+    ) -> "FurtherReadings":
         """Return the readings of a robot.
 
         Args:
             sensors: The sensors in the description of the robot.
             numbers_of: Function that returns the numbers (samples, columns) in the table of a sensor.
+            stereo: The images of a rectified pair.
         """
         imu, lidar = None, None
         for name, settings in sensors:
@@ -36,4 +41,4 @@ class FurtherReadings:
                 imu = ImuLog.of(settings, numbers_of(Imu.table(name, settings)))
             elif lidar is None and isinstance(settings, LidarSettings):
                 lidar = LidarLog.of(settings, numbers_of(Lidar.table(name, settings)))
-        return cls(imu, lidar)
+        return cls(imu, lidar, stereo)

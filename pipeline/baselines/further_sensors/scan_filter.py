@@ -31,6 +31,8 @@ BEYOND_M = 1.0
 """Length [m] beyond its reading at which a ray ends on the map."""
 AS_ONE_S = 1.0
 """Time [s] within which the error of the map is the same: all scans of this time show as little of it as one."""
+MIN_SHARE = 0.5
+"""Share of the rays to a surface that must agree with it; otherwise something else is there, and none is used."""
 MIN_RAYS = 10
 """Number of rays that must agree with the map."""
 
@@ -92,7 +94,11 @@ class ScanFilter:
         from_prior_m = every.error_m + every.by_state @ moved
         likely = from_prior_m**2 <= GATE * (spread + variance)
         near = every.error_m**2 <= GATE * (variance + 0.25 * spread)
-        return every.only(likely & near)
+        agree = likely & near
+        for surface in np.unique(every.surface):
+            on = every.surface == surface
+            agree[on] &= np.mean(agree[on]) >= MIN_SHARE
+        return every.only(agree)
 
     def _residuals(self, scan: Scan, state: Array) -> _Residuals:
         """Return the rays that meet a wall or obstacle of the map from the pose of a state (7,)."""

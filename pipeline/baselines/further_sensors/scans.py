@@ -1,4 +1,4 @@
-"""Points that a range sensor of many rays has seen, such as a lidar, scan by scan."""
+"""Points that a range sensor of many rays has seen, such as a lidar or a stereo pair, scan by scan."""
 
 from dataclasses import dataclass
 

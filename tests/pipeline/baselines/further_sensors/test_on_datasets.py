@@ -11,7 +11,7 @@ from configs.loader import load_scenario
 from pipeline.baselines import METHODS, odometry
 from pipeline.baselines.compare import why_not
 from pipeline.baselines.errors import errors_of
-from pipeline.baselines.further_sensors import gyro_ekf, lidar_matching
+from pipeline.baselines.further_sensors import gyro_ekf, lidar_matching, stereo_matching
 from pipeline.baselines.runs import LoggedRun, open_runs
 from pipeline.stages.simulate import simulate
 from symolo.core.random_streams import stream
@@ -60,12 +60,13 @@ def test_methods_know_neither_the_truth_nor_what_is_hidden_in_the_robot(driven_w
         assert first.covariance.tobytes() == second.covariance.tobytes()
 
 
-def test_a_release_with_an_imu_and_a_lidar_is_localised_by_both(sensing_release):
+def test_a_release_with_all_sensors_is_localised_by_all_of_them(sensing_release):
     runs = open_runs(sensing_release)
     (run,) = runs
     assert run.further.imu
     assert run.further.lidar
-    for method in WITH_SENSORS:
+    assert run.further.stereo
+    for method in (*WITH_SENSORS, stereo_matching):
         assert not why_not(method.METHOD, runs)
         estimate = estimate_of(run, method)
         assert len(estimate.pose) == len(run.truth)
@@ -77,6 +78,7 @@ def test_a_release_without_the_sensors_leaves_the_methods_out_with_a_sentence(sy
     missing = {method.name: why_not(method, runs) for method in METHODS}
     assert "no IMU" in missing["ekf_imu"]
     assert "no lidar" in missing["lidar"]
+    assert "stereo pair" in missing["stereo"]
     assert not any(missing[name] for name in ("odometry", "ekf", "particles", "pictures"))
     ended = symolo("baselines", dataset, "--out", tmp_path / "out", "--methods", "lidar")
     assert ended.code == 2

@@ -76,6 +76,17 @@ def test_what_is_on_no_map_changes_nothing(in_the_room):
     assert estimate.pose[0] == pytest.approx(TRUE, abs=1e-3)
 
 
+def test_a_surface_that_most_of_its_rays_do_not_meet_is_not_used(in_the_room):
+    """A cupboard stands before the wall to the north; by chance, some of its shelves are only 3 cm before the wall."""
+    range_m = ranges_from(TRUE)
+    angles = TRUE[2] + np.arange(RAYS) * 2 * np.pi / RAYS
+    (north,) = np.nonzero(np.isclose(TRUE[1] + range_m * np.sin(angles), HALF_M[1]))
+    range_m[north] -= np.where(np.arange(len(north)) % 4 == 0, 0.03, 0.5)
+    start = Start(TRUE, np.array([0.02, 0.02, 0.02]))
+    estimate = matched(in_the_room(start), ScanLog((scan_of(range_m),), LASTING_SD_M))
+    assert estimate.pose[0] == pytest.approx(TRUE, abs=1e-3)
+
+
 def test_without_a_scan_that_agrees_with_the_map_the_wheels_decide(in_the_room):
     start = Start(TRUE, np.array([0.001, 0.001, 0.001]))
     wrong = ScanLog((scan_of(np.full(RAYS, 0.2)),), LASTING_SD_M)
