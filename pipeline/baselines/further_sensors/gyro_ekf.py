@@ -29,7 +29,7 @@ class GyroFilter(KalmanFilter):
     def __init__(self, knowledge: RobotKnowledge, imu: ImuLog) -> None:
         errors = imu.errors
         super().__init__(knowledge, np.array([0.0, errors.bias_sd, errors.bias_per_K_sd, errors.scale_sd]))
-        self._noise, self._walk = errors.noise_density**2, imu.walk_rad2_s3
+        self._noise, self._walk = imu.noise_rad2_s, imu.walk_rad2_s3
 
     def predict(self, rolled_m: Array, duration_s: float) -> None:
         clone = np.eye(len(self.state))

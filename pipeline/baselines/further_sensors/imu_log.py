@@ -24,6 +24,8 @@ class ImuLog:
     """(M,), temperature above that of the calibration."""
     errors: ErrorSizes
     """Sizes of the errors in the description of the robot; the errors themselves are not known."""
+    step_rad_s: float
+    """Difference between two neighbouring readings, to which they are rounded."""
 
     @classmethod
     def of(cls, settings: ImuSettings, table: Array) -> "ImuLog":
@@ -31,7 +33,15 @@ class ImuLog:
         names = ["t", *(column.name for column in Imu.columns)]
         rates = table[:, names.index("gyro_x") :][:, :3]
         over_K = table[:, names.index("temperature")] - settings.calibrated_at_C
-        return cls(table[:, 0] / 1000, rates @ settings.X_RS()[2, :3], over_K, settings.gyroscope.sizes())
+        errors = settings.gyroscope.sizes()
+        step_rad_s = 2.0 * errors.range / 2**settings.bits
+        return cls(table[:, 0] / 1000, rates @ settings.X_RS()[2, :3], over_K, errors, step_rad_s)
+
+    @property
+    def noise_rad2_s(self) -> float:
+        """Growth of the variance of the sum of all turns per second: white noise, and rounding of each sample."""
+        period_s = float(np.median(np.diff(self.t_s))) if len(self.t_s) > 1 else 0.0
+        return self.errors.noise_density**2 + period_s * self.step_rad_s**2 / 12.0
 
     @property
     def walk_rad2_s3(self) -> float:

@@ -14,6 +14,8 @@ from symolo.core.errors import InputError
 
 MAX_RAYS = 360
 """Number of rays of a scan that are matched; of more, every second, every third and so on is matched."""
+RANGE_DIGIT_M = 1e-4
+"""Last digit of a range in the table of a lidar."""
 NO_LIDAR = "the robot has no lidar: add one to robot.sensors"
 
 
@@ -24,6 +26,7 @@ def scans_of(lidar: LidarLog, path: OdometryPath) -> ScanLog:
     X_RS = settings.X_RS()
     directions_R = np.stack([np.cos(angles), np.sin(angles), np.zeros(len(rays))], axis=1) @ X_RS[:3, :3].T
     late_s = settings.sweep_s * (rays - settings.rays + 1) / settings.rays
+    step_m = max(settings.quantisation_m, RANGE_DIGIT_M)
     scans: dict[int, Scan] = {}
     for t_s, ranges_m in zip(lidar.t_s, lidar.ranges_m[:, rays], strict=True):
         row, (met,) = path.row_after(t_s), ranges_m.nonzero()
@@ -31,7 +34,7 @@ def scans_of(lidar: LidarLog, path: OdometryPath) -> ScanLog:
             at_s, range_m = t_s + late_s[met], ranges_m[met]
             origins = np.broadcast_to(X_RS[:3, 3], (len(met), 3))
             points = origins + range_m[:, None] * directions_R[met]
-            sd_m = np.hypot(settings.noise_m, settings.noise_share * range_m)
+            sd_m = np.sqrt(settings.noise_m**2 + (settings.noise_share * range_m) ** 2 + step_m**2 / 12.0)
             seen = path.seen_from(row, at_s, origins), path.seen_from(row, at_s, points)
             scans[row] = Scan(row, *seen, sd_m, np.zeros(len(met)), np.ones(len(met)))
     return ScanLog(tuple(scans.values()), settings.offset_sd_m)

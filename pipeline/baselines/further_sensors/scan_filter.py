@@ -31,6 +31,8 @@ BEYOND_M = 1.0
 """Length [m] beyond its reading at which a ray ends on the map."""
 AS_ONE_S = 1.0
 """Time [s] within which the error of the map is the same: all scans of this time show as little of it as one."""
+MIN_LASTING_SD = 1e-6
+"""Smallest standard deviation of the lasting error, so that the covariance of the state has an inverse."""
 MIN_SHARE = 0.5
 """Share of the rays to a surface that must agree with it; otherwise something else is there, and none is used."""
 MIN_RAYS = 10
@@ -64,7 +66,7 @@ class ScanFilter:
         self._scene = RayScene(knowledge.map)
         state, covariance = initial_state(knowledge.start)
         self.state = np.append(state, 0.0)
-        self.covariance = np.diag([0.0] * STATES + [log.lasting_sd**2])
+        self.covariance = np.diag([0.0] * STATES + [max(log.lasting_sd, MIN_LASTING_SD) ** 2])
         self.covariance[:STATES, :STATES] = covariance
         self._map_sd_m = MAP_SD_M * np.sqrt(max(AS_ONE_S / scan_period_s, 1.0))
 

@@ -18,6 +18,8 @@ from sensors.wheels.odometry import Odometry
 
 NOISE, BIAS_SD = 3e-4, 0.005
 PERIOD_S, ROW_S = 0.01, 0.05
+STEP_RAD_S = 1e-9
+"""So fine that rounding does not matter."""
 ONLY_NOISE = ErrorSizes(NOISE, 0.0, 0.0, BIAS_SD, 0.0, 0.0, 0.0, 10.0)
 NO_RNG = np.random.Generator(np.random.PCG64(0))
 SURE = Start(np.zeros(3), np.full(3, 1e-4))
@@ -25,7 +27,7 @@ SURE = Start(np.zeros(3), np.full(3, 1e-4))
 
 def log_of(yaw_rate_rad_s, errors=ONLY_NOISE):
     t_s = PERIOD_S * np.arange(len(yaw_rate_rad_s))
-    return ImuLog(t_s, np.asarray(yaw_rate_rad_s), np.zeros(len(t_s)), errors)
+    return ImuLog(t_s, np.asarray(yaw_rate_rad_s), np.zeros(len(t_s)), errors, STEP_RAD_S)
 
 
 def test_while_the_robot_stands_the_bias_becomes_known_as_the_mean_of_white_noise(before_a_wall):
@@ -38,6 +40,20 @@ def test_while_the_robot_stands_the_bias_becomes_known_as_the_mean_of_white_nois
     information = 1.0 / BIAS_SD**2, rows * ROW_S / NOISE**2
     assert gyro_filter.covariance[BIAS, BIAS] == pytest.approx(1.0 / sum(information), rel=1e-6)
     assert gyro_filter.state[BIAS] == pytest.approx(0.004 * information[1] / sum(information), rel=1e-6)
+
+
+def test_a_gyroscope_without_errors_is_as_exact_as_its_rounding(before_a_wall):
+    """The rounding to steps of q has the variance q^2 / 12 (Bennett, 1948), here over a second of 100 samples."""
+    perfect = before_a_wall(np.zeros((2, 2)), np.full(2, np.nan), SURE)
+    nothing = {name: 0.0 for name in Gyroscope.model_fields if name != "range_rad_s"}
+    settings = ImuSettings(gyroscope=Gyroscope(**nothing, range_rad_s=4.0), bits=13, period_s=PERIOD_S)
+    imu = ImuLog.of(settings, np.column_stack((np.arange(0.0, 100.0, 10.0), np.zeros((10, 7)))))
+    assert imu.noise_rad2_s == pytest.approx(100 * PERIOD_S**2 * (8.0 / 2**13) ** 2 / 12)
+    gyro_filter = GyroFilter(perfect, imu)
+    for _ in range(5):
+        gyro_filter.predict(np.zeros(2), ROW_S)
+        gyro_filter.turn(0.0, 0.0, ROW_S)
+    assert gyro_filter.state[:3] == pytest.approx(np.zeros(3), abs=1e-12)
 
 
 def test_the_turns_are_about_the_vertical_axis_of_the_robot_however_the_imu_is_mounted():

@@ -67,6 +67,16 @@ def test_an_exact_scan_shows_the_pose_from_a_wrong_start(in_the_room):
     assert matched(in_the_room(start), log).pose[0] == pytest.approx(TRUE, abs=1e-3)
 
 
+def test_a_lidar_without_errors_shows_the_pose(in_the_room):
+    lidar = LidarSettings(
+        rays=RAYS, ray_step_deg=3, sweep_s=0, noise_m=0, noise_share=0, offset_sd_m=0, quantisation_m=0
+    )
+    range_m = np.round(np.roll(ranges_from(TRUE), RAYS // 2), 4)  # the first ray points backwards
+    knowledge = in_the_room(Start(TRUE + np.array([0.02, 0.01, -0.02]), np.full(3, 0.02)))
+    log = scans_of(LidarLog(np.array([0.0]), range_m[None], lidar), OdometryPath(knowledge))
+    assert matched(knowledge, log).pose[0] == pytest.approx(TRUE, abs=1e-3)
+
+
 def test_what_is_on_no_map_changes_nothing(in_the_room):
     """Somebody's legs hide a third of the walls."""
     range_m = ranges_from(TRUE)
