@@ -1,8 +1,8 @@
 """A Kalman filter whose noise comes from a calibrated dataset, judged on sessions of a real robot that were not fitted.
 
-    nice -n 15 python benchmarks/diagnosis/calibrated_filter.py ../shared/measured/optiodom_diff
+    python benchmarks/diagnosis/calibrated_filter.py FOLDER
 
-The OptiOdom robot (measured/optiodom_diff: counts of two wheels and poses of a motion capture) is diagnosed on every
+The robot of OptiOdom logs (FOLDER: counts of two wheels and poses of a motion capture) is diagnosed on every
 second session of each kind of path, and posterior.yaml is made from it. The other sessions are judged: an extended
 Kalman filter predicts the pose from the first one and the counts alone, and its error is compared with its covariance.
 
