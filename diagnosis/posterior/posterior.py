@@ -27,7 +27,8 @@ from diagnosis.extended_robot import (
 )
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.naming.seen_range import conditions, seen_ranges
-from diagnosis.inference.rivals import SOMETHING_ELSE, SOMETHING_ELSE_BESIDE, TEMPERATURE
+from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.inference.rivals import AS_GOOD, SOMETHING_ELSE, TEMPERATURE
 from diagnosis.posterior.robot_numbers import RobotNumbers, robot_numbers
 from symolo.core.yaml.tree import FieldPath, dotted
 
@@ -62,14 +63,13 @@ def posterior_text(diagnosis: Diagnosis) -> str:
 def _content(diagnosis: Diagnosis) -> dict[str, Any]:
     fits = [(diagnosis.fit, 0.0), *((each.fit, each.worse) for each in diagnosis.alternatives)]
     shares = np.array([exp(-0.5 * max(worse, 0.0) / TEMPERATURE) for _, worse in fits])
-    else_share = SOMETHING_ELSE_BESIDE if diagnosis.unexplained else SOMETHING_ELSE
     order = np.argsort(-shares, kind="stable").tolist()
     measurement, structure = diagnosis.measurement, diagnosis.unexplained
     content: dict[str, Any] = {
         "version": VERSION,
         "source": f"{measurement.name} ({measurement.kind})"[:200],
         "robot": diagnosis.carrier.name,
-        "something_else": _short(else_share / (shares.sum() + else_share)),
+        "something_else": _short(_something_else(diagnosis)),
         "unexplained": f"{structure.channel} over {structure.covariate}" if structure else "",
         "hypotheses": [_hypothesis(diagnosis, fits[k][0], float(shares[k] / shares.sum())) for k in order],
         "measured": list(_measured(diagnosis)),
@@ -79,6 +79,20 @@ def _content(diagnosis: Diagnosis) -> dict[str, Any]:
     if files := [record_of(name)["file"] for name in sorted(used & EFFECTS.files.keys())]:
         content["effect_files"] = files
     return content
+
+
+def _something_else(diagnosis: Diagnosis) -> float:
+    """Return the probability that none of the hypotheses is right: all that the confidence in a name counts, except the
+    rivals which are hypotheses themselves; of several names, that of the least certain one.
+    """
+    if not diagnosis.named:
+        is_refuted = diagnosis.conclusion is CaseVerdict.UNEXPLAINED
+        return 1.0 if is_refuted else SOMETHING_ELSE / (1.0 + SOMETHING_ELSE)
+    listed = []
+    for comparison in (named.comparison for named in diagnosis.named):
+        rises = [max(rival.worse, 0.0) for rival in comparison.rivals if rival.worse < AS_GOOD]
+        listed.append(comparison.confidence * (1.0 + sum(exp(-0.5 * rise / TEMPERATURE) for rise in rises)))
+    return max(0.0, 1.0 - min(listed))
 
 
 def _effect_fields(hypothesis: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:

@@ -81,13 +81,22 @@ def test_a_run_is_drawn_near_the_fit_and_states_the_ranges_of_the_effect(diagnos
     assert {each.effect for each in spec.robot.effect_ranges} == {"torque_constant_scale"}
 
 
-def test_without_effects_there_is_one_hypothesis_and_beside_a_structure_something_else_is_likely(diagnosis_of):
+def test_without_effects_there_is_one_hypothesis_and_a_structure_that_it_leaves_refutes_it(diagnosis_of):
     (plain,), (bumped, *_) = (posterior(diagnosis_of(name)).hypotheses for name in ("plain", "bumped"))
     assert plain.name == "no effect"
     assert plain.weight == 1.0
     assert bumped.numbers
     assert posterior(diagnosis_of("bumped")).unexplained
-    assert posterior(diagnosis_of("bumped")).something_else > 5.0 * posterior(diagnosis_of("plain")).something_else
+    assert posterior(diagnosis_of("bumped")).something_else == 1.0
+    assert posterior(diagnosis_of("plain")).something_else < 0.05
+
+
+def test_something_else_is_what_the_confidence_in_the_name_leaves_to_no_hypothesis(diagnosis_of):
+    """Without a rival among the hypotheses, it is the whole rest."""
+    diagnosis = diagnosis_of("weak")
+    (named,) = diagnosis.named
+    assert not diagnosis.alternatives
+    assert posterior(diagnosis).something_else == pytest.approx(1.0 - named.comparison.confidence)
 
 
 def test_all_measured_quantities_have_their_range_and_all_channels_their_noise(diagnosis_of):
