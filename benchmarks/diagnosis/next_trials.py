@@ -185,7 +185,7 @@ def interval(hits: int, total: int) -> tuple[float, float]:
 
 
 def table(results: list[dict]) -> Iterator[str]:
-    """Yield the lines of the table of all cases, and of those that can be told apart."""
+    """Yield the lines of the table of all cases, and of those that can be distinguished."""
     designed = [each for each in results if "refused" not in each]
     yield f"{len(results)} cases with two or more names, {len(designed)} with a trial"
     groups = {

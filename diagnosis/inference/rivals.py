@@ -126,6 +126,11 @@ def _of_pairs(fit: HypothesisFit, effect: CandidateEffect, pairs: Sequence[Hypot
     return [(f"{names} together", rise + SECOND)] if rises else []
 
 
+def relative_weight(rise: float) -> float:
+    """Return the weight of a model whose cost is `rise` above that of the best one (tempered Akaike weight)."""
+    return exp(-0.5 * rise / TEMPERATURE)
+
+
 def confidence(rises: Iterable[float], rise_without: float, something_else: float = SOMETHING_ELSE) -> float:
     """Return the Akaike weight of a named effect among all alternatives.
 
@@ -135,5 +140,5 @@ def confidence(rises: Iterable[float], rise_without: float, something_else: floa
         something_else: Weight of a cause that is in no list.
     """
     # The lower limit only prevents an overflow: with such a rival the confidence is 0 anyway.
-    weights = sum(exp(-0.5 * max(rise, -50.0) / TEMPERATURE) for rise in rises)
-    return 1.0 / (1.0 + weights + exp(-0.5 * max(rise_without, 0.0) / TEMPERATURE) + something_else)
+    weights = sum(relative_weight(max(rise, -50.0)) for rise in rises)
+    return 1.0 / (1.0 + weights + relative_weight(max(rise_without, 0.0)) + something_else)

@@ -1,4 +1,4 @@
-"""The best trial within limits: it tells the remaining models apart, and then narrows their parameters."""
+"""The best trial within limits: it distinguishes the remaining models, and then narrows their parameters."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -21,14 +21,14 @@ from symolo.core.arrays import Array
 ENOUGH = 9.0
 """Separation in standard deviations from which a larger one is not needed."""
 OTHERS = 0.25
-"""Weight of the mean separation beside the smallest one: two models that no trial can tell apart must not keep it from
+"""Weight of the mean separation beside the smallest one: two models that no trial can distinguish must not keep it from
 telling them from a third."""
 PRECISION = 0.02
 """Weight of the precision of the parameters beside a separation: it decides between trials that separate alike."""
 ORDERED = 0.02
 """Share of the criterion that an order of the rows that is easy to do may cost."""
 WEAK = 3.0
-"""Separation in standard deviations below which two models are not told apart."""
+"""Separation in standard deviations below which two models are not distinguished."""
 RELAXED = 2.0
 """Factor on a limit by which it is tried whether this limit hinders."""
 
@@ -57,14 +57,14 @@ class TrialDesign:
     """(models, N), readings as each model predicts them, in the order of the observed quantities."""
     expected: Expectation
     hindrances: tuple[RelaxedLimit, ...]
-    """Wider limits, the most helpful first, if the trial does not tell all models apart; else empty."""
+    """Wider limits, the most helpful first, if the trial does not distinguish all models; else empty."""
 
 
 def design_trial(diagnosis: Diagnosis, limits: Limits) -> TrialDesign:
     """Return the best trial within limits.
 
     Raises:
-        InputError: There is nothing to tell apart, or no trial can be designed for such data.
+        InputError: There is nothing to distinguish, or no trial can be designed for such data.
     """
     template = template_of(diagnosis.measurement)
     models = remaining_models(diagnosis)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import exp
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.rivals import AS_GOOD, SECOND, TEMPERATURE
+from diagnosis.inference.rivals import AS_GOOD, SECOND, relative_weight
 from diagnosis.inference.selection import toll
 from symolo.core.errors import InputError
 
@@ -30,7 +29,7 @@ class RemainingModel:
     rise: float
     """Increase of the cost over the best model, with a toll for each parameter."""
     weight: float
-    """Probability of the model among those that remain (tempered Akaike weight, `diagnosis.inference.rivals`)."""
+    """Probability of the model among those that remain (`diagnosis.inference.rivals.relative_weight`)."""
 
 
 def remaining_models(diagnosis: Diagnosis) -> tuple[RemainingModel, ...]:
@@ -46,7 +45,7 @@ def remaining_models(diagnosis: Diagnosis) -> tuple[RemainingModel, ...]:
     if diagnosis.conclusion == CaseVerdict.UNEXPLAINED:
         unexplained = diagnosis.unexplained
         along = f" of {unexplained.channel} along {unexplained.covariate}" if unexplained else ""
-        what = f"the cause is in no list: a structure{along} is unexplained, so that there are no rivals to tell apart"
+        what = f"the cause is in no list: a structure{along} is unexplained, so that there are no rivals to distinguish"
         raise InputError(what, where=where, cure="see report.html, or try an effect of your own with --effects")
     fitted = [(fit, rise) for fit, rise in _fits(diagnosis) if rise < AS_GOOD]
     if not diagnosis.named and len(fitted) < 2:
@@ -57,7 +56,7 @@ def remaining_models(diagnosis: Diagnosis) -> tuple[RemainingModel, ...]:
     for fit, rise in (first, *sorted(others, key=lambda each: each[1])):
         distinct.setdefault(frozenset(fit.hypothesis.effects), (fit, rise))
     models = [*distinct.values()][:MAX_MODELS]
-    weights = [exp(-0.5 * max(rise, 0.0) / TEMPERATURE) for _, rise in models]
+    weights = [relative_weight(max(rise, 0.0)) for _, rise in models]
     return tuple(
         RemainingModel(_name(fit), fit, rise, weight / sum(weights))
         for (fit, rise), weight in zip(models, weights, strict=True)

@@ -1,4 +1,4 @@
-"""The next trial in words: what to set, what to log, and what it will tell."""
+"""The next trial in words: what to set, what to log, and what to expect."""
 
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
@@ -51,8 +51,8 @@ def _purpose(design: TrialDesign) -> str:
         return f"Only {names[0]} remains. This trial determines its parameters as precisely as these limits allow."
     listed = "; ".join(f"{model.name} ({_percent(model.weight)})" for model in design.models)
     return (
-        f"{len(names)} explanations of the old data remain: {listed}. This trial tells them apart as well as the "
-        "limits allow."
+        f"{len(names)} explanations of the old data remain: {listed}. This trial distinguishes them as well as "
+        "the limits allow."
     )
 
 
@@ -83,7 +83,7 @@ def _columns(design: TrialDesign, folder: str) -> str:
 
 
 def _expected(design: TrialDesign) -> Iterator[str]:
-    """Yield what the trial will tell, as predictions of the fitted models."""
+    """Yield what to expect of the trial, as predictions of the fitted models."""
     if len(design.models) > 1:
         yield "| if the cause is | its rival is | separation | the rival is excluded |"
         yield "|---|---|---|---|"
@@ -115,13 +115,13 @@ def _expected(design: TrialDesign) -> Iterator[str]:
 
 
 def hindrance_lines(design: TrialDesign) -> Iterator[str]:
-    """Yield a paragraph if the trial does not tell all models apart, with the limit that hinders most."""
+    """Yield a paragraph if the trial does not distinguish all models, with the limit that hinders most."""
     smallest = design.expected.smallest
     if smallest is None or smallest.separation >= WEAK:
         return
     text = (
-        f"No trial within the limits tells {smallest.truth} and {smallest.rival} apart: the best one separates them by "
-        f"{smallest.separation:.2g} standard deviations, and {WEAK:g} are needed."
+        f"No trial within the limits distinguishes {smallest.truth} and {smallest.rival}: the best one separates them "
+        f"by {smallest.separation:.2g} standard deviations, and {WEAK:g} are needed."
     )
     helpful = [limit for limit in design.hindrances if limit.smallest > 1.05 * smallest.separation]
     enough = [limit for limit in helpful if limit.smallest >= WEAK]

@@ -28,8 +28,9 @@ from diagnosis.extended_robot import (
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.naming.seen_range import conditions, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.rivals import AS_GOOD, SOMETHING_ELSE, TEMPERATURE
+from diagnosis.inference.rivals import AS_GOOD, SOMETHING_ELSE, relative_weight
 from diagnosis.posterior.robot_numbers import RobotNumbers, robot_numbers
+from symolo.core.arrays import Array
 from symolo.core.yaml.tree import FieldPath, dotted
 
 __all__ = ["FILE", "posterior", "posterior_text"]
@@ -41,6 +42,12 @@ WIDEST_SD = 3.0
 NO_EFFECT = "no effect"
 _NOT_SET = ("name", "description", "effect_ranges", "effect_files")
 """Fields of the robot that do not describe what was measured."""
+
+
+def weighted_fits(diagnosis: Diagnosis) -> tuple[list[HypothesisFit], Array]:
+    """Return the fits of all hypotheses that remain, the named one first, and their probabilities (H,)."""
+    weights = np.array([1.0, *(relative_weight(max(each.worse, 0.0)) for each in diagnosis.alternatives)])
+    return [diagnosis.fit, *(each.fit for each in diagnosis.alternatives)], weights / weights.sum()
 
 
 def posterior(diagnosis: Diagnosis) -> Posterior:
@@ -61,8 +68,7 @@ def posterior_text(diagnosis: Diagnosis) -> str:
 
 
 def _content(diagnosis: Diagnosis) -> dict[str, Any]:
-    fits = [(diagnosis.fit, 0.0), *((each.fit, each.worse) for each in diagnosis.alternatives)]
-    shares = np.array([exp(-0.5 * max(worse, 0.0) / TEMPERATURE) for _, worse in fits])
+    fits, shares = weighted_fits(diagnosis)
     order = np.argsort(-shares, kind="stable").tolist()
     measurement, structure = diagnosis.measurement, diagnosis.unexplained
     content: dict[str, Any] = {
@@ -71,7 +77,7 @@ def _content(diagnosis: Diagnosis) -> dict[str, Any]:
         "robot": diagnosis.carrier.name,
         "something_else": _short(_something_else(diagnosis)),
         "unexplained": f"{structure.channel} over {structure.covariate}" if structure else "",
-        "hypotheses": [_hypothesis(diagnosis, fits[k][0], float(shares[k] / shares.sum())) for k in order],
+        "hypotheses": [_hypothesis(diagnosis, fits[k], float(shares[k])) for k in order],
         "measured": list(_measured(diagnosis)),
         "noise": list(_noise(diagnosis)),
     }
@@ -91,7 +97,7 @@ def _something_else(diagnosis: Diagnosis) -> float:
     listed = []
     for comparison in (named.comparison for named in diagnosis.named):
         rises = [max(rival.worse, 0.0) for rival in comparison.rivals if rival.worse < AS_GOOD]
-        listed.append(comparison.confidence * (1.0 + sum(exp(-0.5 * rise / TEMPERATURE) for rise in rises)))
+        listed.append(comparison.confidence * (1.0 + sum(map(relative_weight, rises))))
     return max(0.0, 1.0 - min(listed))
 
 

@@ -8,7 +8,6 @@ standard deviations of the noise.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import exp
 from types import MappingProxyType
 
 import numpy as np
@@ -17,8 +16,8 @@ from scipy.signal import lfilter
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.likelihood import WIDTH
-from diagnosis.inference.rivals import TEMPERATURE
 from diagnosis.measured.channel import Mask
+from diagnosis.posterior.posterior import weighted_fits
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 
@@ -102,10 +101,9 @@ def predictive_check(diagnosis: Diagnosis, draws: int = DRAWS) -> tuple[CheckedS
 
 def _drawn_means(diagnosis: Diagnosis, draws: int, rng: np.random.Generator) -> Iterator[Array]:
     """Yield the predictions (k, N) of the robots that were drawn from each hypothesis."""
-    fits = [(diagnosis.fit, 0.0), *((each.fit, each.worse) for each in diagnosis.alternatives)]
-    weights = np.array([exp(-0.5 * max(worse, 0.0) / TEMPERATURE) for _, worse in fits])
-    counts = rng.multinomial(draws, weights / weights.sum())
-    for (fit, _), count in zip(fits, counts.tolist(), strict=True):
+    fits, weights = weighted_fits(diagnosis)
+    counts = rng.multinomial(draws, weights)
+    for fit, count in zip(fits, counts.tolist(), strict=True):
         if count:
             hypothesis, x = fit.hypothesis, _coordinates(fit, count, rng)
             yield diagnosis.evidence.predicted(hypothesis.robots(x)).moved(hypothesis.local_change(x)).mean

@@ -1,4 +1,4 @@
-"""The command `symolo next`: the trial that tells the remaining explanations of a diagnosis apart."""
+"""The command `symolo next`: the trial that distinguishes the remaining explanations of a diagnosis."""
 
 import os
 import shlex
@@ -61,7 +61,7 @@ def next_trial(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Design the trial that tells the remaining explanations of a diagnosis apart.
+    """Design the trial that distinguishes the remaining explanations of a diagnosis.
 
     A diagnosis may leave several effects that explain the data equally well. This command designs the measurement in
     which their predictions differ most, within your limits, and says how surely it will decide. Where one effect

@@ -95,5 +95,5 @@ def check_text(checked: CheckedEffect) -> Iterator[str]:
     name, share = checked.resembles.name, 100.0 * min(checked.resembles.share, 0.999)
     yield (
         f"The shipped effect that resembles it most is {name}: fitted to the change of all readings of this check, it"
-        f" leaves {100.0 - share:.1f} % of it. Data in which both agree cannot tell them apart."
+        f" leaves {100.0 - share:.1f} % of it. Data in which both agree cannot distinguish them."
     )

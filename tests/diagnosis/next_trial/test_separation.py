@@ -37,7 +37,7 @@ def test_a_nominal_parameter_is_not_determined_for_its_own_sake():
     assert np.abs(X[units]).tolist() == [1.0] * SLOTS
 
 
-def test_lines_of_equal_slope_are_told_apart_at_the_origin():
+def test_lines_of_equal_slope_are_distinguished_at_the_origin():
     """A line through the origin with a free slope b comes nearest to 1 + x where x^2 is large; at x = 0 it cannot."""
     models = [line(1.0, 1.0, ()), line(0.0, 1.0, (1,))]
     statistics = UnitStatistics(models, UNIT, len(UNIT))
@@ -49,7 +49,7 @@ def test_lines_of_equal_slope_are_told_apart_at_the_origin():
     assert X[units].sum() == pytest.approx(0.0)
 
 
-def test_lines_of_equal_slope_with_a_free_slope_and_offset_cannot_be_told_apart():
+def test_lines_of_equal_slope_with_a_free_slope_and_offset_cannot_be_distinguished():
     models = [line(1.0, 1.0, ()), line(0.0, 1.0, (0, 1))]
     statistics = UnitStatistics(models, UNIT, len(UNIT))
     separations = statistics.separations(statistics.of_units.total())

@@ -1,4 +1,4 @@
-"""`symolo next`: the trial that tells two explanations apart, its files, and what is refused."""
+"""`symolo next`: the trial that distinguishes two explanations, its files, and what is refused."""
 
 import json
 
@@ -68,7 +68,7 @@ def test_a_friction_of_one_direction_is_told_from_more_friction_by_reversing(sym
     assert f"{out / 'trial_1'} --together" in ended.out
 
 
-def test_what_hinders_most_is_named_where_no_trial_tells_two_effects_apart(diagnosis):
+def test_what_hinders_most_is_named_where_no_trial_distinguishes_two_effects(diagnosis):
     limits = limits_of(diagnosis.measurement, rows=6, row_s=1.0, one_direction=True)
     design = design_trial(diagnosis, limits)
     smallest = design.expected.smallest
