@@ -24,6 +24,8 @@ class Example:
     """Kind of the case, such as motor_steady."""
     hidden: Mapping[str, Mapping[str, object]]
     """Effects that the simulated robot had, with their parameters as far as its author states them."""
+    note: str = ""
+    """How the effects of the case are defined, if that is not the definition of the diagnosis."""
 
     @property
     def name(self) -> str:
@@ -51,6 +53,7 @@ def examples() -> tuple[Example, ...]:
             file.parent,
             str(kind_of(file)),
             {effect["name"]: effect.get("parameters", {}) for effect in answers[file.parent.name]["effects"]},
+            answers[file.parent.name].get("note", ""),
         )
         for file in sorted(FOLDER.glob(f"*/{NOMINAL}"))
     )

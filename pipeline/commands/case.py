@@ -177,7 +177,8 @@ def example(
     case = example_of(name)
     case.copy(out)
     typer.echo(f"{out}: the example {case.name} of the kind {case.kind}")
-    typer.echo(f"It hides {_hidden(case.hidden)}. See whether the diagnosis names that:\n")
+    note = f" {case.note}" if case.note else ""
+    typer.echo(f"It hides {_hidden(case.hidden)}.{note} See whether the diagnosis names that:\n")
     typer.echo(f"symolo diagnose {out} --out {out}-diagnosis")
 
 

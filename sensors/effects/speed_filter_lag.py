@@ -13,7 +13,9 @@ class SpeedFilterLag(Effect):
     setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
     time_constant_s: LagTime
-    """Time constant of the first-order low-pass filter of the measured speed."""
+    """Time constant of the first-order low-pass filter of the measured speed, which acts continuously. A program that
+    filters every T seconds with y += (1 - exp(-T / tau)) (x - y) delays as much as a continuous filter whose time
+    constant is T / (exp(T / tau) - 1)."""
 
     def apply(self, held_rad_s: Array, before_rad_s: Array, speed_rad_s: Array, duration_s: float) -> Array:
         return followed(held_rad_s, before_rad_s, speed_rad_s, duration_s, self.time_constant_s)

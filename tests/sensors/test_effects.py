@@ -310,6 +310,19 @@ class TestInstruments:
         left = (wheel_s * np.exp(-self.T_S / wheel_s) - lag_s * np.exp(-self.T_S / lag_s)) / (wheel_s - lag_s)
         np.testing.assert_allclose(found, 10.0 * (1.0 - left), atol=0.04)
 
+    @pytest.mark.parametrize("tau_s", [0.002, 0.004658, 0.03])
+    def test_the_converted_time_constant_of_a_filter_of_samples_lags_a_ramp_as_much_as_that_filter(self, tau_s):
+        """The conversion of docs/reference/effects.md; the filter of samples is run here as a program runs it."""
+        period_s = 0.005
+        t_s = period_s * np.arange(1, 400)
+        same_delay_s = period_s / (math.exp(period_s / tau_s) - 1.0)
+        effects = RobotEffects().with_effect(SpeedFilterLag(time_constant_s=same_delay_s))
+        continuous = read_speed_rad_s(effects, t_s, 40.0 * t_s[:, None])[-1, 0]
+        of_samples = 0.0
+        for speed in 40.0 * t_s:
+            of_samples += (1.0 - math.exp(-period_s / tau_s)) * (speed - of_samples)
+        assert continuous == pytest.approx(of_samples, abs=1e-9)
+
     def test_a_late_speed_is_that_of_before(self):
         effects = RobotEffects().with_effect(SpeedTimeOffset(delay_s=0.0325))
         speed = np.stack([3.0 * self.T_S, -2.0 * self.T_S], axis=1)

@@ -1,6 +1,7 @@
 """The shipped example cases: they are whole in the package, and `symolo case example` copies them."""
 
 import json
+import math
 import tomllib
 from collections import Counter
 from pathlib import Path
@@ -50,6 +51,10 @@ def test_the_command_copies_an_example_and_prints_what_it_hides(tmp_path, capsys
     printed = capsys.readouterr().out
     assert "torque_constant_scale (scale 0.9299)" in printed  # answers.json: 0.92992737
     assert f"symolo diagnose {tmp_path / 'case'}" in printed
+    assert main(["case", "example", "motor_step", "--out", str(tmp_path / "step")]) == 0
+    printed = capsys.readouterr().out
+    same_delay_s = 0.005 / (math.exp(0.005 / 0.004658299433420772) - 1.0)  # the converted one is what a diagnosis fits
+    assert f"= {same_delay_s:.6f}. See" in printed
     assert main(["case", "example", "tof_bench_003", "--out", str(tmp_path / "other")]) == 0
     assert "It hides no effect" in capsys.readouterr().out
 
