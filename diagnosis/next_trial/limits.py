@@ -1,5 +1,6 @@
 """Limits of the next trial, with defaults from the measurement."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,10 @@ from symolo.core.errors import InputError
 SECONDS = 15.0
 ROW_S = 3.0
 """Time of a row if that of the case is not known."""
+ALWAYS = ("--seconds", "--rows", "--row-seconds")
+"""Options of `symolo next` that every kind of case uses."""
+OF_MOTORS = ("--max-voltage", "--one-direction")
+OF_RANGES = ("--distances",)
 MIN_ROWS = 2
 MAX_ROWS = 400
 RUN_S = 3.0
@@ -54,14 +59,16 @@ def limits_of(
         seconds: Time of the trial; 15 s by default.
         rows: Number of rows or runs in place of the time.
         row_s: Time of a row or a run; that of the old data by default.
-        max_voltage_V: Highest voltage; that of the old data by default.
+        max_voltage_V: Highest voltage; by default the largest of the old data, of either sign.
         one_direction: Whether the motor must not be reversed.
         distances_m: Shortest and longest distance; those of the old data by default.
 
     Raises:
-        InputError: A limit leaves no trial.
+        InputError: A limit leaves no trial, or has no meaning for such data.
     """
     template = template_of(measurement)
+    of_motors = zip(OF_MOTORS, (max_voltage_V is not None, one_direction), strict=True)
+    _check_used(template.kind, [*(name for name, is_set in of_motors if is_set), *OF_RANGES[: distances_m is not None]])
     row_s = row_s or _row_s(template, seconds or SECONDS)
     seconds = rows * row_s if rows is not None else (seconds or SECONDS)
     voltage_V, distance_m = (_reach(template, name) for name in ("u_cmd_V", "distance_m"))
@@ -80,6 +87,14 @@ def limits_of(
     if limits.distances_m[0] > limits.distances_m[1]:
         raise InputError("--distances", got=f"{limits.distances_m[0]:g} above {limits.distances_m[1]:g}")
     return limits
+
+
+def _check_used(kind: CaseKind, options: Sequence[str]) -> None:
+    """Refuse options that a kind of case does not use."""
+    used = (*ALWAYS, *(OF_RANGES if kind is CaseKind.TOF_BENCH else OF_MOTORS))
+    for option in options:
+        if option not in used:
+            raise InputError(f"{option} is not used for a case of kind {kind}", allowed=", ".join(used))
 
 
 def _row_s(template: Measurement, seconds: float) -> float:

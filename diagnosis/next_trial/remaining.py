@@ -38,19 +38,18 @@ def remaining_models(diagnosis: Diagnosis) -> tuple[RemainingModel, ...]:
     Raises:
         InputError: Nothing is named and nothing is near it, or the cause is in no list.
     """
-    where = diagnosis.measurement.where
     if diagnosis.wander is not None:
         what, cure = "the sensor has an error that wanders", "measure longer: range_wander is not seen in a short trial"
-        raise InputError(what, where=where, cure=cure)
+        raise InputError(what, cure=cure)
     if diagnosis.conclusion == CaseVerdict.UNEXPLAINED:
         unexplained = diagnosis.unexplained
         along = f" of {unexplained.channel} along {unexplained.covariate}" if unexplained else ""
         what = f"the cause is in no list: a structure{along} is unexplained, so that there are no rivals to distinguish"
-        raise InputError(what, where=where, cure="see report.html, or try an effect of your own with --effects")
+        raise InputError(what, cure="see report.html, or try an effect of your own with --effects")
     fitted = [(fit, rise) for fit, rise in _fits(diagnosis) if rise < AS_GOOD]
     if not diagnosis.named and len(fitted) < 2:
         what = "nothing was named, and no effect comes near it: the nominal simulation explains the data"
-        raise InputError(what, where=where, cure="measure at other voltages or distances if you suspect a fault")
+        raise InputError(what, cure="measure at other voltages or distances if you suspect a fault")
     first, *others = fitted
     distinct: dict[frozenset[CandidateEffect], tuple[HypothesisFit, float]] = {}
     for fit, rise in (first, *sorted(others, key=lambda each: each[1])):

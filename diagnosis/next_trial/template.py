@@ -27,12 +27,12 @@ def template_of(measurement: Measurement) -> Measurement:
     allowed = ", ".join(KINDS)
     if len(kinds) > 1:
         cure = "name a diagnosis of cases of one kind"
-        raise InputError("cases of several kinds", where=measurement.where, got=", ".join(sorted(kinds)), cure=cure)
+        raise InputError("cases of several kinds", got=", ".join(sorted(kinds)), cure=cure)
     template = cases[0]
     if template.kind not in KINDS or template.nominal is None:
         what = f"no trial can be designed for data of kind {template.kind}"
         what += "" if template.nominal is not None else " without a nominal.yaml"
-        raise InputError(what, where=measurement.where, allowed=f"{allowed}, with a nominal.yaml")
+        raise InputError(what, allowed=f"{allowed}, with a nominal.yaml")
     return template
 
 

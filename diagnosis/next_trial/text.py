@@ -15,10 +15,11 @@ WIDTH = 118
 NARROWER = 0.95
 """Ratio of the standard errors after and before a trial, from which it narrows a number."""
 HOW = {
-    CaseKind.MOTOR_STEADY: "Let the motor come to rest before each row. Set the voltage, and log current and speed at "
-    "the time of the row, when they no longer change. The clock starts when the motor is first switched on.",
-    CaseKind.MOTOR_STEP: "Let the motor come to rest before each run. Set the voltages of data.csv, and log current "
-    "and speed in each of its rows. A voltage is held over the time that ends at its row.",
+    CaseKind.MOTOR_STEADY: "Let the motor come to rest before each row; t_s does not count these pauses. Set the "
+    "voltage, and log current and speed at the time of the row, when they no longer change. The clock starts when the "
+    "motor is first switched on.",
+    CaseKind.MOTOR_STEP: "Let the motor come to rest before each run; its t_s begins at 0. Set the voltages of "
+    "data.csv, and log current and speed in each of its rows. A voltage is held over the time that ends at its row.",
     CaseKind.TOF_BENCH: "Place the target as each row says, and log one reading. The clock starts when the sensor is "
     "switched on.",
 }
@@ -51,7 +52,7 @@ def _purpose(design: TrialDesign) -> str:
         return f"Only {names[0]} remains. This trial determines its parameters as precisely as these limits allow."
     listed = "; ".join(f"{model.name} ({_percent(model.weight)})" for model in design.models)
     return (
-        f"{len(names)} explanations of the old data remain: {listed}. This trial distinguishes them as well as "
+        f"{len(names)} explanations of the old data remain: {listed}. This trial separates them as far as "
         "the limits allow."
     )
 

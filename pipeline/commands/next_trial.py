@@ -2,7 +2,8 @@
 
 import os
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -43,7 +44,12 @@ def next_trial(
     max_voltage: Annotated[
         float | None,
         typer.Option(
-            "--max-voltage", min=0.01, max=60.0, metavar="V", help="Highest voltage; by default that of the old data."
+            "--max-voltage",
+            min=0.01,
+            max=60.0,
+            metavar="V",
+            help="Highest voltage of a motor, in both directions; by default the largest of the old data, of either "
+            "sign.",
         ),
     ] = None,
     one_direction: Annotated[
@@ -109,16 +115,20 @@ def next_trial(
     made_from = read_made_from(diagnosis)
     settings = made_from.settings
     measurement = read_case(made_from.paths[0], settings)
-    limits = limits_of(
-        measurement,
-        seconds=seconds,
-        rows=rows,
-        row_s=row_seconds,
-        max_voltage_V=max_voltage,
-        one_direction=one_direction,
-        distances_m=None if distances is None else _range(distances),
-    )
-    design = design_trial(diagnose(measurement, robot_of(settings)), limits)
+    distances_m = None if distances is None else _range(distances)
+    with _placed_in(diagnosis):
+        limits = limits_of(
+            measurement,
+            seconds=seconds,
+            rows=rows,
+            row_s=row_seconds,
+            max_voltage_V=max_voltage,
+            one_direction=one_direction,
+            distances_m=distances_m,
+        )
+    diagnosed = diagnose(measurement, robot_of(settings))
+    with _placed_in(diagnosis):
+        design = design_trial(diagnosed, limits)
     command = _command(made_from.paths, out / case_name(design))
     contents = trial_files(design, command)
     with new_folder(out) as folder:
@@ -130,6 +140,15 @@ def next_trial(
         return
     typer.echo(contents[INSTRUCTIONS].decode("utf-8"))
     typer.echo(f"{out / INSTRUCTIONS}, {out / case_name(design) / 'data.csv'}")
+
+
+@contextmanager
+def _placed_in(diagnosis: Path) -> Iterator[None]:
+    """Add the folder of the diagnosis to an InputError of the block, which knows only the measured data."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(str(error), where=str(diagnosis)) from error
 
 
 def _range(text: str) -> tuple[float, float]:

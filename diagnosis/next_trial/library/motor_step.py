@@ -44,7 +44,7 @@ def motor_step(template: Measurement, limits: Limits, robots: Sequence[RobotConf
     """
     del robots
     if not isinstance(template.nominal, NominalStep):
-        raise InputError("no sample rate is stated", where=template.where, cure="add sample_rate_Hz to nominal.yaml")
+        raise InputError("no sample rate is stated", cure="add sample_rate_Hz to nominal.yaml")
     period_s = 1.0 / template.nominal.sample_rate_Hz
     samples = int(limits.row_s / period_s + 1e-6)
     t_s = period_s * np.arange(1.0, samples + 1.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.diagnose import diagnose
+from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.next_trial.design import design_trial
@@ -83,6 +84,28 @@ def test_limits_that_leave_no_trial_are_refused(diagnosis):
         limits_of(diagnosis.measurement, seconds=4.0)
     with pytest.raises(InputError, match="does not turn"):
         design_trial(diagnosis, limits_of(diagnosis.measurement, row_s=1.0, max_voltage_V=0.1))
+
+
+def test_options_that_a_kind_of_case_does_not_use_are_refused(symolo, diagnosis, tmp_path):
+    with pytest.raises(
+        InputError, match=r"--distances is not used for a case of kind motor_steady; allowed: .*--max-voltage"
+    ):
+        limits_of(diagnosis.measurement, distances_m=(0.1, 0.5))
+    made = record(EXAMPLES / "tof_bench_001", tmp_path / "diagnosis")
+    for option in (("--max-voltage", 3), ("--one-direction",)):
+        ended = symolo("next", made, *option, "--out", tmp_path / "next")
+        assert ended.code == 2
+        assert f"{made}: {option[0]} is not used for a case of kind tof_bench" in ended.err
+        assert "--distances" in ended.err
+    assert not (tmp_path / "next").exists()
+
+
+def test_a_refusal_names_the_folder_of_the_diagnosis(symolo, tmp_path):
+    made = record(EXAMPLES / "drive_log_001", tmp_path / "diagnosis")
+    ended = symolo("next", made, "--out", tmp_path / "next")
+    assert ended.code == 2
+    assert f"{made}: no trial can be designed for data of kind drive_log" in ended.err
+    assert "data.csv" not in ended.err
 
 
 def test_what_is_no_diagnosis_or_has_lost_its_case_is_refused(symolo, forward_only, tmp_path):
