@@ -13,6 +13,7 @@ import sys
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from enum import Enum
 from functools import cache, cached_property
 from hashlib import sha256
 from importlib.abc import InspectLoader
@@ -24,7 +25,7 @@ from typing import Any, ClassVar, Generic, Protocol, TypeVar
 from pydantic import Field, create_model
 
 from configs.schema.base import Section, absent
-from symolo.core.errors import InputError
+from symolo.core.errors import InputError, nearest
 from symolo.core.files.plain_files import FileKind, UnsafeFileError, read_named_file
 
 
@@ -180,7 +181,9 @@ class Family(Generic[Member]):
             if isinstance(error, SyntaxError) and error.filename == str(file):
                 what, line = error.msg, error.lineno
             where = f"{file}:{line}" if line else str(file)
-            raise InputError(f"{self.noun} file: {type(error).__name__}: {what}", where=where) from error
+            allowed, close = _members_instead(error)
+            what = f"{self.noun} file: {type(error).__name__}: {what}"
+            raise InputError(what, where=where, allowed=", ".join(allowed), nearest=close) from error
         return module
 
     def _only_member(self, module: ModuleType, place: Callable[[type], str]) -> type[Member]:
@@ -200,6 +203,17 @@ class Family(Generic[Member]):
             raise InputError(f"{self.noun} file", where=where, got=names, allowed=allowed)
         self.check(classes[0], place(classes[0]))
         return classes[0]
+
+
+def _members_instead(error: BaseException) -> tuple[tuple[str, ...], str]:
+    """Return the members of the enumeration in which a name was not found, and the nearest; none for other errors."""
+    if not isinstance(error, AttributeError):
+        return (), ""
+    kind = error.obj
+    if not (isinstance(kind, type) and issubclass(kind, Enum)):
+        return (), ""
+    members = tuple(f"{kind.__name__}.{name}" for name in kind.__members__)
+    return members, nearest(f"{kind.__name__}.{error.name}", members)
 
 
 def _module_of(member: type) -> str:

@@ -121,6 +121,8 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
     is_length = path[:1] == ("arena",) and (isinstance(path[-1], int) or path[-1].endswith("_m"))
     if is_length and isinstance(got, int | float) and got >= 2 * shape.schema.get("maximum", np.inf):
         return f"is it in metres? {got:g} cm are {got / 100:g}, {got:g} mm are {got / 1000:g}"
+    if path[:1] == ("routes",) and path[-1] == "runs" and got == 0:
+        return "to leave a route out, write the list `routes` without it (docs/scenarios.md)"
     if shape.is_integer and isinstance(got, float) and got.is_integer():
         return f"write {int(got)}, without a decimal point or exponent"
     if shape.types == {"string"} and isinstance(got, bool | int | float):

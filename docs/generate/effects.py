@@ -9,6 +9,7 @@ from markdown_text import page, table, text
 
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS
+from pipeline.effects.template import LAWS
 
 ABOUT = """This page lists all effects that a robot can have. The page [effects](../effects.md) explains what they have
 in common. Each effect is a setting, `robot.effects.<name>.<parameter>`, an axis of randomisation and a hypothesis of
@@ -28,8 +29,14 @@ def _slots() -> Iterator[str]:
         "first one, changed. A turn or a duration is that of one step of the simulation; steps have other lengths in "
         "PyBullet than in a fit, so the change per second must not depend on them."
     )
+    yield (
+        "An [effect of your own](../own_effects.md) may have any slot. `symolo effect new NAME --slot SLOT` writes a "
+        "file to begin with for those that have *yes* in the last column; for the others, begin with a copy of the "
+        "shipped effect that the command names."
+    )
     words = dict(_documented(Slot))
-    yield table(("slot", "arguments and result of `apply`"), [(slot.value, text(words[slot.name])) for slot in Slot])
+    rows = [(slot.value, text(words[slot.name]), "yes" if slot in LAWS else "") for slot in Slot]
+    yield table(("slot", "arguments and result of `apply`", "`effect new`"), rows)
 
 
 def _documented(members: type) -> Iterator[tuple[str, str]]:

@@ -11,13 +11,19 @@ from symolo.core.errors import InputError
 
 HELP = "Write and check an effect of your own, or look at those that there are."
 
+_DEFAULT_SLOT = "range"
+
 
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the effect, such as oval_wheel.")],
     *,
     slot: Annotated[
-        str, typer.Option(metavar="SLOT", help="Place in the signal chain where it acts; `effect list` shows them.")
-    ] = "range",
+        str | None,
+        typer.Option(
+            metavar="SLOT",
+            help="Place in the signal chain where it acts; `effect list` shows them. By default it is `range`.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -32,14 +38,18 @@ def new(
 
     Example: symolo effect new oval_wheel --slot rolling
     """
-    from pipeline.effects.template import slot_named, template
+    from pipeline.effects.template import LAWS, slot_named, template
     from symolo.core.files.atomic_files import write_file
 
     file = out or new_file_check(".py")(Path(f"{name}.py"))
-    text = template(name, slot_named(slot))
+    text = template(name, slot_named(_DEFAULT_SLOT if slot is None else slot))
     if file.exists():
         raise InputError("exists already", where=str(file), cure="name another file with --out, or remove this one")
     write_file(file, text.encode())
+    if slot is None:
+        others = ", ".join(sorted(one for one in LAWS if one != _DEFAULT_SLOT))
+        typer.echo(f"It acts in the slot '{_DEFAULT_SLOT}', because --slot was not given; others are: {others}.")
+        typer.echo("`symolo effect list` shows what acts in each slot.")
     typer.echo(f"{file}: change it as you like, then: symolo effect check {file}")
 
 

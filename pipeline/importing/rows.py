@@ -87,6 +87,9 @@ def imported_rows(
         raise InputError("rows", where=where, got=len(chosen), allowed=f"2 to {MAX_ROWS}", cure=cure)
     readings = {name: values[chosen] for name, values in trajectory.readings.items() if with_images or name != "img"}
     rows = _rows(t_ms[chosen], trajectory.pose[chosen], readings, no_target_m)
+    if without := [name for name in HEADER if name in readings and name not in rows.columns]:
+        text = "columns of data.csv that are left out, because no row has a reading"
+        changes.append(f"{text}: {', '.join(without)}")
     tables = [_table(table, rows, chosen) for table in trajectory.tables]
     for sensor in trajectory.sensors:
         table = _sensor_table(sensor, start_s, int(rows.t_ms[-1]))
@@ -98,11 +101,14 @@ def imported_rows(
 
 
 def _rows(t_ms: Array, pose: Array, readings: dict[str, Array], no_target_m: float) -> Rows:
-    measured = [name for name in HEADER if name in readings and np.isfinite(readings[name]).any()]
+    # Infinity is the reading of a range sensor that saw no target, and none of anything else.
+    ranges = {column.name for column in RANGES.columns}
+    is_read = {name: ~np.isnan(each) if name in ranges else np.isfinite(each) for name, each in readings.items()}
+    measured = [name for name in HEADER if name in readings and is_read[name].any()]
     columns = tuple(name for name in HEADER if name in (*REQUIRED, *measured))
     values: dict[str, Array] = dict(zip(REQUIRED, (t_ms, *pose.T), strict=True))
     for name in measured:
-        limit = no_target_m if any(column.name == name for column in RANGES.columns) else np.nan
+        limit = no_target_m if name in ranges else np.nan
         values[name] = np.where(np.isinf(readings[name]), limit, readings[name])
     definitions = [column for column in COLUMNS if column.name in columns]
     decimals = {column.name: column.decimals for column in definitions}

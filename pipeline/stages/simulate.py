@@ -95,7 +95,7 @@ class _Recorder:
             x, y, _ = self._loop.world.pose()
             problems.append(
                 f"lap not finished within {spec.stop.time_limit_s:g} s, last at x = {x:.2f}, y = {y:.2f} m"
-                f" in state {self._values['state'][-1]}"
+                f" in state {self._values['state'][-1]}; to end all runs at stop.time_limit_s, set stop.lap=false"
             )
         return Outcome(self._recording(), not problems, tuple(problems), lap_time_s)
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.atomic_files import make_folder, write_file
@@ -23,6 +24,18 @@ _BLOCK_BYTES = 4096
 SOURCE = "export.json"
 """File at the top of an export that names the release, its runs and splits, and the programs."""
 
+_CURES = MappingProxyType(
+    {
+        name: f"`symolo pack` writes {file} (docs/publishing.md)"
+        for name, file in (
+            ("croissant", "croissant.json"),
+            ("datacite", "datacite.json"),
+            ("ro-crate", "ro-crate-metadata.json"),
+        )
+    }
+)
+"""What to do in place of an export, by the name of a description that another command writes."""
+
 
 @dataclass(frozen=True)
 class PlannedFormat:
@@ -41,8 +54,9 @@ def exporters_of(names: Sequence[str], where: str) -> tuple[Exporter, ...]:
     known = {exporter.name: exporter for exporter in EXPORTERS}
     for name in names:
         if name not in known:
-            hint = nearest(name, known)
-            raise InputError(where, got=name, allowed=", ".join(known), nearest=hint)
+            cure = _CURES.get(name.lower(), "")
+            hint = "" if cure else nearest(name, known)
+            raise InputError(where, got=name, allowed=", ".join(known), nearest=hint, cure=cure)
     return tuple(known[name] for name in dict.fromkeys(names))
 
 

@@ -106,6 +106,9 @@ CASES = {
         "arena: symolo", "arena: {extends: symolo, walls: {A: 1}} #!", "arena.walls", "after '- '"
     ),
     "list for a mapping": robot("motor: [1, 2] #!", "robot.motor", "a mapping with the fields winding_resistance_ohm"),
+    "route without runs": Bad(
+        "runs: 2}", "runs: 0} #!", "routes.0.runs", "to leave a route out, write the list `routes`"
+    ),
     "empty list of routes": Bad("routes:.*(?=stop)", "routes: [] #!\n", "routes", "a list with at least 1 item"),
     # Values out of bounds
     "negative": robot("motor: {winding_resistance_ohm: -3} #!", RESISTANCE, "got -3, allowed: number > 0 and <= 1000"),

@@ -177,6 +177,8 @@ def test_a_broken_rule_ends_with_exit_code_2(tmp_path, capsys):
     ("change", "message"),
     [
         (("def apply(self", "def apply(self:"), r"bent_shunt\.py:21: effect file: SyntaxError"),
+        (("Setup.MOTOR_BENCH", "Setup.MOTOR_BENHC"),
+         r"AttributeError: MOTOR_BENHC; allowed: Setup\.MOTOR_BENCH, .*LINE_LOG; did you mean Setup\.MOTOR_BENCH$"),
         (("import numpy as np", "import nmpy as np"), r"bent_shunt\.py:6: effect file: ModuleNotFoundError"),
         (("Slot.CURRENT_READING", '"range"'), r"bent_shunt\.py:12: effect bent_shunt: slot: got 'range', allowed"),
         (("    slot = Slot.CURRENT_READING\n", ""), r"bent_shunt\.py:12: effect bent_shunt: slot missing"),
@@ -215,6 +217,11 @@ def test_new_writes_a_file_once(tmp_path, monkeypatch, capsys):
     assert "class OvalWheel(Effect)" in (tmp_path / "oval_wheel.py").read_text()
     assert main(["effect", "new", "oval_wheel", "--slot", "rolling"]) == 2
     assert "exists already" in capsys.readouterr().err
+    assert main(["effect", "new", "bent_reading"]) == 0
+    assert "Slot.RANGE " in (tmp_path / "bent_reading.py").read_text()
+    said = capsys.readouterr().out
+    assert "in the slot 'range', because --slot was not given; others are: actuator, battery, " in said
+    assert "`symolo effect list` shows" in said
     for words, message in [
         (["oval_wheel", "--slot", "rollin", "--out", "a.py"], "did you mean rolling"),
         (["oval_wheel", "--slot", "command-delay", "--out", "a.py"], "physics/effects/input_delay.py"),
@@ -223,7 +230,7 @@ def test_new_writes_a_file_once(tmp_path, monkeypatch, capsys):
     ]:
         assert main(["effect", "new", *words]) == 2
         assert message in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["oval_wheel.py"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bent_reading.py", "oval_wheel.py"]
 
 
 def test_list_and_show_say_what_the_classes_say(capsys):

@@ -51,12 +51,17 @@ def release_facts(data: Dataset, metadata: Metadata, max_detailed: int, report: 
     records = {record.run: record for record in metadata.runs}
     on_map = {run.name for run in spread(data.runs, MAX_PATHS)}
     facts, images = [], []
-    with report.stage("report", sum(records[run.name].images for run in data.runs), "images") as stage:
+    image_count = sum(records[run.name].images for run in data.runs)
+    # Without images of data.csv, as in an imported log, the tables are all the work.
+    total, unit = (image_count, "images") if image_count else (len(data.runs), "runs")
+    with report.stage("report", total, unit) as stage:
         for run in data.runs:
             one = run_facts(run, records[run.name], with_path=run.name in on_map)
             facts.append(one)
             if one.images:
                 images.append(image_numbers(run, lambda done, name=run.name: stage.update(name, done)))
+            elif not image_count:
+                stage.update(run.name, 1)
     manifest = read_file(data.root / MANIFEST, FileKind.CHECKSUMS) if (data.root / MANIFEST).is_file() else b""
     sizes = [(data.root / name).stat().st_size for name in read_manifest(manifest)] if manifest else []
     return ReleaseFacts(

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import symolo as symolo_reader
+from logs.trajectories.base import LoggedTrajectory
 from pipeline.cli import main
+from pipeline.importing.rows import imported_rows
 from tests.logs.written_bags import Ros, drive, write_ros1
 
 T_S = 0.05 * np.arange(100)
@@ -70,6 +72,15 @@ def test_what_was_measured_is_there_and_what_was_not_is_absent(imported):
     assert (metadata["states"], metadata["licence"]) == ({}, "NOASSERTION")
     assert not {"pybullet", "bpy"} & metadata["made_with"].keys()
     assert "simulated" not in (root / "README.md").read_text()
+
+
+def test_a_range_sensor_that_never_saw_a_target_has_its_column():
+    readings = {"d_f": np.full(len(T_S), np.inf), "d_l": np.full(len(T_S), np.nan), "v": np.full(len(T_S), np.inf)}
+    trajectory = LoggedTrajectory(T_S.copy(), np.column_stack((PLACE, YAW)), {}, readings)
+    result = imported_rows(trajectory, "log", no_target_m=2.0)
+    assert result.rows.columns == ("t", "x", "y", "theta", "d_f")
+    np.testing.assert_array_equal(result.rows.tof_m[:, 0], 2.0)
+    assert result.changes == ("columns of data.csv that are left out, because no row has a reading: v, d_l",)
 
 
 def test_an_empty_cell_stays_empty_in_every_reader(imported):
@@ -294,5 +305,7 @@ def test_a_bag_becomes_a_dataset_whose_origin_names_its_topic(tmp_path, capsys, 
     assert symolo("verify", tmp_path / "data").code == 0
     (run,) = symolo_reader.load(tmp_path / "data")
     assert list(run.rows) == ["t", "x", "y", "theta", "v", "w", "d_f"]
+    reported = symolo("report", tmp_path / "data", "--out", tmp_path / "page.html")
+    assert (reported.code, "report: 1 of 1 run in" in reported.err) == (0, True)
     log = json.loads((tmp_path / "data/metadata.json").read_text())["runs"][0]["origin"]["log"]
     assert (log["format"], log["quantities"]["pose"]) == ("bag", "/odom")

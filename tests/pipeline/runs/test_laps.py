@@ -66,6 +66,7 @@ def test_a_lap_that_takes_too_long_is_reported():
     outcome = run("CW", "stop.time_limit_s=5")
     assert not outcome.finished
     assert "lap not finished within 5 s" in outcome.problems[0]
+    assert outcome.problems[0].endswith("; to end all runs at stop.time_limit_s, set stop.lap=false")
 
 
 def test_rows_come_at_20_hz_and_every_fourth_has_an_image():
