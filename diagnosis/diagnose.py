@@ -14,8 +14,8 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.sessions import session_nuisances, within_sessions
-from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
-from diagnosis.inference.fit import HypothesisFit, at, fits, with_local_fitted
+from diagnosis.inference.evidence.whole_runs import over_whole_runs
+from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.naming.named_model import NamedModel, standing
@@ -33,9 +33,9 @@ from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.unlisted import with_forms
 from diagnosis.inference.unexplained.wander import Wander, wander
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import KnownWheels
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
+from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from diagnosis.together import joint_nuisances, joint_stages
 from symolo.core.errors import InputError
 
@@ -179,7 +179,9 @@ class Diagnosis:
         return result
 
 
-def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Diagnosis:
+def diagnose(
+    measurement: Measurement, nominal: RobotConfig | None = None, progress: DiagnosisProgress | None = None
+) -> Diagnosis:
     """Diagnose what the simulation gets wrong about a measurement.
 
     Args:
@@ -187,11 +189,13 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
             (`diagnosis.together`).
         nominal: The nominal robot, in everything that the nominal parameters of the measurement do not define; the
             shipped robot `nominal` by default.
+        progress: Receives how far the diagnosis is, also while its result is used; by default nobody does.
 
     Raises:
         InputError: No stage of the simulator predicts such data, or none of the data can be used.
     """
     check_kind(measurement)
+    progress = progress or unreported()
     where = measurement.where
     carrier = carrier_of(measurement, nominal)
     robot = nominal_of(measurement, carrier)
@@ -204,13 +208,14 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     if not stages:
         cure = "log voltages and counts, counts and poses, or poses and ranges"
         raise InputError("no reading that a stage could predict from the logged inputs", where=where, cure=cure)
-    evidence = _evidence(stages, bare)
+    evidence = _evidence(stages, bare, progress)
     if not evidence.fit.any():
         raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
     bare, of_sessions = _with_sessions(measurement, evidence, bare)
     library = candidates(measurement, evidence, bare)
     library = replace(library, testable=tuple(e for e in library.testable if e.kind not in of_sessions))
     evidence, selection = _selected(evidence, bare, library.testable)
+    progress.begin(Phase.STRUCTURE)
     result = adequacy(evidence, selection.fit)
     if not result.is_adequate and (better := rescued(evidence, selection, library.testable)) is not None:
         selection, result = better, adequacy(evidence, better.fit)
@@ -223,6 +228,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         slow = None if rest.has_cause else slow
         evidence, selection, result = (steady, without_it, rest) if slow else (evidence, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
+    progress.begin(Phase.RIVALS)
     comparisons = [
         compare_rivals(evidence, fit, effect, library.testable, pairs=selection.pairs, is_whole=not result.has_cause)
         for effect in fit.hypothesis.effects
@@ -230,12 +236,14 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
     if result.leaves_only_outliers:
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable, selection.pairs)
+    progress.begin(Phase.TRANSFER)
     parts = groups(evidence, [trial.name for trial in measurement.trials])
     model, withheld_names = standing(evidence, selection, NamedModel(fit, comparisons, result), library.testable, parts)
     fit, comparisons, result = model.fit, model.comparisons, model.result
-    fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
+    fit = with_shared_rounding(evidence, over_whole_runs(measurement, evidence, fit))
     alternatives = tuple(_alternatives(measurement, evidence, comparisons))
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
+    progress.begin(Phase.INTERVALS)
     # The remembered fits with their slopes need much memory and are not used again.
     evidence.known.clear()
     measured.known.clear()
@@ -268,9 +276,11 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     )
 
 
-def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
+def _evidence(stages: Sequence[Stage], bare: Hypothesis, progress: DiagnosisProgress | None = None) -> Evidence:
     """Return the observations with their noise, which is estimated from the nominal model if it is not stated."""
     evidence = Evidence(stages)
+    if progress is not None:
+        evidence.on_predicted = progress.predicted
     rounds = NOISE_ROUNDS if evidence.fit.any() else 0
     for _ in range(rounds if any(is_open(observed) for observed in evidence.observed) else 0):
         (fit,) = fits(evidence, [(bare, bare.null())])
@@ -319,7 +329,7 @@ def _alternatives(
     for comparison in comparisons:
         for rival in comparison.rivals:
             if rival.worse < AS_GOOD:
-                fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, rival.fit))
+                fit = with_shared_rounding(evidence, over_whole_runs(measurement, evidence, rival.fit))
                 yield Alternative(fit, rival.worse)
 
 
@@ -365,23 +375,6 @@ def _with_only(
     fewer = replace(fit.hypothesis, effects=effects)
     (refit,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))])
     return refit
-
-
-def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
-    """Return the fit with parameters from whole runs, for a drive without commands; else the same fit."""
-    if not isinstance(measurement.nominal, KnownWheels):
-        return fit
-    whole = fitted_to_whole_runs(measurement, fit.hypothesis, fit.x, ())
-    if whole is None:
-        return fit
-    # The residuals are those of the windows, as in every report; the errors are those of the fit to whole runs, except
-    # of what only windows show.
-    seen = ~fit.hypothesis.is_local
-    information, x = np.zeros_like(fit.information), fit.x.copy()
-    information[np.ix_(seen, seen)], x[seen] = np.linalg.pinv(whole.covariance, hermitian=True), whole.x
-    unseen = np.flatnonzero(np.diag(information) <= 0.0)
-    information[np.ix_(unseen, unseen)] = fit.information[np.ix_(unseen, unseen)]
-    return replace(with_local_fitted(at(evidence, fit.hypothesis, x)), information=information)
 
 
 def _best_named(

@@ -9,6 +9,7 @@ from diagnosis.extended_robot import FILE, VARIED_FILE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
 from diagnosis.posterior.posterior import posterior_text
+from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from diagnosis.report.answer import answer
 from diagnosis.report.page import page
 from diagnosis.report.plots.coverage import coverage_plot
@@ -32,6 +33,7 @@ def files(
     pybullet: bool = False,
     release: Measurement | None = None,
     unseen: Mapping[str, Measurement] = MappingProxyType({}),
+    progress: DiagnosisProgress | None = None,
 ) -> Mapping[str, bytes]:
     """Return the contents by path inside the output folder; the same diagnosis gives the same bytes.
 
@@ -40,8 +42,10 @@ def files(
         pybullet: Whether to simulate the robots with PyBullet too, which may take minutes.
         release: A dataset to compare with the measurement.
         unseen: Inputs of runs without readings, by file name; files with the extended robot's readings are added.
+        progress: Receives when the plots begin; by default nobody does.
     """
     data = report_data(diagnosis, pybullet=pybullet, release=release, unseen=unseen)
+    (progress or unreported()).begin(Phase.PLOTS)
     plots = _plots(data)
     texts = {
         ANSWER: json.dumps(answer(data), indent=2, ensure_ascii=False) + "\n",

@@ -1,6 +1,6 @@
 """Cases of measured data diagnosed side by side, each into a folder of its own, whatever the number of workers."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -14,11 +14,12 @@ from diagnosis.measured.case_format import BLIND, DATA
 from diagnosis.measured.holdout import hold_out, of_part
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NOMINAL
+from diagnosis.progress import DiagnosisProgress
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
 from pipeline.diagnosing.made_from import MADE_FROM, MadeFrom
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
-from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
+from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Progress
 from symolo.core.child_process import Failed, Finished
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, remove_file, write_file
@@ -129,6 +130,8 @@ def diagnose_cases(
     with report.stage("diagnose", len(units), "cases") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
+            if isinstance(event, Progress):
+                stage.update(unit.name, event.share)
             if isinstance(event, Finished | Failed):
                 stage.update(unit.name, 1.0)
             if isinstance(event, Failed) and not alone:
@@ -146,8 +149,16 @@ def folder_of(case: NamedCase, out: Path, *, alone: bool) -> Path:
     return out if alone else out / case.name
 
 
-def diagnose_into(path: Path, settings: DiagnosisSettings, folder: Path) -> None:
+def diagnose_into(
+    path: Path, settings: DiagnosisSettings, folder: Path, on_share: Callable[[float], None] = lambda _share: None
+) -> None:
     """Diagnose one case, write its files into `folder` and remove those of an earlier diagnosis.
+
+    Args:
+        path: The case.
+        settings: How it is diagnosed.
+        folder: Folder of the files.
+        on_share: Called with the share that is done, 0 to 1, which is an estimate.
 
     Raises:
         InputError: The case cannot be read, or holds nothing that can be diagnosed.
@@ -160,7 +171,9 @@ def diagnose_into(path: Path, settings: DiagnosisSettings, folder: Path) -> None
     measurement = read_case(path, settings)
     is_blind = measurement.kind in BLIND
     unseen = read_blind(path if path.is_dir() else path.parent, measurement.kind) if is_blind else {}
-    contents = files(diagnose(measurement, robot), pybullet=settings.pybullet, release=release, unseen=unseen)
+    progress = DiagnosisProgress(on_share)
+    diagnosis = diagnose(measurement, robot, progress)
+    contents = files(diagnosis, pybullet=settings.pybullet, release=release, unseen=unseen, progress=progress)
     made_from = MadeFrom.of(path, settings).model_dump_json(indent=2, exclude_defaults=True) + "\n"
     contents = {**contents, MADE_FROM: made_from.encode()}
     make_folder(folder / PLOTS)

@@ -3,6 +3,7 @@
 `symolo.core.child_process` describes the channel to the supervisor.
 """
 
+import time
 import traceback
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -66,7 +67,14 @@ def render_frames(unit: RenderUnit, on_progress: OnProgress) -> None:
         raise EngineFailed(str(error)) from error
 
 
-def diagnose_case(unit: DiagnoseUnit, _on_progress: OnProgress) -> None:
+SECONDS_BETWEEN_SHARES = 1.0
+"""Time between two messages about how far a diagnosis is, which has thousands of steps."""
+
+MIN_SHARE = 0.05
+"""Share that a diagnosis reports at least; less of it says too little about the time that is left."""
+
+
+def diagnose_case(unit: DiagnoseUnit, on_progress: OnProgress) -> None:
     """Diagnose a case; of several cases a bad one fails alone.
 
     Raises:
@@ -75,8 +83,16 @@ def diagnose_case(unit: DiagnoseUnit, _on_progress: OnProgress) -> None:
     """
     from pipeline.diagnosing.diagnose import TRACEBACK, diagnose_into  # noqa: PLC0415 - loads SciPy and Matplotlib
 
+    sent_s = time.monotonic()
+
+    def on_share(share: float) -> None:
+        nonlocal sent_s
+        if time.monotonic() - sent_s >= SECONDS_BETWEEN_SHARES:
+            sent_s = time.monotonic()
+            on_progress(share if share >= MIN_SHARE else 0.0)
+
     try:
-        diagnose_into(unit.case, unit.settings, unit.folder)
+        diagnose_into(unit.case, unit.settings, unit.folder, on_share)
     except (EnvironmentLacking, OSError):
         raise
     except Exception as error:

@@ -1,5 +1,6 @@
 """How far a command is: a bar with the time left on a terminal, plain lines elsewhere; always on standard error."""
 
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -63,12 +64,13 @@ class _Lines:
     def update(self, name: str, done: float) -> None:
         self._parts[name] = done
         now = time.monotonic()
-        if now - self._last < SECONDS_BETWEEN_LINES:
+        # The line at the end of the stage says that all is done.
+        if now - self._last < SECONDS_BETWEEN_LINES or self.done >= self._total:
             return
         self._last = now
         left = (now - self.started) * (self._total / self.done - 1) if self.done else float("inf")
         eta = f", about {seconds(left)} left" if left < float("inf") else ""
-        self.say(f"{self.done:.0f} of {self._total:.0f} {self._unit}{eta}")
+        self.say(f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{eta}")
 
 
 class BarReport:

@@ -1,6 +1,6 @@
 """All observations of all stages as one vector of samples, and their predictions by many robots at once."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -78,6 +78,8 @@ class Evidence:
         """(N,), number of independent samples that a sample is worth."""
         self.known: dict[Hashable, object] = {}
         """Results that were computed before (`diagnosis.inference.evidence.remembered`)."""
+        self.on_predicted: Callable[[], None] = _nothing
+        """Called before each prediction, which is nearly all the work of a fit."""
 
     @cached_property
     def resolution(self) -> Array:
@@ -118,6 +120,7 @@ class Evidence:
         """Return the same evidence with other estimated noises."""
         others = Evidence(self.stages, noises)
         others.values = self.values
+        others.on_predicted = self.on_predicted
         return others
 
     def without(self, error: Array) -> "Evidence":
@@ -129,6 +132,7 @@ class Evidence:
 
     def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
+        self.on_predicted()
         mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
         by_tolerances = np.zeros(len(robots))
         first = 0
@@ -145,3 +149,7 @@ class Evidence:
                     if predicted.by_tolerances is not None:
                         by_tolerances[batch] += predicted.by_tolerances
         return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd), by_tolerances)
+
+
+def _nothing() -> None:
+    """Do nothing."""

@@ -19,11 +19,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fit import HypothesisFit, at, with_local_fitted
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.refusal import needed
 from diagnosis.inference.selection import MAX_EFFECTS
 from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import KnownWheels
 from diagnosis.predictors.pose.by_counts import Pose, seen_from_body
 from diagnosis.predictors.rows import good_values
 from symolo.core.arrays import Array
@@ -187,3 +190,20 @@ def _scatter(errors: Array) -> Array:
     """Return the root mean squares (3,) along the two axes of the place, the same for both, and of the heading."""
     place = float(np.sqrt(np.mean(errors[..., :2] ** 2)))
     return np.maximum([place, place, float(np.sqrt(np.mean(errors[..., 2] ** 2)))], MIN_SCATTER)
+
+
+def over_whole_runs(measurement: Measurement, evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
+    """Return the fit with parameters from whole runs, for a drive without commands; else the same fit."""
+    if not isinstance(measurement.nominal, KnownWheels):
+        return fit
+    whole = fitted_to_whole_runs(measurement, fit.hypothesis, fit.x, ())
+    if whole is None:
+        return fit
+    # The residuals are those of the windows, as in every report; the errors are those of the fit to whole runs, except
+    # of what only windows show.
+    seen = ~fit.hypothesis.is_local
+    information, x = np.zeros_like(fit.information), fit.x.copy()
+    information[np.ix_(seen, seen)], x[seen] = np.linalg.pinv(whole.covariance, hermitian=True), whole.x
+    unseen = np.flatnonzero(np.diag(information) <= 0.0)
+    information[np.ix_(unseen, unseen)] = fit.information[np.ix_(unseen, unseen)]
+    return replace(with_local_fitted(at(evidence, fit.hypothesis, x)), information=information)

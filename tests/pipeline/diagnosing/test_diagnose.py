@@ -6,6 +6,7 @@ import shutil
 import pytest
 
 from configs.loader import load_scenario
+from diagnosis.progress import Phase
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
 from pipeline.work.worker_main import diagnose_case, do
 from symolo.core.errors import RunFailed
@@ -140,6 +141,15 @@ def test_a_bug_that_one_of_several_cases_brings_out_fails_that_case_alone(tmp_pa
     assert "ZeroDivisionError" in (tmp_path / "out" / "one" / "traceback.txt").read_text()
     with pytest.raises(ZeroDivisionError):
         diagnose_case(unit(tmp_path, alone=True), print)
+
+
+def test_a_diagnosis_reports_a_share_that_grows(benches, tmp_path, monkeypatch):
+    monkeypatch.setattr("pipeline.work.worker_main.SECONDS_BETWEEN_SHARES", 0.0)
+    shares: list[float] = []
+    diagnose_case(unit(tmp_path, alone=True).model_copy(update={"case": benches / "plain"}), shares.append)
+    assert len(shares) > len(Phase)
+    assert shares == sorted(shares)
+    assert Phase.PLOTS.value / 100 <= shares[-1] < 1.0
 
 
 def test_too_little_memory_for_one_of_several_cases_is_no_bug(tmp_path, monkeypatch):

@@ -1,5 +1,8 @@
+import re
+
 import pytest
 
+from symolo.core import progress
 from symolo.core.progress import LineReport
 
 
@@ -8,3 +11,13 @@ def test_a_line_counts_one_thing_and_several(capsys, total, line):
     with LineReport().stage("export", total, "files") as stage:
         stage.update("a", total)
     assert capsys.readouterr().err.startswith(line)
+
+
+def test_no_line_says_that_no_time_is_left_once_all_is_done(capsys, monkeypatch):
+    monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
+    with LineReport().stage("diagnose", 1, "cases") as stage:
+        stage.update("a", 0.9)
+        stage.update("a", 1.0)
+    between, end = capsys.readouterr().err.splitlines()
+    assert re.fullmatch(r"diagnose: 0 of 1 case, about \d\.\d s left", between)
+    assert end.startswith("diagnose: 1 of 1 case in ")
