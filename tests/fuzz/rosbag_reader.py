@@ -12,6 +12,7 @@ from logs.bags.child import write_topics
 from logs.trajectories.bag import trajectories_of
 from logs.trajectories.base import ReadSettings
 from tests.fuzz.guard import Read
+from tests.logs import sensor_messages
 from tests.logs.written_bags import Ros, drive, write_mcap, write_ros1
 
 FOLDER = "folder"
@@ -33,9 +34,15 @@ def _valid() -> dict[str, bytes]:
     """Return the content of the files of short bags by path."""
     with TemporaryDirectory() as place:
         root = Path(place)
-        for name, version, write in (("a.bag", 1, write_ros1), ("a.mcap", 2, write_mcap), (FOLDER, 2, write_folder)):
+        for name, version, write, messages in (
+            ("a.bag", 1, write_ros1, drive),
+            ("a.mcap", 2, write_mcap, drive),
+            (FOLDER, 2, write_folder, drive),
+            ("sensors.bag", 1, write_ros1, sensor_messages.messages),
+            ("sensors.mcap", 2, write_mcap, sensor_messages.messages),
+        ):
             ros = Ros(version)
-            write(root / name, islice(drive(ros), 20), ros)
+            write(root / name, islice(messages(ros), 30), ros)
         return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
 
 
