@@ -38,17 +38,17 @@ def best_units(
         criterion: What is to be as large as possible.
     """
     chosen: list[int] = []
-    most = ceil(len(slots) / MIN_SETTINGS)
+    max_slots = ceil(len(slots) / MIN_SETTINGS)
     sums = statistics.of_units.of(np.empty(0, dtype=np.int64)).total()
     for slot in slots:
-        units = _allowed(slot, chosen, setting, most)
+        units = _allowed(slot, chosen, setting, max_slots)
         values = criterion(sums.plus(statistics.of_units.of(units)))
         chosen.append(int(units[_best(values)]))
         sums = sums.plus(_single(statistics, chosen[-1]))
     for _ in range(MAX_SWEEPS):
         is_better = False
         for slot, every in enumerate(slots):
-            units = _allowed(every, chosen[:slot] + chosen[slot + 1 :], setting, most)
+            units = _allowed(every, chosen[:slot] + chosen[slot + 1 :], setting, max_slots)
             rest = sums.plus(_single(statistics, chosen[slot]), -1.0)
             values = criterion(rest.plus(statistics.of_units.of(units)))
             best = _best(values)
@@ -62,11 +62,11 @@ def best_units(
 
 
 def _allowed(
-    units: NDArray[np.int64], others: Sequence[int], setting: NDArray[np.int64], most: int
+    units: NDArray[np.int64], others: Sequence[int], setting: NDArray[np.int64], max_slots: int
 ) -> NDArray[np.int64]:
     """Return the units whose setting does not have its share of the slots yet; all if there are too few settings."""
     count = np.bincount(setting[np.array(others, dtype=np.int64)], minlength=int(setting.max()) + 1)
-    allowed = units[count[setting[units]] < most]
+    allowed = units[count[setting[units]] < max_slots]
     return allowed if len(allowed) else units
 
 

@@ -79,11 +79,11 @@ def limits_of(
         one_direction,
         distances_m or (float(distance_m.min()), float(distance_m.max())),
     )
-    least = 1 if template.kind is CaseKind.MOTOR_STEP else MIN_ROWS
-    if not least <= limits.units <= MAX_ROWS:
+    min_rows = 1 if template.kind is CaseKind.MOTOR_STEP else MIN_ROWS
+    if not min_rows <= limits.units <= MAX_ROWS:
         cure = "change --seconds or --row-seconds, or give --rows"
         what = f"{limits.seconds:g} s with {limits.row_s:g} s for each row or run"
-        raise InputError(what, got=f"{limits.units} rows or runs", allowed=f"{least} to {MAX_ROWS}", cure=cure)
+        raise InputError(what, got=f"{limits.units} rows or runs", allowed=f"{min_rows} to {MAX_ROWS}", cure=cure)
     if limits.distances_m[0] > limits.distances_m[1]:
         raise InputError("--distances", got=f"{limits.distances_m[0]:g} above {limits.distances_m[1]:g}")
     return limits

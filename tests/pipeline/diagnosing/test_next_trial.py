@@ -48,7 +48,7 @@ def record(case, folder):
     return folder
 
 
-def test_a_friction_of_one_direction_is_told_from_more_friction_by_reversing(symolo, forward_only, tmp_path):
+def test_reversing_distinguishes_a_friction_of_one_direction_from_more_friction(symolo, forward_only, tmp_path):
     """Forward, Tc (1 - a) and s Tc are one number; in reverse they are (1 + a) Tc and s Tc."""
     made = record(forward_only, tmp_path / "diagnosis")
     ended = symolo("next", made, "--rows", 6, "--row-seconds", 1, "--out", tmp_path / "next")
