@@ -1,1 +1,1 @@
-"""A release as what is uploaded to an archive: tar shards, and what people and machines know it by."""
+"""A release in the form in which an archive takes it: tar shards, tables and documents."""

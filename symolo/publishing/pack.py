@@ -20,12 +20,12 @@ from symolo.dataset.folder_kind import check_is_whole
 from symolo.dataset.layout import NAME_PATTERN
 from symolo.dataset.manifest import manifest
 from symolo.publishing.about import About
-from symolo.publishing.card import card
-from symolo.publishing.citation import citation
-from symolo.publishing.croissant import croissant
-from symolo.publishing.datacite import datacite
 from symolo.publishing.dataset import PackedFile, Published
-from symolo.publishing.ro_crate import CARD, DESCRIPTOR, SCENARIO, ro_crate
+from symolo.publishing.documents.card import card
+from symolo.publishing.documents.citation import citation
+from symolo.publishing.documents.croissant import croissant
+from symolo.publishing.documents.datacite import datacite
+from symolo.publishing.documents.ro_crate import CARD, DESCRIPTOR, SCENARIO, ro_crate
 from symolo.publishing.shards import PlannedShard, planned_shards
 from symolo.publishing.tables import PlannedTable, planned_table
 from symolo.reader.dataset import load

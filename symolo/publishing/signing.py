@@ -13,7 +13,7 @@ from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import NAME_PATTERN
 from symolo.dataset.manifest import PROVENANCE, PROVENANCE_SIGNATURE, SIGNATURE, TAG_MANIFEST
-from symolo.publishing.provenance import provenance
+from symolo.publishing.documents.provenance import provenance
 from symolo.signing.secret_key import SecretKey
 from symolo.verification.run_checks import SpecCheck
 from symolo.verification.verify import accepted, verify

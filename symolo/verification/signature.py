@@ -6,7 +6,7 @@ from pathlib import Path
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.manifest import PROVENANCE, PROVENANCE_SIGNATURE, SIGNATURE, TAG_MANIFEST
 from symolo.publishing.bagging import dataset_in
-from symolo.publishing.provenance import subject_problem
+from symolo.publishing.documents.provenance import subject_problem
 from symolo.signing.minisign import MAX_BYTES, PublicKey, Signature
 from symolo.verification.findings import Finding
 

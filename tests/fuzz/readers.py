@@ -41,7 +41,7 @@ from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manif
 from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.side_tables import CAMERA, POSITIONS_HEADER, TOF, WHEELS
-from symolo.publishing.provenance import subject_problem
+from symolo.publishing.documents.provenance import subject_problem
 from symolo.reader.dataset import load
 from symolo.signing.minisign import PublicKey, Signature
 from symolo.storage.download import Remote, download

@@ -10,7 +10,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import main
 
-RELEASE = Path(__file__).parents[2] / "fuzz/corpus/dataset/valid"
+RELEASE = Path(__file__).parents[3] / "fuzz/corpus/dataset/valid"
 """A small one that was made from a scenario."""
 
 

@@ -10,8 +10,8 @@ from symolo.dataset.layout import IMAGES
 from symolo.dataset.tables.column import single
 from symolo.publishing.about import Author
 from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.documents.responsible_ai import RAI_CONFORMS_TO, responsible_ai
 from symolo.publishing.membership import RUN_REGEX, Membership
-from symolo.publishing.responsible_ai import RAI_CONFORMS_TO, responsible_ai
 from symolo.publishing.tables import RUN, PlannedTable
 
 CONFORMS_TO = "http://mlcommons.org/croissant/1.1"
