@@ -2,9 +2,9 @@
 
 from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.gain import Gain
-from diagnosis.report import predictive
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
+from diagnosis.report.sentences import predictive
 
 
 def answer(data: ReportData) -> dict[str, object]:

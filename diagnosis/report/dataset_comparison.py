@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from diagnosis.dataset_comparison import DatasetComparison, QuantityComparison, ResidualComparison
-from diagnosis.report.quantities import axis, percent
+from diagnosis.report.sentences.quantities import axis, percent
 
 MAX_RUNS = 12
 """Runs in the table of the page."""

@@ -7,7 +7,7 @@ import numpy as np
 from diagnosis.engine.base import PYBULLET
 from diagnosis.engine.drive import DrivenPath
 from diagnosis.engine.gain import EngineComparison
-from diagnosis.report.quantities import gain_text
+from diagnosis.report.sentences.quantities import gain_text
 
 
 def in_lines(comparison: EngineComparison) -> Iterator[str]:

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isfinite, isinf, log10
 
-from diagnosis.report.quantities import meaning
 from diagnosis.report.report_data import ReportData
+from diagnosis.report.sentences.quantities import meaning
 from diagnosis.report.signatures import STILL, EffectSignature
 
 _MAX_SHADE_SIGMA = 30.0

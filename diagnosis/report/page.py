@@ -7,12 +7,13 @@ from diagnosis.extended_robot import FILE, VARIED_FILE
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
 from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
-from diagnosis.report import dataset_comparison, engines, quantities, verdict
-from diagnosis.report.compared import quantity_rows, source_text
+from diagnosis.report import dataset_comparison, engines, verdict
 from diagnosis.report.matrix import matrix_rows
-from diagnosis.report.predictive import predictive_sentence
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.row_sentences import too_large
+from diagnosis.report.sentences import quantities
+from diagnosis.report.sentences.compared import quantity_rows, source_text
+from diagnosis.report.sentences.predictive import predictive_sentence
+from diagnosis.report.sentences.rows import too_large
 from diagnosis.report.summary import reasoning
 from symolo.pages.html import render_page
 

@@ -20,10 +20,10 @@ from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.prediction_error import UnseenPrediction, predictions
-from diagnosis.report.own_effects import TriedEffect, tried_effects
-from diagnosis.report.row_sentences import row_sentences
-from diagnosis.report.run_ends import run_ends
-from diagnosis.report.session_sentences import session_sentences
+from diagnosis.report.sentences.own_effects import TriedEffect, tried_effects
+from diagnosis.report.sentences.rows import row_sentences
+from diagnosis.report.sentences.run_ends import run_ends
+from diagnosis.report.sentences.sessions import session_sentences
 from diagnosis.report.signatures import Signatures, signatures
 from symolo.core.arrays import Array
 

@@ -10,9 +10,9 @@ from diagnosis.inference.unexplained.adequacy import LEVEL
 from diagnosis.measured.overview import summary_line
 from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
-from diagnosis.report.quantities import meaning, with_error
 from diagnosis.report.report_data import Ablation, ReportData
-from diagnosis.report.row_sentences import too_large
+from diagnosis.report.sentences.quantities import meaning, with_error
+from diagnosis.report.sentences.rows import too_large
 from diagnosis.report.verdict import (
     certainty,
     gain_sentences,

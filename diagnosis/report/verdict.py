@@ -16,7 +16,8 @@ from diagnosis.inference.refusal import needed
 from diagnosis.inference.unexplained.adequacy import Structure
 from diagnosis.inference.unexplained.wander import Wander
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.report.quantities import (
+from diagnosis.report.report_data import Ablation, ReportData
+from diagnosis.report.sentences.quantities import (
     along,
     confidence,
     cost,
@@ -26,7 +27,6 @@ from diagnosis.report.quantities import (
     quantity_words,
     with_error,
 )
-from diagnosis.report.report_data import Ablation, ReportData
 
 MIN_BENT = 4.0
 """Deviation in tolerances from which a nominal parameter is mentioned."""

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from diagnosis.report.quantities import percent
+from diagnosis.report.sentences.quantities import percent
 from pipeline.diagnosing.diagnose import NamedCase, folder_of
 from symolo.core.files.plain_files import FileKind, read_file
 

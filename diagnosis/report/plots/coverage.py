@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from diagnosis.dataset_comparison import DatasetComparison
 from diagnosis.report.plots.panels import MEASURED
-from diagnosis.report.quantities import axis
+from diagnosis.report.sentences.quantities import axis
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, PALE, finished, png
 

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.predictors.base import Covariate, Observed
 from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, reach_of, residual_panel
-from diagnosis.report.quantities import axis
 from diagnosis.report.report_data import ReportData
+from diagnosis.report.sentences.quantities import axis
 from symolo.core.arrays import Array
 from symolo.pages.plotting import finished, png
 

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, CovariateShape
-from diagnosis.report.quantities import covariate_axis
+from diagnosis.report.sentences.quantities import covariate_axis
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, GREY, ORANGE, PALE, VERMILION
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from diagnosis.prediction_error import SD, UnseenPrediction
 from diagnosis.predictors.base import ROW_TIME
 from diagnosis.report.plots.panels import AFTER
-from diagnosis.report.quantities import axis
+from diagnosis.report.sentences.quantities import axis
 from symolo.core.arrays import Array
 from symolo.pages.plotting import finished, png
 

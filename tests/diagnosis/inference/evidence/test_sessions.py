@@ -24,7 +24,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors import STAGES
-from diagnosis.report.session_sentences import session_sentences
+from diagnosis.report.sentences.sessions import session_sentences
 from diagnosis.usual_tolerances import usual_wheels
 from symolo.core.time_series import TimeSeries
 

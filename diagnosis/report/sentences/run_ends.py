@@ -10,7 +10,7 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.whole_runs import PARTS, WholeRuns, fitted_to_whole_runs
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels
-from diagnosis.report.quantities import with_error
+from diagnosis.report.sentences.quantities import with_error
 
 
 def run_ends(diagnosis: Diagnosis) -> Iterator[str]:

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from diagnosis.inference.evidence.sessions import FittedError, fitted_errors
 from diagnosis.inference.fit import HypothesisFit
-from diagnosis.report.quantities import with_error
+from diagnosis.report.sentences.quantities import with_error
 
 WORDS: Mapping[str, tuple[str, float, str]] = MappingProxyType(
     {

@@ -11,7 +11,7 @@ from scipy.stats import norm
 from diagnosis.predictors.base import Covariate, CovariateShape
 from diagnosis.report.plots.gain import noise_alone
 from diagnosis.report.plots.panels import residual_panel
-from diagnosis.report.quantities import axis, confidence, covariate_axis, percent, with_error
+from diagnosis.report.sentences.quantities import axis, confidence, covariate_axis, percent, with_error
 
 
 @pytest.mark.parametrize(

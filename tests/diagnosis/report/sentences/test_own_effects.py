@@ -8,10 +8,10 @@ import pytest
 from configs.effects.base import Slot
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.report.own_effects import tried_effects
+from diagnosis.report.sentences.own_effects import tried_effects
 from pipeline.effects.template import template
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import RivalComparison
-from diagnosis.report.row_sentences import row_sentences, too_large
+from diagnosis.report.sentences.rows import row_sentences, too_large
 from diagnosis.report.verdict import headline
 
 

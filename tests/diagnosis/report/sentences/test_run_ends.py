@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from diagnosis.diagnose import diagnose
-from diagnosis.report.run_ends import run_ends
+from diagnosis.report.sentences.run_ends import run_ends
 
 
 @pytest.fixture(scope="module")
 def made():
-    place = Path(__file__).parents[1] / "inference" / "evidence" / "test_whole_runs.py"
+    place = Path(__file__).parents[2] / "inference" / "evidence" / "test_whole_runs.py"
     spec = importlib.util.spec_from_file_location("whole_runs_cases", place)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

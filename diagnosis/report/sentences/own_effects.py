@@ -11,7 +11,7 @@ from diagnosis.inference.fit import fits
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.refusal import refusal
 from diagnosis.inference.scan import scan
-from diagnosis.report.quantities import with_error
+from diagnosis.report.sentences.quantities import with_error
 
 
 @dataclass(frozen=True)
