@@ -13,27 +13,16 @@ from typing import Annotated
 import typer
 
 from pipeline.address_space import check_address_space
-from pipeline.commands import (
-    arena,
-    case,
-    effect,
-    explanation,
-    hil,
-    inspection,
-    keeping,
-    robot,
-    sharing,
-    showing,
-    stages,
-    validate,
-)
+from pipeline.commands.datasets import inspection, keeping, sharing, showing
+from pipeline.commands.datasets.sign import sign
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
-from pipeline.commands.import_logs import import_logs
-from pipeline.commands.model import model
-from pipeline.commands.next_trial import next_trial
-from pipeline.commands.preview import preview
-from pipeline.commands.rerender import rerender
-from pipeline.commands.sign import sign
+from pipeline.commands.make import arena, effect, hil, robot, stages
+from pipeline.commands.make.import_logs import import_logs
+from pipeline.commands.make.model import model
+from pipeline.commands.make.preview import preview
+from pipeline.commands.make.rerender import rerender
+from pipeline.commands.measured import case, explanation, validate
+from pipeline.commands.measured.next_trial import next_trial
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import extra_lacking
 from symolo.core.os_errors import lacking

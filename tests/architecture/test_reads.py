@@ -56,7 +56,7 @@ JUSTIFIED = {
     ("blender_scenes/render/frame_files.py", "imdecode"): "what was just encoded",
     ("blender_scenes/render/crop_errors.py", "imdecode"): "what was just encoded",
     ("blender_scenes/blender_side/rendering.py", "read_bytes"): "the picture that Blender has just made, as scratch",
-    ("pipeline/commands/sign.py", "read_text"): "a passphrase, which a shell may give by a pipe",
+    ("pipeline/commands/datasets/sign.py", "read_text"): "a passphrase, which a shell may give by a pipe",
     ("pipeline/doctor.py", "read_text"): "the lock of our packages, and /proc",
     ("pipeline/run_folder/status.py", "os.open"): "the lock of a folder, which is not read",
     ("pipeline/run_folder/status.py", "read_text"): "/proc",

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.import_logs import (
+from pipeline.commands.make.import_logs import (
     Forward,
     HeadingFromPath,
     LogFormat,
@@ -19,6 +19,7 @@ from pipeline.commands.import_logs import (
     describe_logs,
     read_settings,
 )
+from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
     OnDevice,
     Settings,
@@ -30,7 +31,6 @@ from pipeline.commands.options import (
     names,
     with_device,
 )
-from pipeline.commands.stages import conclude
 from symolo.core.errors import InputError
 
 

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
     OnDevice,
     Out,
@@ -17,7 +18,6 @@ from pipeline.commands.options import (
     names,
     with_device,
 )
-from pipeline.commands.stages import conclude
 from symolo.core.errors import InputError
 from symolo.core.text_enum import TextEnum
 

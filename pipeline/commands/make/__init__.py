@@ -1,0 +1,1 @@
+"""Commands that make data: stages of a dataset, import, new images, descriptions of robots and arenas, effects."""
