@@ -350,7 +350,7 @@ def predictive(workspace: Path) -> None:
 
 def reliability(workspace: Path) -> None:
     """Write the diagram of stated confidences from 1,000 cases, which take a quarter of an hour."""
-    script = HERE.parents[1] / "benchmarks/diagnosis/hide_and_find.py"
+    script = HERE.parents[1] / "benchmarks/diagnosis/exams/hide_and_find.py"
     cases = ["--family=wide_b", "--cases=1000", "--seed=7070", "--kinds=motor_steady,tof_bench"]
     subprocess.run([sys.executable, script, *cases, f"--out={workspace / 'reliability'}"], check=True)
     _save_smaller("reliability.png", workspace / "reliability/reliability.png", 780)

@@ -43,7 +43,7 @@ ELSEWHERE = {
     "explained": "as it stands there, in tests/pipeline/diagnosing/test_own_effect_walk.py",
     "extracted": "needs a release with an effect of its own; tests/contracts/test_effect_files.py makes one",
     "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
-    "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
+    "optiodom_diff": "a minute or more; benchmarks/diagnosis/recordings/real_sets.py runs them",
 }
 """Words of commands that are not run here, and where they are."""
 SCAN = "x,y,lidar\n" + "".join(

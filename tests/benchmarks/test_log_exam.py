@@ -10,7 +10,7 @@ import pytest
 
 @pytest.fixture
 def exam(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks" / "diagnosis"))
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks" / "diagnosis" / "exams"))
     return import_module("log_exam")
 
 

@@ -9,7 +9,7 @@ import pytest
 @pytest.fixture(scope="module")
 def table_1():
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks" / "diagnosis"))
+        patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks" / "diagnosis" / "recordings"))
         yield importlib.import_module("table_1")
 
 

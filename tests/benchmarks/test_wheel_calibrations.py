@@ -13,7 +13,7 @@ COUNTS = 43.7 * 64
 @pytest.fixture(scope="module")
 def trade():
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks" / "diagnosis"))
+        patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks" / "diagnosis" / "recordings"))
         yield importlib.import_module("wheel_calibrations")
 
 

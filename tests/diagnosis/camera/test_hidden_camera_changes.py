@@ -1,4 +1,4 @@
-"""What is hidden in images of an independent generator is found again; `benchmarks/diagnosis/images.py` renders."""
+"""Changes that are hidden in images of an independent generator (`tests/camera_cases`) are identified."""
 
 import json
 from xml.etree import ElementTree as ET

@@ -72,7 +72,7 @@ def test_optiodom_turns_left_where_the_right_wheel_goes_further(recordings):
 @pytest.mark.parametrize("session", ["square/230620202144", "circular/250620202104"])
 def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(recordings, session, monkeypatch):
     """Least squares over whole paths for both diameters and the track, with a code of its own, on the same runs."""
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis"))
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis" / "recordings"))
     trade = importlib.import_module("wheel_calibrations")
     measurement = read(recordings / "optiodom_diff" / session)
     held = np.array([trial.holdout.all() for trial in measurement.trials])
@@ -99,7 +99,7 @@ def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(rec
 @pytest.mark.parametrize("session", ["square/230620202042", "square/230620202317"])
 def test_the_heading_of_a_session_is_that_of_a_calibration_of_the_trade(recordings, session, monkeypatch):
     """Least squares over whole paths with one angle of the camera's body more, with a code of its own."""
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis"))
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis" / "recordings"))
     trade = importlib.import_module("wheel_calibrations")
     measurement = read(recordings / "optiodom_diff" / session)
     diagnosis = diagnose(measurement)

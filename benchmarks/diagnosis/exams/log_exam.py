@@ -1,6 +1,6 @@
 """What `symolo diagnose` finds in bare SyMoLo logs (`data.csv` alone) with one hidden effect, or none.
 
-    python benchmarks/diagnosis/log_exam.py --cases 60 --seed 1 [--workers 2] [--out DIR] [--names a,b]
+    python benchmarks/diagnosis/exams/log_exam.py --cases 60 --seed 1 [--workers 2] [--out DIR] [--names a,b]
 
 Each log is a simulated drive in one of our arenas (log_cases.py). Names and arenas are taken in turn, sizes are drawn.
 The file DIR/logs.jsonl gets a line for every log as soon as it is done. A run that was stopped continues where it

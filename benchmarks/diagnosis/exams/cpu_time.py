@@ -3,7 +3,7 @@
 The checkouts take turns at every case, each in a process of its own on one thread, so that a slow spell of the machine
 meets both. The time is from the file's rows to the answer, without what it takes to start.
 
-    python benchmarks/diagnosis/cpu_time.py OTHER_CHECKOUT [--cases 12] [--seed 1] [--kinds motor_step]
+    python benchmarks/diagnosis/exams/cpu_time.py OTHER_CHECKOUT [--cases 12] [--seed 1] [--kinds motor_step]
 """
 
 import argparse
@@ -19,7 +19,7 @@ from statistics import median
 from hidden_cases import KINDS, hidden_case, plans, write
 from score import variant
 
-HERE = Path(__file__).parents[2]
+HERE = Path(__file__).parents[3]
 DIAGNOSE = """
 import json, sys, time
 from pathlib import Path

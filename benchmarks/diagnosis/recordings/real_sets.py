@@ -1,6 +1,7 @@
 """The diagnosis of real robots: fitted on one part of each set and judged on another.
 
-    python benchmarks/diagnosis/real_sets.py --measured DIR --out DIR [--only drives,sessions,motors,range,table-1]
+    python benchmarks/diagnosis/recordings/real_sets.py --measured DIR --out DIR
+        [--only drives,sessions,motors,range,table-1]
 
 DIR of --measured holds the sets that docs/diagnosis_evaluation.md names. The output is real_sets.md with all tables,
 drives.json with every run, and plots. One core needs some ten minutes, most of it for the drives.

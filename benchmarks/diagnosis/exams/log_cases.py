@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 
 # Scripts are run by their path.
-sys.path.insert(0, str(Path(__file__).parents[2]))
+sys.path.insert(0, str(Path(__file__).parents[3]))
 
 from configs.draw import draw_run
 from configs.loader import load_scenario

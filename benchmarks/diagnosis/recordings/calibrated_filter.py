@@ -1,6 +1,6 @@
 """A Kalman filter whose noise comes from a calibrated dataset, judged on sessions of a real robot that were not fitted.
 
-    python benchmarks/diagnosis/calibrated_filter.py FOLDER
+    python benchmarks/diagnosis/recordings/calibrated_filter.py FOLDER
 
 The robot of OptiOdom logs (FOLDER: counts of two wheels and poses of a motion capture) is diagnosed on every
 second session of each kind of path, and posterior.yaml is made from it. The other sessions are judged: an extended

@@ -1,6 +1,6 @@
 """How often a designed trial leaves one right name, beside trials with evenly spaced and with random inputs.
 
-    python -m benchmarks.diagnosis.next_trials --kind motor_steady --cases 200 --seed 501 --out result.json
+    python -m benchmarks.diagnosis.exams.next_trials --kind motor_steady --cases 200 --seed 501 --out result.json
 
 The cases come from `independent_cases`, whose simulator shares no code with symolo. Those with one listed effect, of
 which little remains beside another name (a likelihood ratio below `NEAR`), are diagnosed; where two or more names
@@ -9,7 +9,8 @@ and random inputs of the same time and of three times the time. Each new trial i
 diagnosed together with the old case. The result is right if the named effects are the hidden ones, and no name is
 ambiguous. A row of a bench takes 1 s, which is at least four time constants of these motors.
 
-    python -m benchmarks.diagnosis.next_trials --kind motor_steady --seed 401 --cases 60 --number 44 --fill next/trial_1
+    python -m benchmarks.diagnosis.exams.next_trials --kind motor_steady --seed 401 --cases 60 --number 44 \\
+        --fill next/trial_1
 
 measures a trial that `symolo next` has designed: it fills the readings of its data.csv from the robot of one case.
 """

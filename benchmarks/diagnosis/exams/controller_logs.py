@@ -1,6 +1,6 @@
 """Names that a diagnosis gives where nothing is hidden, for logs of controllers that run at 100 to 500 Hz.
 
-    python benchmarks/diagnosis/controller_logs.py --logs 30 --seed 1 [--poses] [--json FILE]
+    python benchmarks/diagnosis/exams/controller_logs.py --logs 30 --seed 1 [--poses] [--json FILE]
 
 Each log is that of a robot whose motors obey the textbook model exactly. A controller changes both voltages many times
 within the twentieth of a second to which `symolo case init` samples a log again: it holds steps of the voltage or of
@@ -21,7 +21,7 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT))
 
 from diagnosis.diagnose import Diagnosis, diagnose  # noqa: E402 - by the path above

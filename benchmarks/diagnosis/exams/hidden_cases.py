@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 # The root comes first: folders of tests have the names of our packages, and would hide them.
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
-sys.path.insert(0, str(Path(__file__).parents[2]))
+sys.path.insert(0, str(Path(__file__).parents[3] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[3]))
 
 from gap_cases import (  # pyright: ignore[reportMissingImports] - by the path above
     DETECTABLE,
