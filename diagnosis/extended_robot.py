@@ -2,13 +2,6 @@
 
 The file extends the shipped robot `nominal` and contains only differences: the parameters of the case, the fitted
 nuisances and the named effects, each number with its source and standard error in a comment. It reads back equal.
-
-A second file draws the effects for each run within the uncertainty of the fit. A scenario draws every number
-independently, while fitted numbers are correlated: a torque constant that is a little too high and a scale that is a
-little too low give the same predictions. Therefore the nuisances stay as fitted, and the spread of an effect's number
-is its conditional spread for fixed nuisances, from the inverse of the effects' part of the information matrix (Bishop,
-Pattern Recognition and Machine Learning, 2006, eq. 2.73). It is narrower than the standard error of the number alone,
-and the drawn robots agree with the data as well.
 """
 
 import json
@@ -36,7 +29,7 @@ from diagnosis.nuisances import Nuisance
 from symolo.core.yaml.tree import FieldPath
 
 BASE = "nominal"
-FILE, VARIED_FILE = "extended.yaml", "extended_varied.yaml"
+FILE = "extended.yaml"
 DIGITS = 7
 """Digits of a number in the file; the last is far below any standard error."""
 UNTOUCHED = 5e-3
@@ -51,8 +44,6 @@ RECORDED = {
     "distance_m": "tof_m",
 }
 """Quantity of a run by the covariate of an effect. A run is not warned about the others."""
-REACH_SD = 3.0
-"""Standard deviations up to which a varied number is drawn."""
 
 
 @dataclass(frozen=True)
@@ -65,21 +56,19 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class ExtendedRobot:
-    """The fitted robot and its files."""
+    """The fitted robot and its file."""
 
     config: RobotConfig
     """Robot of the file, without the effects that are left out."""
     text: str
     """Content of extended.yaml."""
-    varied_text: str
-    """Content of extended_varied.yaml, which needs extended.yaml beside it; empty if no number can be varied."""
     left_out: tuple[LeftOut, ...]
     problem: str
     """Why no simulation accepts the robot, such as a motor that cannot turn; empty if one does."""
 
 
 def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
-    """Return the extended model of a diagnosis as robot files."""
+    """Return the extended model of a diagnosis as a robot file."""
     config, left_out, problem = simulated(diagnosis.extended, [named.effect for named in diagnosis.named])
     measured = diagnosis.measurement
     source = f"{measured.name} ({measured.kind})"
@@ -105,7 +94,7 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
         {path: "of the nominal model" for path in leaf_paths(tree) if len(path) > 1} | _comments(diagnosis) | moved
     )
     text = "\n".join([*head, *_lines(tree, comments)]) + "\n"
-    return ExtendedRobot(config, text, _varied(diagnosis, config), left_out, problem)
+    return ExtendedRobot(config, text, left_out, problem)
 
 
 def simulated(config: RobotConfig, effects: Sequence[CandidateEffect]) -> tuple[RobotConfig, tuple[LeftOut, ...], str]:
@@ -298,36 +287,3 @@ def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: Fi
             yield from (f"{indent}  - {json.dumps(item, ensure_ascii=False)}{comment}" for item in value)
         else:
             yield f"{indent}{key}: {json.dumps(value, ensure_ascii=False)}{comment}"
-
-
-def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
-    """Return the file that draws each number of the effects from a normal distribution about its fitted value."""
-    fit, first = diagnosis.fit, len(diagnosis.fit.hypothesis.nuisances)
-    # The covariance for fixed nuisances, as explained above; rounding may leave a variance just below zero.
-    covariance = np.zeros_like(fit.information)
-    covariance[first:, first:] = np.linalg.pinv(fit.information[first:, first:], rcond=1e-12, hermitian=True)
-    np.fill_diagonal(covariance, np.maximum(np.diag(covariance), 0.0))
-    effects: dict[str, Any] = {}
-    for effect in fit.hypothesis.effects:
-        section = config.effects.get(effect.kind)
-        if section is None:
-            continue
-        spreads = fit.hypothesis.std(effect, fit.x, covariance)
-        numbers: dict[str, Any] = {}
-        for name, bounds in effect.kind.parameters().items():
-            mean, sd = float(getattr(section, name)), spreads.get(name, 0.0)
-            if isfinite(sd) and sd > 0.0:
-                low, high = max(mean - REACH_SD * sd, bounds.low), min(mean + REACH_SD * sd, bounds.high)
-                normal = {"mean": mean, "sd": sd, "low": low, "high": high}
-                numbers[name] = {"normal": {key: float(f"{value:.{DIGITS}g}") for key, value in normal.items()}}
-        if numbers:
-            effects[effect.kind.name] = numbers
-    if not effects:
-        return ""
-    head = [
-        f"# The robot of {FILE}, with effects that are drawn for each run within the uncertainty of the fit. All",
-        f"# nominal parameters stay as fitted. Limits are at {REACH_SD:g} standard deviations, or at the bounds.",
-        f"extends: {FILE}",
-        f"name: {json.dumps(_slug(config.name[:57] + '_varied'))}",
-    ]
-    return "\n".join([*head, *_lines({"effects": effects}, {})]) + "\n"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from diagnosis.diagnose import Diagnosis
-from diagnosis.extended_robot import FILE, VARIED_FILE
+from diagnosis.extended_robot import FILE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
 from diagnosis.posterior.posterior import posterior_text
@@ -50,7 +50,6 @@ def files(
     texts = {
         ANSWER: json.dumps(answer(data), indent=2, ensure_ascii=False) + "\n",
         FILE: data.robot.text,
-        VARIED_FILE: data.robot.varied_text,
         POSTERIOR_FILE: posterior_text(diagnosis),
         PAGE: page(data, plots),
         SUMMARY: "\n".join(summary(data)) + "\n",

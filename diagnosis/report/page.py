@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from diagnosis.diagnose import NamedEffect
-from diagnosis.extended_robot import FILE, VARIED_FILE
+from diagnosis.extended_robot import FILE
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
 from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
@@ -51,7 +51,6 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         reasoning=reasoning(data),
         as_good=AS_GOOD,
         file=FILE,
-        varied_file=VARIED_FILE,
         posterior_file=POSTERIOR_FILE,
         predictive_sentence=predictive_sentence(data.predictive),
         too_large=too_large,

@@ -164,7 +164,7 @@ def diagnose_into(
         InputError: The case cannot be read, or holds nothing that can be diagnosed.
     """
     from diagnosis.diagnose import diagnose  # noqa: PLC0415 - loads SciPy and Matplotlib, which the command need not
-    from diagnosis.report.files import PLOTS, VARIED_FILE, files  # noqa: PLC0415 - as above
+    from diagnosis.report.files import PLOTS, files  # noqa: PLC0415 - as above
 
     robot = robot_of(settings)
     release = None if settings.against is None else read_measurement(settings.against, IMPORTERS)
@@ -177,7 +177,7 @@ def diagnose_into(
     made_from = MadeFrom.of(path, settings).model_dump_json(indent=2, exclude_defaults=True) + "\n"
     contents = {**contents, MADE_FROM: made_from.encode()}
     make_folder(folder / PLOTS)
-    for old in (folder / VARIED_FILE, folder / TRACEBACK, *(folder / PLOTS).iterdir()):
+    for old in (folder / TRACEBACK, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in contents:
             remove_file(old)
     for name, data in contents.items():

@@ -174,9 +174,6 @@ def diagnose(
 
     - extended.yaml: the extended robot, for --set robot=FILE
 
-    - extended_varied.yaml: the same robot, with its uncertain values drawn
-      for each run
-
     - posterior.yaml: the robots that agree with the data, for
       release --like DIR
 

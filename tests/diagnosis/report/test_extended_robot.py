@@ -11,7 +11,7 @@ from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.diagnose import NamedEffect, diagnose
-from diagnosis.extended_robot import FILE, VARIED_FILE, extended_robot, rounded
+from diagnosis.extended_robot import FILE, extended_robot, rounded
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import HypothesisFit
@@ -26,12 +26,11 @@ from sensors.effects.range_saturation import RangeSaturation
 
 @pytest.fixture
 def loaded(tmp_path):
-    """The robot of a file, drawn, beside the file that it builds on."""
+    """The robot of the file."""
 
-    def load(robot, name=FILE, seed=0):
+    def load(robot):
         (tmp_path / FILE).write_text(robot.text)
-        (tmp_path / VARIED_FILE).write_text(robot.varied_text)
-        return draw_robot(load_section("robot", str(tmp_path / name)), seed, "test")[0]
+        return draw_robot(load_section("robot", str(tmp_path / FILE)), 0, "test")[0]
 
     return load
 
@@ -99,20 +98,8 @@ def test_each_number_says_where_it_comes_from(diagnosis_of):
     assert "nominal 3, tolerance 0.03; fitted " in text
 
 
-def test_the_varied_robot_is_drawn_about_the_fitted_one(diagnosis_of, loaded):
-    robot = extended_robot(diagnosis_of("weak"))
-    scales = [loaded(robot, VARIED_FILE, seed).effects.get(TorqueConstantScale).scale for seed in range(8)]
-    fitted = robot.config.effects.get(TorqueConstantScale).scale
-    std = diagnosis_of("weak").named[0].std["scale"]
-    assert len(set(scales)) == 8
-    assert max(abs(scale - fitted) for scale in scales) < 3.0 * std
-    assert loaded(robot, VARIED_FILE, 1).motor == robot.config.motor
-
-
-def test_a_diagnosis_without_effects_varies_nothing(diagnosis_of, loaded):
-    robot = extended_robot(diagnosis_of("plain"))
-    assert robot.varied_text == ""
-    assert loaded(robot).effects.members == ()
+def test_a_diagnosis_without_effects_has_a_robot_without_effects(diagnosis_of, loaded):
+    assert loaded(extended_robot(diagnosis_of("plain"))).effects.members == ()
 
 
 @pytest.mark.parametrize(
@@ -128,7 +115,6 @@ def test_what_no_drive_can_have_is_left_out_and_said(diagnosis_of, loaded, name,
     assert why in robot.left_out[0].why
     assert f"# LEFT OUT, since no drive can simulate it: {name} (" in robot.text
     assert name not in [effect.name for effect in loaded(robot).effects]
-    assert robot.varied_text == ""
 
 
 def test_a_number_at_its_bound_is_within_it_when_read_back(diagnosis_of, loaded):
@@ -136,7 +122,6 @@ def test_a_number_at_its_bound_is_within_it_when_read_back(diagnosis_of, loaded)
     robot = extended_robot(with_effect(diagnosis_of("plain"), "range_saturation", saturation_m=100.0))
     assert math.exp(math.log(100.0)) > 100.0
     assert loaded(robot).effects.get(RangeSaturation).saturation_m == 100.0
-    assert loaded(robot, VARIED_FILE).effects.get(RangeSaturation).saturation_m <= 100.0
 
 
 def test_a_robot_that_cannot_turn_is_said_to_be_none(diagnosis_of):

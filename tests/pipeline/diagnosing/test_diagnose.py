@@ -49,7 +49,7 @@ def test_a_bad_case_is_named_and_the_others_are_finished_as_if_alone(symolo, ben
     assert alone.code == 0
     assert bytes_of(one) == bytes_of(many / "weak")
     told = bytes_of(one)
-    assert told.keys() >= {"answer.json", "extended.yaml", "extended_varied.yaml", "report.html", "plots/gain.png"}
+    assert told.keys() >= {"answer.json", "extended.yaml", "posterior.yaml", "report.html", "plots/gain.png"}
     assert alone.out.startswith(told["summary.txt"].decode())
     assert told["reasoning.txt"].decode() in alone.out
 
@@ -59,8 +59,6 @@ def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo
     ended = symolo("diagnose", benches / "weak" / "data.csv", "--out", out, "--json", "--nominal", "nominal")
     assert ended.code == 0
     assert json.loads(ended.out) == json.loads((out / "answer.json").read_bytes())
-    for name in ("extended.yaml", "extended_varied.yaml"):
-        load_scenario("smoke", [f"robot={out / name}"])
     robot = f"robot={out / 'extended.yaml'}"
     driven = symolo("simulate", "smoke", "--out", tmp_path / "driven", "--set", robot, *tiny, "--workers", "1")
     assert driven.code == 0, driven.err
