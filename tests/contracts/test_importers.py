@@ -31,9 +31,9 @@ def test_an_importer_recognises_nothing_in_what_is_no_measured_data(importer, st
 @pytest.mark.parametrize("importer", IMPORTERS, ids=lambda importer: importer.name)
 def test_an_importer_refuses_in_a_line_for_each_fault_what_it_is_named_for_and_cannot_read(importer, strange):
     for path in strange:
-        with pytest.raises(InputError) as told:
+        with pytest.raises(InputError) as caught:
             read_measurement(path, IMPORTERS, importer.name)
-        faults = told.value.faults if isinstance(told.value, FaultsError) else (told.value,)
+        faults = caught.value.faults if isinstance(caught.value, FaultsError) else (caught.value,)
         assert [str(fault) for fault in faults if "\n" in str(fault) or path.name not in str(fault)] == []
 
 

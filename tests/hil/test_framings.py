@@ -113,8 +113,8 @@ def test_a_hello_is_laid_out_as_written_down():
 def test_simtwo_frames_are_laid_out_as_written_down():
     assert SimTwo().sensors(9, SEEN) == b"R0001FFFEI00FF3366J99CCFF00H010207D0KFFFF0000G00000003"
     assert SimTwo().command(9, TOLD) == b"s00000021M00002000QFFFFFC18"
-    told = SimTwo().from_board().decode(b"s00000021M00002000QFFFFFC18")
-    assert told == [CommandMessage(CommandFrame(State.LOST_LEFT_WALL, 8.192, -1.0), None)]
+    messages = SimTwo().from_board().decode(b"s00000021M00002000QFFFFFC18")
+    assert messages == [CommandMessage(CommandFrame(State.LOST_LEFT_WALL, 8.192, -1.0), None)]
 
 
 def in_pieces(decoder, data, cuts):

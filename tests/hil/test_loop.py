@@ -241,10 +241,10 @@ def test_the_way_in_lost_sensor_frames_is_told_again(drive, seen, lost):
         pilot.step(seen((tick + 1, 2)))
     begins = next(n for n, sensors in enumerate(link.heard) if sensors.start)
     assert begins == 0
-    told = [sensors.encoder_increments for sensors in link.heard]
+    increments = [sensors.encoder_increments for sensors in link.heard]
     first = 2 if 0 in lost else 1
-    assert sum(right for right, _ in told) == sum(range(first, 11))
-    assert sum(left for _, left in told) == 2 * (11 - first)
+    assert sum(right for right, _ in increments) == sum(range(first, 11))
+    assert sum(left for _, left in increments) == 2 * (11 - first)
 
 
 def test_more_increments_than_a_frame_holds_are_told_in_several(drive, seen):
@@ -254,9 +254,9 @@ def test_more_increments_than_a_frame_holds_are_told_in_several(drive, seen):
     for tick in range(6):
         link.write = (lambda _data: None) if tick < 2 else write
         pilot.step(seen((30_000, -30_000) if tick < 3 else (0, 0)))
-    told = [sensors.encoder_increments for sensors in link.heard]
-    assert [sum(side) for side in zip(*told, strict=True)] == [90_000, -90_000]
-    assert max(abs(count) for counts in told for count in counts) == 32_767
+    increments = [sensors.encoder_increments for sensors in link.heard]
+    assert [sum(side) for side in zip(*increments, strict=True)] == [90_000, -90_000]
+    assert max(abs(count) for counts in increments for count in counts) == 32_767
 
 
 def test_a_robot_whose_encoders_do_not_fit_the_frame_is_refused(nominal, command):

@@ -115,14 +115,14 @@ def test_an_export_has_the_boxes_of_what_is_seen_and_every_image(annotated, tmp_
     coco = json.loads((out / "coco/annotations/instances.json").read_text())
     images = {image["id"]: (image["run"], image["img"]) for image in coco["images"]}
     solid = [one for one in coco["annotations"] if one["category_id"] in {3, 4}]
-    told = {(*images[one["image_id"]], one["instance_id"]): [one["bbox"], one["area"]] for one in solid}
+    exported = {(*images[one["image_id"]], one["instance_id"]): [one["bbox"], one["area"]] for one in solid}
     expected = {}
     for run in ("CW/test_1", "CCW/test_1"):
         document = json.loads((annotated / run / "annotations/annotations.json").read_text())
         seen = [one for one in document["annotations"] if one["area"]]
         expected |= {(run, one["image_id"], one["instance_id"]): [one["bbox"], one["area"]] for one in seen}
-    assert told == expected
-    assert told
+    assert exported == expected
+    assert exported
     with tarfile.open(out / "webdataset/symolo-000000.tar") as shard:
         names = shard.getnames()
     pictures = {f"{path.stem}.{path.parent.name}.png" for path in (annotated / OWN).glob("*/*.png")}

@@ -124,9 +124,9 @@ def test_stage_by_stage_a_run_of_black_images_has_failed_as_in_a_release(
     for stage in ("render", "render", "assemble", "assemble"):
         ended = symolo(stage, *arguments)
         assert ended.code == 3, ended.err
-        told = [line for line in ended.err.splitlines() if line.startswith("failed: ")]
-        assert [line.split(": ")[1] for line in told] == list(black)
-        assert all("render: all 6 images are black" in line for line in told)
+        failures = [line for line in ended.err.splitlines() if line.startswith("failed: ")]
+        assert [line.split(": ")[1] for line in failures] == list(black)
+        assert all("render: all 6 images are black" in line for line in failures)
     assert [run for run in ("CW/test_1", "CCW/test_1") if not (out / run).exists()] == list(black)
     assert (out / "metadata.json").exists() == (len(black) < 2)
     # What comes of another look is not known yet.

@@ -96,11 +96,11 @@ def bench(rows: Callable[[str], str | bytes], nominal: Callable[[str], str] = st
 
     def lay(here: Path) -> list[str]:
         text = (here / "good" / "data.csv").read_text()
-        told = (here / "good" / "nominal.yaml").read_text()
+        nominal_text = (here / "good" / "nominal.yaml").read_text()
         (here / "case").mkdir()
         made = rows(text)
         (here / "case" / "data.csv").write_bytes(made if isinstance(made, bytes) else made.encode())
-        (here / "case" / "nominal.yaml").write_text(nominal(told))
+        (here / "case" / "nominal.yaml").write_text(nominal(nominal_text))
         return ["diagnose", str(here / "case"), "--out", "OUT"]
 
     return lay
@@ -204,9 +204,9 @@ REFUSED: dict[str, Trap] = {
     "a bench with nulls": bench(lambda text: text.replace("\n5,1", "\n5\x00,1")),
     "a bench with rows cut off": bench(lambda text: text[: len(text) // 2].rsplit(",", 1)[0]),
     "a bench in UTF-16": bench(lambda text: text.encode("utf-16")),
-    "a bench whose noise is a tag": bench(str, lambda told: told.replace("0.04", "!!python/name:os.system")),
-    "a bench of a kind that is a path": bench(str, lambda told: told.replace("motor_steady", "../../motor_steady")),
-    "a bench without resistance": bench(str, lambda told: told.replace("value: 3.0", "value: .nan")),
+    "a bench whose noise is a tag": bench(str, lambda text: text.replace("0.04", "!!python/name:os.system")),
+    "a bench of a kind that is a path": bench(str, lambda text: text.replace("motor_steady", "../../motor_steady")),
+    "a bench without resistance": bench(str, lambda text: text.replace("value: 3.0", "value: .nan")),
 }
 """By what is wrong."""
 

@@ -48,8 +48,8 @@ def test_columns_and_folders_are_those_of_the_paper(dataset):
 
 def test_the_journal_names_the_processor_of_each_frame_and_metadata_names_none_where_it_is_one(dataset):
     here = class_of(Path("/proc/cpuinfo").read_text(), platform.machine())
-    if told := os.environ.get("OPENBLAS_CORETYPE"):
-        here += f" OPENBLAS_CORETYPE={told}"
+    if core_type := os.environ.get("OPENBLAS_CORETYPE"):
+        here += f" OPENBLAS_CORETYPE={core_type}"
     journals = sorted((dataset / ".stages/render").rglob("*.jsonl"))
     lines = [json.loads(line) for path in journals for line in path.read_text().splitlines()]
     assert [line["frame"]["cpu"] for line in lines] == [here] * 12
@@ -223,7 +223,7 @@ def test_a_release_of_a_version_without_scene_json_gets_it_and_nothing_is_render
         done = json.loads(path.read_text())
         stages = {name: json.loads((out / ".stages" / name / path.parents[1].name / "test_1/done.json").read_text())
                   for name in ("simulate", "render")}  # fmt: skip
-        files = {name: told["files"] for name, told in stages.items()}
+        files = {name: stage["files"] for name, stage in stages.items()}
         done["key"] = input_key("assemble", stages=files, versions=versions("symolo", "numpy"))  # as it was before
         del done["files"]["side/scene.json"]
         path.write_text(json.dumps(done))

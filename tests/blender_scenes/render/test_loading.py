@@ -15,10 +15,10 @@ lib = Path(find_spec("bpy").origin).parent / "lib"
 load_bpy(int(sys.argv[1]))
 tbb = ctypes.CDLL(str(next(lib.glob("libtbb.so.*"))))
 # tbb::task_arena::max_concurrency of the arena that a thread of Blender's gets
-told = tbb._ZN3tbb6detail2r115max_concurrencyEPKNS0_2d115task_arena_baseE(None)
+threads = tbb._ZN3tbb6detail2r115max_concurrencyEPKNS0_2d115task_arena_baseE(None)
 tasks = [int(task) for task in os.listdir("/proc/self/task")]
 cores = {len(os.sched_getaffinity(task)) for task in tasks}
-sys.stderr.write(f"\\nFOUND {told} {cores}\\n")
+sys.stderr.write(f"\\nFOUND {threads} {cores}\\n")
 """
 
 

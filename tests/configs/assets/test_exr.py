@@ -129,9 +129,9 @@ def _at_max_a_thousand(width: int, height: int) -> None:
 
 
 def test_a_size_is_told_before_anything_of_it_is_made(by_opencv):
-    told = []
-    read_exr(by_opencv["ZIP"], lambda width, height: told.append((width, height)))
-    assert told == [(35, 20)]
+    sizes = []
+    read_exr(by_opencv["ZIP"], lambda width, height: sizes.append((width, height)))
+    assert sizes == [(35, 20)]
 
 
 def test_a_size_that_is_refused_is_not_read(by_opencv):
@@ -167,7 +167,7 @@ def test_channels_that_nobody_wants_take_no_memory():
 
 
 @pytest.mark.parametrize(
-    ("names", "told"),
+    ("names", "message"),
     [
         ([b"B", b"G", b"R", *(b"c%03d" % number for number in range(300))], "of 303 channels; at most 16"),
         ([b"B", b"G", b"R", b"R"], "no channels, or two of one name"),
@@ -175,8 +175,8 @@ def test_channels_that_nobody_wants_take_no_memory():
         ([b"\x1b[2J\nX", b"\xff\xfe"], r"channels \\x1b\[2J\\nX, \\xff\\xfe; expected R, G, B"),
     ],
 )
-def test_channels_that_cannot_be_used_are_refused_in_one_line_that_any_terminal_can_show(names, told):
-    with pytest.raises(ValueError, match=told) as caught:
+def test_channels_that_cannot_be_used_are_refused_in_one_line_that_any_terminal_can_show(names, message):
+    with pytest.raises(ValueError, match=message) as caught:
         read_exr(_zipped((64, 32), names), wanted="RGB")
     assert str(caught.value).isprintable()
 

@@ -72,8 +72,8 @@ def test_a_file_is_known_by_name_and_content_in_the_run_and_by_name_among_what_w
 @pytest.mark.usefixtures("photos")
 def test_what_a_dataset_tells_of_the_scenario_holds_the_files_and_no_place(here: Path):
     loaded = load_scenario("own.yaml")
-    told = {asset["name"]: asset["sha256"] for asset in loaded.tree["look"]["assets"]}
-    assert told == {"grey.png": _sha256(GREY), "sub/hall.hdr": _sha256(HALL)}
+    sha256_of = {asset["name"]: asset["sha256"] for asset in loaded.tree["look"]["assets"]}
+    assert sha256_of == {"grey.png": _sha256(GREY), "sub/hall.hdr": _sha256(HALL)}
     assert str(here) not in json.dumps(loaded.tree)
     assert {place.name for place in loaded.assets.values()} == {"grey.png", "hall.hdr"}
 
@@ -165,14 +165,14 @@ def test_a_file_that_cannot_be_used_is_refused_in_one_line_at_its_field(photos: 
     os.mkfifo(photos / "pipe")
     (photos / "empty.png").write_bytes(b"")
     (photos / "cut.png").write_bytes(GREY[:-20])
-    setting, *told = case
+    setting, *parts = case
     with pytest.raises(InputError) as caught:
         load_section("look", "looks/mine.yaml", [setting])
     text = str(caught.value)
     field = setting.partition("=")[0]
     assert text.startswith(f"--set {field}: " if setting != "look.assets=null" else "looks/mine.yaml:6: look.floor")
     assert text.count(field) == 1
-    assert all(part in text for part in told), text
+    assert all(part in text for part in parts), text
     assert len(text.splitlines()) == 1
 
 

@@ -70,7 +70,7 @@ def test_what_is_below_zero_counts_as_zero():
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("data", "message"),
     [
         (_hdr(SPHERE[:, :8]), "8 x 8 pixels; a panorama of the whole sphere is twice as wide as high"),
         (_hdr(np.zeros((8, 16, 3))), "black above the horizon"),
@@ -83,8 +83,8 @@ def test_what_is_below_zero_counts_as_zero():
         (b"", "neither a Radiance"),
     ],
 )
-def test_what_is_no_panorama_is_refused(data, told):
-    with pytest.raises(ValueError, match=told.replace("+", r"\+")):
+def test_what_is_no_panorama_is_refused(data, message):
+    with pytest.raises(ValueError, match=message.replace("+", r"\+")):
         read_panorama(data)
 
 
@@ -100,8 +100,8 @@ def test_other_lines_in_a_header_change_nothing():
     whole = _hdr(SPHERE)
     plain = b"FORMAT=32-bit_rle_rgbe\n"
     assert plain in whole
-    told = whole.replace(plain, b"# by a camera\n" + plain + b"EXPOSURE=1.0\nGAMMA=1.0\n")
-    np.testing.assert_array_equal(read_panorama(told), read_panorama(whole))
+    with_comments = whole.replace(plain, b"# by a camera\n" + plain + b"EXPOSURE=1.0\nGAMMA=1.0\n")
+    np.testing.assert_array_equal(read_panorama(with_comments), read_panorama(whole))
 
 
 def test_a_wide_panorama_is_averaged_down(monkeypatch):

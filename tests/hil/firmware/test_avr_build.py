@@ -146,5 +146,5 @@ def test_a_sketch_compiles_as_the_ide_does_it(robot_of, tmp_path, todo):
 
 
 def done(program, *arguments):
-    told = subprocess.run([shutil.which(program), *arguments], capture_output=True, text=True, check=False)
-    assert told.returncode == 0, told.stderr
+    ended = subprocess.run([shutil.which(program), *arguments], capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr

@@ -140,7 +140,7 @@ def test_both_do_the_same_on_the_readings_of_a_simulated_lap(library, reference,
         names = {"line": "line", "encoders": "encoder_counts"}
         readings = {name: recording[series].values[tick] for name, series in names.items()}
         readings["tof"] = recording["tof_m"].values[tick][:, None]
-        counts, told = on_the_wire(readings, counts)
-        controller.step(*told)
+        counts, received = on_the_wire(readings, counts)
+        controller.step(*received)
     assert controller.drive.state == recording.trajectory.state.tolist()
     assert assert_alike(spec.robot, controller.drive, library(spec.robot).drive(controller.drive)) > 0.97

@@ -123,9 +123,9 @@ def test_a_damaged_frame_is_dropped_and_told_of_once(framed):
         damaged = bytearray(good)
         damaged[place] ^= 0x40
         assert framed.exchange(bytes(damaged)) == b""
-    told = [commands(framed.exchange(Framed().sensors(seq, ON_LINE)))[0].command for seq in (6, 7)]
-    assert [command.dropped for command in told] == [len(good) - 2, 0]
-    assert [command.ticks for command in told] == [1, 2]
+    answers = [commands(framed.exchange(Framed().sensors(seq, ON_LINE)))[0].command for seq in (6, 7)]
+    assert [command.dropped for command in answers] == [len(good) - 2, 0]
+    assert [command.ticks for command in answers] == [1, 2]
 
 
 def test_of_200000_random_bytes_it_accepts_nothing(framed):
@@ -138,8 +138,8 @@ def test_of_200000_random_bytes_it_accepts_nothing(framed):
 
 def test_lost_ticks_on_the_line_are_counted(framed):
     white = replace(ON_LINE, line=(0.9,) * 8)
-    told = [commands(framed.exchange(Framed().sensors(seq, white)))[0].command.line_lost for seq in range(3)]
-    assert told == [1, 2, 3]
+    ticks = [commands(framed.exchange(Framed().sensors(seq, white)))[0].command.line_lost for seq in range(3)]
+    assert ticks == [1, 2, 3]
 
 
 def test_the_bytes_of_an_answer_are_those_of_the_format(framed):

@@ -40,10 +40,10 @@ def test_it_leaves_a_table_numbers_a_figure_and_every_estimate(files):
 
 def test_the_numbers_are_those_of_the_estimates(files, dataset):
     data = reader.load(dataset)
-    told = json.loads(files[0]["baselines.json"])
-    assert told["start_sd"]["x_m"] == pytest.approx(0.02)
-    assert list(told["runs"]) == ["CW/test_1"]
-    for run, methods in told["runs"].items():
+    results = json.loads(files[0]["baselines.json"])
+    assert results["start_sd"]["x_m"] == pytest.approx(0.02)
+    assert list(results["runs"]) == ["CW/test_1"]
+    for run, methods in results["runs"].items():
         assert list(methods) == sorted(METHODS)
         for name, errors in methods.items():
             lines = files[0][f"estimates/{run}/{name}.csv"].decode().splitlines()
@@ -70,26 +70,26 @@ def test_a_release_of_one_run_has_nothing_to_learn_from(dataset):
     first = open_runs(dataset)[0]
     assert "one run only" in why_not(regressor.METHOD, [first])
     assert not why_not(odometry.METHOD, [first])
-    told = table(
+    printed = table(
         compare([odometry.METHOD, regressor.METHOD], [first], [first], start_sd=EXACT, seed=1, report=LineReport())
     )
-    assert "- pictures: left out, there is one run only" in told
-    assert "| CW/test_1 | odometry |" in told
+    assert "- pictures: left out, there is one run only" in printed
+    assert "| CW/test_1 | odometry |" in printed
     assert not why_not(regressor.METHOD, [first, first])
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--methods", "efk"], "did you mean ekf"),
         (["--runs", "CW/test_9"], "CW/test_1"),
         (["--start-sd-cm", "0"], "start-sd-cm"),
     ],
 )
-def test_what_is_not_there_is_refused_before_anything_is_written(symolo, dataset, tmp_path, arguments, told):
+def test_what_is_not_there_is_refused_before_anything_is_written(symolo, dataset, tmp_path, arguments, message):
     ended = symolo("baselines", dataset, "--out", tmp_path / "out", *arguments)
     assert ended.code == 2
-    assert told in ended.err
+    assert message in ended.err
     assert not (tmp_path / "out").exists()
 
 

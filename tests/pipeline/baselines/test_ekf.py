@@ -37,7 +37,7 @@ def kalman(readings_m, start_sd_m):
     """By x [m], share of the wheels' radius and the sensor's offset [m]; before a wall across the way all is linear."""
     state, covariance = np.array([BEGIN_X_M, 0.0, 0.0]), np.diag([start_sd_m, SHARES_SD[0], LASTING_SD_M]) ** 2
     kept = np.exp(-0.05 / LASTING_S)
-    told = []
+    estimates = []
     for number, reading_m in enumerate(readings_m):
         if number:
             step = np.array([[1.0, WAY_M, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, kept]])
@@ -48,8 +48,8 @@ def kalman(readings_m, start_sd_m):
         gain = covariance @ row / (row @ covariance @ row + NOISE_M**2)
         state = state + gain * (reading_m - SENSOR_TO_WALL_M - row @ state)
         covariance = (np.eye(3) - np.outer(gain, row)) @ covariance
-        told.append((state[0], covariance[0, 0]))
-    return np.array(told)
+        estimates.append((state[0], covariance[0, 0]))
+    return np.array(estimates)
 
 
 def test_where_all_is_linear_it_is_the_kalman_filter(before_a_wall):

@@ -17,15 +17,15 @@ def paths():
     return true, np.column_stack([x, y, yaw + 0.002 * T_S + 0.01 * np.cos(5 * T_S)])
 
 
-def told(pose, sd=1.0):
+def estimate_of(pose, sd=1.0):
     return Estimate(np.arange(len(pose)), pose, np.tile(sd**2 * np.eye(3), (len(pose), 1, 1)))
 
 
-# evo 1.38.1 on these paths as TUM files of twelve digits, `true.txt` and `told.txt`, each with `-r trans_part` and with
-# `-r angle_rad`; the column rmse (and median, max) of
-#     evo_ape tum true.txt told.txt
-#     evo_rpe tum true.txt told.txt --delta 10 --delta_unit f --all_pairs
-#     evo_rpe tum true.txt told.txt --delta 1 --delta_unit m --all_pairs --pairs_from_reference
+# evo 1.38.1 on these paths as TUM files of twelve digits, `true.txt` and `estimate.txt`, each with `-r trans_part` and
+# with `-r angle_rad`; the column rmse (and median, max) of
+#     evo_ape tum true.txt estimate.txt
+#     evo_rpe tum true.txt estimate.txt --delta 10 --delta_unit f --all_pairs
+#     evo_rpe tum true.txt estimate.txt --delta 1 --delta_unit m --all_pairs --pairs_from_reference
 BY_EVO = {
     "ate_m": 0.023989,
     "ate_rad": 0.013568,
@@ -41,7 +41,7 @@ BY_EVO = {
 @pytest.mark.parametrize("name", BY_EVO)
 def test_errors_are_those_of_evo(name):
     true, estimate = paths()
-    assert getattr(errors_of(told(estimate), T_S, true), name) == pytest.approx(BY_EVO[name], abs=6e-7)
+    assert getattr(errors_of(estimate_of(estimate), T_S, true), name) == pytest.approx(BY_EVO[name], abs=6e-7)
 
 
 def test_pairs_over_a_metre_are_those_of_evo():
@@ -54,7 +54,7 @@ def test_an_error_of_the_start_is_no_error_of_a_movement():
     turned = np.column_stack(
         [c * true[:, 0] - s * true[:, 1] + 5, s * true[:, 0] + c * true[:, 1] - 2, true[:, 2] + 0.3]
     )
-    found = errors_of(told(turned), T_S, true)
+    found = errors_of(estimate_of(turned), T_S, true)
     assert found.ate_rad == pytest.approx(0.3)
     assert found.ate_m > 4.0
     assert [found.rpe_per_s_m, found.rpe_per_m_m, found.rpe_per_m_rad] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
@@ -62,14 +62,14 @@ def test_an_error_of_the_start_is_no_error_of_a_movement():
 
 def test_a_heading_is_compared_around_the_half_turn():
     true = np.array([[0.0, 0.0, np.pi - 0.01]])
-    _, off_rad = off(told(np.array([[0.0, 0.0, -np.pi + 0.01]])), true)
+    _, off_rad = off(estimate_of(np.array([[0.0, 0.0, -np.pi + 0.01]])), true)
     assert off_rad[0] == pytest.approx(0.02)
 
 
 def test_pairs_of_times_that_are_not_there_are_none():
     assert len(pairs_by_time(np.array([0.0, 0.4, 0.9, 1.3]), 1.0)) == 0
     assert pairs_by_time(np.array([0.0, 0.2, 1.0, 1.2]), 1.0).tolist() == [[0, 2], [1, 3]]
-    found = errors_of(told(np.zeros((2, 3))), np.array([0.0, 0.4]), np.zeros((2, 3)))
+    found = errors_of(estimate_of(np.zeros((2, 3))), np.array([0.0, 0.4]), np.zeros((2, 3)))
     assert found.rpe_per_s_m is None
     assert found.rpe_per_m_rad is None
 
@@ -82,7 +82,7 @@ def test_errors_drawn_from_the_covariance_told_have_the_nees_of_chi_square():
     estimate = Estimate(
         np.arange(count), truth + rng.normal(size=(count, 3)) @ root.T, np.tile(root @ root.T, (count, 1, 1))
     )
-    # Headings are told up to a turn, which a normal deviate of a radian may exceed.
+    # Headings are given up to a turn, which a normal deviate of a radian may exceed.
     small = Estimate(estimate.rows, truth + 1e-2 * (estimate.pose - truth), 1e-4 * estimate.covariance)
     low, high = chi2.ppf([0.0005, 0.9995], 3 * count)
     assert low < nees(small, truth).sum() < high

@@ -48,10 +48,10 @@ def test_a_bad_case_is_named_and_the_others_are_finished_as_if_alone(symolo, ben
     alone = symolo("diagnose", benches / "weak", "--out", one, "--explain")
     assert alone.code == 0
     assert bytes_of(one) == bytes_of(many / "weak")
-    told = bytes_of(one)
-    assert told.keys() >= {"answer.json", "extended.yaml", "posterior.yaml", "report.html", "plots/gain.png"}
-    assert alone.out.startswith(told["summary.txt"].decode())
-    assert told["reasoning.txt"].decode() in alone.out
+    files = bytes_of(one)
+    assert files.keys() >= {"answer.json", "extended.yaml", "posterior.yaml", "report.html", "plots/gain.png"}
+    assert alone.out.startswith(files["summary.txt"].decode())
+    assert files["reasoning.txt"].decode() in alone.out
 
 
 def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo, benches, tmp_path, tiny):

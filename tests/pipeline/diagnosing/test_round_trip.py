@@ -30,19 +30,19 @@ def trip(tmp_path_factory):
 def test_both_hidden_effects_are_named_with_their_sizes(trip):
     found = json.loads((trip / "found" / "answer.json").read_bytes())
     assert not found["unexplained"]
-    told = {effect["name"]: effect for effect in found["effects"]}
-    assert told.keys() == {"wheel_radius_asymmetry", "wheelbase_scale"}
+    effects = {effect["name"]: effect for effect in found["effects"]}
+    assert effects.keys() == {"wheel_radius_asymmetry", "wheelbase_scale"}
     for name, number, hidden in (("wheel_radius_asymmetry", "asymmetry", 0.03), ("wheelbase_scale", "scale", 1.06)):
-        assert abs(told[name]["parameters"][number] - hidden) < 2.0 * told[name]["std"][number]
-        assert told[name]["parameters"][number] == pytest.approx(hidden, abs=0.003)
+        assert abs(effects[name]["parameters"][number] - hidden) < 2.0 * effects[name]["std"][number]
+        assert effects[name]["parameters"][number] == pytest.approx(hidden, abs=0.003)
 
 
 def test_by_pybullet_the_found_robot_drives_the_same_path(trip):
     errors = json.loads((trip / "found" / "answer.json").read_bytes())["engines"]["PyBullet"]["errors"]
     for name in ("pose_dx_m", "pose_dtheta_rad"):
         assert errors[name]["extended"] < 0.2 * errors[name]["nominal"]
-    told = (trip / "found" / "summary.txt").read_text()
-    before, after = map(float, re.findall(r"([0-9.]+)\s+mm", " ".join(told.split())))
+    summary = (trip / "found" / "summary.txt").read_text()
+    before, after = map(float, re.findall(r"([0-9.]+)\s+mm", " ".join(summary.split())))
     assert after < 0.1 * before
 
 

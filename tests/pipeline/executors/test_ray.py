@@ -127,8 +127,8 @@ def test_a_host_that_closes_no_connection_is_waited_for_as_long_as_set(own, expe
     program = "from pipeline.executors.ray import _ray; _ray(); from ray._raylet import Config"
     program += "; print(Config.grpc_client_keepalive_timeout_ms())"
     command = [sys.executable, "-P", "-c", program]
-    told = subprocess.run(command, env=os.environ | own, capture_output=True, text=True, check=True).stdout
-    assert int(told) == expected
+    ended = subprocess.run(command, env=os.environ | own, capture_output=True, text=True, check=True).stdout
+    assert int(ended) == expected
 
 
 def test_a_missing_cluster_is_reported_in_a_line(tmp_path, capsys):

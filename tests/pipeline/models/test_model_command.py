@@ -28,7 +28,7 @@ def test_what_moves_in_a_run_is_said_to_stand_still(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--format", "urdf,sfd"], "--format: got 'sfd', allowed: urdf, sdf; did you mean sdf"),
         (["--route", "CVV"], "route: got 'CVV', allowed: CW, CCW"),
@@ -36,10 +36,10 @@ def test_what_moves_in_a_run_is_said_to_stand_still(tmp_path, capsys):
         (["--set", "robot.drive.track_m=2"], "robot.drive.track_m"),
     ],
 )
-def test_what_cannot_be_written_is_refused_before_a_folder_is_made(tmp_path, capsys, arguments, told):
+def test_what_cannot_be_written_is_refused_before_a_folder_is_made(tmp_path, capsys, arguments, message):
     out = tmp_path / "model"
     assert main(["model", "smoke", "--out", str(out), *arguments]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert not out.exists()
 
 

@@ -24,11 +24,11 @@ PRICE = Price(
 def test_a_million_images_cost_a_million_times_one_and_their_share_of_a_block():
     """3.24 s and 18 s / 50 are 3.6 s, a thousandth of an hour; a row takes 600 bytes."""
     text = PRICE.text(1_000_000, "640 x 480 px")
-    told = dict(re.findall(r"^(\w+) +([\d.,]+ \S+)", text, re.MULTILINE))
-    assert told["simulate"] == "10 core-hours"
-    assert told["render"] == "1,000 core-hours:"
-    assert told["annotate"] == "200 core-hours"
-    assert told["disk"] == "100 GB,"
+    printed = dict(re.findall(r"^(\w+) +([\d.,]+ \S+)", text, re.MULTILINE))
+    assert printed["simulate"] == "10 core-hours"
+    assert printed["render"] == "1,000 core-hours:"
+    assert printed["annotate"] == "200 core-hours"
+    assert printed["disk"] == "100 GB,"
     assert "with all annotations 200 GB" in text
     assert "shards     100 of 1 GB, with all annotations 200" in text
     assert "No graphics card was measured" in text

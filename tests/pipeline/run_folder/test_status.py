@@ -55,18 +55,18 @@ def test_an_interrupted_rendering_is_counted(out, symolo):
     (out / ".stages/render/CW/test_1/done.json").unlink()
     for number in (5, 6):
         (out / f".stages/render/CW/test_1/images/{number:06d}.jpg").unlink()
-    told = symolo("status", out).out
-    assert "CW/test_1: simulate done; render 4 of 6 images; " in told
-    assert "would be done by the next release, 1 run: render: it was interrupted or failed" in told
+    printed = symolo("status", out).out
+    assert "CW/test_1: simulate done; render 4 of 6 images; " in printed
+    assert "would be done by the next release, 1 run: render: it was interrupted or failed" in printed
 
 
 def test_changed_fields_are_named_with_their_values(out, symolo, tiny):
-    told = symolo("status", out, "smoke", *tiny, "--set", "robot.drive.track_m=0.15").out
-    assert "2 runs: simulate: robot.drive.track_m 0.14 -> 0.15" in told
-    told = symolo("status", out, "smoke", *tiny, "--set", "look.sun.elevation_deg=70").out
-    assert "simulate: " not in told
-    assert "1 run: render: look.sun.elevation_deg " in told
-    assert "-> 70.0" in told
+    printed = symolo("status", out, "smoke", *tiny, "--set", "robot.drive.track_m=0.15").out
+    assert "2 runs: simulate: robot.drive.track_m 0.14 -> 0.15" in printed
+    printed = symolo("status", out, "smoke", *tiny, "--set", "look.sun.elevation_deg=70").out
+    assert "simulate: " not in printed
+    assert "1 run: render: look.sun.elevation_deg " in printed
+    assert "-> 70.0" in printed
 
 
 def test_a_release_of_a_version_without_scene_json_is_not_up_to_date(out, symolo, tiny):
@@ -75,9 +75,9 @@ def test_a_release_of_a_version_without_scene_json_is_not_up_to_date(out, symolo
     files = json.loads(whole)
     del files["files"]["side/scene.json"]
     done.write_text(json.dumps(files))
-    told = symolo("status", out, "smoke", *tiny).out
+    printed = symolo("status", out, "smoke", *tiny).out
     done.write_bytes(whole)
-    assert "would be done by the next release, 1 run: release: side/scene.json is not among its files" in told
+    assert "would be done by the next release, 1 run: release: side/scene.json is not among its files" in printed
 
 
 def test_damage_and_failures_are_reported(out, symolo):

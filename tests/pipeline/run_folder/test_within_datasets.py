@@ -36,8 +36,8 @@ def refused(symolo, root, arguments, out):
 def test_no_folder_is_made_within_a_dataset(command, dataset, copy_of, symolo):
     root = copy_of(dataset)
     for name in ("new", "CW/new", "CW/test_1/images/new/deep"):
-        told = refused(symolo, root, MAKING[command], root / name)
-        assert f"lies within the release {root}; name a place outside" in told
+        message = refused(symolo, root, MAKING[command], root / name)
+        assert f"lies within the release {root}; name a place outside" in message
     assert symolo("verify", root).code == 0
 
 

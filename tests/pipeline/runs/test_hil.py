@@ -115,7 +115,7 @@ def test_a_port_is_driven_in_real_time(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("command", "options", "told"),
+    ("command", "options", "message"),
     [
         ("hil", ["--port", "/dev/none"], "--port /dev/none: there is no such port"),
         ("hil", [], "either --port PORT or --simulated"),
@@ -124,10 +124,10 @@ def test_a_port_is_driven_in_real_time(tmp_path):
         ("release", ["--set", "board.kind=serial"], "symolo hil --port PORT"),
     ],
 )
-def test_what_cannot_be_reached_is_told_before_anything_is_written(command, options, told, symolo, tmp_path):
+def test_what_cannot_be_reached_is_told_before_anything_is_written(command, options, message, symolo, tmp_path):
     ended = symolo(command, "smoke", *options, "--out", tmp_path / "data")
     assert ended.code == 2
-    assert told in ended.err
+    assert message in ended.err
     assert ended.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 

@@ -25,7 +25,7 @@ class Screen:
 
 @pytest.fixture
 def shown(monkeypatch):
-    """The view of two ticks, of which the second is as told."""
+    """The view of two ticks, of which the second has these counts."""
     monkeypatch.setattr(live, "BETWEEN_S", 0.0)
     screen = Screen()
     view = live.LiveView(draw_run(load_scenario("symolo", ["board.kind=simulated"]), "CW", 1), screen)
@@ -33,8 +33,8 @@ def shown(monkeypatch):
     def show(**counts):
         seen = Observation((1.0,) * 7 + (0.0,), 2.0, 0.6, 0.3, (0.0, 0.0, 0.0))
         command = Twist(0.18, -0.3, State.RIGHT_WALL)
-        for t_s, told in ((0.0, {"answered": 1}), (0.05, {"answered": 1, **counts})):
-            row = tuple(told.get(name, 0) for name in BOARD_COLUMNS)
+        for t_s, status in ((0.0, {"answered": 1}), (0.05, {"answered": 1, **counts})):
+            row = tuple(status.get(name, 0) for name in BOARD_COLUMNS)
             view.show(t_s, seen, Decision(command, (5.5, 6.5), 0, row))
         return screen.text
 
@@ -43,13 +43,13 @@ def shown(monkeypatch):
 
 def test_it_says_what_the_robot_sees_and_does(shown):
     text = shown()
-    for told in ("CW/test_1", "1  wall following, wall on the right", "v +0.180 m/s", "left +6.50   right +5.50"):
-        assert told in text
+    for part in ("CW/test_1", "1  wall following, wall on the right", "v +0.180 m/s", "left +6.50   right +5.50"):
+        assert part in text
     assert f"0.600 m {10 * chr(0x2588)} " in text  # half of the 1.2 m that the sensor reaches
     assert "no target" in text  # ahead
     assert "█       " in text.split("left to right")[1], "the dark channel is the leftmost"
     assert text.splitlines()[-1].rstrip().endswith("2 of 2 answered")
 
 
-def test_faults_of_the_line_are_told(shown):
+def test_faults_of_the_line_are_shown(shown):
     assert "1 of 2 answered, 1 stopped, 2 damaged at board" in shown(answered=0, stopped=1, damaged_at_board=2)

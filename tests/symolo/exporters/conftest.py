@@ -246,9 +246,15 @@ def _document(spec, camera, X_WC, sightings, instances) -> dict:
                 {"id": 10 * one + corner, "name": name, "kind": f"{kind}_corner", "instance_id": one, "p": [0.0] * 3}
             )
     seen = [
-        {"image_id": image, "key_point_id": 10 * one + corner, "pixel": [u, v], "p_C": [0.0, 0.0, 1.0], "visible": told}
+        {
+            "image_id": image,
+            "key_point_id": 10 * one + corner,
+            "pixel": [u, v],
+            "p_C": [0.0, 0.0, 1.0],
+            "visible": shown,
+        }
         for (image, one), corners in sightings.items()
-        for corner, (u, v, told) in corners.items()
+        for corner, (u, v, shown) in corners.items()
     ]
     seen += [
         {"image_id": 1, "key_point_id": 1, "pixel": [1.0, 2.0], "p_C": [0.0, 0.0, 1.0], "visible": True},

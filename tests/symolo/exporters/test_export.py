@@ -23,19 +23,19 @@ def test_it_says_what_it_wrote_and_of_what(random_release, tmp_path, symolo):
     assert (ended.code, ended.out) == (0, f"{out}: tum, webdataset, 0.0 MB\n")
     assert sorted(path.name for path in out.iterdir()) == ["export.json", "tum", "webdataset"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out"]
-    told = json.loads((out / "export.json").read_text())
-    assert (told["name"], told["runs"], told["licence"]) == ("smoke", ["CW/test_1", "CCW/test_1"], "CC-BY-4.0")
+    summary = json.loads((out / "export.json").read_text())
+    assert (summary["name"], summary["runs"], summary["licence"]) == ("smoke", ["CW/test_1", "CCW/test_1"], "CC-BY-4.0")
     tag = (root / "tagmanifest-sha256.txt").read_text()
-    assert f"{told['manifest_sha256']}  manifest-sha256.txt" in tag
+    assert f"{summary['manifest_sha256']}  manifest-sha256.txt" in tag
 
 
 def test_a_dry_run_says_the_size_of_what_a_run_then_writes(random_release, tmp_path, symolo):
     root, out = random_release(1, annotated=True).root, tmp_path / "out"
     names = "tum,kitti,coco,webdataset,parquet"
-    told = symolo("export", root, "--format", names, "--out", out, "--dry-run").out.splitlines()
+    printed = symolo("export", root, "--format", names, "--out", out, "--dry-run").out.splitlines()
     assert not out.exists()
     assert symolo("export", root, "--format", names, "--out", out).code == 0
-    for line, name in zip(told, names.split(","), strict=True):
+    for line, name in zip(printed, names.split(","), strict=True):
         files = [path for path in (out / name).rglob("*") if path.is_file()]
         size = sum(path.stat().st_size for path in files) / 1e6
         count = "1 file" if len(files) == 1 else f"{len(files)} files"
@@ -96,11 +96,11 @@ def test_a_library_that_is_missing_is_named_before_anything_is_written(
         monkeypatch.delitem(sys.modules, loaded)
     monkeypatch.setitem(sys.modules, module, None)
     ended = symolo("export", random_release(1).root, "--format", f"tum,{name}", "--out", tmp_path / "out")
-    told = (
+    messages = (
         f"symolo: the package {module} is missing; install symolo with the extra `export`:"
         " `pip install '.[export]'` in the folder of its sources, or `pip install 'symolo[export]'` from an index\n"
     )
-    assert (ended.code, ended.err) == (5, told)
+    assert (ended.code, ended.err) == (5, messages)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -62,8 +62,8 @@ def check_tum(out, truths):
         place, heading = x + 1j * y, np.exp(1j * theta)
         got = read_tum(folder / "robot.txt")
         np.testing.assert_array_equal(got[0], t / 1000)
-        for told, true in zip(planar(*got), (place, heading), strict=True):
-            np.testing.assert_allclose(told, true, rtol=0, atol=1e-8)
+        for exported, true in zip(planar(*got), (place, heading), strict=True):
+            np.testing.assert_allclose(exported, true, rtol=0, atol=1e-8)
         at = truth.table[:, 18] > 0
         t_s, positions, rotations = read_tum(folder / "camera.txt")
         np.testing.assert_array_equal(t_s, t[at] / 1000)
@@ -71,8 +71,8 @@ def check_tum(out, truths):
         np.testing.assert_allclose(rotations, truth.X_WC[:, :3, :3], rtol=0, atol=1e-8)
         ox, oy, turned = (truth.wheels[:, WHEELS.header.index(f"odometry_{name}")] for name in ("x", "y", "theta"))
         expected = place[0] + heading[0] * (ox + 1j * oy), heading[0] * np.exp(1j * turned)
-        for told, true in zip(planar(*read_tum(folder / "odometry.txt")), expected, strict=True):
-            np.testing.assert_allclose(told, true, rtol=0, atol=1e-6)
+        for exported, true in zip(planar(*read_tum(folder / "odometry.txt")), expected, strict=True):
+            np.testing.assert_allclose(exported, true, rtol=0, atol=1e-6)
 
 
 def read_calibration(path: Path) -> dict[str, np.ndarray]:
@@ -127,8 +127,8 @@ def check_coco(out, truths):
             corners = truth.sightings.get((index + 1, one["instance_id"]))
             assert ("keypoints" in one) == (corners is not None) == ("keypoints" in coco.cats[one["category_id"]])
             if corners is not None:
-                told = np.reshape(one["keypoints"], (8, 3)).tolist()
-                assert told == [
+                key_points = np.reshape(one["keypoints"], (8, 3)).tolist()
+                assert key_points == [
                     [*corners[k][:2], 2 if corners[k][2] else 1] if k in corners else [0, 0, 0] for k in range(8)
                 ]
                 assert one["num_keypoints"] == len(corners)
@@ -166,10 +166,10 @@ def check_webdataset(out, truths):
         others = {f"{kind}.png" for kind, stored in truth.passes.items() if index < len(stored)}
         assert {name for name in sample if not name.startswith("__")} == {"jpg", "json", "instance.png"} | others
         assert sample["jpg"] == truth.pictures[index]
-        told = json.loads(sample["json"])
+        document = json.loads(sample["json"])
         row = truth.table[truth.table[:, 18] > 0][index]
-        assert [told[name] for name in HEADER] == row.tolist()
-        np.testing.assert_array_equal(told["X_WC"], truth.X_WC[index])
+        assert [document[name] for name in HEADER] == row.tolist()
+        np.testing.assert_array_equal(document["X_WC"], truth.X_WC[index])
         ids = cv2.imdecode(np.frombuffer(sample["instance.png"], np.uint8), cv2.IMREAD_UNCHANGED)
         np.testing.assert_array_equal(ids, truth.instances[index])
 
@@ -253,8 +253,8 @@ def test_shards_tell_nothing_of_the_machine(random_release, exported, tmp_path):
         with tarfile.open(path) as shard:
             members = shard.getmembers()
         assert [one.name for one in members] == sorted(one.name for one in members)
-        told = {(one.mtime, one.uid, one.gid, one.uname, one.gname, one.mode, one.isreg()) for one in members}
-        assert told == {(0, 0, 0, "", "", 0o644, True)}
+        attributes = {(one.mtime, one.uid, one.gid, one.uname, one.gname, one.mode, one.isreg()) for one in members}
+        assert attributes == {(0, 0, 0, "", "", 0o644, True)}
 
 
 def test_a_sample_larger_than_a_shard_gets_one_of_its_own(random_release):

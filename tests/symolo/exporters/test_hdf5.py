@@ -46,8 +46,8 @@ def check_frame(path, index, truth):
             assert name == "forward_flow_valid" or any(re.fullmatch(pattern, name) for pattern in SHOWN)
         listed = json.loads(np.array(file["instance_attribute_maps"]).tobytes())
         known = {0: ("sky", 0), 1: ("floor", 1), 2: ("line_0", 2), 3: ("A1", 3), 4: ("O1", 4), 5: ("A10", 3)}
-        told = {one["idx"]: (one["name"], one["category_id"]) for one in listed}
-        assert told == {one: known[one] for one in np.unique(truth.instances[index]).tolist()}
+        entries = {one["idx"]: (one["name"], one["category_id"]) for one in listed}
+        assert entries == {one: known[one] for one in np.unique(truth.instances[index]).tolist()}
         camera = json.loads(np.array(file["camera_pose"]).tobytes())
         R_CW, p_CW = np.reshape(camera["cam_R_w2c"], (3, 3)), np.array(camera["cam_t_w2c"])
         X_WC = truth.X_WC[index]

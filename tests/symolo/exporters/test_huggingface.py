@@ -37,24 +37,24 @@ def test_datasets_loads_pictures_readings_and_poses(seed, random_release, export
         "instance",
         *grey,
     }
-    for told, (truth, index) in zip(found, expected, strict=True):
-        assert told["run"] == truth.name
-        assert [told[name] for name in HEADER] == truth.table[truth.table[:, 18] > 0][index].tolist()
-        np.testing.assert_array_equal(told["X_WC"], truth.X_WC[index])
-        np.testing.assert_array_equal(told["K"], truth.K)
-        assert (told["image"].mode, told["image"].format) == ("RGB", "JPEG")
+    for row, (truth, index) in zip(found, expected, strict=True):
+        assert row["run"] == truth.name
+        assert [row[name] for name in HEADER] == truth.table[truth.table[:, 18] > 0][index].tolist()
+        np.testing.assert_array_equal(row["X_WC"], truth.X_WC[index])
+        np.testing.assert_array_equal(row["K"], truth.K)
+        assert (row["image"].mode, row["image"].format) == ("RGB", "JPEG")
         # Two JPEG decoders may round apart by little.
         pixels = cv2.imdecode(np.frombuffer(truth.pictures[index], np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
-        np.testing.assert_allclose(np.array(told["image"]).astype(int), pixels, atol=3)
-        np.testing.assert_array_equal(np.array(told["instance"]), truth.instances[index])
+        np.testing.assert_allclose(np.array(row["image"]).astype(int), pixels, atol=3)
+        np.testing.assert_array_equal(np.array(row["instance"]), truth.instances[index])
         for kind in grey:
-            np.testing.assert_array_equal(np.array(told[kind]), truth.passes[kind][index])
+            np.testing.assert_array_equal(np.array(row[kind]), truth.passes[kind][index])
         for kind in ("normals", "flow"):
             if index < len(truth.passes[kind]):
-                stored = cv2.imdecode(np.frombuffer(told[kind], np.uint8), cv2.IMREAD_UNCHANGED)
+                stored = cv2.imdecode(np.frombuffer(row[kind], np.uint8), cv2.IMREAD_UNCHANGED)
                 np.testing.assert_array_equal(stored[..., ::-1], truth.passes[kind][index])
             else:
-                assert told[kind] is None
+                assert row[kind] is None
     as_files = found.cast_column("image", datasets.Image(decode=False))["image"]
     assert [one["bytes"] for one in as_files] == [truth.pictures[index] for truth, index in expected]
 
@@ -88,9 +88,9 @@ def test_shards_are_numbered_and_no_larger_than_asked_for(random_release, export
 def test_the_card_tells_licence_and_units(random_release, exported, tmp_path):
     out = exported(random_release(1).root, tmp_path / "out", "huggingface")
     _, head, body = (out / "huggingface/README.md").read_text().split("---\n", 2)
-    told = yaml.safe_load(io.StringIO(head))
-    assert told["license"] == "cc-by-4.0"
-    assert [(one["config_name"], one.get("default", False)) for one in told["configs"]] == [
+    front_matter = yaml.safe_load(io.StringIO(head))
+    assert front_matter["license"] == "cc-by-4.0"
+    assert [(one["config_name"], one.get("default", False)) for one in front_matter["configs"]] == [
         ("images", True),
         ("rows", False),
     ]

@@ -31,13 +31,13 @@ def read_info(folder):
 
 def read_frames(folder, cache, *, decode=False):
     """All files of frames with the features that info.json tells, as lerobot hands them to `datasets`."""
-    told = {}
+    frames_of = {}
     for name, feature in read_info(folder)["features"].items():
         kind = datasets.Value(feature["dtype"]) if feature["dtype"] != "image" else datasets.Image(decode=decode)
         (length,) = feature["shape"] if feature["dtype"] != "image" else (1,)
-        told[name] = kind if length == 1 else datasets.Sequence(kind, length=length)
+        frames_of[name] = kind if length == 1 else datasets.Sequence(kind, length=length)
     paths = [str(path) for path in sorted((folder / "data").glob("*/*.parquet"))]
-    return datasets.Dataset.from_parquet(paths, features=datasets.Features(told), cache_dir=str(cache))
+    return datasets.Dataset.from_parquet(paths, features=datasets.Features(frames_of), cache_dir=str(cache))
 
 
 def read_episodes(folder):
@@ -55,16 +55,16 @@ def expected_numbers(truth, robot):
     return np.column_stack((right, left, truth.table[at, 7:18])), action, t_s - t_s[0], truth.table[at, 1:4]
 
 
-def stats_differ(told, values):
+def stats_differ(stats, values):
     """Of values (N, components); images as (pixels, channels), of which a quantile is a level that occurs."""
     is_picture = values.dtype == np.uint8
     how = "inverted_cdf" if is_picture else "linear"
     numbers = values / 255 if is_picture else values.astype(np.float64)
     expected = {"min": numbers.min(0), "max": numbers.max(0), "mean": numbers.mean(0), "std": numbers.std(0)}
     expected |= {name: np.quantile(numbers, share, axis=0, method=how) for name, share in QUANTILES.items()}
-    assert {*told} == {*expected, "count"}
+    assert {*stats} == {*expected, "count"}
     for name, one in expected.items():
-        got = np.array(told[name], dtype=np.float64)
+        got = np.array(stats[name], dtype=np.float64)
         assert got.shape == ((3, 1, 1) if is_picture else one.shape)
         np.testing.assert_allclose(got.ravel(), one, rtol=1e-9, atol=1e-12, err_msg=name)
 

@@ -119,10 +119,10 @@ def transforms_differ(bag, truth, model, robot):
     assert fixed["base_link", "line_sensor"][0, 3] == robot["line_sensor"]["x_m"]
     assert len(fixed) == 6
     odometry = wheels(truth, "odometry_x", "odometry_y", "odometry_theta")
-    for message, pose, told in zip(at_rows(bag, "/tf", truth, None), truth.table[:, 1:4], odometry, strict=True):
+    for message, pose, wheel_pose in zip(at_rows(bag, "/tf", truth, None), truth.table[:, 1:4], odometry, strict=True):
         moving = {(one.header.frame_id, one.child_frame_id): matrix(one.transform) for one in message.transforms}
         assert {*moving} == {("map", "odom"), ("odom", "base_link")}
-        np.testing.assert_allclose(moving["odom", "base_link"], planar(*told), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(moving["odom", "base_link"], planar(*wheel_pose), rtol=0, atol=1e-12)
         X_WR = moving["map", "odom"] @ moving["odom", "base_link"]
         np.testing.assert_allclose(X_WR, planar(*pose), rtol=0, atol=1e-12)
 
@@ -130,8 +130,8 @@ def transforms_differ(bag, truth, model, robot):
 def check_odometry(bag, truth, robot):
     diameter_m, track_m = robot["drive"]["wheel_diameter_m"], robot["drive"]["track_m"]
     right, left = (wheels(truth, "speed_r", "speed_l") * diameter_m / 2).T
-    told = wheels(truth, "odometry_x", "odometry_y", "odometry_theta")
-    by_wheels = np.column_stack((told, (right + left) / 2, (right - left) / track_m))
+    odometry = wheels(truth, "odometry_x", "odometry_y", "odometry_theta")
+    by_wheels = np.column_stack((odometry, (right + left) / 2, (right - left) / track_m))
     true = truth.table[:, [1, 2, 3, 5, 6]]
     for topic, frame, expected in (("/ground_truth/odom", "map", true), ("/odom", "odom", by_wheels)):
         for message, (x, y, theta, v, w) in zip(at_rows(bag, topic, truth, frame), expected, strict=True):

@@ -34,9 +34,9 @@ def test_what_tar_unpacks_is_the_release_and_is_verified_as_it_is(packed, tmp_pa
     (folder,) = tmp_path.iterdir()
     assert folder.name == "smoke"
     assert files_of(folder) == files_of(packed.release)
-    told = [(finding.file, finding.what) for finding in verify(folder)]
-    assert told == [(finding.file, finding.what) for finding in verify(packed.release)]
-    assert not {"manifest-sha256.txt", "tagmanifest-sha256.txt"} & {file for file, _ in told}
+    findings = [(finding.file, finding.what) for finding in verify(folder)]
+    assert findings == [(finding.file, finding.what) for finding in verify(packed.release)]
+    assert not {"manifest-sha256.txt", "tagmanifest-sha256.txt"} & {file for file, _ in findings}
 
 
 def test_every_file_has_its_checksum(packed):
@@ -47,8 +47,8 @@ def test_every_file_has_its_checksum(packed):
         capture_output=True,
         text=True,
     )
-    told = {line.partition(":")[0] for line in listed.stdout.splitlines()}
-    assert told == {path.name for path in packed.out.iterdir()} - {"SHA256SUMS"}
+    checked = {line.partition(":")[0] for line in listed.stdout.splitlines()}
+    assert checked == {path.name for path in packed.out.iterdir()} - {"SHA256SUMS"}
 
 
 def test_a_run_lies_in_one_shard_and_no_shard_is_larger_than_asked_for(packed):
@@ -116,9 +116,9 @@ def test_the_citation_has_what_its_format_requires(packed):
 
 def test_the_card_has_front_matter_and_names_every_file(packed):
     _, front, body = (packed.out / "README.md").read_text().split("---\n", 2)
-    told = yaml.safe_load(front)
-    assert (told["license"], told["pretty_name"]) == ("cc-by-4.0", "Two drives: noise & nothing")
-    tables = {config["data_files"] for config in told["configs"]}
+    front_matter = yaml.safe_load(front)
+    assert (front_matter["license"], front_matter["pretty_name"]) == ("cc-by-4.0", "Two drives: noise & nothing")
+    tables = {config["data_files"] for config in front_matter["configs"]}
     assert tables == {path.name for path in packed.out.glob("*.csv")}
     for path in packed.out.iterdir():
         assert path.name == "README.md" or path.name in body
@@ -137,10 +137,10 @@ def test_a_dry_run_tells_what_is_written_and_writes_nothing(packed, tmp_path, ca
     ]
     assert main(["pack", str(packed.release), *arguments]) == 0
     assert not out.exists()
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for path in (*packed.out.glob("*.tar"), *packed.out.glob("*.csv")):
-        assert path.name in told
-        assert f"{path.stat().st_size / 1e6:.3f} MB" in told
+        assert path.name in printed
+        assert f"{path.stat().st_size / 1e6:.3f} MB" in printed
 
 
 @pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@A1", "a b", "a,b"])
@@ -173,7 +173,7 @@ def test_a_licence_that_is_not_listed_goes_by_its_name(packed, tmp_path, sign):
 
 
 @pytest.mark.parametrize(
-    ("line", "changed", "told"),
+    ("line", "changed", "message"),
     [
         ("0000-0002-1825-0097", "0000-0002-1825-0098", "whose last sign is 7"),
         ("2026-11-22", "2026-02-30", "a day of the calendar"),
@@ -183,11 +183,11 @@ def test_a_licence_that_is_not_listed_goes_by_its_name(packed, tmp_path, sign):
         ("doi: ", "keywords: []\ndoi: ", "keywords"),
     ],
 )
-def test_what_is_wrong_about_it_is_told_before_anything_is_written(packed, tmp_path, capsys, line, changed, told):
+def test_what_is_wrong_about_it_is_told_before_anything_is_written(packed, tmp_path, capsys, line, changed, message):
     (tmp_path / "about.yaml").write_text(packed.about.read_text().replace(line, changed))
     out = tmp_path / "upload"
     assert main(["pack", str(packed.release), "--about", str(tmp_path / "about.yaml"), "--out", str(out)]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert not out.exists()
 
 
@@ -202,21 +202,21 @@ def test_a_damaged_release_is_not_packed(packed, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ({"name": "../../elsewhere"}, "name: got '../../elsewhere', allowed: up to 64 letters"),
         ({"columns": {"side/../../secret.csv": []}}, "names a table side/../../secret.csv that no run has"),
         ({"columns": {"data.csv": []}}, "metadata.json names other columns"),
     ],
 )
-def test_a_strangers_release_does_not_say_where_files_go(packed, tmp_path, capsys, sign, change, told):
+def test_a_strangers_release_does_not_say_where_files_go(packed, tmp_path, capsys, sign, change, message):
     own = tmp_path / "own"
     shutil.copytree(packed.release, own)
     metadata = json.loads((own / "metadata.json").read_bytes())
     (own / "metadata.json").write_text(json.dumps(metadata | change))
     sign(own)
     assert main(["pack", str(own), "--about", str(packed.about), "--out", str(tmp_path / "upload")]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["own"]
 
 

@@ -44,9 +44,9 @@ def test_sharpness_is_the_spread_of_the_laplacian(painted):
 
 
 def test_it_reports_how_many_images_are_done(painted):
-    told = []
-    image_numbers(load(painted()).runs[0], told.append)
-    assert told == list(range(1, 12))
+    reports = []
+    image_numbers(load(painted()).runs[0], reports.append)
+    assert reports == list(range(1, 12))
 
 
 def numbers(run="CW/test_1", **columns):

@@ -121,25 +121,25 @@ def test_images_are_those_of_the_release(whole):
 
 def test_the_head_says_what_is_in_it(painted):
     root = painted()
-    told = words(text_page(root))
+    text = words(text_page(root))
     # Three runs of 40 steps of 50 ms and 10 mm, but for one that goes 30 mm sideways as well: 0.39 m + 0.0316 m.
-    assert "3 runs on 2 routes, 6.0 s and 1.3 m of driving: 123 rows, 33 images. Licence: CC-BY-4.0." in told
+    assert "3 runs on 2 routes, 6.0 s and 1.3 m of driving: 123 rows, 33 images. Licence: CC-BY-4.0." in text
     files = [path for path in root.rglob("*") if path.is_file() and "manifest" not in path.name]
     size = sum(path.stat().st_size for path in files) / 1e6
-    assert f"Size {size:.1f} MB in {len(files)} files" in told
-    assert "33, 5 per second, 48 x 32 px" in told
+    assert f"Size {size:.1f} MB in {len(files)} files" in text
+    assert "33, 5 per second, 48 x 32 px" in text
 
 
 def test_each_run_has_a_row_with_its_farthest_place_off_the_line(painted):
-    told = words(text_page(painted()))
+    text = words(text_page(painted()))
     for run in ("CW/test_1", "CW/test_2", "CCW/test_1"):
-        assert f"{run} 2.0 - 0.42 41 11 30.0 0 5 0" in told
+        assert f"{run} 2.0 - 0.42 41 11 30.0 0 5 0" in text
 
 
 def test_an_arena_without_a_line_has_no_distance_from_it(painted):
-    told = words(text_page(painted(settings=["arena.line.pieces=[]"])))
-    assert "CW/test_1 2.0 - 0.42 41 11 - 0 5 0" in told
-    assert "The robot never follows the line." in told
+    text = words(text_page(painted(settings=["arena.line.pieces=[]"])))
+    assert "CW/test_1 2.0 - 0.42 41 11 - 0 5 0" in text
+    assert "The robot never follows the line." in text
 
 
 def test_of_many_runs_some_are_shown_and_the_page_says_so(painted):
@@ -157,17 +157,17 @@ def test_of_many_runs_some_are_shown_and_the_page_says_so(painted):
 def test_warnings_and_runs_set_aside_are_named_and_linked_from_the_top(painted):
     failed = [FailedRun(run="CW/test_9", stage="simulate", problem="hit the wall A2 at 12.3 s")]
     html = text_page(painted(warnings=["3 of 10 images are black"], failed=failed))
-    told = words(html)
-    assert "1 warning, 1 run excluded" in told
+    text = words(html)
+    assert "1 warning, 1 run excluded" in text
     assert html.index('href="#warnings" class="warn"') < html.index("Where the robot drove")
-    assert "CW/test_1 3 of 10 images are black" in told
-    assert "CW/test_9 simulate hit the wall A2 at 12.3 s" in told
+    assert "CW/test_1 3 of 10 images are black" in text
+    assert "CW/test_9 simulate hit the wall A2 at 12.3 s" in text
 
 
 def test_without_any_it_says_so(painted):
-    told = words(text_page(painted()))
-    assert "excluded" not in told.partition("What is in it")[0]
-    assert "Warnings There are none: no run failed" in told
+    text = words(text_page(painted()))
+    assert "excluded" not in text.partition("What is in it")[0]
+    assert "Warnings There are none: no run failed" in text
 
 
 def test_one_run_has_one_draw_of_each_value(painted):
@@ -178,8 +178,8 @@ def test_one_run_has_one_draw_of_each_value(painted):
 
 
 def test_images_that_stand_out_are_named(painted):
-    told = words(text_page(painted(grey=lambda run, image: 230 if (run, image) == (1, 7) else 100 + image)))
-    assert "CW/test_2 image 7, mean grey 230, bright; this image only" in told
+    text = words(text_page(painted(grey=lambda run, image: 230 if (run, image) == (1, 7) else 100 + image)))
+    assert "CW/test_2 image 7, mean grey 230, bright; this image only" in text
 
 
 def test_markup_in_a_release_is_text_on_its_page(painted):

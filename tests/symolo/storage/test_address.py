@@ -19,7 +19,7 @@ def nothing_in_the_environment(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["s3:/bucket"], "URL: got 's3:/bucket', allowed: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER"),
         (["s3://"], "URL: got 's3://'"),
@@ -33,10 +33,10 @@ def nothing_in_the_environment(monkeypatch):
         (["gs://bucket/x", "--endpoint", "https://localhost"], "leave it out: only s3:// has an endpoint"),
     ],
 )
-def test_what_is_no_address_is_refused(symolo, tmp_path, arguments, told):
+def test_what_is_no_address_is_refused(symolo, tmp_path, arguments, message):
     ended = symolo("download", *arguments, "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert told in ended.err
+    assert message in ended.err
 
 
 @pytest.mark.parametrize(
@@ -56,18 +56,20 @@ def test_a_key_in_an_address_is_refused_and_not_repeated(symolo, tmp_path, argum
 
 @pytest.mark.parametrize("variable", address.ENDPOINTS)
 @pytest.mark.parametrize(
-    ("server", "told"),
+    ("server", "message"),
     [
         ("http://localhost:9000", "sends everything unencrypted"),
         (f"https://name:{SECRET}@host", "contains a name, a key"),
     ],
 )
-def test_a_server_that_the_environment_names_is_held_to_the_same(symolo, tmp_path, monkeypatch, variable, server, told):
+def test_a_server_that_the_environment_names_is_held_to_the_same(
+    symolo, tmp_path, monkeypatch, variable, server, message
+):
     monkeypatch.setenv(variable, server)
     ended = symolo("download", "s3://bucket/x", "--out", tmp_path / "out")
     assert ended.code == 2
     assert variable in ended.err
-    assert told in ended.err
+    assert message in ended.err
     assert SECRET not in ended.err
 
 

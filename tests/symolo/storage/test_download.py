@@ -34,8 +34,8 @@ def test_by_the_command_line(release, release_of, tmp_path, symolo):
     assert symolo("upload", release(), url).code == 0
     assert symolo("download", url, "--out", out, "--dry-run").out == f"{url}: 8 files and their lists, 0.0 MB\n"
     assert not out.exists()
-    told = f"{out}: 8 files and their lists, 0.0 MB; 10 of them fetched now\n"
-    assert symolo("download", url, "--out", out).out == told
+    printed = f"{out}: 8 files and their lists, 0.0 MB; 10 of them fetched now\n"
+    assert symolo("download", url, "--out", out).out == printed
     assert release_of(out) == release_of(tmp_path / "data")
     again = symolo("download", url, "--out", out)
     assert (again.code, "is there already" in again.err) == (2, True)
@@ -101,7 +101,7 @@ def test_a_wrong_byte_leaves_nothing(release, tmp_path, symolo):
 
 
 @pytest.mark.parametrize(
-    ("damage", "told"),
+    ("damage", "message"),
     [
         (lambda shelf: (shelf / TAG_MANIFEST).unlink(), f"holds no finished release: there is no {TAG_MANIFEST}"),
         (lambda shelf: (shelf / MANIFEST).unlink(), f"holds no finished release: there is no {MANIFEST}"),
@@ -111,13 +111,13 @@ def test_a_wrong_byte_leaves_nothing(release, tmp_path, symolo):
         (shutil.rmtree, "holds no finished release"),
     ],
 )
-def test_what_is_not_whole_is_refused_before_anything_is_fetched(release, tmp_path, symolo, damage, told):
+def test_what_is_not_whole_is_refused_before_anything_is_fetched(release, tmp_path, symolo, damage, message):
     url = f"file://{tmp_path}/shelf"
     assert symolo("upload", release(), url).code == 0
     damage(tmp_path / "shelf")
     ended = symolo("download", url, "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert told in ended.err
+    assert message in ended.err
     assert {path.name for path in tmp_path.iterdir()} - {"shelf"} == {"data"}
 
 

@@ -253,10 +253,10 @@ def test_a_picture_is_a_picture_and_bears_its_checksum(server, at, release, symo
     root = release()
     assert symolo("upload", root, "s3://bucket/kinds", *at).code == 0
     client = boto3.client("s3", endpoint_url=server[1], region_name="us-east-1")
-    told = client.head_object(Bucket="bucket", Key="kinds/CW/test_1/images/000001.jpg")
-    assert told["ContentType"] == "image/jpeg"
+    head = client.head_object(Bucket="bucket", Key="kinds/CW/test_1/images/000001.jpg")
+    assert head["ContentType"] == "image/jpeg"
     listed = (root / "manifest-sha256.txt").read_text()
-    assert f"{told['Metadata']['sha256']}  CW/test_1/images/000001.jpg\n" in listed
+    assert f"{head['Metadata']['sha256']}  CW/test_1/images/000001.jpg\n" in listed
 
 
 def test_a_bucket_that_is_not_there_is_told(at, release, symolo):
