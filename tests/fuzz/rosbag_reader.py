@@ -12,7 +12,7 @@ from logs.bags.child import write_topics
 from logs.trajectories.bag import trajectories_of
 from logs.trajectories.base import ReadSettings
 from tests.fuzz.guard import Read
-from tests.logs import sensor_messages
+from tests.logs import camera_messages, sensor_messages
 from tests.logs.written_bags import Ros, drive, write_mcap, write_ros1
 
 FOLDER = "folder"
@@ -29,6 +29,10 @@ def write_folder(path: Path, messages, ros: Ros) -> None:
             writer.write(connections[topic], at_ns, ros.store.serialize_cdr(message, kind))
 
 
+def _cameras(ros: Ros):
+    return camera_messages.messages(ros, camera_messages.images)
+
+
 @cache
 def _valid() -> dict[str, bytes]:
     """Return the content of the files of short bags by path."""
@@ -40,6 +44,8 @@ def _valid() -> dict[str, bytes]:
             (FOLDER, 2, write_folder, drive),
             ("sensors.bag", 1, write_ros1, sensor_messages.messages),
             ("sensors.mcap", 2, write_mcap, sensor_messages.messages),
+            ("cameras.bag", 1, write_ros1, _cameras),
+            ("cameras.mcap", 2, write_mcap, _cameras),
         ):
             ros = Ros(version)
             write(root / name, islice(messages(ros), 30), ros)
