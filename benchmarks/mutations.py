@@ -40,7 +40,7 @@ from drawn_mutations import Mutation, drawn_mutations, operators_by_name
 ROOT = Path(__file__).parents[1]
 EQUIVALENT = Path(__file__).with_name("mutations_equivalent.yaml")
 PACKAGES = ("symolo", "configs", "logs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline")
-MOTOR = "tests/physics/test_motor.py"
+MOTOR = "tests/physics/drivetrain/test_motor.py"
 ARENAS = "tests/configs/test_arena_generation.py"
 INFERENCE = "tests/diagnosis/inference"
 TESTS = {
@@ -49,8 +49,8 @@ TESTS = {
         "tests/sensors/test_effects.py",
         "tests/sensors/test_range_over_time.py",
     ),
-    "physics/drivetrain/motor.py": (MOTOR, "tests/physics/test_motor_energy.py"),
-    "physics/drivetrain/wheel_loop.py": ("tests/physics/test_wheel_loop.py",),
+    "physics/drivetrain/motor.py": (MOTOR, "tests/physics/drivetrain/test_motor_energy.py"),
+    "physics/drivetrain/wheel_loop.py": ("tests/physics/drivetrain/test_wheel_loop.py",),
     "physics/control/following.py": ("tests/physics/control/test_following.py",),
     "physics/control/transitions.py": ("tests/physics/control/test_transitions.py",),
     "physics/control/conditions.py": (

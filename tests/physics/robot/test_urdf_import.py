@@ -13,7 +13,7 @@ from pipeline.models.files import model_files
 from symolo.core.errors import InputError
 
 # Measures of a TurtleBot3 Burger (ROBOTIS e-Manual): wheels of 66 mm, 160 mm apart, 138 x 178 x 192 mm, about 1 kg.
-BURGER = (Path(__file__).parents[2] / "examples/burger.urdf").read_text()
+BURGER = (Path(__file__).parents[3] / "examples/burger.urdf").read_text()
 
 
 def imported(text, **options):

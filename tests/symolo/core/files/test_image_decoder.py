@@ -26,7 +26,7 @@ from symolo.core.files.image_decoder import (
 )
 from symolo.dataset.pixels import decoded_contents
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 SIZE = 3, 2
 FAULTY = """
 import os, signal, time
