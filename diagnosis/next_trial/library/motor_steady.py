@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.measurement import CaseKind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.next_trial.library.base import Library, Units
+from diagnosis.next_trial.library.rows import library_of_rows
 from diagnosis.next_trial.limits import Limits
 from diagnosis.next_trial.template import measurement_of, trial_with
 from diagnosis.predictors import STAGES
@@ -33,30 +34,15 @@ def motor_steady(template: Measurement, limits: Limits, robots: Sequence[RobotCo
     """
     levels_V = _levels(template, limits, robots)
     t_s = limits.row_s * np.arange(1.0, limits.units + 1.0)
-    trials = [
-        trial_with(template, str(k + 1), t_s.copy(), {"u_cmd_V": np.full(len(t_s), level_V)})
-        for k, level_V in enumerate(levels_V.tolist())
-    ]
-    count = len(t_s)
 
-    def composed(units: Units) -> Measurement:
-        return measurement_of(template, [trial_with(template, "1", t_s, {"u_cmd_V": levels_V[units // count]})])
+    def trial(name: str, levels: Units) -> Trial:
+        return trial_with(template, name, t_s.copy(), {"u_cmd_V": levels_V[levels]})
 
-    def ordered(units: Units) -> Units:
+    def order(levels: Units) -> Units:
         # Forward from low to high voltages, then backward, so that the supply is reversed once.
-        level = units // count
-        by_level = np.lexsort((np.abs(levels_V[level]), levels_V[level] < 0.0))
-        return level[by_level] * count + np.arange(count)
+        return levels[np.lexsort((np.abs(levels_V[levels]), levels_V[levels] < 0.0))]
 
-    slots = tuple(np.arange(len(levels_V)) * count + slot for slot in range(count))
-    return Library(
-        measurement_of(template, trials),
-        np.arange(len(levels_V) * count) // count,
-        is_unit_a_row=True,
-        slots=slots,
-        composed=composed,
-        ordered=ordered,
-    )
+    return library_of_rows(template, len(levels_V), t_s, trial, order)
 
 
 def _levels(template: Measurement, limits: Limits, robots: Sequence[RobotConfig]) -> Array:

@@ -9,8 +9,9 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.next_trial.library.base import Library, Units
+from diagnosis.next_trial.library.rows import library_of_rows
 from diagnosis.next_trial.limits import Limits
-from diagnosis.next_trial.template import measurement_of, trial_with
+from diagnosis.next_trial.template import trial_with
 from symolo.core.arrays import Array
 
 DISTANCES = 13
@@ -37,31 +38,18 @@ def tof_bench(template: Measurement, limits: Limits, robots: Sequence[RobotConfi
     }
     materials = np.array([condition[0] for condition in conditions])
     t_s = limits.row_s * np.arange(1.0, limits.units + 1.0)
-    count, temperature = len(t_s), _values(template, "temperature_C")[0]
+    temperature = _values(template, "temperature_C")[0]
 
     def trial(name: str, chosen: Units) -> Trial:
         inputs = {key: values[chosen] for key, values in columns.items()}
         inputs["temperature_C"] = np.full(len(chosen), temperature)
         return trial_with(template, name, t_s.copy(), inputs, words={"material": materials[chosen].tolist()})
 
-    def composed(units: Units) -> Measurement:
-        return measurement_of(template, [trial("1", units // count)])
-
-    def ordered(units: Units) -> Units:
-        chosen = units // count
+    def order(chosen: Units) -> Units:
         keys = [columns["distance_m"], columns["ambient_lux"], columns["incidence_rad"], _codes(materials)]
-        return chosen[np.lexsort([key[chosen] for key in keys])] * count + np.arange(count)
+        return chosen[np.lexsort([key[chosen] for key in keys])]
 
-    trials = [trial(str(k + 1), np.full(count, k)) for k in range(len(conditions))]
-    slots = tuple(np.arange(len(conditions)) * count + slot for slot in range(count))
-    return Library(
-        measurement_of(template, trials),
-        np.arange(len(conditions) * count) // count,
-        is_unit_a_row=True,
-        slots=slots,
-        composed=composed,
-        ordered=ordered,
-    )
+    return library_of_rows(template, len(conditions), t_s, trial, order)
 
 
 def _materials(template: Measurement) -> list[str]:
