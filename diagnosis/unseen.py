@@ -75,14 +75,6 @@ def unseen_inputs(
     return tuple(inputs)
 
 
-def unseen_runs(measurement: Measurement, robot: RobotConfig, unseen: Mapping[str, Measurement]) -> dict[str, Columns]:
-    """Return predictions by file name; columns (n,) for the n rows of the inputs, NaN where they determine nothing."""
-    return {
-        inputs.file: dict(zip(inputs.names, inputs.means([robot])[:, 0], strict=True))
-        for inputs in unseen_inputs(measurement, robot, unseen)
-    }
-
-
 def csv_text(columns: Columns) -> str:
     """Return a header and a line for each row; cells without a prediction are empty."""
     rows = zip(*columns.values(), strict=True)

@@ -1,11 +1,8 @@
-"""What a refusal of the operating system means for the user: what the machine lacks, and what to do about it."""
+"""Meaning of an error of the operating system for the user: what the machine lacks, and what to do about it."""
 
 import errno
 import re
 import sys
-
-DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
-"""EFBIG too: a limit on the size of files stops the writing of an image as a full disk does."""
 
 NOT_THERE = (FileNotFoundError, NotADirectoryError, IsADirectoryError)
 """What is raised for a file that is not there. Any other error says nothing about whether it is."""

@@ -14,7 +14,7 @@ from diagnosis.prediction_error import predictions, relative_distance
 from diagnosis.predictors.pose.by_counts import PoseNoise
 from diagnosis.predictors.pose.dead_reckoning import path_sd
 from diagnosis.report.files import ANSWER, PAGE, SUMMARY, files
-from diagnosis.unseen import unseen_runs
+from diagnosis.unseen import unseen_inputs
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 NOISE_A, NOISE_RAD_S = 0.001, 0.04
@@ -48,13 +48,12 @@ def test_inside_the_range_it_is_noise_and_the_scatter_of_fitted_robots(slow_benc
     assert [named.name for named in diagnosis.named] == ["current_sensor_gain"]
     fit = diagnosis.fit
     draws = np.random.default_rng(1).multivariate_normal(fit.x, fit.covariance, 400)
-    columns = [
-        unseen_runs(diagnosis.measurement, robot, unseen)["case.csv"]
-        for robot in fit.hypothesis.robots(fit.hypothesis.clipped(draws))
-    ]
+    robots = fit.hypothesis.robots(fit.hypothesis.clipped(draws))
+    (runs,) = unseen_inputs(diagnosis.measurement, robots[0], unseen)
+    means = dict(zip(runs.names, runs.means(robots), strict=True))
     moving = (volts > 0.5) & (volts <= SEEN_V)
     for name, noise in (("current_A", NOISE_A), ("omega_rad_s", NOISE_RAD_S)):
-        scatter = np.std([each[name] for each in columns], axis=0)
+        scatter = np.std(means[name], axis=0)
         level = np.median(fit.sd[np.array([o.name for o in fit.evidence.observed])[fit.evidence.quantity] == name])
         assert level == pytest.approx(noise, rel=0.3)
         expected = np.hypot(level, scatter)

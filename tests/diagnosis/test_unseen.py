@@ -10,7 +10,7 @@ from configs.loader import load_section
 from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.unseen import csv_text, unseen_runs
+from diagnosis.unseen import csv_text, unseen_inputs
 from pipeline.diagnosing.importers import IMPORTERS
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
@@ -26,7 +26,8 @@ def predicted(tmp_path):
         cases.write(case, tmp_path / case.name)
         measurement = read_measurement(tmp_path / case.name, IMPORTERS)
         robot = nominal_robot(measurement.nominal, draw_robot(load_section("robot", "nominal"), 0, "t")[0])
-        return unseen_runs(measurement, robot, read_blind(tmp_path / case.name, measurement.kind)), case
+        unseen = unseen_inputs(measurement, robot, read_blind(tmp_path / case.name, measurement.kind))
+        return {runs.file: dict(zip(runs.names, runs.means([robot])[:, 0], strict=True)) for runs in unseen}, case
 
     return make
 

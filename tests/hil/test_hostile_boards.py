@@ -15,8 +15,8 @@ from hil.framings import FRAMINGS
 from hil.framings.base import SensorsMessage
 from hil.framings.framed import Framed
 from hil.links.serial_link import SerialLink
-from hil.links.stand_in import StandInBoard
 from hil.loop import BoardPilot, LoopSettings
+from tests.hil.stand_in_board import StandInBoard
 
 TICK_S = 0.02
 GIVE_UP_S = 0.2

@@ -8,10 +8,10 @@ from hil.errors import BoardLost
 from hil.frames import HelloFrame
 from hil.framings import FRAMINGS
 from hil.framings.framed import Framed
-from hil.links.stand_in import StandInBoard
 from hil.loop import BoardPilot, LoopSettings
 from symolo.core.errors import InputError
 from symolo.dataset.codes import State
+from tests.hil.stand_in_board import StandInBoard
 
 
 class BadLine(StandInBoard):

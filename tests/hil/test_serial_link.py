@@ -15,9 +15,9 @@ from hil.errors import BoardLost
 from hil.framings.framed import Framed
 from hil.links import serial_link
 from hil.links.serial_link import SerialLink
-from hil.links.stand_in import StandInBoard
 from hil.loop import BoardPilot, LoopSettings
 from symolo.core.errors import EnvironmentLacking, InputError
+from tests.hil.stand_in_board import StandInBoard
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""A stand-in for a board: a function from sensors to command behind a framing, for tests and experiments."""
+"""A stand-in for a board: a function from sensors to command behind a framing."""
 
 from collections.abc import Callable
 from dataclasses import replace
