@@ -226,7 +226,12 @@ def _usage_problem(error: typer.TyperException) -> str:
     context, name = getattr(error, "ctx", None), getattr(error, "option_name", None)
     if context is not None and name in {option for each in context.find_root().command.params for option in each.opts}:
         return f"write {name} before the command: symolo {name} ... {context.info_name}"
-    return f"{error.format_message()} (see symolo --help)"
+    names = []
+    while context is not None and context.parent is not None:
+        names.append(context.info_name)
+        context = context.parent
+    message = error.format_message().replace("Value error, ", "").rstrip(".?")
+    return f"{message}; see {' '.join(['symolo', *reversed(names)])} --help"
 
 
 def _fail(code: int, text: str) -> int:

@@ -27,7 +27,7 @@ def drawing_from_image(data: bytes, where: str, width_m: float | None) -> Drawin
         InputError: It is no such image, nothing is dark, or there are too many walls.
     """
     if width_m is None:
-        raise InputError("--width-m", where=where, cure="say how wide the whole image is: --width-m 2.4")
+        raise InputError("the width of the image is not known", where=where, cure="add it in metres: --width-m 2.4")
     try:
         if len(data) > MAX_BYTES:
             raise ValueError(f"is larger than {MAX_BYTES >> 20} MiB")  # noqa: TRY301 - handled with the others

@@ -14,6 +14,7 @@ from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
+from symolo.core.files.paths import check_folder
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.robot_path import RobotPath
 from symolo.core.progress import plural
@@ -106,8 +107,7 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
 
 def _run(path: Path) -> _RunImages:
     folder = path.parent if path.name == DATA else path
-    if not folder.is_dir():
-        raise InputError("no such folder", where=str(path), cure="name a run folder, with data.csv and images")
+    check_folder(folder, "name a run folder, with data.csv and images", where=str(path))
     if not (folder / IMAGES).is_dir():
         raise InputError(f"has no folder {IMAGES}", where=str(folder), cure="name a run whose images are rendered")
     spec = folder / SIDE / SPEC

@@ -25,6 +25,7 @@ from symolo.core.errors import InputError, one_line
 from symolo.core.files.atomic_files import place_of
 from symolo.core.files.file_hashes import holds
 from symolo.core.files.file_locks import LOCK
+from symolo.core.files.paths import check_folder
 from symolo.core.files.plain_files import FileKind, check_tree, is_plain_file, read_file
 from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import read_metadata
@@ -117,8 +118,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     Raises:
         InputError: It is no such folder.
     """
-    if not out.is_dir():
-        raise InputError("no such folder", where=str(out), cure="name the folder that --out named")
+    check_folder(out, "name the folder that --out named")
     check_is_whole(out, "symolo status")
     if (kind := kind_of(out)) not in DATASETS:
         what = f"contains the output of a command for {kind}" if kind else "is not an output folder of a release"

@@ -38,7 +38,7 @@ class Conclusion:
         worst = min((r.likeness.level_db for r in results if r.verdict is Verdict.CLOSE), default=math.inf)
         if math.isinf(worst):
             return cls(CLOSE, f"the same values: {same} of {files} identical, no number or pixel differs in the others")
-        return cls(CLOSE, f"equal within {shown_db(worst)}: {same} of {files} identical, the others as like as that")
+        return cls(CLOSE, f"equal within {shown_db(worst)}: {same} of {files} identical")
 
 
 def made_differently(a: Path, b: Path) -> Iterator[str]:

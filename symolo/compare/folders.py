@@ -62,7 +62,7 @@ def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
         tolerance_db: Level from which files count as equal [dB].
 
     Raises:
-        InputError: A path does not exist, or one is a file and the other a folder.
+        InputError: A path does not exist, one is a file and the other a folder, or both folders are empty.
     """
     for path in (a, b):
         if not path.exists():
@@ -73,6 +73,8 @@ def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
         yield _compared(a, b, a.name, tolerance_db)
         return
     names_a, names_b = _names(a), _names(b)
+    if not names_a and not names_b:
+        raise InputError("both folders are empty", where=f"{a} and {b}", cure="name two datasets, runs or images")
     for name in sorted(names_a | names_b):
         if name in SEALS and not (name in names_a and name in names_b):
             yield FileResult(name, Verdict.FOLLOWS)

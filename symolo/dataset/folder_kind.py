@@ -17,6 +17,10 @@ KIND = "kind"
 """File in `.stages` that names the kind of the folder."""
 
 
+NAME_DATASET = "name the folder that holds metadata.json"
+"""What to do where a dataset was expected."""
+
+
 class Kind(TextEnum):
     """Kind of an output folder; a command for one kind does not write into a folder of a different kind."""
 

@@ -16,7 +16,7 @@ from symolo.core.files.new_folder import check_new, new_folder
 from symolo.core.files.tar_files import tar_chunks
 from symolo.core.progress import Report, StageReport
 from symolo.dataset.documents.metadata import METADATA, Metadata
-from symolo.dataset.folder_kind import check_is_whole
+from symolo.dataset.folder_kind import NAME_DATASET, check_is_whole
 from symolo.dataset.layout import NAME_PATTERN
 from symolo.dataset.manifest import manifest
 from symolo.publishing.about import About
@@ -59,7 +59,7 @@ def plan(root: Path, about: About, shard_bytes: int) -> Plan:
     data = load(root)
     inventory = Inventory.of_whole(data.root)
     if data.metadata is None:
-        raise InputError("is one run, not a release", where=str(root), cure="name the folder that holds metadata.json")
+        raise InputError("is one run, not a release", where=str(root), cure=NAME_DATASET)
     if not re.fullmatch(NAME_PATTERN, data.metadata.name):  # it becomes the name of a file
         allowed = "up to 64 letters, digits, _ and -"
         raise InputError("name", where=str(data.root / METADATA), got=data.metadata.name, allowed=allowed)

@@ -10,10 +10,12 @@ import pandas as pd
 from pydantic import ValidationError
 
 from symolo.core.errors import InputError, nearest
+from symolo.core.files.paths import check_folder
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
 from symolo.dataset.documents.splits_record import SplitsRecord
+from symolo.dataset.folder_kind import NAME_DATASET
 from symolo.dataset.layout import DATA
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
@@ -138,8 +140,7 @@ def load(path: str | Path) -> Dataset:
         InputError: `path` is none of these, metadata.json is damaged, or a run that it names is missing.
     """
     root = Path(path)
-    if not root.is_dir():
-        raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
+    check_folder(root, NAME_DATASET)
     if (root / DECLARATION).is_file():
         check_folders(root, PAYLOAD)
         root /= PAYLOAD

@@ -5,12 +5,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from symolo.core.errors import InputError
-from symolo.core.files.paths import folders_of
+from symolo.core.files.paths import check_folder, folders_of
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
-from symolo.dataset.folder_kind import check_is_whole
+from symolo.dataset.folder_kind import NAME_DATASET, check_is_whole
 from symolo.dataset.layout import DESCRIPTION
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
@@ -40,8 +39,7 @@ def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None =
         InputError: There is no such folder.
         EnvironmentLacking: A signature is to be checked, and the extra `sign` is not installed.
     """
-    if not root.is_dir():
-        raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
+    check_folder(root, NAME_DATASET)
     check_is_whole(root, "symolo verify")
     if (root / DECLARATION).is_file():
         payload = [] if (root / PAYLOAD).is_symlink() else _dataset_findings(root / PAYLOAD, check_spec, key)

@@ -104,6 +104,8 @@ def _sign(
 
     from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.errors import InputError
+    from symolo.core.files.paths import check_folder
+    from symolo.dataset.folder_kind import NAME_DATASET
     from symolo.dataset.manifest import PROVENANCE, SIGNATURE
     from symolo.publishing.signing import SignedFacts, sign_release, signing_time
     from symolo.signing.key_files import read_secret_key
@@ -111,8 +113,7 @@ def _sign(
     if not re.fullmatch(r"\d+\.\d+\.\d+", version):
         raise InputError("--release-version", got=version, allowed="a version such as 1.0.0")
     facts = SignedFacts(version, signing_time(time))
-    if not folder.is_dir():
-        raise InputError("no such folder", where=str(folder), cure="name the folder that holds metadata.json")
+    check_folder(folder, NAME_DATASET)
     secret = read_secret_key(key, lambda: _passphrase(passphrase_file, new=False))
     comment = sign_release(folder, secret, facts, spec_problem, with_provenance=with_provenance)
     if with_provenance:

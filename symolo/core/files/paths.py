@@ -34,6 +34,22 @@ def check_path(path: Path, where: str) -> None:
         raise InputError(f"cannot be used: {error.strerror}", where=where, got=str(path)) from None
 
 
+def check_folder(path: Path, cure: str, where: str = "") -> None:
+    """Refuse a path that is not the path of a folder.
+
+    Args:
+        path: Of the folder to read.
+        cure: What to name instead.
+        where: The path as the message names it; by default the path alone.
+
+    Raises:
+        InputError: There is nothing at the path, or a file.
+    """
+    if not path.is_dir():
+        what = "is a file, not a folder" if path.exists() else "no such folder"
+        raise InputError(what, where=where or str(path), cure=cure)
+
+
 def check_new_path(path: Path, where: str, below_chars: int = 0) -> None:
     """Refuse what `check_path` refuses, and a path at which nothing could be made.
 

@@ -154,7 +154,7 @@ def test_dark_areas_of_a_floor_plan_are_walls_to_a_pixel():
 @pytest.mark.parametrize(
     ("data", "width_m", "message"),
     [
-        (plan(), None, "--width-m; say how wide the whole image is"),
+        (plan(), None, "the width of the image is not known; add it in metres: --width-m 2.4"),
         (b"GIF89a", 4.0, "the image .*allowed: PNG or JPEG"),
         (cv2.imencode(".png", np.full((9, 9, 3), 255, np.uint8))[1].tobytes(), 4.0, "nothing in the image is darker"),
     ],

@@ -12,6 +12,7 @@ from diagnosis.validation.range_sensor.recordings.scan import read_scan
 from diagnosis.validation.range_sensor.recordings.static import at_rest, read_rest_recording
 from diagnosis.validation.range_sensor.stand import SensorOnStand
 from symolo.core.errors import InputError
+from symolo.core.files.paths import check_folder
 
 
 def recordings(scan_folder: Path | None, static_folder: Path | None) -> ValidatedPart | None:
@@ -29,8 +30,7 @@ def _experiments(option: str, folder: Path | None, experiment_of: Callable[[Path
     if folder is None:
         return []
     cure = "name a folder of measured .csv files"
-    if not folder.is_dir():
-        raise InputError("no such folder", where=f"{option} {folder}", cure=cure)
+    check_folder(folder, cure, where=f"{option} {folder}")
     files = sorted(path for path in folder.glob("*.csv") if path.is_file())
     if not files:
         raise InputError("holds no .csv file", where=f"{option} {folder}", cure=cure)
