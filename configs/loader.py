@@ -1,4 +1,4 @@
-"""From the name of a scenario to a resolved, checked tree that runs can be drawn from."""
+"""Loading of a scenario: from its name to a resolved and checked tree from which runs are drawn."""
 
 from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence

@@ -154,10 +154,10 @@ def resolve_camera(node: Node, folder: Path) -> Node:
     """Return all settings of the camera that a node names or extends; any other node as it is."""
     if isinstance(node.value, str):
         what = "look.camera"
-        found = read_file("camera", locate("camera", node.value, folder=folder, what=what, where=node.where))
+        camera = read_file("camera", locate("camera", node.value, folder=folder, what=what, where=node.where))
     elif isinstance(node.value, dict) and "extends" in node.value:
-        found = resolve("camera", node, folder, prefix=("look", "camera"))
+        camera = resolve("camera", node, folder, prefix=("look", "camera"))
     else:
         return node
     # With its defaults, nothing remains of a camera that it is merged over.
-    return with_defaults(found, Shape.of(CameraLook))
+    return with_defaults(camera, Shape.of(CameraLook))

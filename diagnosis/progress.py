@@ -1,4 +1,4 @@
-"""How far a diagnosis is. It is an estimate, because how many hypotheses are fitted depends on what the fits show."""
+"""Progress of a diagnosis. It is an estimate, because how many hypotheses are fitted depends on what the fits show."""
 
 from collections.abc import Callable
 from enum import Enum

@@ -22,7 +22,7 @@ class LogFile:
     """(N,) cells of each column."""
     has_decimal_commas: bool
     notes: tuple[str, ...] = ()
-    """What was unusual and was read all the same, in one sentence each."""
+    """Unusual parts of the file that were read all the same, in one sentence each."""
 
     @property
     def rows(self) -> int:

@@ -1,4 +1,4 @@
-"""What files look like, for those who recognise their kind; nothing here raises an error."""
+"""Looks at the beginning of files, by which their kind is recognised; nothing here raises an error."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -88,11 +88,11 @@ def _python() -> MachineCheck:
 
 def _package(package: str, locked: dict[str, str]) -> MachineCheck:
     version = installed_version(package)
-    wanted = locked.get(package.lower())
+    pinned = locked.get(package.lower())
     if version is None:
         return MachineCheck(package, ok=False, result="not installed", cure=INSTALL)
-    if wanted and version != wanted:
-        return MachineCheck(package, ok=False, result=f"{version}, but the lock file has {wanted}", cure=INSTALL)
+    if pinned and version != pinned:
+        return MachineCheck(package, ok=False, result=f"{version}, but the lock file has {pinned}", cure=INSTALL)
     return MachineCheck(package, ok=True, result=version)
 
 

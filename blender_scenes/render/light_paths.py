@@ -1,4 +1,4 @@
-"""How far light is followed, in numbers; docs/rendering.md says what each preset leaves out."""
+"""Numbers that limit how far Cycles follows light; docs/rendering.md says what each preset leaves out."""
 
 from dataclasses import dataclass, replace
 

@@ -20,9 +20,9 @@ _DRAWN_LENGTH_M = 0.18
 
 
 def robot_surfaces(robot: RobotConfig) -> tuple[Surface, ...]:
-    own = (moulded("robot_body", robot.body.color, 0.5),) if robot.body else ()
+    of_body = (moulded("robot_body", robot.body.color, 0.5),) if robot.body else ()
     return (
-        *own,
+        *of_body,
         moulded("robot_plate", (0.03, 0.03, 0.035), 0.4),
         moulded("robot_rubber", (0.02, 0.02, 0.02), 0.8),
         moulded("robot_board", (0.02, 0.08, 0.03), 0.4),

@@ -96,8 +96,8 @@ def _elements(group: Any, names: tuple[str, ...]) -> Iterator[tuple[Any, tuple[s
     for element in group:
         values = getattr(element, "values", None) or {}
         attributes = values.get("attributes", values)
-        own = [str(attributes.get(key, "")) for key in (_LABEL, "class", "id")]
-        inner = (*(name.lower() for name in own if name), *names)
+        labels = [str(attributes.get(key, "")) for key in (_LABEL, "class", "id")]
+        inner = (*(name.lower() for name in labels if name), *names)
         if isinstance(element, Group):
             yield from _elements(element, inner)
         elif isinstance(element, Shape):

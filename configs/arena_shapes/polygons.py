@@ -39,10 +39,10 @@ def with_polygons(root: Node) -> Node:
         cure = "write numbers; the walls of a polygon share their corners"
         alone = checked_alone(root, ("arena", "polygons"), _Alone, cure)
         walls = fields.get("walls", Node((), arena.where))
-        given = walls.value if isinstance(walls.value, tuple) else ()
+        boxes = walls.value if isinstance(walls.value, tuple) else ()
         built = [wall for polygon in alone.arena.polygons for wall in walls_of(polygon)]
         nodes = tuple(node_of(wall, polygons.where) for wall in built)
-        fields["walls"] = Node((*given, *nodes), walls.where)
+        fields["walls"] = Node((*boxes, *nodes), walls.where)
     return Node({**root.value, "arena": Node(fields, arena.where)}, root.where)
 
 

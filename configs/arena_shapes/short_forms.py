@@ -1,4 +1,4 @@
-"""What the short forms of an arena have in common: each is checked by itself and replaced before anything is drawn."""
+"""The common part of the short forms of an arena: each is checked by itself and replaced before anything is drawn."""
 
 from typing import TypeVar
 

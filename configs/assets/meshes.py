@@ -83,9 +83,9 @@ def _packed(name: str, folder: Node | None, mesh: Node, key: str) -> tuple[str, 
     from configs.assets.reading import read_bytes  # noqa: PLC0415 - as above
 
     if folder is None or not isinstance(folder.value, str) or not os.path.isdir(folder.value):  # noqa: PTH112
-        given = "" if folder is None else f", which is {displayed(Path(str(folder.value)))}"
+        where = "" if folder is None else f", which is {displayed(Path(str(folder.value)))}"
         cure = f"name it, such as assets: my_meshes in the {key.partition('.')[0]}"
-        raise Refusal(f"there is no folder {key}{given}", cure=cure)
+        raise Refusal(f"there is no folder {key}{where}", cure=cure)
     ending = Path(name).suffix.lower()
     if ending not in FORMATS:
         raise Refusal(f"has none of the endings {', '.join(FORMATS)}", cure="save it as .glb, .obj or .stl")

@@ -1,4 +1,4 @@
-"""How a dataset is divided into training, validation and test: `splits` of a scenario, and of `symolo export`."""
+"""Settings of splits into training, validation and test: `splits` of a scenario, and of `symolo export`."""
 
 from typing import Annotated
 

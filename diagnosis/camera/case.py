@@ -71,9 +71,9 @@ class CameraCase:
     """Path of the robot, which gives the poses of the images and those between them."""
     arena: Arena
     robot: RobotConfig
-    """Nominal robot."""
+    """Nominal robot, whose camera is identified."""
     look: LookConfig
-    """Nominal look."""
+    """Nominal look of the room."""
     response: CameraResponse
     """Camera response of the simulated images, or of those that a simulation would make."""
     pose_errors: PoseErrors = PoseErrors()

@@ -1,4 +1,4 @@
-"""Where the line's edges are in the images, compared with where a camera with deviations would see them.
+"""Places of the line's edges in the images, compared with where a camera with deviations would see them.
 
 The noise is that of the edges (texture, worn tape) and, for all edges of one image alike, that of its pose. Edges are
 searched several times: widely around the nominal camera, then ever closer around the last fit, so that a camera that is

@@ -25,7 +25,7 @@ class Example:
     hidden: Mapping[str, Mapping[str, object]]
     """Effects that the simulated robot had, with their parameters as far as its author states them."""
     note: str = ""
-    """How the effects of the case are defined, if that is not the definition of the diagnosis."""
+    """Definition of the effects of the case, if it differs from that of the diagnosis."""
 
     @property
     def name(self) -> str:

@@ -25,7 +25,7 @@ class MeasuredColumn:
     unit: str
     role: Role
     reach: Reach
-    """Possible values."""
+    """Range of the possible values."""
     decimals: int = 4
     """Digits after the point in files that we write; 0 means whole numbers, in files that we read as well."""
     may_be_empty: bool = True

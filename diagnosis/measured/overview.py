@@ -1,4 +1,4 @@
-"""What a log contains, for `symolo inspect`: trials with rates and gaps; channels with missing samples and noise."""
+"""Content of a log, for `symolo inspect`: trials with rates and gaps; channels with missing samples and noise."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ class NoiseSummary:
     """The noise that was estimated from the data."""
 
     text: str
-    """As `symolo inspect` prints it."""
+    """Description of the noise, as `symolo inspect` prints it."""
     sd: float | None = None
     """Standard deviation in the unit of the channel, or in that of the stated noise; None where it is not known."""
     correlation: float | None = None

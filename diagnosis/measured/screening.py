@@ -20,7 +20,7 @@ SAME = 0.7
 @dataclass(frozen=True)
 class Timing:
     period_s: float
-    """Usual step."""
+    """Usual time between two rows [s]."""
     longest_s: float
     gaps: int
     """Number of steps of more than 1.5 periods."""

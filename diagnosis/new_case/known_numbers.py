@@ -17,7 +17,7 @@ class KnownNumber:
     title: str
     """Words for a question and a comment."""
     allows: str
-    """What the diagnosis can name only if the number is known."""
+    """Effects that the diagnosis can name only if the number is known."""
     low: float = 0.0
     high: float = 1e6
 

@@ -180,11 +180,11 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     yield from _range_noise("tof_")
 
 
-def _origin(key: str, given: Container[str], estimated: Container[str], *, has_ticks: bool) -> str:
+def _origin(key: str, known: Container[str], estimated: Container[str], *, has_ticks: bool) -> str:
     """Return the comment for a number of the wheels that may be wrong."""
     if not has_ticks:
         return "not used: no counts"
-    if key in given:
+    if key in known:
         return "given, but the ticks were estimated with it"
     return _ESTIMATED if key in estimated else _ASSUMED
 

@@ -50,7 +50,7 @@ class _Rows:
     """Rows of one trial."""
 
     t_s: Array
-    """(N,), increasing."""
+    """(N,), increasing times of the rows [s]."""
     values: Mapping[str, Array]
     """(N,) of each column."""
     words: tuple[str, ...] = ()

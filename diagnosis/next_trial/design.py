@@ -38,7 +38,7 @@ class RelaxedLimit:
     """A limit, and the smallest separation with a wider one."""
 
     text: str
-    """What would be allowed, such as `30 s instead of 15 s`."""
+    """Description of the limit and of its new value, such as `30 s instead of 15 s`."""
     smallest: float
 
 

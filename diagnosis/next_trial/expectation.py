@@ -1,4 +1,4 @@
-"""What a trial is expected to show: how far the models are apart, and how probably only the right one remains."""
+"""Expected result of a trial: how far the models are apart, and how probably only the right one remains."""
 
 from dataclasses import dataclass
 from math import log, sqrt

@@ -25,7 +25,7 @@ class ModelOfUnits:
     """Predictions of N samples of U units by one model with P parameters, in standard deviations of their noise."""
 
     mean: Array
-    """(N,), predictions."""
+    """(N,), predictions of the readings in standard deviations."""
     slopes: Array
     """(P, N), derivatives of the predictions by the parameters."""
     before: Array
@@ -41,11 +41,11 @@ class Sums:
     """Sums over the units of several trials, (..., ) each; `pairs` are the ordered pairs of different models."""
 
     information: tuple[Array, ...]
-    """For each model (..., P, P), information of the trial about its parameters."""
+    """(..., P, P), information of the trial about the parameters of each model."""
     squares: tuple[Array, ...]
-    """For each pair (...), sum of the squared differences of both models."""
+    """(...), sum of the squared differences between the two models of each pair."""
     products: tuple[Array, ...]
-    """For each pair (..., P), sum of the differences times the slopes of the rival."""
+    """(..., P), sum of the differences of each pair times the slopes of the rival."""
 
     def plus(self, other: "Sums", sign: float = 1.0) -> "Sums":
         """Return the sums of both, or the difference with a sign of -1."""

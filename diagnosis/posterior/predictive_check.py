@@ -70,7 +70,7 @@ class CheckedStatistic:
     name: str
     measured: float
     quantiles: tuple[float, float, float]
-    """Of the drawn robots: lower end of the 95 % interval, median, upper end."""
+    """Lower end of the 95 % interval, median and upper end of the drawn robots."""
     share_below: float
     """Share of the drawn robots with a smaller value; equal ones count half."""
 

@@ -40,7 +40,7 @@ class RobotNumber:
     is_log: bool
     """Whether the coordinate is the logarithm of the number."""
     mean: float
-    """Fitted coordinate."""
+    """Fitted coordinate of the number."""
     low: float
     high: float
     """Bounds of the number."""

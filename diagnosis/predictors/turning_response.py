@@ -1,4 +1,4 @@
-"""How a quantity follows a small torque that depends on the angle of a shaft, without a simulation."""
+"""Response of a quantity to a small torque that depends on the angle of a shaft, without a simulation."""
 
 from dataclasses import dataclass
 from math import exp

@@ -1,4 +1,4 @@
-"""What the report shows beyond the diagnosis itself: the model without each effect, gains by quantity, signatures."""
+"""Data of the report beyond the diagnosis itself: the model without each effect, gains by quantity, signatures."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How each effect would show in the data: how far it moves each quantity, and which effects look alike.
+"""Signatures of the effects in the data: how far each moves each quantity, and which effects look alike.
 
 Every testable effect is switched on at its start value in the nominal robot, and the change of each prediction is
 expressed in standard deviations of the noise. The part that the tolerances of the nominal parameters could explain is

@@ -1,4 +1,4 @@
-"""What commands print with `--json`."""
+"""Reference of the results that commands print with `--json`."""
 
 from collections.abc import Iterator
 from typing import Any

@@ -1,4 +1,4 @@
-"""How frames are encoded on the serial line: one file for each framing, and this table."""
+"""Framings, which encode frames on the serial line: one file for each, and this table."""
 
 from hil.framings.base import Framing
 from hil.framings.framed import Framed

@@ -73,26 +73,26 @@ def between(parent: str, child: str, transforms: Sequence[Track]) -> Track | Non
     Times are those of the transform with the most messages; of the others the last one before that counts.
     """
     by_child = {_plain(track.child): track for track in transforms if len(track.t_s)}
-    way: list[Track] = []
+    chain: list[Track] = []
     frame = _plain(child)
     while frame != _plain(parent):
         track = by_child.get(frame)
-        if track is None or track in way:
+        if track is None or track in chain:
             return None
-        way.insert(0, track)
+        chain.insert(0, track)
         frame = _plain(track.parent)
-    if not way:
+    if not chain:
         return None
-    leading = max(way, key=lambda track: len(track.t_s))
+    leading = max(chain, key=lambda track: len(track.t_s))
     # A transform that is sent once holds for the whole time.
-    starts = [track.t_s[0] for track in way if len(track.t_s) > 1]
+    starts = [track.t_s[0] for track in chain if len(track.t_s) > 1]
     t_s = leading.t_s[leading.t_s >= max(starts, default=-np.inf)]
     X = np.tile(np.eye(4), (len(t_s), 1, 1))
-    for track in way:
+    for track in chain:
         at = np.maximum(np.searchsorted(track.t_s, t_s, side="right") - 1, 0)
         X = X @ track.matrices[at]
     values = np.column_stack((X[:, :3, 3], quaternions(X[:, :3, :3]))) if len(t_s) else np.zeros((0, 7))
-    changes = tuple(change for track in way for change in track.changes)
+    changes = tuple(change for track in chain for change in track.changes)
     return Track(f"{parent}:{child}", parent, child, t_s, values, changes)
 
 

@@ -111,10 +111,10 @@ def _best(tracks: dict[str, Track], transforms: Sequence[Track], path: Path) -> 
     robots = [name for name in usable if not _NO_POSE_OF_THE_ROBOT.search(name.lower())] or usable
     frames = robot_frames(transforms)
     of_robot = frames and between(*frames, transforms)
-    found = [*(tracks[name] for name in sorted(robots, key=rank)), *([of_robot] if of_robot else [])]
-    if found:
-        names = dict.fromkeys([*(track.name for track in found[1:]), *pairs(transforms)])
-        return found[0], [name for name in names if name != found[0].name]
+    tracks_by_rank = [*(tracks[name] for name in sorted(robots, key=rank)), *([of_robot] if of_robot else [])]
+    if tracks_by_rank:
+        names = dict.fromkeys([*(track.name for track in tracks_by_rank[1:]), *pairs(transforms)])
+        return tracks_by_rank[0], [name for name in names if name != tracks_by_rank[0].name]
     cure = "it needs nav_msgs/Odometry, a pose or a transform of geometry_msgs, or tf; see docs/import.md"
     raise InputError("has no topic with the poses of a robot", where=str(path), cure=cure)
 
@@ -179,12 +179,12 @@ def _robot_frame(track: Track, transforms: Sequence[Track]) -> str:
 def _ranges(bag: Bag) -> dict[str, Topic]:
     """Return the range sensors by column of data.csv, where exactly one is named after a side."""
     topics = [topic for topic in bag.topics if topic.stream.columns == ("range_m",)]
-    found = {}
+    topic_by_column = {}
     for side, column in _SIDES.items():
         named = [topic for topic in topics if side in f"{topic.stream.topic} {topic.stream.parent}".lower()]
         if len(named) == 1:
-            found[column] = named[0]
-    return found
+            topic_by_column[column] = named[0]
+    return topic_by_column
 
 
 def _held(topic: Topic, t_s: Array) -> Array:

@@ -54,7 +54,7 @@ class LoggedSensor:
     values: Array
     """(N, cells of all columns), NaN where nothing was measured."""
     settings: Mapping[str, float]
-    """What is known of its settings, by their names in `robot.sensors`."""
+    """Known settings of the sensor, by their names in `robot.sensors`."""
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,11 @@ class LoggedTrajectory:
     """(N,) by column of data.csv; NaN where nothing was measured, and infinity where a range sensor saw no target."""
     tables: tuple[LoggedTable, ...] = ()
     changes: tuple[str, ...] = ()
-    """What was changed beside units, in one sentence each, such as a tilt that was left out."""
+    """Changes of the data, except those of units, in one sentence each, such as a tilt that was left out."""
     guesses: tuple[str, ...] = ()
     """Guesses that the user has to check, in one sentence each."""
     warnings: tuple[str, ...] = ()
-    """What is suspicious about it, in one sentence each."""
+    """Suspicious properties of the trajectory, in one sentence each."""
     name: str = ""
     """Name within a log of several trajectories, such as a topic."""
     sensors: tuple[LoggedSensor, ...] = ()

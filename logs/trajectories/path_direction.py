@@ -1,4 +1,4 @@
-"""How headings agree with the path that they should follow: a robot rolls along its heading."""
+"""Agreement of headings with the path that they should follow: a robot rolls along its heading."""
 
 import math
 

@@ -41,10 +41,10 @@ def propose_trajectory(log: LogFile) -> Proposal:
     proposal = propose_as(log, TRAJECTORY, left_open=_MOTION)
     sources = dict(proposal.mapping.columns)
     stated = {name: bool(taken_apart(source.column).unit) for name, source in sources.items()}
-    own = {name: source.column == name for name, source in sources.items()}
+    has_our_name = {name: source.column == name for name, source in sources.items()}
     warnings = [*proposal.warnings]
     with suppress(InputError):  # wrong cells are reported together, when the rows are read
-        warnings += _guess_motion(log, sources, {name: stated[name] or own[name] for name in sources})
+        warnings += _guess_motion(log, sources, {name: stated[name] or has_our_name[name] for name in sources})
     mapping = LogMapping.model_validate({"kind": TRAJECTORY.name, "columns": sources})
     return Proposal(mapping, tuple(warnings))
 

@@ -97,10 +97,10 @@ class RayScene:
         normal = self._outward[(along[axis, surface, ray] < 0.0).astype(np.int64), axis, surface]
         for row, half_size, body in self._bodies:
             to_body = self._to_boxes.reshape(3, -1, 3)[:, row]
-            start, way = (origins - self._middle[row]) @ to_body.T, (ends - origins) @ to_body.T
-            (near,) = in_box(half_size, start, way + PARALLEL).nonzero()
+            start, to_end = (origins - self._middle[row]) @ to_body.T, (ends - origins) @ to_body.T
+            (near,) = in_box(half_size, start, to_end + PARALLEL).nonzero()
             if len(near):
-                met, normals = body.cast(start[near], way[near])
+                met, normals = body.cast(start[near], to_end[near])
                 closer = met < fraction[near]
                 rays = near[closer]
                 fraction[rays], surface[rays], normal[rays] = met[closer], row, normals[closer] @ to_body

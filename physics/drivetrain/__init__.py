@@ -1,1 +1,1 @@
-"""From commanded voltage to wheel motion: motor, bridge, gearbox, friction and the wheel-speed loop."""
+"""Drivetrain, from commanded voltage to wheel motion: motor, bridge, gearbox, friction and the wheel-speed loop."""

@@ -1,4 +1,4 @@
-"""From commanded voltages to wheel torques, with all effects on voltage, supply and friction.
+"""Wheel torques from commanded voltages, with all effects on voltage, supply and friction.
 
 Motors lie along the last axis of every array: right and left of a robot, or a single one on a bench. Numbers of several
 robots are stacked along an axis before it. The current of the bare winding is linear in the speed, and integrators

@@ -31,7 +31,7 @@ class HeldPart:
 @dataclass(frozen=True)
 class HeldRow:
     parts: tuple[HeldPart, ...]
-    """One part, or two if a delayed command takes effect within the row."""
+    """Parts of the row: one, or two if a delayed command takes effect within the row."""
     last_V: Array
     """Voltage at the end of the row."""
     supply_V: float | Array

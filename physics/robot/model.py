@@ -32,7 +32,7 @@ class RobotModel:
     motors: Motors
     geometry: WheelGeometry
     counts_per_revolution: float
-    """True counts per revolution of the encoders."""
+    """True counts of the encoders per revolution of a wheel."""
     input_delay_s: float
 
     @classmethod

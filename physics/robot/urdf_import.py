@@ -107,7 +107,7 @@ class _Importer:
 
     def _caster(self, drive: dict[str, Any]) -> None:
         """Take the body farthest from the axle that touches the floor there; a robot has one caster here."""
-        found: list[tuple[float, str, float]] = []
+        casters: list[tuple[float, str, float]] = []
         for link in self._others():
             named = any(word in link.name.lower() for word in _CASTERS)
             for shape in link.shapes:
@@ -115,16 +115,16 @@ class _Importer:
                 if len(points) and points[:, 2].min() < _ON_FLOOR_M and (named or shape.kind == "sphere"):
                     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
                     radius_m = float(shape.size_m[0]) if shape.kind != "box" else float(np.ptp(points[:, 2])) / 2.0
-                    found.append((float(middle[0]), link.name, radius_m))
-        if not found:
+                    casters.append((float(middle[0]), link.name, radius_m))
+        if not casters:
             drive["caster_x_m"] = _rounded(-0.5 * self._track_m)
             self._imported.assumed.append(f"caster {-drive['caster_x_m']:g} m behind the axle: no link is one")
             return
-        x_m, link_name, radius_m = max(found, key=lambda caster: abs(caster[0]))
+        x_m, link_name, radius_m = max(casters, key=lambda caster: abs(caster[0]))
         drive["caster_x_m"], drive["caster_radius_m"] = _rounded(x_m), _rounded(min(max(radius_m, 0.002), 0.1))
         self._imported.read.append(f"caster {link_name}: {x_m:.4g} m ahead of the axle, radius {radius_m:.4g} m")
-        if len(found) > 1:
-            self._imported.assumed.append(f"one caster in place of {len(found)}: {link_name}")
+        if len(casters) > 1:
+            self._imported.assumed.append(f"one caster in place of {len(casters)}: {link_name}")
 
     def _others(self) -> list[UrdfLink]:
         return [link for link in self._tree.links.values() if link.name not in self._wheel_links]

@@ -56,7 +56,7 @@ class UrdfLink:
     center_of_mass: Array
     """(3,) [m], in the frame of the root."""
     shapes: tuple[UrdfShape, ...]
-    """Those of collisions, or of visuals where there are none for collisions."""
+    """Shapes of the collisions, or of the visuals where the link has none for collisions."""
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ class LineRow:
 
 
 @dataclass(frozen=True)
-class Drawing:
+class RobotDrawing:
     """Numbers of a robot from its drawing and the data sheets of its parts."""
 
     odometry: Odometry
@@ -62,7 +62,7 @@ class Drawing:
     line: LineRow
 
     @classmethod
-    def of(cls, robot: RobotConfig) -> "Drawing":
+    def of(cls, robot: RobotConfig) -> "RobotDrawing":
         tof = robot.tof
         return cls(
             odometry=Odometry.from_config(robot),
@@ -121,7 +121,7 @@ class RobotKnowledge:
     on_line: NDArray[np.bool_]
     """(N, 8), whether a channel of the line sensor is over the tape, right to left."""
     start: Start
-    drawing: Drawing
+    drawing: RobotDrawing
     map: Arena
     """Shapes of line, walls and standing obstacles, all of equal material and brightness, without what moves."""
     images: RunImages | None
@@ -153,7 +153,7 @@ class RobotKnowledge:
             fresh=status != TofStatus.HELD,
             on_line=rows.line < spec.robot.line_sensor.threshold,
             start=start,
-            drawing=Drawing.of(spec.robot),
+            drawing=RobotDrawing.of(spec.robot),
             map=replace(arena, boxes=standing, floor_reflectance=1.0, line=line),
             images=images,
             further=further,

@@ -20,7 +20,7 @@ class Call:
     """One call of `apply`."""
 
     arguments: tuple[Any, ...]
-    """As they were before the call."""
+    """Copies of the arguments from before the call."""
     result: Any
 
 
@@ -38,12 +38,12 @@ def recorded(effect: type[Effect]) -> Iterator[list[Call]]:
         calls.append(Call(before, frozen(result)))
         return result
 
-    own: Any = effect  # `apply` differs from slot to slot
-    own.apply = apply
+    effect_class: Any = effect  # `apply` differs from slot to slot
+    effect_class.apply = apply
     try:
         yield calls
     finally:
-        own.apply = original
+        effect_class.apply = original
 
 
 def frozen(value: Any) -> Any:  # noqa: ANN401 - whatever a slot passes

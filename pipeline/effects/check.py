@@ -7,10 +7,10 @@ from pathlib import Path
 from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
 from pipeline.effects.closest import Resemblance, closest
-from pipeline.effects.contract import RULES, Verdict, judged
+from pipeline.effects.contract import RULES, RuleVerdict, judged
 from pipeline.effects.listing import settings_of
 from pipeline.effects.probe import Probe
-from pipeline.effects.trial import Trial, trials
+from pipeline.effects.trial import EffectTrial, trials
 from symolo.core.errors import InputError
 
 MIN_SHARE = 0.05
@@ -22,7 +22,7 @@ class CheckedEffect:
     """The verdicts about one effect."""
 
     effect: type[Effect]
-    verdicts: tuple[tuple[str, Verdict], ...]
+    verdicts: tuple[tuple[str, RuleVerdict], ...]
     """Name of the choice of parameters that are not numbers, empty if there is none, and the verdict."""
     resembles: Resemblance | None
     """The most similar shipped effect of the same slot."""
@@ -68,7 +68,7 @@ def load_to_fit(path: Path) -> type[Effect]:
     return effect
 
 
-def _verdicts(trial: Trial) -> Iterator[Verdict]:
+def _verdicts(trial: EffectTrial) -> Iterator[RuleVerdict]:
     """Yield the verdicts, up to that of an effect that does not run at all, which the others would repeat."""
     for verdict in judged(trial):
         yield verdict

@@ -10,7 +10,7 @@ import numpy as np
 from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
 from pipeline.effects.probe import Probe, Readings
-from pipeline.effects.trial import Trial, trials
+from pipeline.effects.trial import EffectTrial, trials
 from symolo.core.arrays import Array
 
 NOISE: Mapping[str, float] = MappingProxyType(
@@ -49,7 +49,7 @@ class Resemblance:
     subtracted from 1."""
 
 
-def closest(trial: Trial) -> Resemblance | None:
+def closest(trial: EffectTrial) -> Resemblance | None:
     """Return the shipped effect of the same slot that imitates an effect best; None if there is none.
 
     Two effects that no measurement shows both are not compared. The change of the readings at the start values is
@@ -57,7 +57,7 @@ def closest(trial: Trial) -> Resemblance | None:
     """
     change = _change(trial, trial.start)
     size = float(change @ change)
-    best: tuple[float, Trial] | None = None
+    best: tuple[float, EffectTrial] | None = None
     for other in _rivals(trial):
         share = (
             1.0 - _left(change, _directions(other.effect, tuple(other.choices.items()), other.probe)) / size
@@ -74,19 +74,19 @@ def closest(trial: Trial) -> Resemblance | None:
     return Resemblance(other.name, share)
 
 
-def _rivals(trial: Trial) -> list[Trial]:
-    effect, own = trial.effect, EFFECTS.files
+def _rivals(trial: EffectTrial) -> list[EffectTrial]:
+    effect, user_files = trial.effect, EFFECTS.files
     return [
         other
         for kind in EFFECTS.classes()
-        if kind is not effect and kind.slot is effect.slot and kind.name not in own
+        if kind is not effect and kind.slot is effect.slot and kind.name not in user_files
         if not set(kind.setups).isdisjoint(effect.setups)
         for other in trials(kind, trial.probe, has_engine=False)
         if all(trial.choices.get(name, value) == value for name, value in other.choices.items())
     ]
 
 
-def _change(trial: Trial, effect: Effect) -> Array:
+def _change(trial: EffectTrial, effect: Effect) -> Array:
     """Return the change of all readings without an engine, in standard deviations."""
     return np.concatenate(
         [_difference(trial.bare(place), trial.read(place, effect)) for place in trial.places() if place != "engine"]
@@ -102,12 +102,12 @@ def _difference(bare: Readings, changed: Readings) -> Array:
 @cache
 def _directions(kind: type[Effect], choices: tuple[tuple[str, str], ...], probe: Probe) -> tuple[Array, ...]:
     """Return the change at the start values, and its derivative by each number."""
-    trial = Trial(kind, dict(choices), probe)
+    trial = EffectTrial(kind, dict(choices), probe)
     at = _change(trial, trial.start)
     return (at, *_derivatives(trial, trial.start, at))
 
 
-def _derivatives(trial: Trial, effect: Effect, at: Array) -> list[Array]:
+def _derivatives(trial: EffectTrial, effect: Effect, at: Array) -> list[Array]:
     columns = []
     for name, number in trial.effect.parameters().items():
         value = getattr(effect, name)
@@ -129,7 +129,7 @@ def _left(change: Array, directions: Sequence[Array]) -> float:
     return float(rest @ rest)
 
 
-def _fitted(change: Array, other: Trial) -> float:
+def _fitted(change: Array, other: EffectTrial) -> float:
     """Return the squares that remain of a change if the numbers of another effect are fitted to it."""
     numbers, effect = other.effect.parameters(), other.start
     best = float("inf")

@@ -17,7 +17,7 @@ from configs.schema.robot import RobotConfig
 from pipeline.effects.calls import Call, frozen, numbers_in, rows_of
 from pipeline.effects.closest import SAME_SHARE, closest
 from pipeline.effects.probe import ABOUT, Readings, equal
-from pipeline.effects.trial import Trial
+from pipeline.effects.trial import EffectTrial
 from symolo.core.arrays import Array
 from symolo.core.errors import one_line
 
@@ -42,12 +42,12 @@ class Rule:
 
     name: str
     meaning: str
-    test: Callable[[Trial], None]
+    test: Callable[[EffectTrial], None]
     """Function that raises BrokenRule."""
 
 
 @dataclass(frozen=True)
-class Verdict:
+class RuleVerdict:
     """Result of one rule for one effect."""
 
     rule: Rule
@@ -57,17 +57,17 @@ class Verdict:
     """Whether the function of the effect raised an error, so that the rule could not be tested."""
 
 
-def judged(trial: Trial, rules: "Sequence[Rule] | None" = None) -> Iterator[Verdict]:
+def judged(trial: EffectTrial, rules: "Sequence[Rule] | None" = None) -> Iterator[RuleVerdict]:
     """Yield the verdict of each rule; an error in the effect's function is one as well."""
     for rule in RULES if rules is None else rules:
         try:
             rule.test(trial)
         except BrokenRule as broken:
-            yield Verdict(rule, one_line(str(broken)))
+            yield RuleVerdict(rule, one_line(str(broken)))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - the function of a user may raise whatever it likes
-            yield Verdict(rule, one_line(place_and_text(error, trial.effect)), is_failure=True)
+            yield RuleVerdict(rule, one_line(place_and_text(error, trial.effect)), is_failure=True)
         else:
-            yield Verdict(rule, "")
+            yield RuleVerdict(rule, "")
 
 
 def place_and_text(error: BaseException, effect: type[Effect]) -> str:
@@ -83,7 +83,7 @@ def place_and_text(error: BaseException, effect: type[Effect]) -> str:
     return f"the result of apply cannot be used: {text}; return the first argument, changed, in the same form"
 
 
-def _texts(trial: Trial) -> None:
+def _texts(trial: EffectTrial) -> None:
     effect = trial.effect
     for name in ("cause", "excitation"):
         text = getattr(effect, name)
@@ -95,7 +95,7 @@ def _texts(trial: Trial) -> None:
         raise BrokenRule(f"setups is {setups!r}: write a tuple of some of {allowed}")
 
 
-def _bounds(trial: Trial) -> None:
+def _bounds(trial: EffectTrial) -> None:
     for name, number in trial.effect.parameters().items():
         if not -LONGEST_BOUND < number.low < number.start < number.high < LONGEST_BOUND:
             order = f"-{LONGEST_BOUND:g} < low < start < high < {LONGEST_BOUND:g}"
@@ -110,7 +110,7 @@ def _bounds(trial: Trial) -> None:
             raise BrokenRule(f"{name}: a factor has the null value 1, not {number.null:g}")
 
 
-def _units(trial: Trial) -> None:
+def _units(trial: EffectTrial) -> None:
     for name, number in trial.effect.parameters().items():
         if not number.unit.strip():
             raise BrokenRule(f"{name}: no unit; write '1' for a number without one")
@@ -128,7 +128,7 @@ def spelled(unit: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(words.replace("1/", "per_").replace("/", sign) for sign in ("_per_", "_")))
 
 
-def _settings(trial: Trial) -> None:
+def _settings(trial: EffectTrial) -> None:
     effect = trial.effect
     robot = trial.robot(trial.start)
     if robot.model_dump()["effects"] != {effect.name: trial.start.model_dump()}:
@@ -155,7 +155,7 @@ def _validated(effect: type[Effect], values: dict[str, Any], name: str) -> None:
         raise BrokenRule(f"{name}: {values[name]:g} is refused, within its bounds: {why}") from None
 
 
-def _form(trial: Trial) -> None:
+def _form(trial: EffectTrial) -> None:
     calls = trial.calls
     if not calls:
         raise BrokenRule(f"no experiment calls a function in the slot '{trial.effect.slot}'")
@@ -163,9 +163,9 @@ def _form(trial: Trial) -> None:
         first, result = call.arguments[0], call.result
         if type(result) is not type(first) and not (_is_number(first) and _is_number(result)):
             raise BrokenRule(f"apply returns {type(result).__name__}, and its first argument is {type(first).__name__}")
-        for given, changed in zip(numbers_in(first), numbers_in(result), strict=True):
-            if np.broadcast_shapes(given.shape, changed.shape) != changed.shape:
-                raise BrokenRule(f"apply returns an array of shape {changed.shape} in the place of {given.shape}")
+        for argument, changed in zip(numbers_in(first), numbers_in(result), strict=True):
+            if np.broadcast_shapes(argument.shape, changed.shape) != changed.shape:
+                raise BrokenRule(f"apply returns an array of shape {changed.shape} in the place of {argument.shape}")
 
 
 def _is_number(value: Any) -> bool:  # noqa: ANN401 - whatever a function returns
@@ -176,7 +176,7 @@ def _pairs(some: Any, others: Any) -> Iterator[tuple[Array, Array]]:  # noqa: AN
     yield from zip(numbers_in(some), numbers_in(others), strict=False)
 
 
-def _null(trial: Trial) -> None:
+def _null(trial: EffectTrial) -> None:
     for place in trial.places():
         bare, null = trial.bare(place), trial.read(place, trial.effect.null(trial.choices))
         if not equal(bare, null):
@@ -191,7 +191,7 @@ def _first_change(some: Readings, others: Readings) -> str:
     return "nothing changes"
 
 
-def _start(trial: Trial) -> None:
+def _start(trial: EffectTrial) -> None:
     changed = {place for place in trial.places() if not equal(trial.bare(place), trial.at_start[place])}
     if not changed:
         raise BrokenRule(f"at the start values no reading changes ({'; '.join(ABOUT)}); is there a larger start?")
@@ -199,7 +199,7 @@ def _start(trial: Trial) -> None:
         raise BrokenRule("it changes the twin, and not PyBullet")
 
 
-def _pure(trial: Trial) -> None:
+def _pure(trial: EffectTrial) -> None:
     for call in trial.calls:
         arguments = frozen(call.arguments)
         again = [trial.start.apply(*arguments), trial.start.apply(*frozen(call.arguments))]
@@ -209,13 +209,13 @@ def _pure(trial: Trial) -> None:
             raise BrokenRule("the same arguments give another result: no random numbers, no memory between calls")
 
 
-def _repeats(trial: Trial) -> None:
+def _repeats(trial: EffectTrial) -> None:
     for place in {"twin", "bench"} & trial.places().keys():
         if not equal(trial.read(place, trial.start), trial.at_start[place]):
             raise BrokenRule(f"the same experiment on the {place} gives other readings when it is done again")
 
 
-def _finite(trial: Trial) -> None:
+def _finite(trial: EffectTrial) -> None:
     for name, changed in trial.other_values():
         for call in trial.calls:
             with np.errstate(all="ignore"):
@@ -224,7 +224,7 @@ def _finite(trial: Trial) -> None:
                 raise BrokenRule(f"{name}={getattr(changed, name):g} gives a result that is not finite")
 
 
-def _stacks(trial: Trial) -> None:
+def _stacks(trial: EffectTrial) -> None:
     effects = [trial.effect.null(trial.choices), trial.start, *islice((e for _, e in trial.other_values()), 0, 6, 2)]
     for call in trial.calls:
         rank = max(x.ndim for x in numbers_in(call.arguments))
@@ -248,7 +248,7 @@ def _compare_stack(call: Call, stacked: Effect, effects: Sequence[Effect], rank:
                 raise BrokenRule("several robots at once, with arrays in the parameters, give other results than one")
 
 
-def _rows(trial: Trial) -> None:
+def _rows(trial: EffectTrial) -> None:
     for call in trial.calls:
         first = call.arguments[0]
         if not isinstance(first, np.ndarray) or first.ndim < 2 or len(first) < 2:
@@ -259,7 +259,7 @@ def _rows(trial: Trial) -> None:
                     raise BrokenRule("one row alone gives another result than among all rows")
 
 
-def _acts(trial: Trial) -> None:
+def _acts(trial: EffectTrial) -> None:
     silent = dict.fromkeys(trial.effect.parameters())
     for place in ("bench", "twin"):
         for name, changed in trial.other_values() if place in trial.places() else ():
@@ -270,7 +270,7 @@ def _acts(trial: Trial) -> None:
         raise BrokenRule(f"{', '.join(silent)}: no value changes a reading, with the other numbers at their start")
 
 
-def _steps(trial: Trial) -> None:
+def _steps(trial: EffectTrial) -> None:
     if "twin" not in trial.places():
         return
     probe, null = trial.probe, trial.effect.null(trial.choices)
@@ -286,10 +286,10 @@ def _steps(trial: Trial) -> None:
         )
 
 
-def _distinct(trial: Trial) -> None:
-    found = closest(trial)
-    if found is not None and found.share > SAME_SHARE:
-        raise BrokenRule(f"{found.name} has the same effect on all readings; use that one")
+def _distinct(trial: EffectTrial) -> None:
+    rival = closest(trial)
+    if rival is not None and rival.share > SAME_SHARE:
+        raise BrokenRule(f"{rival.name} has the same effect on all readings; use that one")
 
 
 RULES = (

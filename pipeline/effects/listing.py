@@ -12,9 +12,9 @@ def effect_lines(slot: Slot | None = None) -> Iterator[str]:
     """Yield one line for each effect: name, slot and cause."""
     effects = [effect for effect in EFFECTS.classes() if slot is None or effect.slot is slot]
     wide = max(len(effect.name) for effect in EFFECTS.classes())
-    own = EFFECTS.files
+    user_files = EFFECTS.files
     for effect in effects:
-        mark = " (your own)" if effect.name in own else ""
+        mark = " (your own)" if effect.name in user_files else ""
         yield f"{effect.name:<{wide}}  {effect.slot:<15}  {effect.cause}{mark}"
 
 

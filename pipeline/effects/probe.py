@@ -113,13 +113,13 @@ class Probe:
     def _sensed(self, robot: RobotConfig, world: SteppedWorld) -> dict[str, Array]:
         sensors = fit_out(robot, self.arena, PHYSICS_HZ, lambda name: np.random.Generator(np.random.PCG64(len(name))))
         suite = SensorSuite(sensors, TICK_STEPS)
-        found: dict[str, list[Array]] = {"tof": [], "line": [], "encoders": [], "pose": []}
+        rows_by_sensor: dict[str, list[Array]] = {"tof": [], "line": [], "encoders": [], "pose": []}
         for tick in range(TICKS):
             readings = suite.read_at_tick(world, tick)
             for name in ("tof", "line", "encoders"):
-                found[name].append(np.asarray(readings[name], dtype=float))
-            found["pose"].append(np.asarray(readings.get("pose_log", np.array(world.pose())), dtype=float))
-        return {name: np.stack(rows) for name, rows in found.items()}
+                rows_by_sensor[name].append(np.asarray(readings[name], dtype=float))
+            rows_by_sensor["pose"].append(np.asarray(readings.get("pose_log", np.array(world.pose())), dtype=float))
+        return {name: np.stack(rows) for name, rows in rows_by_sensor.items()}
 
 
 def _before_targets(robot: RobotConfig) -> tuple[Array, Array]:

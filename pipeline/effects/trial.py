@@ -21,7 +21,7 @@ KEPT_CALLS = 24
 
 
 @dataclass
-class Trial:
+class EffectTrial:
     """An effect with one choice of its parameters that are not numbers."""
 
     effect: type[Effect]
@@ -99,8 +99,8 @@ def _between(number: Parameter) -> tuple[float, ...]:
     return tuple(v for v in (*near, *(0.5 * (number.start + end) for end in ends)) if number.low <= v <= number.high)
 
 
-def trials(effect: type[Effect], probe: Probe, *, has_engine: bool = True) -> tuple[Trial, ...]:
+def trials(effect: type[Effect], probe: Probe, *, has_engine: bool = True) -> tuple[EffectTrial, ...]:
     """Return one trial for each combination of an effect's choices."""
     options = {name: ANY_NAME.get(name, allowed) for name, allowed in effect.options().items()}
     every = (dict(zip(options, values, strict=True)) for values in product(*options.values()))
-    return tuple(Trial(effect, choices, probe, has_engine) for choices in every)
+    return tuple(EffectTrial(effect, choices, probe, has_engine) for choices in every)

@@ -10,14 +10,14 @@ from blender_scenes.render.devices import DeviceKind, one_card_each
 from pipeline.executors.base import Executor, OnEvent
 from pipeline.work.supervisor import DEFAULT_LIMITS, UnitFailure, cores, run_units
 from pipeline.work.units import AnyUnit
-from pipeline.work.worker_process import Limits, limits_of
+from pipeline.work.worker_process import WorkerLimits, limits_of
 
 
 @dataclass(frozen=True)
 class Local(Executor):
     workers: int
     """Number of workers at a time."""
-    limits: Limits = DEFAULT_LIMITS
+    limits: WorkerLimits = DEFAULT_LIMITS
     """Limits of each worker."""
     cards: tuple[Mapping[str, str], ...] = ()
     """Environment variables that show a worker one graphics card only, by card; workers take them in turn."""

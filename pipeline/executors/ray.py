@@ -23,7 +23,7 @@ from pipeline.executors.base import Executor, OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
 from pipeline.work.supervisor import AnyEvent, FrameGivenUp, Retried, UnitFailure, WorkerError, run_units
 from pipeline.work.units import UNITS, AnyUnit, RenderUnit
-from pipeline.work.worker_process import Limits
+from pipeline.work.worker_process import WorkerLimits
 from symolo.core.child_process import Finished
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.extras import how_to_install
@@ -63,7 +63,7 @@ class UnitRecord(BaseModel):
 class OnRay(Executor):
     address: str
     """Address of the cluster for `ray.init`: `auto`, `HOST:PORT` or `ray://HOST:PORT`."""
-    limits: Limits
+    limits: WorkerLimits
     """Limits of each worker."""
     cores: int = 1
     """Number of cores that a unit uses on its node."""
@@ -185,7 +185,7 @@ def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -
 
     record = UnitRecord()
     try:
-        failures = run_units([unit], 1, note, limits=Limits(tries, silence_s, memory_bytes))
+        failures = run_units([unit], 1, note, limits=WorkerLimits(tries, silence_s, memory_bytes))
         record = UnitRecord(failures=tuple(failure.text for failure in failures))
     except InputError as error:
         record = UnitRecord(error="input", text=str(error))

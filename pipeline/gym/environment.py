@@ -19,7 +19,7 @@ from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.run.pilot import Drive
 from pipeline.gym.reward import Outcome, Reward, RewardFunction
 from pipeline.gym.top_view import TopView
-from pipeline.gym.track import Track
+from pipeline.gym.track import DrivingTrack
 from pipeline.stages.closed_loop import ClosedLoop
 from symolo.core.errors import InputError
 from symolo.core.yaml.tree import Node
@@ -143,7 +143,7 @@ class DriveEnvironment(gymnasium.Env[Readings, NDArray[np.float32]]):
         self._spec = spec
         self._drive = Drive(spec.robot)
         self._rad_per_count = 2.0 * np.pi / spec.robot.encoder.counts_per_revolution
-        self._track: Track | None = None
+        self._track: DrivingTrack | None = None
         self._top_view = None
 
     def _command(self, action: NDArray[np.float32]) -> Command:
@@ -157,7 +157,7 @@ class DriveEnvironment(gymnasium.Env[Readings, NDArray[np.float32]]):
         loop = self._loop
         assert loop is not None  # noqa: S101 - the callers have made it
         if self._track is None:
-            self._track = Track.of(self._spec, loop.arena)
+            self._track = DrivingTrack.of(self._spec, loop.arena)
         pose, before = loop.world.pose(), self._pose
         self._pose = pose
         progress_m, off_track_m = self._track.progress_m(before, pose, self._within_m)

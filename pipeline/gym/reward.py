@@ -1,4 +1,4 @@
-"""What an agent is paid for: progress along the track by default, and more by setting a weight."""
+"""Reward of an agent: by default for progress along the track, and for more by setting a weight."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,15 +30,15 @@ class Reward:
     """Weights of a reward; it is their sum with what happened in the step."""
 
     per_metre: float = 1.0
-    """For each metre along the track."""
+    """Reward of each metre along the track."""
     per_second: float = 0.0
-    """For each second, for example -0.01 so that the agent hurries."""
+    """Reward of each second, for example -0.01 so that the agent hurries."""
     per_metre_off_track: float = 0.0
-    """For each second and metre of distance from the track, for example -1."""
+    """Reward of each second and metre of distance from the track, for example -1."""
     touch: float = -1.0
-    """For a contact with a wall or an obstacle, which ends the episode."""
+    """Reward of a contact with a wall or an obstacle, which ends the episode."""
     lap: float = 1.0
-    """For the lap, at its end."""
+    """Reward at the end of the lap."""
     within_m: float = 0.25
     """Distance from the track within which progress counts."""
 

@@ -22,13 +22,13 @@ class TrackPlace:
 
 
 @dataclass(frozen=True)
-class Track:
+class DrivingTrack:
     """Legs in the direction in which the start of the run turns about their centre."""
 
     legs: tuple[Leg, ...]
 
     @classmethod
-    def of(cls, spec: RunSpec, arena: Arena) -> "Track":
+    def of(cls, spec: RunSpec, arena: Arena) -> "DrivingTrack":
         return cls(PreviewPath.of(spec, arena).legs)
 
     def nearest(self, x_m: float, y_m: float) -> TrackPlace:

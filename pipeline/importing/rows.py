@@ -34,7 +34,7 @@ class ImportedTable:
     numbers: Array
     """(samples, columns), the time [ms] first."""
     settings: Mapping[str, float]
-    """What is known of the settings of the sensor."""
+    """Known settings of the sensor."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ class ImportedRows:
 
     rows: Rows
     tables: tuple[ImportedTable, ...]
-    """In the order of their names, as metadata.json has them."""
+    """Tables in the order of their names, as metadata.json has them."""
     changes: tuple[str, ...]
-    """What was changed, in one sentence each."""
+    """Changes of the data, in one sentence each."""
 
 
 def imported_rows(

@@ -1,4 +1,4 @@
-"""What is suspicious about a trajectory from elsewhere, with the unit that is suspected."""
+"""Suspicious properties of an imported trajectory, with the unit that is suspected."""
 
 import math
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""What commands print with `--json`: one object with documented keys, and its JSON Schema."""
+"""Results that commands print with `--json`: one object with documented keys, and its JSON Schema."""
 
 from collections.abc import Mapping
 from typing import Any

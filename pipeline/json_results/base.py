@@ -1,4 +1,4 @@
-"""What every result of `--json` has: the name of the command, the version of its keys, and the exit code."""
+"""Common part of all results of `--json`: the command, the version of its keys, and the exit code."""
 
 from pydantic import BaseModel, ConfigDict
 

@@ -17,7 +17,7 @@ from symolo.pages.states import named
 from symolo.pages.thumbnails import thumbnail
 from symolo.playback.from_run import playback_of
 from symolo.reader.run import Run
-from symolo.video.floor import Floor
+from symolo.video.floor import FloorView
 
 _FLOOR_PX = 420
 _STRIP = 6
@@ -29,7 +29,7 @@ class LastMoment:
     """The last image with its place."""
 
     image: bytes
-    """JPEG."""
+    """Image as JPEG."""
     floor: bytes
     """PNG of the floor from above."""
     caption: str
@@ -88,7 +88,7 @@ def _moment_of(progress: Snapshot, newest: RenderedImage) -> LastMoment:
         run = data.runs[0]
         image = run.image(newest.number)
         playback = playback_of(run)
-        floor = Floor(playback, _FLOOR_PX, _FLOOR_PX).frame(image.row).pixels
+        floor = FloorView(playback, _FLOOR_PX, _FLOOR_PX).frame(image.row).pixels
         state = named(int(playback.state[image.row]))
         caption = f"{newest.run}, image {newest.number} of {of_run.planned}, {image.t_s:.1f} s, state {state}"
         encoded = cv2.imencode(".png", np.ascontiguousarray(floor[..., ::-1]))[1].tobytes()

@@ -1,4 +1,4 @@
-"""How far the release in an output folder is, from the files that are there at this moment."""
+"""State of the release in an output folder, from the files that are there at this moment."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a scenario demands of its robot, before anything is simulated, beside the ranges in which it was measured.
+"""Demands of a scenario on its robot, before anything is simulated, beside the ranges in which it was measured.
 
 The built-in controller has its speeds and yaw rates as settings. Speeds and steady voltages of the wheels follow from
 them by the equations of the drive and the motor, and the readings of the range sensors from the size of the arena. What

@@ -36,9 +36,9 @@ def robot_of_images(
         return spec.robot, None
     for text in overrides:
         _check_seen(spec, text)
-    own = spec.robot.model_copy(update={"sensors": _cameras(spec.robot)})
+    robot_of_run = spec.robot.model_copy(update={"sensors": _cameras(spec.robot)})
     section = (
-        section_of("robot", own.model_dump(mode="json"), "robot of the run", overrides)
+        section_of("robot", robot_of_run.model_dump(mode="json"), "robot of the run", overrides)
         if name is None
         else load_section("robot", name, overrides)
     )
@@ -48,12 +48,12 @@ def robot_of_images(
     if spec.is_imported:
         return robot.model_copy(update={"sensors": sensors}), dict(new_drawn)
     cameras = set(_cameras(robot).names) | set(_cameras(spec.robot).names)
-    kept = {
+    unchanged = {
         path: value for path, value in spec.drawn.items() if path.startswith("robot.") and not _is_new(path, cameras)
     }
     shown = {path: value for path, value in new_drawn.items() if _is_new(path, cameras)}
     changes = {part: getattr(robot, part) for part in NEW}
-    return spec.robot.model_copy(update={**changes, "sensors": sensors}), kept | shown
+    return spec.robot.model_copy(update={**changes, "sensors": sensors}), unchanged | shown
 
 
 def _check_seen(spec: SceneSpec, text: str) -> None:

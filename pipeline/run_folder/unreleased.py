@@ -66,8 +66,8 @@ def _with_images(recording: Recording, folder: Path) -> Recording:
     series = recording["image"]
     there = {int(number): (folder / frame_name(int(number))).is_file() for number in np.unique(series.values)}
     values = np.array([number if number and there[number] else 0 for number in series.values.tolist()])
-    kept = replace(series, values=values)
-    return replace(recording, series=tuple(kept if one is series else one for one in recording.series))
+    with_images = replace(series, values=values)
+    return replace(recording, series=tuple(with_images if one is series else one for one in recording.series))
 
 
 def _of_main_camera(spec: RunSpec, recording: Recording, folder: Path) -> Iterator[tuple[str, bytes]]:

@@ -1,4 +1,4 @@
-"""How the images of a run were rendered: facts for metadata.json, and a warning where their errors are large."""
+"""Facts about the rendering of a run for metadata.json, and a warning where its errors are large."""
 
 import json
 from dataclasses import dataclass

@@ -55,8 +55,8 @@ def simulate(
         if pilot is not None:
             return _Recorder(spec, loop, pilot, watch).drive(progress)
         rng = stream(spec.seed, spec.route, spec.run, "controller")
-        with closing(ControllerPilot.of(spec.robot, spec.rates.control_hz, rng, spec.controller)) as own:
-            return _Recorder(spec, loop, own, watch).drive(progress)
+        with closing(ControllerPilot.of(spec.robot, spec.rates.control_hz, rng, spec.controller)) as built_in:
+            return _Recorder(spec, loop, built_in, watch).drive(progress)
 
 
 class _Recorder:

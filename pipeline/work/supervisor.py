@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from pipeline.work.units import AnyUnit, Progress
-from pipeline.work.worker_process import COMMAND, Limits, WorkerProcess
+from pipeline.work.worker_process import COMMAND, WorkerLimits, WorkerProcess
 from symolo.core.child_process import SCRATCH, Failed, Finished
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.files.scratch_folders import scratch_folder
@@ -22,7 +22,7 @@ from symolo.core.os_errors import lacking
 
 WORTH_ANOTHER_TRY = frozenset({"killed", "engine"})
 """Kinds of failure after which another try may succeed."""
-DEFAULT_LIMITS = Limits()
+DEFAULT_LIMITS = WorkerLimits()
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def run_units(
     on_event: Callable[[AnyUnit, AnyEvent], None],
     environment: Mapping[str, str] = MappingProxyType({}),
     *,
-    limits: Limits = DEFAULT_LIMITS,
+    limits: WorkerLimits = DEFAULT_LIMITS,
     command: Sequence[str] = COMMAND,
     slot_environments: Sequence[Mapping[str, str]] = (),
 ) -> list[UnitFailure]:
@@ -146,7 +146,7 @@ class _Slots:
 
     waiting: deque[_Attempt]
     environment: Mapping[str, str]
-    limits: Limits
+    limits: WorkerLimits
     command: Sequence[str]
     slot_environments: Sequence[Mapping[str, str]]
     events: "queue.SimpleQueue[tuple[AnyUnit, AnyEvent]]" = field(default_factory=queue.SimpleQueue)

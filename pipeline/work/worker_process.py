@@ -19,7 +19,7 @@ CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 
 
 @dataclass(frozen=True)
-class Limits:
+class WorkerLimits:
     """What a worker may use before it is killed and its unit is tried again."""
 
     tries: int = 3
@@ -30,14 +30,14 @@ class Limits:
     """Resident memory [byte] of a worker and its children; 0 for no limit."""
 
 
-def limits_of(memory_gb: float | None) -> Limits:
+def limits_of(memory_gb: float | None) -> WorkerLimits:
     """Return limits with this memory for a worker; by default nine tenths of the machine's or control group's."""
     if memory_gb is not None:
-        return Limits(memory_bytes=int(memory_gb * GB))
+        return WorkerLimits(memory_bytes=int(memory_gb * GB))
     total_bytes = os.sysconf("SC_PAGESIZE") * os.sysconf("SC_PHYS_PAGES")
     with contextlib.suppress(OSError, ValueError):  # "max", or no such group
         total_bytes = min(total_bytes, int(CONTROL_GROUP.read_text(encoding="ascii")))
-    return Limits(memory_bytes=int(SHARE_OF_THE_MACHINE * total_bytes))
+    return WorkerLimits(memory_bytes=int(SHARE_OF_THE_MACHINE * total_bytes))
 
 
 class WorkerProcess(ChildProcess[AnyMessage]):
@@ -52,7 +52,7 @@ class WorkerProcess(ChildProcess[AnyMessage]):
             "the worker", command, MESSAGES, {**inherited, **user_files.environment(), **environment}, own_group=True
         )
 
-    def do(self, unit: AnyUnit, limits: Limits) -> Iterator[AnyMessage]:
+    def do(self, unit: AnyUnit, limits: WorkerLimits) -> Iterator[AnyMessage]:
         """Yield the worker's messages about a unit, up to `Finished` or `Failed`."""
         for message in self.ask(
             unit, patience_s=unit.patience_s, silence_s=limits.silence_s, memory_bytes=limits.memory_bytes

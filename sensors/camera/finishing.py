@@ -1,4 +1,4 @@
-"""What a camera does to its finished grey values: noise reduction and sharpening."""
+"""Last steps inside a camera, on finished grey values: noise reduction and sharpening."""
 
 import cv2
 import numpy as np

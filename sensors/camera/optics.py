@@ -1,4 +1,4 @@
-"""How sharply light arrives at the pixels: point spread of the lens, focus, the area of a pixel, and glare."""
+"""Sharpness of the light on the pixels: point spread of the lens, focus, the area of a pixel, and glare."""
 
 from functools import lru_cache
 

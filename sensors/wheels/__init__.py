@@ -1,1 +1,1 @@
-"""What is measured at the wheels and motors: encoders, their odometry, and instruments of a motor bench."""
+"""Measurements at the wheels and motors: encoders, their odometry, and instruments of a motor bench."""

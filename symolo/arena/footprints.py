@@ -1,4 +1,4 @@
-"""Where walls and obstacles stand on the floor: the one place that turns their configuration into rectangles."""
+"""Rectangles of walls and obstacles on the floor: the one place that computes them from the configuration."""
 
 import math
 from collections.abc import Iterable, Sequence

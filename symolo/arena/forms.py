@@ -1,4 +1,4 @@
-"""What the geometry needs of an arena: any object with these attributes, such as a configuration or a document."""
+"""Attributes that the geometry needs of an arena, which may be a configuration or a document."""
 
 from collections.abc import Sequence
 from typing import Literal, Protocol

@@ -1,1 +1,1 @@
-"""How alike two sets of files are: `symolo compare`."""
+"""Comparison of two sets of files: `symolo compare`."""

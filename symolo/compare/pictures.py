@@ -35,7 +35,7 @@ class ColumnPair:
 
     name: str
     plot: bytes
-    """SVG."""
+    """Plot as SVG."""
 
 
 def image_pair(a: bytes, b: bytes, name: str) -> ImagePair | None:

@@ -1,1 +1,1 @@
-"""What every package builds on: errors, atomic file writing, random streams, strict YAML, progress."""
+"""Foundations of every package: errors, atomic file writing, random streams, strict YAML, progress."""

@@ -1,4 +1,4 @@
-"""What may stand in a scenario instead of a number: a distribution that each run draws from.
+"""Distributions, which may stand in a scenario instead of a number, and from which each run draws.
 
 Every draw takes exactly one uniform number from its generator, and every distribution has finite ends, so that a
 bound of the schema holds for all of its draws once it holds for its ends.

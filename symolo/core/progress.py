@@ -1,4 +1,4 @@
-"""How far a command is: a bar with the time left on a terminal, plain lines elsewhere; always on standard error."""
+"""Progress of a command: a bar with the time left on a terminal, plain lines elsewhere; always on standard error."""
 
 import math
 import sys

@@ -1,4 +1,4 @@
-"""What a run leaves behind: the trajectory at the control rate, and the named time series of the sensors."""
+"""Record of a run: the trajectory at the control rate, and the named time series of the sensors."""
 
 from dataclasses import dataclass
 from typing import BinaryIO

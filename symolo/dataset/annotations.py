@@ -95,7 +95,7 @@ class KeyPoint:
 
     id: int
     name: str
-    """For example `line_2_07` or `A1_3`: corners 0-3 are at the foot, 4-7 above them, counter-clockwise."""
+    """Name of the point, such as `line_2_07` or `A1_3`: corners 0-3 are at the foot, 4-7 above, counter-clockwise."""
     kind: str
     """`line`, `wall_corner` or `obstacle_corner`."""
     instance_id: int

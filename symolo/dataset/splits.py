@@ -36,7 +36,7 @@ class SplitMember:
     """A run with the properties by which it can be grouped."""
 
     run: str
-    """For example `CW/test_1`."""
+    """Name of the run, for example `CW/test_1`."""
     look: str
     robot: str
     seed: int

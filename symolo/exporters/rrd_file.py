@@ -50,7 +50,7 @@ class Chunk:
     """The components of an entity, at given times or for the whole recording."""
 
     path: str
-    """For example `/world/robot`."""
+    """Path of the entity, for example `/world/robot`."""
     archetype: str
     components: tuple[Component, ...]
     t_s: Array | None = None

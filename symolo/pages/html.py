@@ -20,7 +20,7 @@ class PageScript:
 
     text: Markup
     sha256: str
-    """In base64, as a Content Security Policy writes it."""
+    """SHA-256 in base64, as a Content Security Policy writes it."""
 
     @classmethod
     def of(cls, parts: Sequence[str]) -> "PageScript":

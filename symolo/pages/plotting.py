@@ -1,4 +1,4 @@
-"""What all plots share: colours that colour-blind readers can distinguish, and the encoding as PNG and SVG.
+"""Common part of all plots: colours that colour-blind readers can distinguish, and the encoding as PNG and SVG.
 
 Figures are made without pyplot, which has a global state and needs a display.
 """

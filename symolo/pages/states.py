@@ -1,4 +1,4 @@
-"""How each state of the controller looks in the plots, and the stretches of a run in one state."""
+"""Colours of the controller's states in the plots, and the stretches of a run in one state."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

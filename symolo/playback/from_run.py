@@ -1,4 +1,4 @@
-"""What is shown of a run of a dataset: everything that its tables and the metadata name."""
+"""Playback of a run of a dataset: everything that its tables and the metadata name."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

@@ -26,9 +26,9 @@ class CurvePlot:
 
     title: str
     unit: str
-    """For example `m/s`; empty for numbers without a unit."""
+    """Unit, for example `m/s`; empty for numbers without a unit."""
     t_s: Array
-    """(M,)."""
+    """(M,), times of the values [s]."""
     curves: tuple[Curve, ...]
     from_zero: bool = False
     """Whether the axis begins at 0 even if all values are far from it."""
@@ -41,7 +41,7 @@ class StripePlot:
     title: str
     unit: str
     t_s: Array
-    """(M,)."""
+    """(M,), times of the values [s]."""
     names: tuple[str, ...]
     """Name of each channel, the lowest stripe first."""
     levels: Array
@@ -56,7 +56,7 @@ class CameraTrack:
     width_px: int
     height_px: int
     images: tuple[Image, ...]
-    """At least one, in their order."""
+    """Images in the order of time, at least one."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What only people know of a publication: title, authors, date, publisher. Read strictly from a YAML file."""
+"""Facts about a publication that only people know: title, authors, date, publisher. Read from a YAML file."""
 
 from datetime import date
 from pathlib import Path

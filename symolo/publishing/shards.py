@@ -1,4 +1,4 @@
-"""Which file of a release lies in which tar: a run lies in one tar, unless the run is larger than the limit."""
+"""Distribution of the files of a release over tars: a run lies in one tar, unless it is larger than the limit."""
 
 import hashlib
 from collections.abc import Iterator, Mapping
@@ -16,7 +16,7 @@ class KnownMember(Member):
     """A file of the release; it is refused if it has changed since the release was checked."""
 
     digest: str
-    """SHA-256."""
+    """SHA-256 of the content."""
 
     @property
     def content(self) -> bytes:

@@ -23,7 +23,7 @@ class CameraRun(RunFolder):
     """The folder `cameras/<name>/` of a run: rows at the images of the camera, images, poses, annotations."""
 
     whole: RunFolder = field(kw_only=True)
-    """The run."""
+    """Run to which the camera belongs."""
     camera_name: str = field(kw_only=True)
     """Name of the camera in `robot.sensors`."""
 

@@ -139,7 +139,7 @@ class RunFolder:
 
     folder: Path
     name: str
-    """For example `CW/test_1`."""
+    """Name of the run, for example `CW/test_1`."""
     sensor_tables: tuple[SideTable, ...] = ()
     """Tables of the sensors of `robot.sensors`, as metadata.json describes them."""
     image_folder: Path | None = None

@@ -11,7 +11,7 @@ from symolo.playback.from_run import playback_of
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 from symolo.report.statistics.run_facts import fresh
-from symolo.video.floor import Floor
+from symolo.video.floor import FloorView
 
 
 def contact_sheet(data: Dataset, per_run: int, width_px: int) -> Pixels:
@@ -54,7 +54,7 @@ def _cells(run: Run, rows: Sequence[int], width_px: int) -> list[Cell]:
             )
             for image in images
         ]
-    floor = Floor(playback_of(run), width_px, width_px)
+    floor = FloorView(playback_of(run), width_px, width_px)
     return [
         Cell(
             np.ascontiguousarray(floor.frame(at).pixels[..., ::-1]),

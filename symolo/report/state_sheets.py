@@ -1,4 +1,4 @@
-"""Which images are shown for each state (the paper's Fig. 28)."""
+"""Choice of the images that are shown for each state (the paper's Fig. 28)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

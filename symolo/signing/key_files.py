@@ -45,22 +45,22 @@ def write_new_keys(secret: Path, passphrase: str) -> PublicKey:
     return key.public
 
 
-def read_public_key(given: str) -> PublicKey:
+def read_public_key(key: str) -> PublicKey:
     """Read the public key from a file, or from the 56 characters that such a file ends with.
 
     Raises:
         InputError: It is no public key.
     """
-    if _BASE64_KEY.fullmatch(given) and not Path(given).exists():
-        return PublicKey.from_text(given)
-    text = _text_of(Path(given))
+    if _BASE64_KEY.fullmatch(key) and not Path(key).exists():
+        return PublicKey.from_text(key)
+    text = _text_of(Path(key))
     try:
         return PublicKey.from_text(text)
     except ValueError as error:
         cure = "name the public key, such as symolo.pub"
         if _is_read_by(SecretKeyFile.from_text, text):
-            raise InputError("is a secret key", where=f"--key {given}", cure=cure) from None
-        raise InputError(f"is no public key of minisign: {error}", where=f"--key {given}", cure=cure) from None
+            raise InputError("is a secret key", where=f"--key {key}", cure=cure) from None
+        raise InputError(f"is no public key of minisign: {error}", where=f"--key {key}", cure=cure) from None
 
 
 def read_secret_key(path: Path, passphrase: Callable[[], str]) -> SecretKey:

@@ -25,7 +25,7 @@ class PublicKey:
     key_id: bytes
     """(8,) chance that names the pair of keys in their files."""
     key: bytes
-    """(32,) Ed25519."""
+    """(32,), public key of Ed25519."""
 
     @classmethod
     def from_text(cls, text: str) -> "PublicKey":

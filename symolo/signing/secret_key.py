@@ -34,7 +34,7 @@ class SecretKey:
     key_id: bytes
     """(8,) chance that names the pair of keys in their files."""
     seed: bytes
-    """(32,) Ed25519."""
+    """(32,), seed of the secret key of Ed25519."""
 
     @classmethod
     def new(cls) -> "SecretKey":

@@ -1,4 +1,4 @@
-"""From a URL to the store that it names."""
+"""Addresses of stores: the store that a URL names."""
 
 import os
 import re

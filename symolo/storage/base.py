@@ -1,4 +1,4 @@
-"""What a store is: a place that keeps the files of a release as objects, each under its path within the release."""
+"""Interface of a store: it keeps the files of a release as objects, each under its path within the release."""
 
 import hashlib
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ class LocalFile:
     path: Path
     size_bytes: int
     digest: str
-    """SHA-256."""
+    """SHA-256 of the content."""
 
     def chunks(self) -> Iterator[bytes]:
         """Yield the bytes; the last chunk follows only after the checksum of the whole file turned out right.

@@ -15,7 +15,7 @@ from symolo.verification.inventory import LISTS, Inventory
 
 
 @dataclass(frozen=True)
-class Comparison:
+class StoreComparison:
     missing: tuple[LocalFile, ...]
     different: Mapping[str, str]
     """Difference of each object that has another size or checksum than the file, by path."""
@@ -51,7 +51,7 @@ def released_files(root: Path) -> tuple[LocalFile, ...]:
 
 def compare(
     files: Sequence[LocalFile], store: Store, report: Report, known: Mapping[str, str] = MappingProxyType({})
-) -> Comparison:
+) -> StoreComparison:
     """Compare the files of a release with the objects of a store.
 
     Args:
@@ -78,7 +78,7 @@ def compare_listed(
     store: Store,
     known: Mapping[str, str] = MappingProxyType({}),
     progress: Callable[[int], None] = lambda _done: None,
-) -> Comparison:
+) -> StoreComparison:
     """Compare with a listing that was made before; `progress` is called with the number of requests so far."""
     missing = tuple(file for file in files if file.name not in sizes)
     same_size = [file for file in files if sizes.get(file.name) == file.size_bytes]
@@ -103,7 +103,7 @@ def compare_listed(
             different[file.name] = what
     extra = tuple(sorted(sizes.keys() - {file.name for file in files} - {*SEALS}))
     same = tuple(file for file in same_size if file.name not in different)
-    return Comparison(missing, different, same, extra, tuple(files))
+    return StoreComparison(missing, different, same, extra, tuple(files))
 
 
 def digest_of(store: Store, name: str) -> str:

@@ -8,7 +8,7 @@ from symolo.core.errors import InputError
 from symolo.core.progress import Report
 from symolo.dataset.folder_kind import check_outside
 from symolo.storage.base import LocalFile, Store
-from symolo.storage.comparison import Comparison, compare
+from symolo.storage.comparison import StoreComparison, compare
 from symolo.storage.folder import Folder
 from symolo.storage.side_by_side import side_by_side
 from symolo.verification.inventory import LISTS
@@ -29,7 +29,7 @@ def check_apart(root: Path, store: Store) -> None:
 
 def planned(
     files: Sequence[LocalFile], store: Store, report: Report, known: Mapping[str, str] = MappingProxyType({})
-) -> Comparison:
+) -> StoreComparison:
     """Return what an upload would send; `known` is as in `compare`.
 
     Raises:
@@ -48,7 +48,7 @@ def another_release(store: Store, what: str = "") -> InputError:
     return InputError("holds a different release" + (f": {what}" if what else ""), where=store.url, cure=ANOTHER_PLACE)
 
 
-def refuse_extra(comparison: Comparison, store: Store) -> None:
+def refuse_extra(comparison: StoreComparison, store: Store) -> None:
     """Raise InputError where a place holds files that are no part of the release."""
     if comparison.extra:
         first, *others = comparison.extra
@@ -58,7 +58,7 @@ def refuse_extra(comparison: Comparison, store: Store) -> None:
         raise InputError(what, where=store.url, cure=ANOTHER_PLACE)
 
 
-def upload(files: Sequence[LocalFile], store: Store, report: Report) -> Comparison:
+def upload(files: Sequence[LocalFile], store: Store, report: Report) -> StoreComparison:
     """Send the files that the store lacks, and return the comparison from before.
 
     A store counts as finished only with the last list of checksums, so an interruption at any time does no harm.
@@ -73,7 +73,7 @@ def upload(files: Sequence[LocalFile], store: Store, report: Report) -> Comparis
 
 def send(
     files: Sequence[LocalFile], store: Store, report: Report, known: Mapping[str, str] = MappingProxyType({})
-) -> Comparison:
+) -> StoreComparison:
     """Do the same as `upload` for a store that this process has locked; `known` is as in `compare`."""
     comparison = planned(files, store, report, known)
     store.sweep()

@@ -1,1 +1,1 @@
-"""What can be wrong with a released dataset, found from its folder alone."""
+"""Faults of a released dataset that can be found from its folder alone."""

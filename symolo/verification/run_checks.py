@@ -127,11 +127,11 @@ def _further_camera(
         except ValueError as error:
             yield Finding(f"{where}/{SIDE}/{CAMERA.file}", str(error))
             return
-    own = record.of_camera(name)
-    yield from check_images(folder / IMAGES, f"{where}/{IMAGES}", at_images, own, "its period")
+    record_of_camera = record.of_camera(name)
+    yield from check_images(folder / IMAGES, f"{where}/{IMAGES}", at_images, record_of_camera, "its period")
     yield from _positions(folder / POSITIONS, f"{where}/{POSITIONS}", at_images, "its path")
-    yield from _camera(folder / SIDE, f"{where}/{SIDE}", at_images, own, spec, is_logged=is_logged)
-    for file, what in annotation_faults(folder / ANNOTATIONS, at_images, own, spec):
+    yield from _camera(folder / SIDE, f"{where}/{SIDE}", at_images, record_of_camera, spec, is_logged=is_logged)
+    for file, what in annotation_faults(folder / ANNOTATIONS, at_images, record_of_camera, spec):
         yield Finding(f"{where}/{ANNOTATIONS}/{file}".rstrip("/"), what)
 
 

@@ -1,4 +1,4 @@
-"""Whether a release, and the statement of its provenance, were signed by the owner of a key."""
+"""Check of the signatures of a release and of the statement of its provenance."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -18,7 +18,7 @@ _NOSE: Array = np.array([[0.42, 0.0], [0.1, 0.22], [0.1, -0.22]])
 """Triangle that points ahead, in lengths and widths of the robot."""
 
 
-class Floor:
+class FloorView:
     """The floor of one run; frames may have any order, and those in the order of time are the quickest."""
 
     def __init__(self, playback: Playback, width_px: int, height_px: int) -> None:

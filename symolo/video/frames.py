@@ -10,7 +10,7 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.playback.playback import CameraTrack, CurvePlot, Playback, StripePlot
 from symolo.video.canvas import Canvas, Pixels, text_width
-from symolo.video.floor import Floor
+from symolo.video.floor import FloorView
 from symolo.video.rows import row_at
 from symolo.video.time_plots import StateBand, TimePlot
 
@@ -95,7 +95,7 @@ class RunFrames:
             (place, _CameraPicture(camera))
             for camera, place in zip(playback.cameras, _grid(pictures, len(playback.cameras), gap), strict=True)
         ]
-        self._floor = Floor(playback, self._floor_at.width, self._floor_at.height)
+        self._floor = FloorView(playback, self._floor_at.width, self._floor_at.height)
         self._plots = [
             (place, self._plot(plot, place)) for plot, place in zip(_chosen(playback), plot_places, strict=False)
         ]

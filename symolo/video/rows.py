@@ -1,4 +1,4 @@
-"""Which row of a table is shown at a time."""
+"""Row of a table that is shown at a time."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Does the camera identification name the deviations that are hidden in rendered images?
+"""Names that the camera identification gives to deviations that are hidden in rendered images.
 
 python benchmarks/diagnosis/exams/camera_identification.py RUN FOLDER [--workers 2]
 

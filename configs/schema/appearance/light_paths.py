@@ -1,4 +1,4 @@
-"""How far the renderer follows light: bounces, caustics, and the limit on the light of one path."""
+"""Settings of the paths of light: bounces, caustics, and the limit on the light of one path."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""How bright and of which colour floor and line are, compared with the simulated images of the same places.
+"""Brightness and colour of floor and line, compared with the simulated images of the same places.
 
 The nominal response (`sensors.camera.response`) is inverted on the simulated values, which gives the light of the
 scene, and a response with deviations is applied to that light. The exposure of each image may differ a little, because

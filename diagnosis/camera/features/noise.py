@@ -1,4 +1,4 @@
-"""How much the pixels of an even patch scatter, by its level: shot noise rises with the light, read noise does not.
+"""Scatter of the pixels of an even patch by its level: shot noise rises with the light, read noise does not.
 
 A part of the scatter is texture. It is taken from the simulated images, whose noise is known: their variance, in the
 light of the sensor, is that of the texture, in proportion to the square of the light, and that of the camera. The

@@ -1,4 +1,4 @@
-"""How sharp the line's edges are, compared with the simulated images of the same places.
+"""Sharpness of the line's edges, compared with the simulated images of the same places.
 
 An edge that a lens and a moving camera blur is a normal distribution function in light: the variances of the lens'
 point spread, of the pixel, and of the motion across the edge during the exposure add up. The tone curve and an unsharp

@@ -1,4 +1,4 @@
-"""What the data say about the effects of a user's own that were tried and are not named."""
+"""Sentences about the effects of a user's own that were tried and are not named."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ class TriedEffect:
     name: str
     """Name of the effect with its choice."""
     text: str
-    """What the data say about it."""
+    """Reason why the effect is not named, in words."""
     values: Mapping[str, float] = field(default_factory=dict)
     """Fitted value by number, beside the named effects; empty where the data cannot show the effect."""
     std: Mapping[str, float] = field(default_factory=dict)

@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.further_sensors.readings import FurtherReadings
 from pipeline.baselines.further_sensors.scan_filter import matched
-from pipeline.baselines.further_sensors.scans import OdometryPath, Scan, ScanLog
+from pipeline.baselines.further_sensors.scans import OdometryPath, RangeScan, ScanLog
 from pipeline.baselines.further_sensors.stereo_log import StereoLog
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.errors import InputError
@@ -29,7 +29,7 @@ NO_PAIR = "there are no images of a rectified stereo pair: release a robot with 
 
 def scans_of(stereo: StereoLog, path: OdometryPath) -> ScanLog:
     """Return the points of all pairs in the frames of the rows that follow them."""
-    scans: dict[int, Scan] = {}
+    scans: dict[int, RangeScan] = {}
     place_R = stereo.X_RC[:3, 3]
     for index, t_s in enumerate(stereo.t_s.tolist()):
         row = path.row_after(t_s)
@@ -43,7 +43,7 @@ def scans_of(stereo: StereoLog, path: OdometryPath) -> ScanLog:
             by_px = -np.linalg.norm(points[used] - place_R, axis=1) * depth_m[used] / stereo.focal_baseline_m_px
             at_s, origins = np.full(len(used), t_s), np.broadcast_to(place_R, (len(used), 3))
             seen = path.seen_from(row, at_s, origins), path.seen_from(row, at_s, points[used])
-            scans[row] = Scan(row, *seen, SD_PX * np.abs(by_px), SHARED_SD_PX * np.abs(by_px), by_px)
+            scans[row] = RangeScan(row, *seen, SD_PX * np.abs(by_px), SHARED_SD_PX * np.abs(by_px), by_px)
     return ScanLog(tuple(scans.values()), LASTING_SD_PX)
 
 

@@ -50,21 +50,21 @@ def import_(
     data = read_named_file(drawing, FileKind.IMAGE)
     is_svg = drawing.suffix.lower() == ".svg" or b"<svg" in data[:2000]
     read = drawing_from_svg if is_svg else drawing_from_image
-    found = read(data, str(drawing), width_m).moved_to_middle()
+    drawn = read(data, str(drawing), width_m).moved_to_middle()
     name = re.sub(r"[^A-Za-z0-9_-]", "_", out.stem)[:64]
-    arena = found.arena(name, height_m, thickness_m)
+    arena = drawn.arena(name, height_m, thickness_m)
     section_of("arena", arena, f"{drawing}, imported")
     parts = {
-        "wall": found.wall_count(),
-        "room": len(found.rooms),
-        "pillar": len(found.pillars),
-        "obstacle": len(found.obstacles),
+        "wall": drawn.wall_count(),
+        "room": len(drawn.rooms),
+        "pillar": len(drawn.pillars),
+        "obstacle": len(drawn.obstacles),
     }
     counted = [plural(count, what) for what, count in parts.items() if count]
-    if found.line:
-        counted.append(f"a line of {plural(len(found.line), 'piece')}")
+    if drawn.line:
+        counted.append(f"a line of {plural(len(drawn.line), 'piece')}")
     summary = ", ".join(counted)
-    ignored = sorted({f"not used: {what}" for what in found.ignored})
+    ignored = sorted({f"not used: {what}" for what in drawn.ignored})
     write_file(out, arena_file_text(arena, drawing.name, [summary, *ignored]).encode())
     for line in (summary, *ignored):
         typer.echo(line)

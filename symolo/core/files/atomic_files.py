@@ -1,4 +1,4 @@
-"""How everything that is written gets its place: whole or not at all, and on the disk before anybody relies on it.
+"""Writing of files: whole or not at all, and on the disk before anybody relies on them.
 
 Every file of the packages goes this way, and an architecture test says so. What stands under a name that begins with a
 dot and ends in `.tmp` or `.dropped` is unfinished, and belongs to nobody once its process is gone.

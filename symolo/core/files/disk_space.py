@@ -1,4 +1,4 @@
-"""Whether a disk has room for what will be written, checked before any work starts."""
+"""Check that a disk has room for what will be written, before any work starts."""
 
 import shutil
 import tempfile

@@ -1,4 +1,4 @@
-"""How a file is recognised, by its SHA-256; how large files are; JSON whose bytes are the same for the same value."""
+"""SHA-256 and sizes of files, and JSON whose bytes are the same for the same value."""
 
 import hashlib
 import json

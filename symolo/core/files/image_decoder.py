@@ -24,7 +24,7 @@ from typing import cast
 import numpy as np
 
 from symolo.core.errors import EnvironmentLacking, one_line
-from symolo.core.files.image_decoder_child import COUNT, DTYPES, READY, REPLY, REQUEST, Outcome
+from symolo.core.files.image_decoder_child import COUNT, DTYPES, READY, REPLY, REQUEST, DecodingOutcome
 from symolo.core.os_errors import is_memory_limited
 
 COLOUR = 1
@@ -213,11 +213,11 @@ class _Child:
         header = bytearray(REPLY.size)
         self._receive(memoryview(header))
         outcome, has_message, dtype, channels, width, height = REPLY.unpack(header)
-        if outcome == Outcome.NO_MEMORY:
+        if outcome == DecodingOutcome.NO_MEMORY:
             if is_memory_limited():
                 raise MemoryError(_SHORTAGE)
             return Undecodable("needs more memory than an image may")
-        if outcome != Outcome.DECODED:
+        if outcome != DecodingOutcome.DECODED:
             return Undecodable("cannot be decoded")
         if (width, height) not in {size, size[::-1]} or channels not in _CHANNELS or dtype >= len(DTYPES):
             raise BrokenPipeError  # the decoder has been taken over

@@ -1,4 +1,4 @@
-"""What the child of `image_decoder` does: it reads images from its standard input, decodes them, and answers.
+"""The child process of `image_decoder`: it reads images from its standard input, decodes them, and answers.
 
 It needs next to nothing of the project, so it starts in the time that OpenCV takes to load.
 """
@@ -35,7 +35,7 @@ of it, and the largest panorama two thirds."""
 Decode = Callable[[bytes, int], "np.ndarray | None"]
 
 
-class Outcome(IntEnum):
+class DecodingOutcome(IntEnum):
     """What came of an image."""
 
     DECODED = 0
@@ -96,14 +96,16 @@ def _request(requests: BinaryIO) -> tuple[int, tuple[int, int], bytes]:
     return flags, (width, height), requests.read(count)
 
 
-def _decoded(decode: Decode, flags: int, size: tuple[int, int], data: bytes) -> tuple[Outcome, "np.ndarray | None"]:
+def _decoded(
+    decode: Decode, flags: int, size: tuple[int, int], data: bytes
+) -> tuple[DecodingOutcome, "np.ndarray | None"]:
     try:
         image = decode(data, flags)
     except MemoryError:
-        return Outcome.NO_MEMORY, None
+        return DecodingOutcome.NO_MEMORY, None
     if image is None or image.dtype not in DTYPES or image.shape[1::-1] not in {size, size[::-1]}:
-        return Outcome.UNDECODABLE, None
-    return Outcome.DECODED, np.ascontiguousarray(image)
+        return DecodingOutcome.UNDECODABLE, None
+    return DecodingOutcome.DECODED, np.ascontiguousarray(image)
 
 
 def _streams() -> tuple[BinaryIO, BinaryIO, int | None]:

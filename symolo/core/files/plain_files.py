@@ -1,4 +1,4 @@
-"""How every file of a dataset is read: a plain file, no larger than files of its kind are, or an error that says why.
+"""Reading of every file of a dataset: only plain files, no larger than files of their kind are.
 
 A dataset may come from a stranger. A pipe or a device in the place of a file would make a reader wait for ever or fill
 the memory, and a link would make it read a file of the user. An architecture test says that no file of a dataset is

@@ -1,4 +1,4 @@
-"""Where the trajectory of a run comes from, if its dataset did not simulate it."""
+"""Origin of the trajectory of a run, if its dataset did not simulate it."""
 
 from pydantic import BaseModel, ConfigDict, Field
 

@@ -1,4 +1,4 @@
-"""How the images of a run were rendered, as metadata.json states it."""
+"""Rendering of the images of a run, as metadata.json states it."""
 
 from typing import Literal
 

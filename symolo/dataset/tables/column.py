@@ -10,7 +10,7 @@ class Column:
 
     name: str
     unit: str
-    """For example `m` or `rad`; `-` for a number without a unit."""
+    """Unit, for example `m` or `rad`; `-` for a number without a unit."""
     decimals: int
     """Digits after the point in the file; a column of 0 digits has whole numbers."""
     meaning: str = ""

@@ -76,7 +76,7 @@ class Rows:
     pose: Array
     """(N, 3), x [m], y [m], theta [rad] in W."""
     state: Ints
-    """(N,)."""
+    """(N,), codes of the states."""
     twist: Array
     """(N, 2), v [m/s], w [rad/s]."""
     tof_m: Array

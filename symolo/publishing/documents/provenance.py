@@ -1,4 +1,4 @@
-"""How a release was made, as a statement of in-toto (v1) with the predicate of SLSA provenance (v1).
+"""Provenance of a release: a statement of in-toto (v1) with the predicate of SLSA provenance (v1).
 
 It says nothing that metadata.json and bag-info.txt do not hold, so the same release gives the same bytes. Tools that
 know nothing of symolo read it.

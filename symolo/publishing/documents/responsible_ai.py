@@ -1,4 +1,4 @@
-"""How the data came about, what varies in them and what they lack, in the terms of Croissant RAI 1.0.
+"""Origin, variation and limits of the data, in the terms of Croissant RAI 1.0.
 
 The terms: https://docs.mlcommons.org/croissant/docs/croissant-rai-spec.html. Everything is read from metadata.json.
 """

@@ -1,4 +1,4 @@
-"""Everything that the page shows of a release, gathered before the page is written."""
+"""All facts of a release that the page shows, gathered before the page is written."""
 
 import hashlib
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which runs share a map: those of one route with the same line, walls and obstacles."""
+"""Groups of runs that share a map: those of one route with the same line, walls and obstacles."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What the page shows of each run, small enough to be in memory for all runs."""
+"""Facts of each run that the page shows, small enough to be in memory for all runs."""
 
 from dataclasses import dataclass, replace
 
@@ -21,7 +21,7 @@ class RunPath:
     pose: Array
     """(N, 3), x [m], y [m], theta [rad] in W."""
     state: Ints
-    """(N,)."""
+    """(N,), codes of the states."""
 
 
 @dataclass(frozen=True)

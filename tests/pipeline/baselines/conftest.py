@@ -9,7 +9,7 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.robot import TofMount
-from pipeline.baselines.robot_knowledge import Drawing, LineRow, RobotKnowledge, Start
+from pipeline.baselines.robot_knowledge import LineRow, RobotDrawing, RobotKnowledge, Start
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate
 from sensors.wheels.odometry import Odometry
@@ -54,7 +54,7 @@ def before_a_wall() -> Callable[..., RobotKnowledge]:
             fresh=np.ones((rows, 3), dtype=bool),
             on_line=np.zeros((rows, 8), dtype=bool),
             start=start,
-            drawing=Drawing(Odometry(PER_COUNT_M, 0.14), tuple(mounts), np.radians(25.0), 1.2, 1e-9, row),
+            drawing=RobotDrawing(Odometry(PER_COUNT_M, 0.14), tuple(mounts), np.radians(25.0), 1.2, 1e-9, row),
             map=arena,
             images=None,
         )

@@ -16,7 +16,7 @@ from physics.control.base import Twist
 from physics.run.pilot import Drive
 from pipeline.gym.environment import DriveEnvironment
 from pipeline.gym.reward import Outcome, Reward
-from pipeline.gym.track import Track
+from pipeline.gym.track import DrivingTrack
 from pipeline.stages.simulate import simulate
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
@@ -124,7 +124,7 @@ def test_voltages_are_actions_within_the_limit_of_the_driver():
 def test_the_track_leads_once_around_the_arena_in_the_direction_of_the_start():
     for route, turn in (("CW", -1), ("CCW", 1)):
         spec = draw_run(load_scenario("smoke"), route, 1)
-        track = Track.of(spec, Arena.from_config(spec.arena))
+        track = DrivingTrack.of(spec, Arena.from_config(spec.arena))
         place = track.nearest(0.55, 0.0)
         assert place.distance_m == pytest.approx(0.0, abs=1e-9)
         assert place.along == pytest.approx((0.0, turn), abs=1e-6)

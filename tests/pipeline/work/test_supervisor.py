@@ -12,7 +12,7 @@ import pytest
 
 from pipeline.work.supervisor import Retried, run_units
 from pipeline.work.units import Progress, RenderUnit
-from pipeline.work.worker_process import Limits, limits_of
+from pipeline.work.worker_process import WorkerLimits, limits_of
 from symolo.core.child_process import Failed, Finished, memory_of
 from symolo.core.errors import EnvironmentLacking
 
@@ -59,8 +59,8 @@ for line in sys.stdin:
         say("finished")
 """
 COMMAND = (sys.executable, "-c", WORKER)
-IMPATIENT = Limits(silence_s=3.0)
-FRUGAL = Limits(memory_bytes=200_000_000)
+IMPATIENT = WorkerLimits(silence_s=3.0)
+FRUGAL = WorkerLimits(memory_bytes=200_000_000)
 
 
 def unit(folder: Path, name: str, numbers=(1, 2, 3)) -> RenderUnit:
@@ -84,7 +84,7 @@ def test_a_worker_takes_the_next_unit_and_the_next(tmp_path):
 @pytest.mark.parametrize(
     ("what", "limits", "why"),
     [
-        ("die_once", Limits(), "signal SIGKILL"),
+        ("die_once", WorkerLimits(), "signal SIGKILL"),
         ("hang_once", IMPATIENT, "no sign of life for 3 s"),
         # On a loaded machine it takes seconds to fill the memory, so this worker may be silent for longer.
         ("eat_once", FRUGAL, "GB of memory"),

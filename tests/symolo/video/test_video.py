@@ -14,7 +14,7 @@ from symolo.playback.from_run import playback_of
 from symolo.reader.dataset import load
 from symolo.video.build import Video, VideoSettings
 from symolo.video.encoders import gif_chunks, mp4_chunks, webp_chunks
-from symolo.video.floor import Floor
+from symolo.video.floor import FloorView
 from symolo.video.frames import times_s
 from symolo.video.rows import row_at
 from symolo.video.time_plots import ticks_around
@@ -111,7 +111,7 @@ def test_the_robot_is_where_its_pose_is(root):
     """From its colour alone: in the rows of state 5 it drives 11 times 10 mm towards -y, which is down."""
     run = load(root).runs[0]
     playback = playback_of(run)
-    floor = Floor(playback, 600, 600)
+    floor = FloorView(playback, 600, 600)
     first, last = (middle_of(floor.frame(row).pixels) for row in (20, 31))
     low, high = -1.05 - 0.0075 - 0.12, 0.90 + 0.02 + 0.12  # tape and wall A1 of the arena, and the margin around both
     pixels_per_m = 600 / (high - low)

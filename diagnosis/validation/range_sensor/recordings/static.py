@@ -34,7 +34,7 @@ class RestRecording:
     logging_s: float
     """Duration in the header of the file."""
     readings_mm: Array
-    """(N,), readings."""
+    """(N,), readings of the sensor [mm]."""
 
 
 def read_rest_recording(path: Path) -> RestRecording:
