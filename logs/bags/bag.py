@@ -3,20 +3,22 @@
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from pydantic import ValidationError
 
-from logs.bags.streams import INDEX, POSE, ImageStream, Index, Stream
+from logs.bags.streams import INDEX, POSE, PROGRESS, ImageStream, Index, Stream
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.extras import check_installed
 from symolo.core.files.npz_file import Numbers, arrays_of
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.scratch_folders import scratch_folder
+from symolo.core.progress import Report, StageReport
 
 _MAX_BYTES = 2_000_000_000
 """Maximum size of all numbers of a bag, unpacked."""
@@ -69,8 +71,8 @@ class Bag:
     """Type of each topic that is not read."""
 
 
-def read_bag(path: Path) -> Bag:
-    """Read all topics of numbers of a bag.
+def read_bag(path: Path, report: Report | None = None) -> Bag:
+    """Read all topics of numbers of a bag, and report the progress.
 
     Raises:
         InputError: It is no bag, or needs too much memory or time.
@@ -81,15 +83,35 @@ def read_bag(path: Path) -> Bag:
         out = scratch / "topics.npz"
         command = [sys.executable, "-P", "-m", "logs.bags.child", str(path.absolute()), str(out)]
         environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
-        child = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+        last, code = _last_line(command, environment, path, report)
         try:
-            index = INDEX.validate_json(child.stdout.strip().rpartition("\n")[2])
+            index = INDEX.validate_json(last)
         except ValidationError:
-            how = f"signal {-child.returncode}" if child.returncode < 0 else f"exit code {child.returncode}"
-            last = (child.stderr.strip().splitlines() or [how])[-1]
+            last = last or (f"signal {-code}" if code < 0 else f"exit code {code}")
             cure = "record or filter the bag again with the topics of the robot alone"
             raise InputError(f"takes too long to read or ends its reader: {last}", where=str(path), cure=cure) from None
         return bag_of(path, index, out)
+
+
+def _last_line(
+    command: Sequence[str], environment: Mapping[str, str], path: Path, report: Report | None
+) -> tuple[str, int]:
+    """Run the child, pass its progress on, and return the last line that it printed besides, and its exit code."""
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "errors": "replace"}
+    last = ""
+    with subprocess.Popen(command, env=environment, **streams) as child, ExitStack() as stack:
+        stack.callback(child.kill)  # if the command is interrupted; a child that has ended is not touched
+        stage: StageReport | None = None
+        for line in child.stdout or ():
+            if not line.startswith(f"{PROGRESS} "):
+                last = line.strip() or last
+                continue
+            done, total = map(int, line.split()[1:])
+            if stage is None and report is not None:
+                stage = stack.enter_context(report.stage(f"read {path.name}", total, "messages"))
+            if stage is not None:
+                stage.update("all", done)
+        return last, child.wait()
 
 
 def bag_of(path: Path, index: Index, out: Path) -> Bag:

@@ -2,10 +2,11 @@
 
 A bag is what a stranger wrote, and its chunks unpack to whatever they hold. So this process limits its own memory and
 time before it opens the bag. It writes the numbers of all topics that `_PARTS` knows to OUT, an npz archive, and prints
-what they are as one line of JSON, or why the bag cannot be read.
+what they are as one line of JSON, or why the bag cannot be read. Lines before it report the progress.
 """
 
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -23,6 +24,7 @@ from logs.bags.streams import (
     LENS,
     MAX_STREAMS,
     POSE,
+    PROGRESS,
     RANGE,
     SCAN,
     ImageStream,
@@ -37,6 +39,7 @@ from symolo.core.process_limits import limit_memory, limit_time
 
 _SECONDS, _BYTES_PER_SECOND = 60, 5_000_000
 """Time of the processor for any bag, and the number of bytes for which it gets another second."""
+_REPORT_EVERY_S = 0.5
 _MEMORY_BYTES = 3_000_000_000
 _IMAGE_BYTES = 300_000_000
 """Size of all images of a bag; raw ones count as JPEG files."""
@@ -238,6 +241,25 @@ def _check_nesting(metadata: Path) -> None:
             raise ValueError(f"metadata.yaml is nested deeper than {_MAX_DEPTH} lists")
 
 
+class _Progress:
+    """Prints how many messages were read: at the beginning, now and then, and at the end."""
+
+    def __init__(self, total: int) -> None:
+        self._total, self._done = total, 0
+        self._print()
+
+    def count(self) -> None:
+        """Count a message."""
+        self._done += 1
+        if time.monotonic() >= self._next_s or self._done == self._total:
+            self._print()
+
+    def _print(self) -> None:
+        self._next_s = time.monotonic() + _REPORT_EVERY_S
+        sys.stdout.write(f"{PROGRESS} {self._done} {self._total}\n")
+        sys.stdout.flush()
+
+
 def _collect(path: Path) -> _Content:
     """Return the numbers and images of each topic, and the type of each topic that is left out."""
     _check_nesting(path / "metadata.yaml")
@@ -247,10 +269,12 @@ def _collect(path: Path) -> _Content:
     with highlevel.AnyReader([path], default_typestore=default) as reader:
         known = [one for one in reader.connections if one.msgtype in _PARTS or one.msgtype in _IMAGES]
         content.others = {one.topic: one.msgtype for one in reader.connections if one not in known}
+        progress = _Progress(sum(one.msgcount for one in known))
         for connection, logged_ns, raw in reader.messages(connections=known) if known else ():
             topic, kind = connection.topic, connection.msgtype
             add = content.add_image if kind in _IMAGES else content.add
             add(topic, kind, logged_ns, reader.deserialize(raw, kind))
+            progress.count()
     return content
 
 

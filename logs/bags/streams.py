@@ -64,3 +64,6 @@ class Index:
 
 
 INDEX = TypeAdapter(Index)
+
+PROGRESS = "progress"
+"""First word of a line with which the child reports how many messages of how many it has read."""

@@ -37,7 +37,7 @@ _MIN_LENGTH = 0.5
 
 
 def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
-    return trajectories_of(read_bag(path), settings)
+    return trajectories_of(read_bag(path, settings.report), settings)
 
 
 def trajectories_of(bag: Bag, settings: ReadSettings) -> list[LoggedTrajectory]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from logs.axis import Axis
 from symolo.core.arrays import Array
+from symolo.core.progress import Report
 from symolo.dataset.tables.column import Column
 
 
@@ -28,6 +29,8 @@ class ReadSettings:
     """Rate of the poses of a file without times."""
     topics: tuple[str, ...] = ()
     """Topics of a bag, or frames such as `map:base_link`, that give the pose; by default the best there are."""
+    report: Report | None = field(default=None, compare=False)
+    """Receiver of the progress of reading a large log; None for none."""
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,10 @@ from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.dataset.annotations import AnnotationName
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import Dataset
-from symolo.reader.run_folder import Image
+from symolo.reader.run_folder import Image, how_to_add
 
 
 @dataclass(frozen=True)
@@ -39,16 +40,38 @@ def copied_file(name: str, source: Path) -> ExportedFile:
 
 
 def check_images(data: Dataset) -> None:
-    """Refuse a run without images, for formats whose entries are images.
+    """Refuse a run without images of any camera, for formats whose entries are images.
 
     Raises:
         InputError: A run has no images.
     """
     for run in data.runs:
-        if not run.numbers:
+        if not run.numbers and not any(camera.numbers for camera in run.cameras.values()):
             cure = "render its trajectory with `symolo rerender`" if run.spec.is_imported else ""
             cure = cure or "choose other runs with --runs"
             raise InputError(f"run {run.name} has no images", where=str(data.root), cure=cure)
+
+
+def check_labelled(data: Dataset, kind: AnnotationName, what: str) -> None:
+    """Refuse a run whose images have no annotations of a kind, for formats whose entries are labels.
+
+    Args:
+        data: The release.
+        kind: The kind of annotations.
+        what: What the kind gives, in one word.
+
+    Raises:
+        InputError: A run has no images, or no such annotations.
+    """
+    check_images(data)
+    for run in data.runs:
+        if not run.numbers:
+            text = f"the images of run {run.name} were recorded, and nobody has labelled them"
+            cure = f"render labelled ones: `symolo rerender {data.root} --look lab --set render.annotations=[{kind}]`"
+            raise InputError(text, where=str(data.root), cure=cure)
+        if not run.has_annotations or kind not in run.annotations.kinds:
+            text = f"run {run.name} has no annotations of the kind `{kind}`, which give the {what}"
+            raise InputError(text, where=str(data.root), cure=how_to_add(f"`{kind}`"))
 
 
 def run_of(image: Image) -> dict[str, str]:

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationEntry, KeyPointSighting, pixel_box
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file, run_of
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_labelled, copied_file, run_of
 from symolo.exporters.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
-from symolo.reader.run_folder import Image, RunFolder, how_to_add
+from symolo.reader.run_folder import Image, RunFolder
 
 _CORNERS = tuple(f"corner_{number}" for number in range(8))
 """Names of a box's corners: 0-3 at the foot, 4-7 above them, counter-clockwise, as in our key points."""
@@ -26,11 +26,7 @@ _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    check_images(data)
-    for run in data.runs:
-        if "instance" not in run.annotation_kinds:
-            what = f"run {run.name} has no annotations of the kind `instance`, which give the masks"
-            raise InputError(what, where=str(data.root), cure=how_to_add("`instance`"))
+    check_labelled(data, "instance", "masks")
     yield from _files_of("", data, data.runs, images_of_splits(data))
     for camera in further_cameras_of_splits(data, "instance"):
         yield from _files_of(f"{camera.folder}/", data, camera.runs, camera.splits)

@@ -12,7 +12,7 @@ import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
-from symolo.exporters.stereo import StereoPair, cameras_with_images, stereo_pair
+from symolo.exporters.stereo import StereoPair, cameras_with_images, first_camera, stereo_pair
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import RunFolder
@@ -29,7 +29,7 @@ class _Sequence:
     @classmethod
     def of(cls, run: Run, pair: StereoPair | None) -> "_Sequence":
         if pair is None:
-            return cls((run,), 0.0)
+            return cls((first_camera(run),), 0.0)
         cameras = cameras_with_images(run)
         return cls((cameras[pair.left], cameras[pair.right]), pair.baseline_m)
 
@@ -38,8 +38,7 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     pairs = [stereo_pair(run) for run in data.runs]
     if len({pair and (pair.left, pair.right) for pair in pairs}) > 1:  # all sequences have the same folders
         pairs = [None] * len(pairs)
-    if not all(pairs):
-        check_images(data)
+    check_images(data)
     digits = max(2, len(str(len(data.runs) - 1)))
     names = {f"{number:0{digits}d}": run for number, run in enumerate(data.runs)}
     yield ExportedFile("runs.txt", lambda: "".join(f"{name} {run.name}\n" for name, run in names.items()).encode())

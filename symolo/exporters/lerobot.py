@@ -29,9 +29,11 @@ from symolo.exporters.hub_card import hub_card
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
 from symolo.exporters.lerobot_video import check_video, video_bytes, video_info
 from symolo.exporters.splits import OPTION, runs_of_splits
+from symolo.exporters.stereo import first_camera
+from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
-from symolo.reader.run_folder import Image
+from symolo.reader.run_folder import Image, RunFolder
 from symolo.reader.sensor import RunSensor
 
 _VERSION = "v3.0"
@@ -74,7 +76,22 @@ class _Episode:
     """Rate whose periods the times are exactly, as frames of a video are; None for the times of the images."""
 
     def __len__(self) -> int:
-        return len(self.run.numbers)
+        return len(self._taken)
+
+    @cached_property
+    def _camera(self) -> RunFolder:
+        """The camera whose images are the frames."""
+        return first_camera(self.run)
+
+    @cached_property
+    def _taken(self) -> tuple[Image, ...]:
+        """The image of each frame. Of a recorded camera, whose times are uneven, it is the nearest one in time."""
+        images = self._camera.images
+        if not isinstance(self._camera, CameraRun):
+            return images
+        t_s, period_s = np.array([image.t_s for image in images]), 1 / image_hz(self.run)
+        frames_s = np.arange(t_s[0], t_s[-1] + 0.5 * period_s, period_s)
+        return tuple(images[i] for i in np.searchsorted(0.5 * (t_s[1:] + t_s[:-1]), frames_s).tolist())
 
     @cached_property
     def vectors(self) -> dict[str, tuple[str, ...]]:
@@ -88,9 +105,12 @@ class _Episode:
 
     @cached_property
     def images(self) -> dict[str, tuple[Image, ...]]:
-        """The image of each frame by the name of the feature; of a further camera the newest that was delivered."""
-        images = {_FRONT: self.run.images}
+        """The image of each frame by the name of the feature; of the other cameras the newest that was delivered."""
+        of_frames = f"{_IMAGES}{self._camera.camera_name}" if isinstance(self._camera, CameraRun) else _FRONT
+        images = {of_frames: self._taken}
         for name, camera in self.run.cameras.items():
+            if camera is self._camera or not camera.numbers:
+                continue
             feature, taken = f"{_IMAGES}{name}", camera.images
             feature += "_further" if feature == _FRONT else ""
             images[feature] = tuple(taken[i] for i in camera.delivered(self._stamps_s).tolist())
@@ -109,7 +129,7 @@ class _Episode:
 
     @cached_property
     def _stamps_s(self) -> np.ndarray:
-        return np.array([image.t_s for image in self.run.images])
+        return np.array([image.t_s for image in self._taken])
 
     @property
     def _sensors(self) -> list[RunSensor]:
@@ -123,10 +143,11 @@ class _Episode:
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
         """All features except the images, (frames,) or (frames, components)."""
-        rows = self.run.image_rows.reset_index(drop=True)
+        rows = self._camera.image_rows.iloc[[image.index for image in self._taken]].reset_index(drop=True)
         vectors = {}
         if _ACTION in self.vectors:
-            drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[[i.row for i in self.run.images]]
+            at = np.searchsorted(self.run.t_s, self._stamps_s, side="right") - 1
+            drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[at]
             rows[[*_WHEEL_NAMES]] = wheels[["speed_r", "speed_l"]].to_numpy()
             v_m_s, w_rad_s = (wheels[f"command_{one}"].to_numpy() for one in "vw")
             turn_m_s = 0.5 * drive.track_m * w_rad_s
@@ -140,7 +161,8 @@ class _Episode:
             vectors[_STATE] = np.column_stack((vectors[_STATE], *further)).astype(np.float32)
         vectors = {name: vectors[name] for name in self.vectors}
         count = np.arange(len(self))
-        times_s = count / self.exact_hz if self.exact_hz else self._stamps_s - self._stamps_s[0]
+        hz = image_hz(self.run) if isinstance(self._camera, CameraRun) else self.exact_hz
+        times_s = count / hz if hz else self._stamps_s - self._stamps_s[0]
         vectors["timestamp"] = times_s.astype(np.float32)
         counts = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
         return vectors | {name: one.astype(np.int64) for name, one in zip(_COUNTS, counts, strict=True)}
@@ -201,11 +223,10 @@ def _plan(data: Dataset, max_bytes: int, *, video: bool) -> _Plan:
             raise InputError(what, where=str(run.folder), cure=cure)
     names = tuple(dict.fromkeys(_task(run) for run in data.runs))
     runs = [run for _, part in _splits(data) for run in part.runs]
-    starts = accumulate((len(run.numbers) for run in runs), initial=0)
-    episodes = [
-        _Episode(run, index, first, names.index(_task(run)), first_hz if video else None)
-        for index, (run, first) in enumerate(zip(runs, starts, strict=False))
-    ]
+    episodes: list[_Episode] = []
+    for run in runs:
+        first = episodes[-1].first + len(episodes[-1]) if episodes else 0
+        episodes.append(_Episode(run, len(episodes), first, names.index(_task(run)), first_hz if video else None))
     for episode in episodes:
         if episode.features != episodes[0].features:
             what, cure = "has other cameras or readings than the first run", "export them separately with --runs"
@@ -239,6 +260,8 @@ def _ranges(data: Dataset) -> dict[str, str]:
 def image_hz(run: Run) -> int:
     """Return the rate of a run's images, for a format whose frames must be evenly spaced.
 
+    That of a recorded camera is its usual one.
+
     Raises:
         InputError: They are not, as those of an imported trajectory with rows at any times, or the rate is no integer.
     """
@@ -247,6 +270,9 @@ def image_hz(run: Run) -> int:
             what = f"run {run.name}: images are at {rate_hz:g} Hz, and the rate of this format is an integer"
             raise InputError(what, where=str(run.folder), cure="render it again with `symolo rerender --camera-hz`")
         return int(rate_hz)
+    camera = first_camera(run)
+    if isinstance(camera, CameraRun):
+        return max(1, round(1 / camera.settings.period_s))
     t_s = np.array([image.t_s for image in run.images])
     hz = max(1, round((len(t_s) - 1) / (t_s[-1] - t_s[0]))) if len(t_s) > 1 else 1
     late_s = np.abs(t_s - t_s[0] - np.arange(len(t_s)) / hz)

@@ -31,6 +31,11 @@ def cameras_with_images(run: Run) -> dict[str, RunFolder]:
     return {name: camera for name, camera in cameras.items() if camera.numbers}
 
 
+def first_camera(run: Run) -> RunFolder:
+    """Return the camera of data.csv, or the first further one by name if only others took images, as in a log."""
+    return next(iter(cameras_with_images(run).values()), run)
+
+
 def stereo_pair(run: Run) -> StereoPair | None:
     """Return the first rectified pair in the order of `cameras_with_images`; None if there is none."""
     cameras = cameras_with_images(run)

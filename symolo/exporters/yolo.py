@@ -13,14 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 import yaml
 
-from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationName, Category, PixelBox
 from symolo.dataset.documents.splits_record import SplitName
-from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_labelled, copied_file
 from symolo.exporters.polygons import polygon_of
 from symolo.exporters.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
-from symolo.reader.run_folder import Image, RunFolder, how_to_add
+from symolo.reader.run_folder import Image, RunFolder
 
 CLASSES: tuple[Category, ...] = ("wall", "obstacle")
 """Categories with boxes, in the order of the numbers of their classes."""
@@ -31,12 +30,8 @@ _NO_VALIDATION = "# There is no validation split: val names the images of {}. `s
 
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
-    check_images(data)
     labelling = _POLYGONS if settings.polygons else _BOXES
-    for run in data.runs:
-        if not run.has_annotations or labelling.kind not in run.annotations.kinds:
-            what = f"run {run.name} has no annotations of the kind `{labelling.kind}`, which give the {labelling.what}"
-            raise InputError(what, where=str(data.root), cure=how_to_add(f"`{labelling.kind}`"))
+    check_labelled(data, labelling.kind, labelling.what)
     yield from _files_of("", images_of_splits(data), labelling)
     for camera in further_cameras_of_splits(data, labelling.kind):
         yield from _files_of(f"{camera.folder}/", camera.splits, labelling)

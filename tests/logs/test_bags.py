@@ -2,18 +2,21 @@
 
 import math
 import struct
-from types import SimpleNamespace
+import sys
 
 import numpy as np
 import pytest
 import zstandard
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 
 from logs.trajectories import READERS
 from logs.trajectories.base import ReadSettings
 from symolo.core.errors import InputError
 from symolo.core.geometry.poses import pose_X_WR
+from symolo.core.progress import LineReport
 from tests.logs.written_bags import COUNT, POSE, SPEED_M_S, START_NS, T_S, TURN_RAD_S, Ros, bag_of, write_ros1
 
 
@@ -41,6 +44,13 @@ def test_measured_poses_come_before_odometry_and_the_choice_is_a_guess(path):
     assert unit == "m/s"
     np.testing.assert_allclose(commands, 0.2 * (np.arange(COUNT) // 2))
     assert "topics that are not read: /chatter (std_msgs/msg/String)" in trajectory.changes
+
+
+def test_the_progress_counts_the_messages_that_are_read(path, capsys):
+    read(path, report=LineReport())
+    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
+        count = sum(one.msgcount for one in bag.connections if one.topic != "/chatter")
+    assert f"read {path.name}: {count} of {count} messages in " in capsys.readouterr().err
 
 
 def test_topics_and_frames_may_be_named(path):
@@ -132,8 +142,10 @@ def test_a_small_bag_that_unpacks_to_more_memory_than_it_may_is_refused(tmp_path
 
 
 def test_a_reader_of_a_bag_that_the_system_ends_is_an_error_in_one_line(tmp_path, monkeypatch):
-    killed = SimpleNamespace(stdout="", stderr="", returncode=-9)
-    monkeypatch.setattr("logs.bags.bag.subprocess.run", lambda *_, **__: killed)
+    killed = tmp_path / "killed"
+    killed.write_text("#!/bin/sh\nkill -9 $$\n")
+    killed.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(killed))
     (tmp_path / "bomb.mcap").write_bytes(b"\x89MCAP0\r\n")
     with pytest.raises(InputError, match=r"bomb\.mcap: takes too long.*signal 9"):
         read(tmp_path / "bomb.mcap")

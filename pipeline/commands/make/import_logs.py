@@ -167,9 +167,10 @@ def read_settings(
 ) -> "ReadSettings":
     """Return the options of a command that say how to read logs."""
     from logs.trajectories.base import ReadSettings
+    from symolo.core.progress import report_here
 
     topics = names(topic, "--topic") if topic is not None else ()
-    return ReadSettings(mapping, up, forward, heading_from_path, pose_hz, topics)
+    return ReadSettings(mapping, up, forward, heading_from_path, pose_hz, topics, report_here())
 
 
 def checked_name(option: str, name: str) -> str:

@@ -1,8 +1,10 @@
 """Bags of a release back through `symolo import`: cameras, lidar and IMU come back as they went."""
 
 import json
+import tarfile
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import symolo as symolo_reader
@@ -10,9 +12,11 @@ from pipeline.cli import main
 from pipeline.importing.imported_runs import ImportRequest
 from pipeline.rerendering.rerender import RerenderRequest, prepare
 from pipeline.rerendering.sources import read_sources
-from tests.logs.test_bag_cameras import COUNT, Camera, encoded, scene, written
+from tests.logs.test_bag_cameras import CENTER, COUNT, FOCAL, Camera, encoded, scene, written
 
 RUN = "CW/test_1"
+MISSING = 3
+"""Number of the image that `one_camera` lacks."""
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +131,65 @@ def test_images_after_the_last_row_are_left_out_in_one_sentence(tmp_path, symolo
     assert "front: left out: 6 images before the first or after the last row, or within a millisecond of" in ended.out
     (run,) = symolo_reader.load(tmp_path / "data")
     assert len(run.cameras["front"].images) == COUNT
+
+
+@pytest.fixture(scope="module")
+def one_camera(tmp_path_factory):
+    """A dataset of a bag with one camera, whose images come at 2 Hz, some of them late and one not at all."""
+    folder = tmp_path_factory.mktemp("camera")
+
+    def of_image(ros, at_ns, number):
+        front, late_ns = Camera(ros, "front"), (0, 30_000_000, 0, 0, 90_000_000, 0)[number]
+        yield front.info(at_ns)
+        if number != MISSING:
+            yield front.compressed(at_ns + late_ns, encoded(scene(number), ".jpg"))
+
+    bag = written(folder, 1, of_image)
+    assert main(["import", str(bag), "--yes", "--out", str(folder / "data")]) == 0
+    return folder / "data"
+
+
+def test_recorded_images_are_exported_with_their_times_and_poses(one_camera, tmp_path, symolo):
+    assert symolo("export", one_camera, "--format", "kitti,webdataset", "--out", tmp_path / "out").code == 0
+    (run,) = symolo_reader.load(one_camera)
+    camera = run.cameras["front"]
+    files = [image.path.read_bytes() for image in camera]
+    sequence = tmp_path / "out/kitti/sequences/00"
+    assert [path.read_bytes() for path in sorted((sequence / "image_0").iterdir())] == files
+    np.testing.assert_allclose(np.loadtxt(sequence / "times.txt"), camera.t_s, atol=1e-9)
+    origin, poses = np.loadtxt(sequence / "origin.txt"), np.loadtxt(tmp_path / "out/kitti/poses/00.txt")
+    X_WC0 = np.vstack([origin.reshape(3, 4), [0, 0, 0, 1]])
+    X_WC = X_WC0 @ np.concatenate([poses.reshape(-1, 3, 4), np.tile([[[0, 0, 0, 1]]], (len(files), 1, 1))], axis=1)
+    np.testing.assert_allclose(X_WC, camera.X_WC, atol=1e-8)
+    K = np.array([[FOCAL[0], 0, CENTER[0], 0], [0, FOCAL[1], CENTER[1], 0], [0, 0, 1, 0]])
+    calibration = dict(line.split(": ") for line in (sequence / "calib.txt").read_text().splitlines())
+    np.testing.assert_allclose(np.array(calibration["P0"].split(), float).reshape(3, 4), K)
+    with tarfile.open(tmp_path / "out/webdataset/cameras/front/symolo-000000.tar") as shard:
+        names = shard.getnames()
+        assert [shard.extractfile(name).read() for name in names if name.endswith(".jpg")] == files
+        record = json.load(shard.extractfile(names[0].partition(".")[0] + ".json"))
+    assert (record["run"], record["camera"], record["img"], record["d_f"]) == ("imported/test_1", "front", 1, None)
+
+
+def test_frames_of_lerobot_are_evenly_spaced_and_have_the_nearest_recorded_image(one_camera, tmp_path, symolo):
+    assert symolo("export", one_camera, "--format", "lerobot", "--out", tmp_path / "out").code == 0
+    info = json.loads((tmp_path / "out/lerobot/meta/info.json").read_text())
+    frames = pd.read_parquet(tmp_path / "out/lerobot/data")
+    assert (info["fps"], info["total_frames"]) == (2, COUNT)
+    np.testing.assert_array_equal(frames["timestamp"], 0.5 * np.arange(COUNT))
+    images = symolo_reader.load(one_camera).runs[0].cameras["front"].images
+    # Of the frame at 1.5 s, whose image is missing, the image before is nearer than the one after it, which is late.
+    nearest = [0, 1, 2, 2, 3, 4]
+    files = [image.path.read_bytes() for image in images]
+    assert [one["bytes"] for one in frames["observation.images.front"]] == [files[index] for index in nearest]
+    poses = np.array([images[index].pose for index in nearest], np.float32)
+    np.testing.assert_array_equal(np.stack(frames["pose"]), poses)
+
+
+@pytest.mark.parametrize("form", ["coco", "yolo"])
+def test_recorded_images_have_no_labels_to_export(form, one_camera, tmp_path, symolo):
+    ended = symolo("export", one_camera, "--format", form, "--out", tmp_path / "out")
+    assert (ended.code, "were recorded, and nobody has labelled them; render labelled ones" in ended.err) == (2, True)
 
 
 def test_rerender_replaces_recorded_cameras_by_rendered_ones(recorded):
