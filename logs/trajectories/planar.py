@@ -18,6 +18,8 @@ FOLLOWS_RAD = np.radians(30.0)
 """Largest median angle between a forward axis and the path of a body that drives along this axis."""
 NOTABLE_HEIGHT_M, NOTABLE_TILT_RAD = 0.02, np.radians(5.0)
 """Range of heights and largest tilt of a robot on an even floor, with noise."""
+_NO_HEIGHT_M, _NO_TILT_RAD = 1e-6, 1e-5
+"""Range of heights and largest tilt that are only rounding errors."""
 _FORWARD_OF_UP = {
     Axis.Z: Axis.X,
     Axis.MINUS_Y: Axis.Z,
@@ -147,6 +149,8 @@ def _losses(z_m: Array, R_WB: Array, body_up: Axis) -> tuple[list[str], list[str
     upward = (R_WB @ axis_vector(body_up)).mean(axis=0)
     upward /= np.linalg.norm(upward)
     tilt_rad = float(np.arccos(np.clip(R_WB @ axis_vector(body_up) @ upward, -1.0, 1.0)).max())
+    if height_m < _NO_HEIGHT_M and tilt_rad < _NO_TILT_RAD:
+        return [], []
     text = f"heights, which range over {height_m:.3g} m, and tilts of up to {np.degrees(tilt_rad):.2g} degrees"
     if height_m <= NOTABLE_HEIGHT_M and tilt_rad <= NOTABLE_TILT_RAD:
         return [f"{text} are left out"], []

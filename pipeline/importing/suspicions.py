@@ -15,6 +15,7 @@ from logs.trajectories.path_direction import (
 )
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.progress import plural
 
 Where = Callable[[int], str]
 """Returns the place of a row for messages, such as `data.csv:7`."""
@@ -108,7 +109,7 @@ def trajectory_warnings(t_s: Array, pose: Array) -> tuple[str, ...]:
 
 def _standing(pose: Array) -> Iterator[str]:
     if float(np.hypot(*np.diff(pose[:, :2], axis=0).T).sum()) < MIN_PATH_M:
-        yield "the robot moves less than 1 cm: are x and y in a smaller unit than was taken, or did it stand still?"
+        yield "the robot moves less than 1 cm: are x and y in a larger unit than was taken, or did it stand still?"
 
 
 def _speed(t_s: Array, pose: Array) -> Iterator[str]:
@@ -147,11 +148,12 @@ def _spacing(t_s: Array, pose: Array) -> Iterator[str]:
     if len(gaps):
         longest = int(gaps[np.argmax(steps[gaps])])
         yield (
-            f"rows are usually {step:.4g} s apart, but {len(gaps)} times more than {MAX_GAP_STEPS:g} times as far;"
+            f"rows are usually {step:.4g} s apart, but {plural(len(gaps), 'gap')} of time"
+            f" {'is' if len(gaps) == 1 else 'are'} more than {MAX_GAP_STEPS:g} times as long;"
             f" the longest gap is {steps[longest]:.4g} s, from t = {t_s[longest] - t_s[0]:.3f} s on"
         )
     moved = np.any(np.diff(pose, axis=0) != 0.0, axis=1)
-    inside = moved[np.argmax(moved) : len(moved) - np.argmax(moved[::-1])] if moved.any() else moved
+    inside = moved[np.argmax(moved) : len(moved) - np.argmax(moved[::-1])] if moved.any() else moved[:0]
     if len(inside) and np.mean(~inside) > SAME_STEPS:
         share = f"{np.mean(~inside):.0%} of the rows between the first and the last motion"
         yield f"{share} repeat the pose above: poses come less often than rows"

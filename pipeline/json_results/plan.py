@@ -83,6 +83,8 @@ class PlanResult(JsonResult):
     """Diagnosis from which the robots are drawn, with its hypotheses; empty without --like."""
     beyond_measured: list[str] = []
     """Demands of the scenario that leave what this diagnosis measured."""
+    warnings: list[str] = []
+    """What is suspicious about the starts of runs, such as a yaw in radians."""
     price: PricePart | None = None
     """Measured cost of the images of --images; null without it."""
 
@@ -99,6 +101,7 @@ class PlanResult(JsonResult):
             time_s=time_s,
             robots=plan.robots,
             beyond_measured=list(plan.demands),
+            warnings=list(plan.warnings),
         )
 
     @classmethod

@@ -15,7 +15,7 @@ def follow(out: Path, page: Path, every_s: float, on_written: Callable[[], None]
     """Write the page of a release again and again until it is finished.
 
     Args:
-        out: Output folder of `release`, `simulate` or `render`, in which another command works or will work.
+        out: Output folder of `release`, `simulate`, `render` or `rerender`, in which another command works.
         page: File to write.
         every_s: Time between two versions of the page.
         on_written: Called after the first version.

@@ -13,7 +13,7 @@ from symolo.core.errors import InputError
 from symolo.core.progress import plural, seconds
 from symolo.dataset.layout import STAGES
 from symolo.pages.html import render_page
-from symolo.pages.states import named
+from symolo.pages.states import NO_STATE, named
 from symolo.pages.thumbnails import thumbnail
 from symolo.playback.from_run import playback_of
 from symolo.reader.run import Run
@@ -89,8 +89,9 @@ def _moment_of(progress: Snapshot, newest: RenderedImage) -> LastMoment:
         image = run.image(newest.number)
         playback = playback_of(run)
         floor = FloorView(playback, _FLOOR_PX, _FLOOR_PX).frame(image.row).pixels
-        state = named(int(playback.state[image.row]))
-        caption = f"{newest.run}, image {newest.number} of {of_run.planned}, {image.t_s:.1f} s, state {state}"
+        state = int(playback.state[image.row])
+        caption = f"{newest.run}, image {newest.number} of {of_run.planned}, {image.t_s:.1f} s"
+        caption += f", state {named(state)}" if state != NO_STATE else ""
         encoded = cv2.imencode(".png", np.ascontiguousarray(floor[..., ::-1]))[1].tobytes()
         earlier = tuple(_earlier(run, of_run, newest))
         return LastMoment(thumbnail(image, 640), encoded, caption, earlier)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from pipeline.run_folder.stored_runs import run_name, simulated_folders
+from pipeline.run_folder.stored_runs import run_name, trajectory_folders
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.simulate_runs import RunOutcome, read_outcome
 from symolo.core.files.file_locks import is_held
@@ -42,7 +42,7 @@ class RunProgress:
 @dataclass(frozen=True)
 class Snapshot:
     runs: tuple[RunProgress, ...]
-    """The simulated runs by name."""
+    """The runs with a trajectory by name."""
     working: bool
     """Whether a command works in the folder."""
     finished: bool
@@ -77,11 +77,11 @@ def snapshot(out: Path, now_s: float) -> Snapshot:
     """Return how far the release in an output folder is.
 
     Args:
-        out: Output folder of `release`, `simulate` or `render`.
+        out: Output folder of `release`, `simulate`, `render` or `rerender`.
         now_s: Time of the snapshot, in seconds since 1970.
     """
     workspace = Workspace(out.absolute())
-    runs = tuple(_run(workspace, folder) for folder in simulated_folders(out))
+    runs = tuple(_run(workspace, folder) for folder in trajectory_folders(out))
     working = is_held(out / STAGES)
     return Snapshot(runs, working, (out / TAG_MANIFEST).is_file() and not working, now_s)
 

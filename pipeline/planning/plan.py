@@ -9,6 +9,7 @@ from configs.posterior.schema import LoadedPosterior
 from configs.schema.scenario import RunSpec
 from pipeline.planning.demands import demand_lines, source_line
 from pipeline.stages.cameras import RunCamera, cameras_of
+from pipeline.stages.suspicious_run import start_warnings
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import seconds
@@ -87,13 +88,16 @@ class ScenarioPlan:
     """Source of the robots, if a scenario draws them from a diagnosis."""
     demands: tuple[str, ...] = ()
     """Lines about demands of the scenario that leave what this diagnosis measured."""
+    warnings: tuple[str, ...] = ()
+    """What is suspicious about the starts, each with the name of its run."""
 
     @classmethod
     def of(cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None) -> "ScenarioPlan":
         planned = [(camera.name, _planned(spec, camera)) for spec in specs for camera in cameras_of(spec)]
         runs = tuple(run for name, run in planned if not name)
         cameras = tuple(replace(run, rows=0) for name, run in planned if name)
-        return cls(runs, cameras, cores, source_line(like), demand_lines(like, specs))
+        warnings = tuple(f"{spec.key}: {text}" for spec in specs for text in start_warnings(spec))
+        return cls(runs, cameras, cores, source_line(like), demand_lines(like, specs), warnings)
 
     @property
     def _all(self) -> tuple[PlannedRun, ...]:
@@ -134,6 +138,7 @@ class ScenarioPlan:
             f"light      {' or '.join(lights)}",
             *([f"robots     {self.robots}"] if self.robots else []),
             *(f"beyond     {line}" for line in self.demands),
+            *(f"WARNING    {line}" for line in self.warnings),
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
             f"render     about {seconds(self.render_s)}",

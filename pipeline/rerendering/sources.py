@@ -12,6 +12,7 @@ from logs.trajectories.base import ReadSettings
 from pipeline.importing.imported_runs import ImportedDataset, ImportRequest, imported_dataset
 from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders
 from pipeline.run_folder.stored_spec import read_spec
+from pipeline.stages.cameras import logged_cameras
 from pipeline.stages.run_tables import TakenRun, has_trajectory, is_taken, tables
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome
 from sensors.fit_out import listed_sensors
@@ -65,6 +66,12 @@ class Sources:
         """Name for an output folder: of the dataset or log, or of the only run by route and number."""
         first = self.runs[0].spec
         return self.name if self.imported or self.is_whole else first.key.replace("/", "-")
+
+    @property
+    def recorded_cameras(self) -> tuple[str, ...]:
+        """Names of the cameras whose images a log has; no image of them is rendered."""
+        of_logs = [one.name for log in (self.imported.logs if self.imported else ()) for one in log.trajectory.cameras]
+        return tuple(dict.fromkeys([*of_logs, *(name for run in self.runs for name in logged_cameras(run.spec))]))
 
 
 def read_sources(paths: Sequence[Path], runs: str | None, request: ImportRequest) -> Sources:

@@ -19,8 +19,8 @@ def shown_runs(path: Path, pattern: str | None = None) -> Iterator[Dataset]:
     """Yield the runs of a folder, or only those whose name matches a pattern.
 
     Args:
-        path: A release, a run of it, an output folder of `simulate` or `render`, a run in its `.stages`,
-            another folder with runs, or a data.csv. Checksums are not verified.
+        path: A release, a run of it, an unfinished output folder, a run in its `.stages`, another folder with runs,
+            or a data.csv. Checksums are not verified.
         pattern: A pattern of names such as `CW/*`.
 
     Raises:
@@ -37,7 +37,7 @@ def shown_runs(path: Path, pattern: str | None = None) -> Iterator[Dataset]:
 
 @contextmanager
 def checked_runs(root: Path, pattern: str | None) -> Iterator[Dataset]:
-    """Yield the runs of a release whose checksums hold, or of an output folder of `simulate` or `render`.
+    """Yield the runs of a release whose checksums hold, or of an unfinished output folder.
 
     Raises:
         InputError: It is neither, it is damaged, or no run matches the pattern.
@@ -57,10 +57,10 @@ def _is_unreleased(root: Path) -> bool:
 
 def _unreleased(root: Path, pattern: str | None) -> Iterator[Dataset]:
     # What reads simulations takes a second to load, which is not spent on a release.
-    from pipeline.run_folder.stored_runs import simulated_folders  # noqa: PLC0415
+    from pipeline.run_folder.stored_runs import trajectory_folders  # noqa: PLC0415
     from pipeline.run_folder.unreleased import unreleased  # noqa: PLC0415
 
-    folders = [root] if STAGES in root.absolute().parts else simulated_folders(root)
+    folders = [root] if STAGES in root.absolute().parts else trajectory_folders(root)
     if not folders:
         raise InputError("holds no simulated run", where=str(root), cure="wait until the first run is simulated")
     with unreleased(folders) as data:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from zipfile import BadZipFile
 
+from pipeline.stages.run_tables import has_trajectory
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -22,6 +23,16 @@ def simulated_folders(out: Path) -> list[Path]:
     """
     check_tree(out, f"{STAGES}/simulate")
     return sorted(path.parent for path in out.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}"))
+
+
+def trajectory_folders(out: Path) -> list[Path]:
+    """Return the folders of all runs in an output folder whose trajectory was simulated, or taken from elsewhere.
+
+    Raises:
+        UnsafeFileError: One is a link, or is reached through one.
+    """
+    check_tree(out, f"{STAGES}/simulate")
+    return sorted(path for path in out.glob(f"{STAGES}/simulate/*/*") if has_trajectory(path))
 
 
 def run_name(folder: Path) -> str:

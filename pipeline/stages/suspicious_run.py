@@ -22,10 +22,16 @@ ALONG_RAD, ACROSS_RAD = radians(10.0), radians(20.0)
 SPACING_M = 0.005
 
 
+def start_warnings(spec: RunSpec) -> tuple[str, ...]:
+    """Return what is suspicious about the start of a run, before it is simulated."""
+    is_small = 0.0 < abs(spec.start.yaw_deg) <= 2.0 * pi
+    return tuple(_in_radians(spec, Arena.from_config(spec.arena).line)) if is_small else ()
+
+
 def run_warnings(spec: RunSpec, recording: Recording) -> tuple[str, ...]:
     """Return what is suspicious about a run; nothing for nearly all runs."""
     line = Arena.from_config(spec.arena).line
-    return (*_standing(recording), *_without_the_line(spec, line, recording), *_in_radians(spec, line))
+    return (*_standing(recording), *_without_the_line(spec, line, recording), *start_warnings(spec))
 
 
 def _standing(recording: Recording) -> Iterator[str]:
@@ -49,7 +55,7 @@ def _without_the_line(spec: RunSpec, line: Line, recording: Recording) -> Iterat
 
 def _in_radians(spec: RunSpec, line: Line) -> Iterator[str]:
     yaw = spec.start.yaw_deg
-    if not line.pieces or not 0.0 < abs(yaw) <= 2.0 * pi:
+    if not line.pieces:
         return
     _, along = _nearest(line, spec)
     if _angle(along, radians(yaw)) > ACROSS_RAD and _angle(along, yaw) < ALONG_RAD:

@@ -26,6 +26,7 @@ from symolo.dataset.tables.side_tables import WHEELS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, image_bytes
 from symolo.exporters.features import Feature, image_file, parquet_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
+from symolo.exporters.lerobot_frames import image_hz, images_of_frames
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
 from symolo.exporters.lerobot_video import check_video, video_bytes, video_info
 from symolo.exporters.splits import OPTION, runs_of_splits
@@ -57,8 +58,6 @@ _FRONT_MATTER = (
 """Lines by which the Hugging Face Hub recognises a dataset of LeRobot."""
 _FILES_PER_CHUNK = 1000
 _FRAMES_PER_GROUP = 100
-_ROUNDED_S = 0.6e-3
-"""Largest distance of an image from its period: times are rounded to milliseconds."""
 _STATS_BYTES = 10_000
 """Approximate size of the statistics of an episode."""
 _DATA_FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -85,13 +84,7 @@ class _Episode:
 
     @cached_property
     def _taken(self) -> tuple[Image, ...]:
-        """The image of each frame. Of a recorded camera, whose times are uneven, it is the nearest one in time."""
-        images = self._camera.images
-        if not isinstance(self._camera, CameraRun):
-            return images
-        t_s, period_s = np.array([image.t_s for image in images]), 1 / image_hz(self.run)
-        frames_s = np.arange(t_s[0], t_s[-1] + 0.5 * period_s, period_s)
-        return tuple(images[i] for i in np.searchsorted(0.5 * (t_s[1:] + t_s[:-1]), frames_s).tolist())
+        return images_of_frames(self.run)
 
     @cached_property
     def vectors(self) -> dict[str, tuple[str, ...]]:
@@ -255,31 +248,6 @@ def _ranges(data: Dataset) -> dict[str, str]:
     splits = _splits(data)
     ends = [*accumulate((len(part) for _, part in splits), initial=0)]
     return {name: f"{first}:{end}" for (name, _), (first, end) in zip(splits, pairwise(ends), strict=True)}
-
-
-def image_hz(run: Run) -> int:
-    """Return the rate of a run's images, for a format whose frames must be evenly spaced.
-
-    That of a recorded camera is its usual one.
-
-    Raises:
-        InputError: They are not, as those of an imported trajectory with rows at any times, or the rate is no integer.
-    """
-    if run.spec.rates:
-        if not (rate_hz := float(run.spec.rates.camera_hz)).is_integer():
-            what = f"run {run.name}: images are at {rate_hz:g} Hz, and the rate of this format is an integer"
-            raise InputError(what, where=str(run.folder), cure="render it again with `symolo rerender --camera-hz`")
-        return int(rate_hz)
-    camera = first_camera(run)
-    if isinstance(camera, CameraRun):
-        return max(1, round(1 / camera.settings.period_s))
-    t_s = np.array([image.t_s for image in run.images])
-    hz = max(1, round((len(t_s) - 1) / (t_s[-1] - t_s[0]))) if len(t_s) > 1 else 1
-    late_s = np.abs(t_s - t_s[0] - np.arange(len(t_s)) / hz)
-    if late_s.max() > _ROUNDED_S:
-        what = f"run {run.name}: images are not at {hz} Hz, but up to {late_s.max():.3g} s off"
-        raise InputError(what, where=str(run.folder), cure="import the log with --row-hz, and render it again")
-    return hz
 
 
 def _task(run: Run) -> str:

@@ -16,7 +16,7 @@ from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
 from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.dataset.folder_kind import NAME_DATASET
-from symolo.dataset.layout import DATA
+from symolo.dataset.layout import DATA, SIDE, SPEC
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
 from symolo.reader.run import Run
@@ -68,6 +68,14 @@ class Dataset:
             names = ", ".join(run.name for run in self.runs[:5])
             raise InputError("--runs", got=pattern, allowed=f"a pattern of names such as {names}")
         return replace(self, runs=runs)
+
+    @property
+    def title(self) -> str:
+        """Name of the dataset; of a single run that of its scenario, and of other runs that of the folder."""
+        if self.metadata:
+            return self.metadata.name
+        is_run = [run.folder for run in self.runs] == [self.root] and (self.root / SIDE / SPEC).is_file()
+        return self.runs[0].spec.scenario if is_run else self.root.absolute().name
 
     @property
     def splits(self) -> SplitsRecord | None:

@@ -52,7 +52,7 @@ class Video:
         Raises:
             InputError: A file of a run is missing or damaged.
         """
-        name = data.metadata.name if data.metadata else data.root.absolute().name
+        name = data.title
         self.settings = settings
         self._scenes = [_scene(run, name, settings) for run in spread(data.runs, settings.max_runs)]
         self._ends = list(accumulate(len(scene.times_s) for scene in self._scenes))

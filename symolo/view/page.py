@@ -67,7 +67,7 @@ def view_page(data: Dataset, limits: ViewLimits, report: Report) -> ViewPage:
     html = render_page(
         "symolo.view",
         scripts=SCRIPTS,
-        title=data.metadata.name if data.metadata else data.root.absolute().name,
+        title=data.title,
         data=page_data({"runs": runs, "states": _states()}),
         runs=len(data),
         shown_runs=len(runs),

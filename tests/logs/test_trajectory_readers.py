@@ -109,7 +109,7 @@ def test_a_pose_of_the_robot_is_read_as_it_is(tmp_path):
     name, (trajectory,) = read(written(tmp_path / "robot.txt", tum(X_WR)))
     assert name == "tum"
     np.testing.assert_allclose(trajectory.pose, POSE, atol=1e-6)
-    assert (trajectory.guesses, trajectory.warnings) == ((), ())
+    assert (trajectory.changes, trajectory.guesses, trajectory.warnings) == ((), (), ())
 
 
 def test_the_pose_of_a_camera_gives_the_heading_of_its_axis(tmp_path):

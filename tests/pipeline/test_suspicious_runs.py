@@ -54,6 +54,15 @@ def test_a_robot_that_stands_still_is_named():
     assert warning.startswith("the robot moves less than 1 cm")
 
 
+def test_a_plan_has_the_warning_before_anything_is_simulated(symolo):
+    setting = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -1.57}, runs: 1}]"
+    warning = "CW/test_1: yaw_deg -1.57 looks like radians"
+    assert f"WARNING    {warning}" in symolo("plan", "smoke", "--set", setting).out
+    (text,) = json.loads(symolo("plan", "smoke", "--set", setting, "--json").out)["warnings"]
+    assert text.startswith(warning)
+    assert "WARNING" not in symolo("plan", "smoke").out
+
+
 def test_terminal_metadata_and_report_have_the_warning(tmp_path, symolo, hands, tiny):
     del hands  # the images are painted
     setting = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -1.57}, runs: 1}]"

@@ -169,6 +169,9 @@ def rerender(
     check_place(rerendering, where, is_default=out is None)
     if read.imported is not None:
         describe_logs(read.imported, yes=yes)
+    if recorded := read.recorded_cameras:
+        where_they_are = "`symolo import` keeps them" if read.imported else f"they stay in {sources[0]}"
+        typer.echo(f"the recorded images of {', '.join(recorded)} are left out; {where_they_are}")
     executor = Local.of(workers, memory).on(rerendering.device)
     failures = make_release(rerendering, where, executor, report_here())
     return conclude(failures, len(rerendering.runs), "rerender", where)

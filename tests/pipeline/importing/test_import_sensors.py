@@ -196,5 +196,6 @@ def test_rerender_replaces_recorded_cameras_by_rendered_ones(recorded):
     sources = read_sources([recorded], None, ImportRequest((recorded,)))
     (run,) = prepare(sources, RerenderRequest(("lab",), camera_hz=5)).runs
     assert {"left", "bag_camera"}.isdisjoint(run.spec.robot.sensors.names)
+    assert sources.recorded_cameras == ("bag_camera", "left", "rear", "right")
     assert {"lidar", "imu"} <= {*run.spec.robot.sensors.names}
     assert not [path for path in run.side if path.startswith("cameras/")]

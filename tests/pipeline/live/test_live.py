@@ -8,10 +8,16 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
+from pipeline.importing.imported_runs import ImportRequest
 from pipeline.live.follow import follow
 from pipeline.live.page import live_page
 from pipeline.live.snapshot import snapshot
+from pipeline.rerendering.rerender import RerenderRequest, prepare
+from pipeline.rerendering.sources import read_sources
+from pipeline.run_folder.workspace import Workspace
+from pipeline.stages.run_tables import take
 from symolo.core.files.file_locks import held
+from symolo.dataset.folder_kind import Kind
 
 NOW_S = 1_800_000_000.0
 
@@ -60,6 +66,25 @@ def test_the_page_shows_the_last_image_and_loads_itself_again(begun, dataset):
     assert "CW/test_1, image 3 of 6, 0.4 s, state 0 line" in text
     shown = [base64.b64decode(data) for data in re.findall(r'src="data:image/jpeg;base64,([^"]*)"', html)]
     assert shown == [(dataset / f"CW/test_1/images/{number:06d}.jpg").read_bytes() for number in (3, 2, 1)]
+
+
+@pytest.mark.parametrize("is_log", [False, True], ids=["of a dataset", "of a log"])
+def test_images_that_are_rendered_again_are_shown_too(is_log, dataset, tmp_path):
+    source = dataset / "CW/test_1"
+    if is_log:
+        source = tmp_path / "log.csv"
+        source.write_text("t_s,x_m,y_m,theta_rad\n" + "".join(f"{0.1 * i:.1f},{0.01 * i},0,0\n" for i in range(12)))
+    request = RerenderRequest(("lab",), camera_hz=5.0, overrides=("render.width_px=32", "render.height_px=24"))
+    workspace = Workspace(tmp_path / "data", Kind.RERENDERED)
+    (run,) = prepare(read_sources([source], None, ImportRequest((source,))), request).runs
+    take(run, workspace.simulate(run.spec.key))
+    images = workspace.render(run.spec.key).path / "images"
+    images.mkdir(parents=True)
+    shutil.copy(dataset / "CW/test_1/images/000001.jpg", images / "000002.jpg")
+    progress = snapshot(tmp_path / "data", NOW_S)
+    assert (progress.rendered, progress.planned) == (1, 6)
+    text = words(live_page("data", progress, 3.0).decode())
+    assert f"{run.spec.key}, image 2 of 6, 0.2 s{' Runs' if is_log else ', state 0 line'}" in text
 
 
 def test_a_finished_release_is_loaded_no_more(dataset, tmp_path, symolo):

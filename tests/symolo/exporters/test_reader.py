@@ -84,6 +84,14 @@ def test_the_folder_of_a_run_and_a_bag_are_read_too(random_release, tmp_path):
     assert len(reader.load(tmp_path)) == 2
 
 
+def test_a_run_has_the_title_of_its_scenario_and_a_lone_table_that_of_its_folder(random_release, tmp_path):
+    root = random_release(1).root
+    assert (reader.load(root).title, reader.load(root / "CW/test_1").title) == ("smoke", "smoke")
+    (tmp_path / "mine").mkdir()
+    shutil.copy(root / "CW/test_1/data.csv", tmp_path / "mine")
+    assert reader.load(tmp_path / "mine").title == "mine"
+
+
 @pytest.fixture
 def copy(random_release, copy_of):
     return copy_of(random_release(1).root)
