@@ -67,8 +67,8 @@ SMALL = ("render.width_px=32", "render.height_px=24", "render.samples=1", "stop.
 def _commands(page):
     lines = [line for block in CODE.findall(page.read_text()) for part in block for line in part.splitlines()]
     joined = re.sub(r" *\\\n *", " ", "\n".join(lines))
-    found = re.findall(r"^ *(?:.*&& )?(?:\.venv/bin/)?symolo ((?:[^#|>&\n]|(?<=')[^'\n]*')+)", joined, re.MULTILINE)
-    return [re.split(r" {3,}", command.strip())[0] for command in found]
+    matches = re.findall(r"^ *(?:.*&& )?(?:\.venv/bin/)?symolo ((?:[^#|>&\n]|(?<=')[^'\n]*')+)", joined, re.MULTILINE)
+    return [re.split(r" {3,}", command.strip())[0] for command in matches]
 
 
 scenario_of = cache(load_scenario)

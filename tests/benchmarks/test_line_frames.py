@@ -27,21 +27,21 @@ def arena(start, end):
 
 def test_a_line_seen_from_above_is_where_similar_triangles_say(line_frames):
     """2 cm to the left at 20 cm below, 100 px of focal length: 10 px left of the middle, in every row."""
-    found = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((-1, 0.02), (1, 0.02)), line_frames.ROWS)
-    assert found == pytest.approx([69.5, 69.5, 69.5], abs=1e-9)
+    line_px = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((-1, 0.02), (1, 0.02)), line_frames.ROWS)
+    assert line_px == pytest.approx([69.5, 69.5, 69.5], abs=1e-9)
 
 
 def test_a_slanted_line_moves_a_pixel_per_pixel(line_frames):
     """x = y on the floor runs from the image's lower right to its upper left."""
-    found = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((-1, -1), (1, 1)), line_frames.ROWS)
-    assert found == pytest.approx([79.5 - 28, 79.5, 79.5 + 28], abs=1e-9)
+    line_px = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((-1, -1), (1, 1)), line_frames.ROWS)
+    assert line_px == pytest.approx([79.5 - 28, 79.5, 79.5 + 28], abs=1e-9)
 
 
 def test_rows_that_a_line_does_not_reach_have_no_label(line_frames):
     """It begins at the middle of the image and goes on to its top."""
-    found = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((0.02, 0), (1, 0)), line_frames.ROWS)
-    assert found[0] == pytest.approx(79.5)
-    assert np.isnan(found[1:]).all()
+    line_px = line_frames.centre_line(CAMERA, STRAIGHT_DOWN, arena((0.02, 0), (1, 0)), line_frames.ROWS)
+    assert line_px[0] == pytest.approx(79.5)
+    assert np.isnan(line_px[1:]).all()
 
 
 def test_rows_seen_alike_from_top_and_bottom(line_frames):

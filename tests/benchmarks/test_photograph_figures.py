@@ -46,26 +46,26 @@ def test_an_edge_counts_square_to_itself(figures):
 
 def test_noise_is_what_was_added(figures):
     """Rounding to whole grey values adds 1/12 to the variance."""
-    found = figures.ImageFigures.of(image(1.5, noise=3.0), upright()).noise
-    assert found == pytest.approx(np.hypot(3.0, np.sqrt(1 / 12)), rel=0.05)
+    figure = figures.ImageFigures.of(image(1.5, noise=3.0), upright()).noise
+    assert figure == pytest.approx(np.hypot(3.0, np.sqrt(1 / 12)), rel=0.05)
 
 
 def test_contrast_and_range_are_those_drawn(figures):
-    found = figures.ImageFigures.of(image(1.0), upright())
-    assert found.contrast == pytest.approx((FLOOR - LINE) / (FLOOR + LINE), abs=0.01)
-    assert (found.black, found.white, found.saturation_percent) == (LINE, FLOOR, 0)
+    image_figures = figures.ImageFigures.of(image(1.0), upright())
+    assert image_figures.contrast == pytest.approx((FLOOR - LINE) / (FLOOR + LINE), abs=0.01)
+    assert (image_figures.black, image_figures.white, image_figures.saturation_percent) == (LINE, FLOOR, 0)
 
 
 def test_a_floor_and_a_line_of_one_brightness_each_are_even(figures):
-    found = figures.ImageFigures.of(image(1.0), upright())
-    assert found.mottling_percent < 0.5
-    assert found.line_spread < 0.5
+    image_figures = figures.ImageFigures.of(image(1.0), upright())
+    assert image_figures.mottling_percent < 0.5
+    assert image_figures.line_spread < 0.5
 
 
 def test_the_spread_on_the_line_is_that_of_what_lies_on_it(figures):
     """Noise of 4 grey values everywhere, rounded."""
-    found = figures.ImageFigures.of(image(1.5, noise=4.0), upright()).line_spread
-    assert found == pytest.approx(np.hypot(4.0, np.sqrt(1 / 12)), rel=0.05)
+    figure = figures.ImageFigures.of(image(1.5, noise=4.0), upright()).line_spread
+    assert figure == pytest.approx(np.hypot(4.0, np.sqrt(1 / 12)), rel=0.05)
 
 
 def test_the_slope_of_a_spectrum_and_its_high_share_are_those_of_the_drawn_noise(figures):
@@ -76,11 +76,13 @@ def test_the_slope_of_a_spectrum_and_its_high_share_are_those_of_the_drawn_noise
     # Below 0.03 cycles a pixel the power is even, so that the share does not hang on a few components.
     shaped = np.fft.ifft2(np.fft.fft2(drawn) * np.maximum(f, 0.03) ** -1.5).real
     grey = np.clip(128 + 25 * shaped / shaped.std(), 0, 255).astype(np.uint8)
-    found = figures.ImageFigures.of(np.repeat(grey[..., None], 3, axis=2), np.full(3, np.nan))
+    image_figures = figures.ImageFigures.of(np.repeat(grey[..., None], 3, axis=2), np.full(3, np.nan))
     power = np.maximum(f, 0.03) ** -3.0
     power[0, 0] = 0
-    assert found.spectrum_slope == pytest.approx(-3.0, abs=0.15)
-    assert found.high_frequency_percent == pytest.approx(100 * power[f > 0.25][:-1].sum() / power.sum(), rel=0.25)
+    assert image_figures.spectrum_slope == pytest.approx(-3.0, abs=0.15)
+    assert image_figures.high_frequency_percent == pytest.approx(
+        100 * power[f > 0.25][:-1].sum() / power.sum(), rel=0.25
+    )
 
 
 def test_a_straight_edge_is_not_jagged_and_a_shaken_one_by_what_it_was_shaken(figures):

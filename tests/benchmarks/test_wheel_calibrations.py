@@ -37,20 +37,22 @@ def squares(trade):
 
 
 def test_whole_paths_give_back_the_wheels(trade, nominal, squares):
-    found = trade.by_whole_paths(squares, nominal, COUNTS)
+    calibrated = trade.by_whole_paths(squares, nominal, COUNTS)
     np.testing.assert_allclose(
-        (found.left_diameter_m, found.right_diameter_m, found.track_m), (0.0838, 0.0839, 0.2015), rtol=1e-6
+        (calibrated.left_diameter_m, calibrated.right_diameter_m, calibrated.track_m),
+        (0.0838, 0.0839, 0.2015),
+        rtol=1e-6,
     )
 
 
 def test_umbmark_finds_track_and_ratio_of_the_wheels_but_not_their_size(trade, nominal, squares):
     """It holds for small errors; here they are some parts in a thousand."""
-    found = trade.umbmark(squares, 0.75, nominal, COUNTS)
-    assert found.right_diameter_m / found.left_diameter_m == pytest.approx(839 / 838, abs=2e-4)
-    assert found.track_m / (found.left_diameter_m + found.right_diameter_m) == pytest.approx(
+    calibrated = trade.umbmark(squares, 0.75, nominal, COUNTS)
+    assert calibrated.right_diameter_m / calibrated.left_diameter_m == pytest.approx(839 / 838, abs=2e-4)
+    assert calibrated.track_m / (calibrated.left_diameter_m + calibrated.right_diameter_m) == pytest.approx(
         0.2015 / (0.0838 + 0.0839), rel=1.5e-3
     )
-    assert found.left_diameter_m + found.right_diameter_m == pytest.approx(0.168)
+    assert calibrated.left_diameter_m + calibrated.right_diameter_m == pytest.approx(0.168)
 
 
 def test_a_camera_body_that_stands_askew_is_told_from_the_wheels(trade, nominal, squares):

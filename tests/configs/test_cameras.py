@@ -15,9 +15,9 @@ def camera(*overrides):
 
 @pytest.mark.parametrize("name", shipped_names("camera"))
 def test_a_named_camera_replaces_all_settings_of_the_look(name):
-    found = camera("look=garage", f"look.camera={name}")
-    assert found.name == name
-    assert found == camera("look=night", f"look.camera={name}")
+    camera_look = camera("look=garage", f"look.camera={name}")
+    assert camera_look.name == name
+    assert camera_look == camera("look=night", f"look.camera={name}")
 
 
 def test_a_setting_after_the_name_changes_that_setting_only():
@@ -33,11 +33,11 @@ def test_files_name_and_extend_cameras_and_keep_nothing_of_the_look_that_they_ex
     )
     look = load_section("look", str(tmp_path / "look.yaml"))
     assert [path for path in look.placed if "camera" in path] == [("look", "camera", "shot_noise")]
-    found = draw_all(load_scenario(str(tmp_path / "scenario.yaml")))[0].look.camera
+    camera_look = draw_all(load_scenario(str(tmp_path / "scenario.yaml")))[0].look.camera
     webcam = camera("look.camera=webcam")
-    assert 0.1 <= found.shot_noise <= 0.2
-    expected = {"name": "mine", "contrast": 1.0, "shot_noise": found.shot_noise}
-    assert found == webcam.model_copy(update=expected)
+    assert 0.1 <= camera_look.shot_noise <= 0.2
+    expected = {"name": "mine", "contrast": 1.0, "shot_noise": camera_look.shot_noise}
+    assert camera_look == webcam.model_copy(update=expected)
 
 
 def test_a_name_that_is_not_shipped_is_refused_with_the_nearest_one():

@@ -86,8 +86,8 @@ def _reversed(value: object) -> object:
 
 
 def test_runs_and_routes_draw_apart_from_each_other():
-    found = loaded()
-    values = [spec.drawn["robot.motor.winding_resistance_ohm"] for spec in draw_all(found)]
+    scenario = loaded()
+    values = [spec.drawn["robot.motor.winding_resistance_ohm"] for spec in draw_all(scenario)]
     assert len(set(values)) == len(values) == 3
 
 
@@ -117,35 +117,35 @@ def test_a_specification_survives_its_json_to_the_byte():
 
 
 def test_a_look_drawn_alone_with_the_runs_key_is_the_look_of_the_run():
-    found = load_scenario("trial.yaml")
-    for spec in draw_all(found):
-        look, drawn = draw_look(load_section("look", "classroom"), found.seed, spec.route, spec.run)
+    scenario = load_scenario("trial.yaml")
+    for spec in draw_all(scenario):
+        look, drawn = draw_look(load_section("look", "classroom"), scenario.seed, spec.route, spec.run)
         assert look == spec.look
         assert drawn == {path: value for path, value in spec.drawn.items() if path.startswith("look.")}
 
 
 def test_image_settings_and_a_robot_drawn_alone_with_the_runs_key_are_those_of_the_run():
     only = "robot.power.battery_voltage_V={choice: [7]}"
-    found = loaded(DRAWN, "render.samples={uniform: [10, 10000]}", only)
+    scenario = loaded(DRAWN, "render.samples={uniform: [10, 10000]}", only)
     Path("drawn.yaml").write_text(yaml.safe_dump(yaml.safe_load(DRAWN)["robot"]))
-    for spec in draw_all(found):
+    for spec in draw_all(scenario):
         key = (spec.route, spec.run)
-        assert draw_render(found, found.seed, *key) == spec.render
-        robot, drawn = draw_robot(load_section("robot", "drawn.yaml", (only,)), found.seed, *key)
+        assert draw_render(scenario, scenario.seed, *key) == spec.render
+        robot, drawn = draw_robot(load_section("robot", "drawn.yaml", (only,)), scenario.seed, *key)
         assert robot == spec.robot
         assert drawn == {path: value for path, value in spec.drawn.items() if path.startswith("robot.")}
 
 
 def test_a_draw_that_makes_an_impossible_world_is_refused_with_its_run():
     """Both ends are free; only what lies between them blocks the start."""
-    found = loaded(
+    scenario = loaded(
         DRAWN.replace("[{uniform: [-0.5, -0.4]}, 0.0]", "[0.55, {uniform: [-0.6, 0.2]}]"), "routes.CW.runs=50"
     )
     expected = (
         r"^trial\.yaml:4: routes\.0\.start: the robot of route CW would start inside obstacle B.*drawn for CW run \d+"
     )
     with pytest.raises(InputError, match=expected):
-        draw_all(found)
+        draw_all(scenario)
 
 
 def test_an_impossible_draw_of_a_later_route_is_refused_at_its_place_in_the_file():

@@ -25,23 +25,23 @@ def test_a_name_and_a_path_give_the_same_scenario():
 
 def test_mappings_merge_deeply_and_lists_replace():
     route = "{name: A, start: {x_m: 0.55, y_m: -0.2, yaw_deg: 0}}"
-    found = loaded(f"extends: trial.yaml\nstop: {{time_limit_s: 9}}\nroutes: [{route}]\n")
-    assert found.tree["stop"] == {"lap": False, "time_limit_s": 9}
-    assert [(route.name, route.runs) for route in found.routes] == [("A", 1)]
-    assert found.seed == 7
+    scenario = loaded(f"extends: trial.yaml\nstop: {{time_limit_s: 9}}\nroutes: [{route}]\n")
+    assert scenario.tree["stop"] == {"lap": False, "time_limit_s": 9}
+    assert [(route.name, route.runs) for route in scenario.routes] == [("A", 1)]
+    assert scenario.seed == 7
 
 
 def test_a_distribution_replaces_another_as_a_whole():
     Path("base.yaml").write_text("extends: trial.yaml\nlook: {sun: {elevation_deg: {uniform: [20, 30]}}}\n")
-    found = loaded("extends: base.yaml\nlook: {sun: {elevation_deg: {normal: [30, 1]}}}\n")
-    assert found.tree["look"]["sun"]["elevation_deg"] == {"normal": [30, 1]}
+    scenario = loaded("extends: base.yaml\nlook: {sun: {elevation_deg: {normal: [30, 1]}}}\n")
+    assert scenario.tree["look"]["sun"]["elevation_deg"] == {"normal": [30, 1]}
 
 
 def test_a_section_mapping_lies_over_the_section_that_is_extended():
-    found = loaded("extends: trial.yaml\nrobot: {motor: {winding_resistance_ohm: 4}}\n")
+    scenario = loaded("extends: trial.yaml\nrobot: {motor: {winding_resistance_ohm: 4}}\n")
     nominal = load_section("robot", "nominal").tree
-    assert found.tree["robot"]["motor"] == nominal["motor"] | {"winding_resistance_ohm": 4}
-    assert found.tree["robot"]["drive"] == nominal["drive"]
+    assert scenario.tree["robot"]["motor"] == nominal["motor"] | {"winding_resistance_ohm": 4}
+    assert scenario.tree["robot"]["drive"] == nominal["drive"]
 
 
 def test_a_section_by_name_or_with_extends_replaces_the_one_that_is_extended():
@@ -69,11 +69,11 @@ def test_a_field_left_out_takes_the_default_of_its_place():
 
 
 def test_every_value_knows_where_it_was_written():
-    found = loaded("extends: trial.yaml\nrobot:\n  motor:\n    winding_resistance_ohm: 4\n", "routes.CCW.runs=3")
-    assert found.origins["robot.motor.winding_resistance_ohm"] == "top.yaml:4"
-    assert found.origins["routes.1.runs"] == "--set routes.CCW.runs"
-    assert found.origins["routes.0.runs"] == "trial.yaml:4"
-    assert found.origins["robot.drive.track_m"].rpartition(":")[0].endswith("configs/robots/nominal.yaml")
+    scenario = loaded("extends: trial.yaml\nrobot:\n  motor:\n    winding_resistance_ohm: 4\n", "routes.CCW.runs=3")
+    assert scenario.origins["robot.motor.winding_resistance_ohm"] == "top.yaml:4"
+    assert scenario.origins["routes.1.runs"] == "--set routes.CCW.runs"
+    assert scenario.origins["routes.0.runs"] == "trial.yaml:4"
+    assert scenario.origins["robot.drive.track_m"].rpartition(":")[0].endswith("configs/robots/nominal.yaml")
 
 
 @pytest.mark.parametrize(
@@ -93,8 +93,8 @@ def test_every_value_knows_where_it_was_written():
     ],
 )
 def test_an_override_sets_one_place(override: str, path: tuple[str | int, ...], value: object):
-    found = load_scenario("trial.yaml", [override])
-    assert found.root.plain_at(path) == value
+    scenario = load_scenario("trial.yaml", [override])
+    assert scenario.root.plain_at(path) == value
 
 
 def test_overrides_apply_in_their_order():
@@ -106,8 +106,10 @@ def test_overrides_apply_in_their_order():
 
 
 def test_a_new_list_item_by_override_takes_its_defaults():
-    found = load_scenario("trial.yaml", ["arena.obstacles=[{name: A, center: [0, 0]}]", "arena.obstacles.A.size.2=0.3"])
-    assert draw_run(found, "CW", 1).arena.obstacles[0].size == (0.08, 0.08, 0.3)
+    scenario = load_scenario(
+        "trial.yaml", ["arena.obstacles=[{name: A, center: [0, 0]}]", "arena.obstacles.A.size.2=0.3"]
+    )
+    assert draw_run(scenario, "CW", 1).arena.obstacles[0].size == (0.08, 0.08, 0.3)
 
 
 def test_overrides_reach_a_section_alone():

@@ -34,10 +34,10 @@ def driven_log():
         return Measurement("made", CaseKind.DRIVE_LOG, MeasurementSource("made", ()), trials)
 
     def trial(name, robot, voltage):
-        found = by_twin(robot, voltage, ROW_S)
+        trajectory = by_twin(robot, voltage, ROW_S)
         t_s = ROW_S * np.arange(ROWS + 1)
-        columns = dict(zip(("x_m", "y_m", "theta_rad"), found.pose.T, strict=True))
-        columns |= dict(zip(("enc_right_ticks", "enc_left_ticks"), found.counts.T, strict=True))
+        columns = dict(zip(("x_m", "y_m", "theta_rad"), trajectory.pose.T, strict=True))
+        columns |= dict(zip(("enc_right_ticks", "enc_left_ticks"), trajectory.counts.T, strict=True))
         columns |= {f"u_{side}_V": np.append(voltage[:, k], np.nan) for k, side in enumerate(("right", "left"))}
         series = (TimeSeries(column, "", t_s, values.astype(float)) for column, values in columns.items())
         channels = tuple(Channel.logged(of, Role.READING) for of in series)

@@ -49,8 +49,8 @@ def settle(part):
     def settled(robot, voltage, after_s=0.0):
         law = part("motor_law")
         voltage = np.array(voltage, dtype=float)
-        found = law.steady_states(law.Motors.of([robot], 7.4), voltage, np.full_like(voltage, after_s))
-        return found[0][0], found[1][0]
+        states = law.steady_states(law.Motors.of([robot], 7.4), voltage, np.full_like(voltage, after_s))
+        return states[0][0], states[1][0]
 
     return settled
 
@@ -287,9 +287,9 @@ ROWS = {
     ],
 )
 def test_a_range_reading_with_an_effect(part, world, name, parameters, added_m):
-    found = part("tof_bench").mean(ROWS, [world(own=TOF), world((name, parameters), own=TOF)])
-    assert found[0] == pytest.approx(1.01 * ROWS["distance_m"] + 0.001)
-    assert found[1] - found[0] == pytest.approx(np.array(added_m), abs=1e-12)
+    means = part("tof_bench").mean(ROWS, [world(own=TOF), world((name, parameters), own=TOF)])
+    assert means[0] == pytest.approx(1.01 * ROWS["distance_m"] + 0.001)
+    assert means[1] - means[0] == pytest.approx(np.array(added_m), abs=1e-12)
 
 
 def test_crosstalk_shortens_far_and_dark_targets(part, world):
@@ -303,10 +303,10 @@ def test_the_noise_of_ranges_is_the_polynomial_times_its_effects(part, world):
     nominal = 1e-3 * np.array([1.4, 1.4 + 4.88 * 0.18 + 2.51 * 0.18**2 + 1.15 * 0.18**3])
     robots = [world(own=TOF), world(("noise_scale", {"scale": 2.0}), own=TOF)]
     robots.append(world(("ambient_noise", {"coefficient_per_klux": 3.0}), own=TOF))
-    found = part("tof_bench").sd(ROWS, robots)
-    assert found[0, :2] == pytest.approx(nominal)
-    assert found[1] == pytest.approx(2.0 * found[0])
-    assert found[2] == pytest.approx(found[0] * np.sqrt([1.0, 4.0, 10.0]))
+    sd = part("tof_bench").sd(ROWS, robots)
+    assert sd[0, :2] == pytest.approx(nominal)
+    assert sd[1] == pytest.approx(2.0 * sd[0])
+    assert sd[2] == pytest.approx(sd[0] * np.sqrt([1.0, 4.0, 10.0]))
 
 
 def test_a_wandering_error_forgets_as_an_exponential(part):
@@ -453,8 +453,8 @@ def volts(part):
     def driven(robot, voltage, begin_s=0.0, rows=20):
         wheels = part("drive_wheels")
         held = np.tile(np.array(voltage, dtype=float), (1, rows + 1, 1))
-        found = wheels.mean_speeds(wheels.Wheels.of([robot], 7.4), held, np.array([begin_s]))
-        return found[0, 0]
+        speeds = wheels.mean_speeds(wheels.Wheels.of([robot], 7.4), held, np.array([begin_s]))
+        return speeds[0, 0]
 
     return driven
 
@@ -480,8 +480,8 @@ def mean_rising(row, voltage, constant=K, resistance=R):
 def test_wheels_follow_their_voltages_as_exponentials(world, volts, effect, left, right):
     """Two minutes into a session, a decline of 5 % per minute has taken a tenth; both currents load the supply."""
     robot = world(*([effect] if effect else []), own=ROBOT)
-    found = volts(robot, (3.0, 3.0), begin_s=120.0)
-    for side, expected in zip(found.T, (left, right), strict=True):
+    speeds = volts(robot, (3.0, 3.0), begin_s=120.0)
+    for side, expected in zip(speeds.T, (left, right), strict=True):
         assert side == pytest.approx(mean_rising(20, **{"voltage": 3.0} | expected), abs=0.007)
 
 
@@ -626,8 +626,8 @@ ROOM = {
 )
 def test_a_sensor_sees_the_first_wall(part, world, sensor, name, parameters, range_m):
     robot = world(*([(name, parameters)] if name else []), own=ROBOT)
-    found = part("drive_ranges").ranges(ROOM, robot, np.array([1.0, 1.0, 0.0]), sensor)
-    assert found == pytest.approx(range_m)
+    reading = part("drive_ranges").ranges(ROOM, robot, np.array([1.0, 1.0, 0.0]), sensor)
+    assert reading == pytest.approx(range_m)
 
 
 @pytest.fixture

@@ -57,10 +57,10 @@ def names(answer):
 )
 def test_a_hidden_effect_is_named_with_its_size(answer, kind, name, parameters):
     rows = "few" if kind == "motor_step" else "usual"  # a step log takes ten times as long as a bench
-    found = answer(kind, 3, [(name, parameters)], rows=rows)
-    assert names(found) == {name}
-    assert not found["unexplained"]
-    (effect,) = found["effects"]
+    result = answer(kind, 3, [(name, parameters)], rows=rows)
+    assert names(result) == {name}
+    assert not result["unexplained"]
+    (effect,) = result["effects"]
     for key, value in parameters.items():
         if isinstance(value, str):
             assert effect["parameters"][key] == value
@@ -69,10 +69,10 @@ def test_a_hidden_effect_is_named_with_its_size(answer, kind, name, parameters):
 
 
 def test_both_of_two_are_named(answer):
-    found = answer(
+    result = answer(
         "motor_steady", 5, [("viscous_friction_scale", {"scale": 1.7}), ("current_sensor_offset", {"offset_A": -0.02})]
     )
-    assert names(found) == {"viscous_friction_scale", "current_sensor_offset"}
+    assert names(result) == {"viscous_friction_scale", "current_sensor_offset"}
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -86,9 +86,9 @@ def test_two_effects_are_named_although_another_one_alone_explains_most(answer, 
 @pytest.mark.parametrize("rows", ["usual", "few"])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_where_nothing_is_hidden_nothing_is_named(answer, kind, seed, rows):
-    found = answer(kind, seed, rows=rows)
-    assert names(found) == set()
-    assert not found["unexplained"]
+    result = answer(kind, seed, rows=rows)
+    assert names(result) == set()
+    assert not result["unexplained"]
 
 
 @pytest.mark.parametrize(
@@ -101,20 +101,20 @@ def test_where_nothing_is_hidden_nothing_is_named(answer, kind, seed, rows):
     ],
 )
 def test_what_is_in_no_table_is_said_to_be_unexplained(answer, kind, outside, covariates):
-    found = answer(kind, 3, outside=outside, rows="few" if kind == "motor_step" else "usual")
-    assert found["unexplained"]
-    assert found["unexplained_where"]["covariate"] in covariates
-    assert names(found) == set()
+    result = answer(kind, 3, outside=outside, rows="few" if kind == "motor_step" else "usual")
+    assert result["unexplained"]
+    assert result["unexplained_where"]["covariate"] in covariates
+    assert names(result) == set()
 
 
 @pytest.mark.parametrize(
     ("kind", "outside", "seed"), [("motor_steady", "session_change", 2), ("tof_bench", "bumped", 1)]
 )
 def test_a_change_at_one_moment_is_no_drift_and_no_friction(answer, kind, outside, seed):
-    found = answer(kind, seed, outside=outside)
-    assert found["unexplained"]
-    assert found["unexplained_where"]["covariate"] in {"t_s", "row", "sweep"}
-    assert names(found) == set()
+    result = answer(kind, seed, outside=outside)
+    assert result["unexplained"]
+    assert result["unexplained_where"]["covariate"] in {"t_s", "row", "sweep"}
+    assert names(result) == set()
 
 
 def test_a_name_that_held_out_rows_contradict_is_not_given_for_explaining_more(tmp_path):
@@ -136,5 +136,5 @@ def test_a_name_that_held_out_rows_contradict_is_not_given_for_explaining_more(t
         "  range_scale: {value: 1, tolerance: 1.0e-05}\n  reference_temperature_C: 25\n  resolution_m: 0\n"
         "  reflectance: {wood: 0.45}\nnoise: {polynomial_mm: [0.3, 0, 0, 0], polynomial_origin_m: 0.18}\n"
     )
-    found = diagnose(READERS["tof_bench"].read(folder)).answer()
-    assert names(found) != {"range_scale"}
+    result = diagnose(READERS["tof_bench"].read(folder)).answer()
+    assert names(result) != {"range_scale"}

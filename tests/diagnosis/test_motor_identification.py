@@ -28,13 +28,13 @@ def test_the_literal_recipe_on_all_rows_of_table_1():
 
 
 def test_the_variant_rounds_to_the_four_printed_values_of_table_2():
-    found = identify_as_printed(TABLE_1)
-    assert astuple(found) == pytest.approx((3.0308, 0.3092, 0.00235, 0.0207), rel=5e-4)
+    identified = identify_as_printed(TABLE_1)
+    assert astuple(identified) == pytest.approx((3.0308, 0.3092, 0.00235, 0.0207), rel=5e-4)
     rounded = (
-        round(found.winding_resistance_ohm, 2),
-        round(found.torque_constant_N_m_A, 2),
-        round(found.viscous_friction_N_m_s_rad, 3),
-        round(found.coulomb_friction_N_m, 2),
+        round(identified.winding_resistance_ohm, 2),
+        round(identified.torque_constant_N_m_A, 2),
+        round(identified.viscous_friction_N_m_s_rad, 3),
+        round(identified.coulomb_friction_N_m, 2),
     )
     assert rounded == astuple(TABLE_2)
 

@@ -45,12 +45,12 @@ def carrier():
 def test_every_number_with_a_tolerance_is_one_and_the_nominal_robot_has_its_value(case, carrier):
     path = EXAMPLES / case / "nominal.yaml"
     nominal = read_nominal(path)
-    found = nuisances(nominal)
-    by_case = [of for of in found if of.name != "command_timing_s"]
+    all_nuisances = nuisances(nominal)
+    by_case = [of for of in all_nuisances if of.name != "command_timing_s"]
     assert {of.name: (of.value, of.tolerance) for of in by_case} == dict(spreads(yaml.safe_load(path.read_text())))
-    assert {of.name for of in found} == NAMES[case]
+    assert {of.name for of in all_nuisances} == NAMES[case]
     robot = nominal_robot(nominal, carrier)
-    for of in found:
+    for of in all_nuisances:
         if not of.name.startswith(("range", "command")):
             assert of.applied(robot, of.value) == robot
 

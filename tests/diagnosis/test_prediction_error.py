@@ -44,7 +44,7 @@ def slow_bench(cases_on_the_path, tmp_path_factory):  # noqa: ARG001 - for its e
 def test_inside_the_range_it_is_noise_and_the_scatter_of_fitted_robots(slow_bench):
     """Robots drawn with the covariance of the fit scatter as the prediction says, beside the noise."""
     diagnosis, unseen, volts = slow_bench
-    (found,) = predictions(diagnosis, unseen)
+    (prediction,) = predictions(diagnosis, unseen)
     assert [named.name for named in diagnosis.named] == ["current_sensor_gain"]
     fit = diagnosis.fit
     draws = np.random.default_rng(1).multivariate_normal(fit.x, fit.covariance, 400)
@@ -57,7 +57,7 @@ def test_inside_the_range_it_is_noise_and_the_scatter_of_fitted_robots(slow_benc
         level = np.median(fit.sd[np.array([o.name for o in fit.evidence.observed])[fit.evidence.quantity] == name])
         assert level == pytest.approx(noise, rel=0.3)
         expected = np.hypot(level, scatter)
-        np.testing.assert_allclose(found.columns[f"sd_{name}"][moving], expected[moving], rtol=0.1)
+        np.testing.assert_allclose(prediction.columns[f"sd_{name}"][moving], expected[moving], rtol=0.1)
 
 
 def test_outside_the_range_it_grows_by_what_the_effect_adds(slow_bench):
@@ -77,8 +77,8 @@ def test_outside_the_range_it_grows_by_what_the_effect_adds(slow_bench):
 
 def test_a_warning_names_effect_condition_range_and_value(slow_bench):
     diagnosis, unseen, _ = slow_bench
-    (found,) = predictions(diagnosis, unseen)
-    (left,) = [each for each in found.beyond if each.condition == "u_cmd_V"]
+    (prediction,) = predictions(diagnosis, unseen)
+    (left,) = [each for each in prediction.beyond if each.condition == "u_cmd_V"]
     assert (left.effect, left.high, left.furthest) == ("current_sensor_gain", SEEN_V, 5.0)
     assert left.share == pytest.approx(3 / 7)
     assert "current_sensor_gain was seen for u_cmd_V from -2.5 to 2.5, and is used here up to 5: 43 % of" in left.text
@@ -100,8 +100,8 @@ def test_the_files_have_standard_deviations_and_warnings(slow_bench):
 def test_inside_the_range_nothing_is_warned_of(slow_bench, tmp_path):
     (tmp_path / "blind_inputs.csv").write_text("row,t_s,u_cmd_V\n1,30,1\n2,60,-2.4\n3,90,2\n")
     diagnosis, _, _ = slow_bench
-    (found,) = predictions(diagnosis, read_blind(tmp_path, diagnosis.measurement.kind))
-    assert found.beyond == ()
+    (prediction,) = predictions(diagnosis, read_blind(tmp_path, diagnosis.measurement.kind))
+    assert prediction.beyond == ()
 
 
 @pytest.mark.parametrize(
@@ -130,6 +130,6 @@ def test_the_error_of_a_path_is_the_scatter_of_slipping_wheels():
             camera = np.append(noise.xy_m * np.ones(2), noise.theta_rad) * rng.standard_normal(3)
             path = path + np.append(place, 0.0) + camera
         ends.append(path)
-    found = path_sd(ends[0], 0.5 * (left + right), [rows], noise, track)
+    sd = path_sd(ends[0], 0.5 * (left + right), [rows], noise, track)
     for row in (30, 60, 119):
-        np.testing.assert_allclose(found[:, row], np.std([path[row] for path in ends[1:]], axis=0), rtol=0.15)
+        np.testing.assert_allclose(sd[:, row], np.std([path[row] for path in ends[1:]], axis=0), rtol=0.15)

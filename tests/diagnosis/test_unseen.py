@@ -34,9 +34,9 @@ def predicted(tmp_path):
 
 @pytest.mark.parametrize(("kind", "tolerance"), [("motor_steady", 3e-4), ("motor_step", 0.05)])
 def test_unseen_voltages(predicted, kind, tolerance):
-    found, case = predicted(kind, 3)
-    (columns,) = found.values()
-    assert list(found) == [f"{case.name}.csv"]
+    predictions, case = predicted(kind, 3)
+    (columns,) = predictions.values()
+    assert list(predictions) == [f"{case.name}.csv"]
     bench = importlib.import_module(f"gap_cases.{kind}")
     current, speed = bench.mean(case.bench, case.blind["blind_inputs.csv"], [case.bench.textbook()])
     assert np.abs(columns["omega_rad_s"] - speed[0]).max() < tolerance
@@ -44,17 +44,17 @@ def test_unseen_voltages(predicted, kind, tolerance):
 
 
 def test_unseen_targets(predicted):
-    found, case = predicted("tof_bench", 4)
-    (columns,) = found.values()
+    predictions, case = predicted("tof_bench", 4)
+    (columns,) = predictions.values()
     inputs = case.blind["blind_inputs.csv"]
     assert columns["reading_m"] == pytest.approx(np.asarray(inputs["distance_m"]), abs=1e-9)
 
 
 def test_an_unseen_drive(predicted):
     """Ranges by the oracle's ray casting, poses by the mid-point rule written out; files round."""
-    found, case = predicted("drive_log", 5)
+    predictions, case = predicted("drive_log", 5)
     name, nominal = case.name, case.bench.nominal
-    assert set(found) == {f"{name}_wheels.csv", f"{name}_pose.csv", f"{name}_tof.csv"}
+    assert set(predictions) == {f"{name}_wheels.csv", f"{name}_pose.csv", f"{name}_tof.csv"}
     inputs = case.blind["blind_pose_inputs.csv"]
     ticks = np.stack([inputs["enc_left_ticks"], inputs["enc_right_ticks"]], axis=-1)
     robot = nominal["robot"]
@@ -65,7 +65,7 @@ def test_an_unseen_drive(predicted):
         x += 0.5 * (left + right) * np.cos(yaw + 0.5 * turn)
         y += 0.5 * (left + right) * np.sin(yaw + 0.5 * turn)
         yaw += turn
-    pose = found[f"{name}_pose.csv"]
+    pose = predictions[f"{name}_pose.csv"]
     assert [pose[axis][-1] for axis in ("x_m", "y_m", "theta_rad")] == pytest.approx([x, y, yaw], abs=5e-4)
     ranges = importlib.import_module("gap_cases.drive_ranges")
     seen = case.blind["blind_tof_inputs.csv"]
@@ -74,8 +74,8 @@ def test_an_unseen_drive(predicted):
     for sensor in ("front", "left", "right"):
         expected = ranges.ranges(nominal, world, poses, sensor)
         near = expected < nominal["tof"]["max_range_m"]
-        assert found[f"{name}_tof.csv"][f"tof_{sensor}_m"][near] == pytest.approx(expected[near], abs=5e-4)
-    wheels = found[f"{name}_wheels.csv"]
+        assert predictions[f"{name}_tof.csv"][f"tof_{sensor}_m"][near] == pytest.approx(expected[near], abs=5e-4)
+    wheels = predictions[f"{name}_wheels.csv"]
     assert len(wheels["wheel_left_rad_s"]) == len(ticks)
     assert np.isnan(wheels["wheel_left_rad_s"][-1])
 

@@ -156,8 +156,8 @@ def test_instruments_with_an_effect_in_no_table(gap, part, outside, numbers, exp
     """At rest, at 1 and at 3 rad/s."""
     worlds = [gap.World({}), gap.World({}, outsides=(gap.Outside(outside, numbers, (), ()),))]
     current, speed = (np.tile(values, (2, 1)) for values in (np.array([0.5, 0.1, 0.2]), np.array([0.0, 1.0, 3.0])))
-    found = part("motor_steady").instruments(worlds, current, speed, np.array([0.0, 10.0, 40.0]))
-    for values, added in zip(found, expected, strict=True):
+    readings = part("motor_steady").instruments(worlds, current, speed, np.array([0.0, 10.0, 40.0]))
+    for values, added in zip(readings, expected, strict=True):
         assert values[1] - values[0] == pytest.approx(added, abs=1e-12)
 
 
@@ -172,8 +172,8 @@ def test_two_effects_in_no_table_act_together(gap, part):
         "incidence_rad": np.zeros(3),
         "temperature_C": np.full(3, 25.0),
     }
-    found = part("tof_bench").mean(inputs, worlds)
-    assert found[1] - found[0] == pytest.approx([-0.004, 0.01, 0.006])
+    means = part("tof_bench").mean(inputs, worlds)
+    assert means[1] - means[0] == pytest.approx([-0.004, 0.01, 0.006])
 
 
 def test_an_edge_on_the_floor_shortens_the_left_travel_in_its_circle(gap, part):

@@ -64,9 +64,9 @@ def test_empty_folders_that_belong_to_no_release_are_found_and_removed(release, 
     shutil.copytree(release, copy, ignore=shutil.ignore_patterns(".stages"))
     (copy / "CW/test_9/images").mkdir(parents=True)
     (copy / "notes").mkdir()
-    found = {fault.file: fault.what for fault in verify(copy, spec_problem)}
-    assert found.keys() >= {"CW/test_9/images", "notes"}
-    assert found["notes"] == "is an empty folder, and manifest-sha256.txt names no file in it"
+    findings = {fault.file: fault.what for fault in verify(copy, spec_problem)}
+    assert findings.keys() >= {"CW/test_9/images", "notes"}
+    assert findings["notes"] == "is an empty folder, and manifest-sha256.txt names no file in it"
     ended = symolo("repair", copy)
     assert ended.code == 4
     assert "notes: is an empty folder, and manifest-sha256.txt names no file in it; --remove-extra" in ended.out

@@ -24,18 +24,18 @@ def test_a_lifted_wheel_spins_up_by_the_time_constant_of_its_motor(robot):
     damping = K**2 / R + B
     inertia = motor.rotor_inertia_kg_m2 + 0.5 * drive.wheel_mass_kg * (0.5 * drive.wheel_diameter_m) ** 2
     end = (K * 3.0 / R - motor.coulomb_friction_N_m) / damping
-    found = open_loop(robot, np.tile([3.0, 0.0], (40, 1)), 0.005, lifted=True)
+    motion = open_loop(robot, np.tile([3.0, 0.0], (40, 1)), 0.005, lifted=True)
     expected = end * (1.0 - np.exp(-0.005 * np.arange(41) * damping / inertia))
-    np.testing.assert_allclose(found.wheel_speed_rad_s[:, 0], expected, atol=0.01 * end)
-    np.testing.assert_allclose(found.wheel_speed_rad_s[:, 1], 0.0, atol=1e-7)
-    assert found.current_A[-1, 0] == pytest.approx((3.0 - K * found.wheel_speed_rad_s[-1, 0]) / R)
+    np.testing.assert_allclose(motion.wheel_speed_rad_s[:, 0], expected, atol=0.01 * end)
+    np.testing.assert_allclose(motion.wheel_speed_rad_s[:, 1], 0.0, atol=1e-7)
+    assert motion.current_A[-1, 0] == pytest.approx((3.0 - K * motion.wheel_speed_rad_s[-1, 0]) / R)
 
 
 def test_both_wheels_alike_drive_straight_on_as_far_as_they_roll(robot):
-    found = open_loop(robot, np.full((20, 2), 3.0), ROW_S)
-    rolled_m = 0.5 * robot.drive.wheel_diameter_m * 2.0 * np.pi * found.counts[-1] / 3840
-    assert found.pose[-1, 0] == pytest.approx(rolled_m.mean(), rel=0.01)  # a hard start slips a little
-    assert found.pose[-1, 1:] == pytest.approx((0.0, 0.0), abs=1e-4)
+    motion = open_loop(robot, np.full((20, 2), 3.0), ROW_S)
+    rolled_m = 0.5 * robot.drive.wheel_diameter_m * 2.0 * np.pi * motion.counts[-1] / 3840
+    assert motion.pose[-1, 0] == pytest.approx(rolled_m.mean(), rel=0.01)  # a hard start slips a little
+    assert motion.pose[-1, 1:] == pytest.approx((0.0, 0.0), abs=1e-4)
 
 
 def test_in_a_turn_wheels_feel_their_body_without_an_engine_as_in_it(robot):

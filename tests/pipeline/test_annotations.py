@@ -246,5 +246,5 @@ def test_damage_is_found_by_content(kind, annotated, copy_of, sign):
     root = copy_of(annotated)
     damage(root)
     sign(root)
-    found = [str(finding) for finding in verify(root)]
-    assert any(text.startswith(f"{OWN}/{name}: ") and re.search(what, text) for text in found), found
+    findings = [str(finding) for finding in verify(root)]
+    assert any(text.startswith(f"{OWN}/{name}: ") and re.search(what, text) for text in findings), findings

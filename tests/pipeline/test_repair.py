@@ -122,9 +122,9 @@ def test_a_link_in_place_of_a_run_is_found_and_not_followed(dataset, copy_of, tm
     (root / "CW/test_1").rename(tmp_path / "elsewhere")
     (root / "CW/test_1").symlink_to(tmp_path / "elsewhere")
     before = sorted(path.name for path in (tmp_path / "elsewhere").rglob("*"))
-    found = {finding.file for finding in verify(root)}
-    assert f"{RUN}/data.csv" in found
-    assert RUN in found
+    findings = {finding.file for finding in verify(root)}
+    assert f"{RUN}/data.csv" in findings
+    assert RUN in findings
     assert sorted(path.name for path in (tmp_path / "elsewhere").rglob("*")) == before
 
 

@@ -97,6 +97,6 @@ def test_random_patterns_have_the_mean_that_is_counted_with(light_of):
         Cells((60.0, 60.0), (1.0, 2.0), "distance"),
         Tiles((0.012, 0.012), 0.0001, 0.0, (0.0, 0.0), "random"),
     ]
-    found = _reflectances(light_of, [_grey(pattern) for pattern in patterns], pixels=48, focal_px=120.0)
-    for pattern, mean in zip(patterns, found, strict=True):
+    reflectances = _reflectances(light_of, [_grey(pattern) for pattern in patterns], pixels=48, focal_px=120.0)
+    for pattern, mean in zip(patterns, reflectances, strict=True):
         assert mean == pytest.approx(typical_color(Surface("s", _grey(pattern))), abs=0.09), pattern.kind

@@ -47,9 +47,9 @@ def test_for_the_processor_blender_is_not_started():
 
 def test_blender_is_asked_for_the_cards_of_this_machine():
     """Whatever this machine has; no machine has both Apple's and NVIDIA's."""
-    found = devices.listed_gpus()
-    assert set(found) <= set(GPU_KINDS)
-    assert not {"METAL", "CUDA"} <= set(found)
+    cards = devices.listed_gpus()
+    assert set(cards) <= set(GPU_KINDS)
+    assert not {"METAL", "CUDA"} <= set(cards)
 
 
 CYCLES = """

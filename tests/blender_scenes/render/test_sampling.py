@@ -30,8 +30,8 @@ def test_there_are_samples_and_a_denoiser_for_every_quality_and_a_better_one_tak
 def test_an_image_of_a_quarter_of_the_pixels_takes_twice_the_samples(width_px, height_px, times):
     """What four times the pixels are worth: docs/rendering.md. No conclusion is drawn beyond the two sizes."""
     for name in ("draft", "standard", "high"):
-        found = tracing_settings(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
-        assert found.samples == times * QUALITIES[name].samples
+        settings = tracing_settings(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
+        assert settings.samples == times * QUALITIES[name].samples
 
 
 def test_a_reference_has_2048_samples_whatever_its_size():
@@ -41,20 +41,20 @@ def test_a_reference_has_2048_samples_whatever_its_size():
 
 def test_in_between_samples_are_rounded_up():
     """Half the pixels: the root of two times as many."""
-    found = tracing_settings(Render(quality="high", width_px=640, height_px=240), seed=1)
-    assert QUALITIES["high"].samples * 2**0.5 <= found.samples < QUALITIES["high"].samples * 2**0.5 + 1
+    settings = tracing_settings(Render(quality="high", width_px=640, height_px=240), seed=1)
+    assert QUALITIES["high"].samples * 2**0.5 <= settings.samples < QUALITIES["high"].samples * 2**0.5 + 1
 
 
 @pytest.mark.parametrize("name", get_args(RenderQuality))
 def test_every_setting_of_a_quality_reaches_the_tracer(name):
     asked = QUALITIES[name]
-    found = tracing_settings(Render(quality=name, width_px=640, height_px=480), seed=7)
-    assert (found.samples, found.prefilter, found.denoise_quality) == (
+    settings = tracing_settings(Render(quality=name, width_px=640, height_px=480), seed=7)
+    assert (settings.samples, settings.prefilter, settings.denoise_quality) == (
         asked.samples,
         asked.prefilter,
         asked.denoise_quality,
     )
-    assert (found.seed, found.denoise, found.device) == (7, True, "CPU")
+    assert (settings.seed, settings.denoise, settings.device) == (7, True, "CPU")
 
 
 def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_else_of_it():
@@ -105,9 +105,9 @@ def test_a_run_measures_its_errors_only_if_it_is_long_enough_and_leaves_its_samp
 
 @pytest.mark.parametrize("quality", ["draft", "standard"])
 def test_hybrid_rendering_by_name_is_used_for_every_run(quality):
-    found = tracing_settings(Render(method="hybrid", quality=quality, width_px=64), seed=1)
-    assert found.hybrid is not None
-    assert not found.probe
+    settings = tracing_settings(Render(method="hybrid", quality=quality, width_px=64), seed=1)
+    assert settings.hybrid is not None
+    assert not settings.probe
 
 
 def test_a_card_renders_in_full_unless_hybrid_is_set():

@@ -47,10 +47,10 @@ def channels() -> dict[str, np.ndarray]:
 
 
 def test_every_kind_of_channel_comes_back_as_it_was(channels):
-    found = read_exr(_exr(channels))
-    assert set(found) == set(channels)
+    decoded = read_exr(_exr(channels))
+    assert set(decoded) == set(channels)
     for name, values in channels.items():
-        np.testing.assert_array_equal(found[name], values)
+        np.testing.assert_array_equal(decoded[name], values)
 
 
 def test_a_file_cut_anywhere_is_refused(channels):
@@ -99,8 +99,8 @@ for kind in ("NO", "ZIPS", "ZIP", "PIZ"):
 @pytest.mark.parametrize("kind", ["NO", "ZIPS", "ZIP"])
 def test_files_of_another_program_come_back(by_opencv, kind):
     expected = np.arange(35 * 20 * 3, dtype=np.float32).reshape(20, 35, 3) / 7
-    found = read_exr(by_opencv[kind])
-    np.testing.assert_array_equal(np.stack([found[name] for name in "BGR"], axis=-1), expected)
+    decoded = read_exr(by_opencv[kind])
+    np.testing.assert_array_equal(np.stack([decoded[name] for name in "BGR"], axis=-1), expected)
 
 
 def test_a_compressed_file_cut_anywhere_is_refused(by_opencv):
@@ -158,11 +158,11 @@ def test_channels_that_nobody_wants_take_no_memory():
     """Twelve more than the three, of 1 MiB each."""
     data = _zipped((512, 512), [b"B", b"G", b"R", *(b"c%02d" % number for number in range(12))])
     tracemalloc.start()
-    found = read_exr(data, wanted="RGB")
+    decoded = read_exr(data, wanted="RGB")
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert {name: values.shape for name, values in found.items()} == dict.fromkeys("RGB", (512, 512))
-    assert not any(values.any() for values in found.values())
+    assert {name: values.shape for name, values in decoded.items()} == dict.fromkeys("RGB", (512, 512))
+    assert not any(values.any() for values in decoded.values())
     assert most < 7 << 20
 
 

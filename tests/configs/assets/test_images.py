@@ -26,14 +26,14 @@ QUARTERS[:8, :16], QUARTERS[:8, 16:], QUARTERS[8:, :16], QUARTERS[8:, 16:] = (0,
 
 
 def test_a_png_is_what_it_was_red_first():
-    found = read_image(_png(QUARTERS))
-    assert found.dtype == np.uint8
-    np.testing.assert_array_equal(found, QUARTERS[..., ::-1])
+    decoded = read_image(_png(QUARTERS))
+    assert decoded.dtype == np.uint8
+    np.testing.assert_array_equal(decoded, QUARTERS[..., ::-1])
 
 
 def test_a_jpeg_is_nearly_what_it_was():
-    found = read_image(_jpeg(QUARTERS)).astype(int)
-    assert np.median(np.abs(found - QUARTERS[..., ::-1])) <= 2
+    decoded = read_image(_jpeg(QUARTERS)).astype(int)
+    assert np.median(np.abs(decoded - QUARTERS[..., ::-1])) <= 2
 
 
 @pytest.mark.parametrize(
@@ -54,9 +54,9 @@ def test_the_orientation_of_a_camera_held_upright_is_undone():
     exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01" + struct.pack(">HHIHH", 0x0112, 3, 1, 6, 0) + b"\0\0\0\0"
     plain = _jpeg(QUARTERS)
     turned = plain[:2] + b"\xff\xe1" + struct.pack(">H", len(exif) + 2) + exif + plain[2:]
-    found = read_image(turned)
-    assert found.shape == (32, 16, 3)
-    corners = [found[y, x] > 128 for y, x in ((2, 2), (2, 13), (29, 2), (29, 13))]
+    decoded = read_image(turned)
+    assert decoded.shape == (32, 16, 3)
+    corners = [decoded[y, x] > 128 for y, x in ((2, 2), (2, 13), (29, 2), (29, 13))]
     blue, red, white, green = ([0, 0, 1], [1, 0, 0], [1, 1, 1], [0, 1, 0])
     assert [corner.astype(int).tolist() for corner in corners] == [blue, red, white, green]
 
@@ -105,9 +105,9 @@ def test_a_size_that_cannot_be_is_refused_before_it_is_made(size, expected):
 def test_a_large_image_is_averaged_down():
     pixels = np.zeros((2, 2 * MAX_SIDE_PX, 3), np.uint8)
     pixels[:, ::2] = 200
-    found = read_image(_png(pixels))
-    assert found.shape == (1, MAX_SIDE_PX, 3)
-    assert (found == 100).all()
+    decoded = read_image(_png(pixels))
+    assert decoded.shape == (1, MAX_SIDE_PX, 3)
+    assert (decoded == 100).all()
 
 
 @pytest.mark.parametrize("data", [b"", b"GIF89a", b"\xff\xd8", b"<svg/>"])

@@ -35,9 +35,9 @@ SPHERE[0, 3] = 4.0
 
 @pytest.mark.parametrize("make", [_hdr, _exr])
 def test_both_kinds_come_back_red_first_and_zenith_first(make):
-    found = read_panorama(make(SPHERE))
-    assert found.dtype == np.float32
-    np.testing.assert_allclose(found, SPHERE, rtol=0.01)
+    decoded = read_panorama(make(SPHERE))
+    assert decoded.dtype == np.float32
+    np.testing.assert_allclose(decoded, SPHERE, rtol=0.01)
 
 
 def test_the_mean_is_by_solid_angle_above_the_horizon():
@@ -108,6 +108,6 @@ def test_a_wide_panorama_is_averaged_down(monkeypatch):
     monkeypatch.setattr("configs.assets.panoramas.MAX_WIDTH_PX", 8)
     light = np.ones((8, 16, 3), np.float32)
     light[:, ::2] = 0.5
-    found = read_panorama(_hdr(light))
-    assert found.shape == (4, 8, 3)
-    np.testing.assert_allclose(found, 0.75, rtol=0.01)
+    decoded = read_panorama(_hdr(light))
+    assert decoded.shape == (4, 8, 3)
+    np.testing.assert_allclose(decoded, 0.75, rtol=0.01)

@@ -46,26 +46,26 @@ def test_nothing_is_named_where_nothing_is_hidden(as_simulated):
 def test_a_camera_that_sits_otherwise_is_found(make_case, generator, field, name, size):
     nominal = getattr(generator.Camera(), field)
     diagnosis = diagnose_camera(make_case(generator.Camera(**{field: nominal + size})))
-    found = effects(diagnosis)
-    assert found.keys() == {name}
+    deviations = effects(diagnosis)
+    assert deviations.keys() == {name}
     assert "no simulated images" in diagnosis.answer()["not_measured"][0]
-    assert near(found[name], size)
+    assert near(deviations[name], size)
 
 
 @pytest.mark.parametrize("scale", [0.95])
 def test_another_focal_length_is_found(make_case, generator, scale):
     lens = generator.Lens(focal_px_per_width=scale * 30 / 42.33)
-    found = effects(diagnose_camera(make_case(generator.Camera(lens=lens))))
-    assert found.keys() == {"focal_length_scale"}
-    assert near(found["focal_length_scale"], scale)
+    deviations = effects(diagnose_camera(make_case(generator.Camera(lens=lens))))
+    assert deviations.keys() == {"focal_length_scale"}
+    assert near(deviations["focal_length_scale"], scale)
 
 
 def test_pitch_exposure_and_blur_are_found_together(changed):
-    found = effects(changed)
-    assert found.keys() == {"pitch_down", "exposure_scale", "lens_blur"}
-    assert near(found["pitch_down"], 2.0)
-    assert found["exposure_scale"]["value"] == pytest.approx(1.3, rel=0.05)
-    assert found["lens_blur"]["value"] == pytest.approx(1.0, rel=0.1)
+    deviations = effects(changed)
+    assert deviations.keys() == {"pitch_down", "exposure_scale", "lens_blur"}
+    assert near(deviations["pitch_down"], 2.0)
+    assert deviations["exposure_scale"]["value"] == pytest.approx(1.3, rel=0.05)
+    assert deviations["lens_blur"]["value"] == pytest.approx(1.0, rel=0.1)
 
 
 def test_what_was_found_predicts_pictures_that_nothing_was_fitted_to(changed):

@@ -25,8 +25,8 @@ def test_a_bench_of_a_weak_magnet_loses_its_error_in_pybullet_as_in_the_twin(mot
     """The closed form's readings; noise of 1 mA and 0.04 rad/s is all that is left."""
     measured = read_measurement(motor_bench_case(tmp_path / "weak", strength=0.9), IMPORTERS)
     nominal = nominal_robot(measured.nominal, robot)
-    found = compare_engines(measured, nominal, nominal.with_effect(TorqueConstantScale(scale=0.9)))
-    bullet, twin = found.engines
+    comparison = compare_engines(measured, nominal, nominal.with_effect(TorqueConstantScale(scale=0.9)))
+    bullet, twin = comparison.engines
     current, speed = bullet.errors
     assert current.before > 0.005
     assert current.after < 0.0015
@@ -70,6 +70,6 @@ def test_a_case_s_motor_with_the_body_in_its_numbers_is_as_quick_with_the_body_b
 
 
 def test_what_cannot_be_driven_says_why(robot):
-    found = compare_engines(read_measurement(Path("table-3"), IMPORTERS), robot, robot)
-    assert "nothing moves" in found.why_not
-    assert found.engines == ()
+    comparison = compare_engines(read_measurement(Path("table-3"), IMPORTERS), robot, robot)
+    assert "nothing moves" in comparison.why_not
+    assert comparison.engines == ()

@@ -16,8 +16,8 @@ GOOD = HEADER + "1,0,0.2,0.5\n1,0.025,0.8,\n1,0.05,0.5,\n2,0,0.5,1\n2,0.025,,0\n
 
 def test_the_mean_of_a_held_value_is_weighted_with_time():
     begins, values = np.array([0.1, 0.2, 0.3, 0.5]), np.array([1.0, np.nan, 4.0, 2.0])
-    found = held_means(begins, values, np.array([0.1, 0.25, 0.0, 0.9]), np.array([0.4, 0.1, 0.2, 0.3]))
-    np.testing.assert_allclose(found, [(0.2 * 1.0 + 0.2 * 4.0) / 0.4, 2.5, 1.0, 2.0])
+    means = held_means(begins, values, np.array([0.1, 0.25, 0.0, 0.9]), np.array([0.4, 0.1, 0.2, 0.3]))
+    np.testing.assert_allclose(means, [(0.2 * 1.0 + 0.2 * 4.0) / 0.4, 2.5, 1.0, 2.0])
 
 
 def test_without_any_value_there_is_no_mean():

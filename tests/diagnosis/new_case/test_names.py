@@ -93,6 +93,6 @@ def test_words_that_are_not_known_are_no_quantity():
 @pytest.mark.parametrize("kind", KINDS)
 def test_our_own_names_are_recognised(kind):
     names = [name for name in KINDS[kind].scales if name not in {"row", "session_time_s"}]
-    found = KINDS[kind].matched(names)
-    assert {quantity: column for quantity, column in found.items() if quantity != column} == {}
-    assert set(found) == set(names)
+    matches = KINDS[kind].matched(names)
+    assert {quantity: column for quantity, column in matches.items() if quantity != column} == {}
+    assert set(matches) == set(names)

@@ -72,13 +72,13 @@ def test_a_log_in_other_units_gives_the_same_measurement(log):
 def test_a_fast_log_is_sampled_twenty_times_a_second(log):
     t = 0.01 * np.arange(400)
     volts = np.where(np.arange(400) % 5 < 2, 1.0, 6.0)  # two of five samples have 1 V
-    found = measured(log(drive(np.round(t, 6), volts=volts)))
-    (trial,) = found.trials
+    measurement = measured(log(drive(np.round(t, 6), volts=volts)))
+    (trial,) = measurement.trials
     np.testing.assert_allclose(trial.t_s, 0.05 * np.arange(80))
     np.testing.assert_array_equal(trial["enc_left_ticks"].values, 10 * np.arange(80))
     np.testing.assert_allclose(trial["theta_rad"].values, trial.t_s)
     np.testing.assert_allclose(trial["u_left_V"].values[:-1], (2 * 1.0 + 3 * 6.0) / 5)
-    assert any("sampled again every 0.05 s" in note for note in found.notes)
+    assert any("sampled again every 0.05 s" in note for note in measurement.notes)
 
 
 @pytest.mark.parametrize(
@@ -94,10 +94,10 @@ def test_counts_are_those_that_run_on_whatever_was_logged(log, header, change, n
     counts = np.floor(2000 * t + 900 * np.sin(t)).astype(int)
     volts = np.round(2.0 + 0.9 * np.cos(t), 4)
     path = log(table(header, np.round(t, 4), change(counts), change(2 * counts), volts, 2 * volts))
-    found = measured(path)
-    grown = found.trials[0]["enc_left_ticks"].values
+    measurement = measured(path)
+    grown = measurement.trials[0]["enc_left_ticks"].values
     np.testing.assert_array_equal(grown - grown[0], counts[::5] - counts[0])
-    assert note is None or any(note in each for each in found.notes)
+    assert note is None or any(note in each for each in measurement.notes)
     if note is None:
         assert any("taken for the ticks since the row before" in text for text in propose(path).warnings)
 
@@ -166,15 +166,15 @@ def test_the_counts_decide_whether_stamps_or_samples_are_late(late, period_s, lo
 
     ticks = np.floor(counts(sampled)).astype(int)
     times = np.rint(1e6 * stamps).astype(int)
-    found = measured(log(table("time_us,encL,encR,uL,uR", times, ticks, 2 * ticks, 3 + 0 * times, 3 + 0 * times)))
-    (trial,) = found.trials
+    measurement = measured(log(table("time_us,encL,encR,uL,uR", times, ticks, 2 * ticks, 3 + 0 * times, 3 + 0 * times)))
+    (trial,) = measurement.trials
     t_s = trial.t_s + (stamps[0] if late == "samples" else 0.0)
     next_row = np.abs(np.diff(t_s) - 0.05) < 1e-4
     grown = np.diff(trial["enc_left_ticks"].values)[next_row]
     usable = np.isfinite(grown)
     np.testing.assert_allclose(grown[usable], np.diff(counts(t_s))[next_row][usable], atol=2.5)
     assert 374 <= np.count_nonzero(usable) <= 380
-    noted = [note for note in found.notes if "taken for evenly sampled" in note]
+    noted = [note for note in measurement.notes if "taken for evenly sampled" in note]
     assert len(noted) == (late == "stamps")
 
 
@@ -209,10 +209,10 @@ def test_a_wrapped_heading_is_unwrapped_before_it_is_moved_back(log):
 
 def test_a_new_trial_begins_where_the_time_goes_back(log):
     t = 0.05 * np.arange(40)
-    found = measured(log(drive(np.round(np.tile(t, 5), 6))))
-    assert [len(trial.t_s) for trial in found.trials] == [40] * 5
-    assert [trial.holdout.all() for trial in found.trials] == [False, False, False, True, False]
-    begins = np.array([trial.begins_s for trial in found.trials], dtype=float)
+    measurement = measured(log(drive(np.round(np.tile(t, 5), 6))))
+    assert [len(trial.t_s) for trial in measurement.trials] == [40] * 5
+    assert [trial.holdout.all() for trial in measurement.trials] == [False, False, False, True, False]
+    begins = np.array([trial.begins_s for trial in measurement.trials], dtype=float)
     assert (np.diff(begins) > 0.0).all()
 
 
@@ -228,8 +228,8 @@ def test_trials_may_have_words_for_names(log):
     t = np.round(0.05 * np.arange(40), 6)
     lines = drive(t).splitlines()
     rows = [f"{line},{name}" for name in ("circle", "square") for line in lines[1:]]
-    found = measured(log("\n".join([f"{lines[0]},run", *rows]) + "\n"))
-    assert [(trial.name, len(trial.t_s)) for trial in found.trials] == [("1", 40), ("2", 40)]
+    measurement = measured(log("\n".join([f"{lines[0]},run", *rows]) + "\n"))
+    assert [(trial.name, len(trial.t_s)) for trial in measurement.trials] == [("1", 40), ("2", 40)]
 
 
 @pytest.mark.parametrize(
@@ -335,9 +335,9 @@ def test_a_word_for_a_missing_sample_is_a_missing_sample(word, log):
 
 def test_a_last_row_that_is_cut_off_is_left_out_and_quotes_are_no_part_of_a_name(log):
     whole = drive(np.round(0.05 * np.arange(100), 6)).replace("encL", '"encL"')
-    found = measured(log(whole + "5.0,1"))
-    assert found.rows == 100
-    assert "run.csv: the last row is cut off or has no line end, and is left out" in found.notes
+    measurement = measured(log(whole + "5.0,1"))
+    assert measurement.rows == 100
+    assert "run.csv: the last row is cut off or has no line end, and is left out" in measurement.notes
     assert measured(log(whole[:-1])).rows == 99
 
 
@@ -350,12 +350,12 @@ def test_a_step_log_whose_first_row_is_still_at_rest_begins_one_row_later(first,
     speeds = volts / 0.36 * np.tile(1.0 - np.exp(-since / tau_s), 2)
     noisy = np.round(speeds + rng.normal(0.0, 0.03, len(speeds)), 4)
     clock = np.round(5.0 + np.tile(since, 2) + np.repeat([0.0, 2.0], len(since)), 6)
-    found = measured(log(table("t [s],run,u,omega [rad/s]", clock, np.repeat([1, 2], len(since)), volts, noisy)))
-    for trial, volt in zip(found.trials, (2.5, 4.5), strict=True):
+    measurement = measured(log(table("t [s],run,u,omega [rad/s]", clock, np.repeat([1, 2], len(since)), volts, noisy)))
+    for trial, volt in zip(measurement.trials, (2.5, 4.5), strict=True):
         np.testing.assert_allclose(trial.t_s, step_s * np.arange(1, 80), atol=1e-6)
         expected = volt / 0.36 * (1.0 - np.exp(-trial.t_s / tau_s))
         np.testing.assert_allclose(trial["omega_rad_s"].values, expected, atol=0.15)
-    assert any("still at rest" in note for note in found.notes) == (first == 0)
+    assert any("still at rest" in note for note in measurement.notes) == (first == 0)
 
 
 def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):

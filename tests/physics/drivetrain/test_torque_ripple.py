@@ -101,12 +101,12 @@ def test_a_lifted_robot_in_the_engine_follows_the_definition(case, robot):
     wheel = 0.5 * drive.wheel_mass_kg * (0.5 * drive.wheel_diameter_m) ** 2
     without_wheel = rippled.with_section("motor", {"rotor_inertia_kg_m2": J - wheel})
     both = np.stack([VOLTAGE_V, np.zeros(len(VOLTAGE_V))], axis=1)
-    found, found_bare = (
+    motion, found_bare = (
         open_loop(each, both, ROW_S, lifted=True).wheel_speed_rad_s[1:, 0]
         for each in (without_wheel, without_wheel.model_copy(update={"effects": robot.effects}))
     )
     by_ripple = speed - bare
-    assert np.sqrt(np.mean((found - found_bare - by_ripple) ** 2)) < 0.1 * np.sqrt(np.mean(by_ripple**2))
+    assert np.sqrt(np.mean((motion - found_bare - by_ripple) ** 2)) < 0.1 * np.sqrt(np.mean(by_ripple**2))
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])

@@ -54,10 +54,10 @@ def test_an_error_of_the_start_is_no_error_of_a_movement():
     turned = np.column_stack(
         [c * true[:, 0] - s * true[:, 1] + 5, s * true[:, 0] + c * true[:, 1] - 2, true[:, 2] + 0.3]
     )
-    found = errors_of(estimate_of(turned), T_S, true)
-    assert found.ate_rad == pytest.approx(0.3)
-    assert found.ate_m > 4.0
-    assert [found.rpe_per_s_m, found.rpe_per_m_m, found.rpe_per_m_rad] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    errors = errors_of(estimate_of(turned), T_S, true)
+    assert errors.ate_rad == pytest.approx(0.3)
+    assert errors.ate_m > 4.0
+    assert [errors.rpe_per_s_m, errors.rpe_per_m_m, errors.rpe_per_m_rad] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
 
 
 def test_a_heading_is_compared_around_the_half_turn():
@@ -69,9 +69,9 @@ def test_a_heading_is_compared_around_the_half_turn():
 def test_pairs_of_times_that_are_not_there_are_none():
     assert len(pairs_by_time(np.array([0.0, 0.4, 0.9, 1.3]), 1.0)) == 0
     assert pairs_by_time(np.array([0.0, 0.2, 1.0, 1.2]), 1.0).tolist() == [[0, 2], [1, 3]]
-    found = errors_of(estimate_of(np.zeros((2, 3))), np.array([0.0, 0.4]), np.zeros((2, 3)))
-    assert found.rpe_per_s_m is None
-    assert found.rpe_per_m_rad is None
+    errors = errors_of(estimate_of(np.zeros((2, 3))), np.array([0.0, 0.4]), np.zeros((2, 3)))
+    assert errors.rpe_per_s_m is None
+    assert errors.rpe_per_m_rad is None
 
 
 def test_errors_drawn_from_the_covariance_told_have_the_nees_of_chi_square():
@@ -86,6 +86,6 @@ def test_errors_drawn_from_the_covariance_told_have_the_nees_of_chi_square():
     small = Estimate(estimate.rows, truth + 1e-2 * (estimate.pose - truth), 1e-4 * estimate.covariance)
     low, high = chi2.ppf([0.0005, 0.9995], 3 * count)
     assert low < nees(small, truth).sum() < high
-    found = errors_of(small, np.arange(count) / 20, truth)
-    assert found.within == pytest.approx(0.95, abs=0.012)
-    assert found.nees == pytest.approx(1.0, abs=0.06)
+    errors = errors_of(small, np.arange(count) / 20, truth)
+    assert errors.within == pytest.approx(0.95, abs=0.012)
+    assert errors.nees == pytest.approx(1.0, abs=0.06)

@@ -28,16 +28,16 @@ def test_filters_beat_odometry(driven, start_sd):
     alone = errors(run, odometry, start_sd)
     assert alone.ate_m > 0.03
     for method in (ekf, particles):
-        found = errors(run, method, start_sd)
-        assert found.ate_m < 0.8 * alone.ate_m
-        assert found.end_m < 0.5 * alone.end_m
+        run_errors = errors(run, method, start_sd)
+        assert run_errors.ate_m < 0.8 * alone.ate_m
+        assert run_errors.end_m < 0.5 * alone.end_m
 
 
 def test_the_wheels_of_a_perfect_robot_tell_all_but_the_start(driven):
-    found = errors(driven("nominal"), odometry, EXACT)
-    assert found.ate_m < 0.006
-    assert found.rpe_per_m_m < 0.002
-    assert found.within == 1.0
+    run_errors = errors(driven("nominal"), odometry, EXACT)
+    assert run_errors.ate_m < 0.006
+    assert run_errors.rpe_per_m_m < 0.002
+    assert run_errors.within == 1.0
 
 
 def test_methods_know_neither_the_truth_nor_what_is_hidden_in_the_robot(driven):

@@ -79,10 +79,10 @@ def test_the_last_quarter_of_each_of_few_runs_is_held_out(dataset):
 def test_a_data_csv_alone_has_pose_and_ranges_but_no_voltages(dataset, tmp_path):
     path = tmp_path / "log.csv"
     path.write_bytes((dataset / "CW" / "test_1" / "data.csv").read_bytes())
-    found = read(path)
-    assert any("voltages, encoder counts" in note for note in found.notes)
-    assert any("2 m, comes" in note for note in found.notes)
-    (alone,), (run,) = found.trials, read(dataset / "CW" / "test_1").trials
+    measurement = read(path)
+    assert any("voltages, encoder counts" in note for note in measurement.notes)
+    assert any("2 m, comes" in note for note in measurement.notes)
+    (alone,), (run,) = measurement.trials, read(dataset / "CW" / "test_1").trials
     np.testing.assert_array_equal(alone["tof_left_m"].quality, run["tof_left_m"].quality)
     np.testing.assert_array_equal(alone["theta_rad"].values, run["theta_rad"].values)
 

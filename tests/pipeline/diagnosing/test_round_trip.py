@@ -28,9 +28,9 @@ def trip(tmp_path_factory):
 
 
 def test_both_hidden_effects_are_named_with_their_sizes(trip):
-    found = json.loads((trip / "found" / "answer.json").read_bytes())
-    assert not found["unexplained"]
-    effects = {effect["name"]: effect for effect in found["effects"]}
+    content = json.loads((trip / "found" / "answer.json").read_bytes())
+    assert not content["unexplained"]
+    effects = {effect["name"]: effect for effect in content["effects"]}
     assert effects.keys() == {"wheel_radius_asymmetry", "wheelbase_scale"}
     for name, number, hidden in (("wheel_radius_asymmetry", "asymmetry", 0.03), ("wheelbase_scale", "scale", 1.06)):
         assert abs(effects[name]["parameters"][number] - hidden) < 2.0 * effects[name]["std"][number]

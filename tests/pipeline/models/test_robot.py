@@ -86,8 +86,8 @@ def test_a_loaded_robot_takes_the_room_of_the_simulated_one(engine, ours, form, 
         shift = shift - pybullet.getBasePositionAndOrientation(ours, physicsClientId=engine)[0]
     for link in ("base_link", *ARMS):
         expected = np.array(pybullet.getAABB(ours, links(engine, ours)[link], physicsClientId=engine))
-        found = np.array(pybullet.getAABB(loaded, links(engine, loaded)[link], physicsClientId=engine))
-        assert found - shift == pytest.approx(expected, abs=1e-6)
+        box = np.array(pybullet.getAABB(loaded, links(engine, loaded)[link], physicsClientId=engine))
+        assert box - shift == pytest.approx(expected, abs=1e-6)
 
 
 def test_the_frame_of_the_camera_looks_along_its_axis(engine, urdf, spec):

@@ -57,10 +57,10 @@ def test_the_loaded_arena_has_the_bodies_of_the_simulated_one(arena, loaded):
     client, bodies = loaded
     own = connect(1000)
     expected = [pybullet.getAABB(body, physicsClientId=own) for body in add_arena(own, arena)]
-    found = [pybullet.getAABB(body, physicsClientId=client) for body in bodies]
+    boxes = [pybullet.getAABB(body, physicsClientId=client) for body in bodies]
     # The floor goes on for ever here and there.
-    assert len(found) == len(expected)
-    assert np.array(found[1:]) == pytest.approx(np.array(expected[1:]), abs=1e-9)
+    assert len(boxes) == len(expected)
+    assert np.array(boxes[1:]) == pytest.approx(np.array(expected[1:]), abs=1e-9)
     pybullet.disconnect(own)
 
 

@@ -34,15 +34,15 @@ def test_a_pose_log_is_there_with_a_effect_of_it_alone(recorded, bare):
 
 
 def test_instruments_change_what_is_recorded_and_not_what_happens(recorded, bare):
-    found = recorded("current_sensor_gain.gain=1.2", "current_sensor_offset.offset_A=0.05", "speed_scale.scale=0.9")
-    np.testing.assert_array_equal(found.trajectory.pose, bare.trajectory.pose)
+    recording = recorded("current_sensor_gain.gain=1.2", "current_sensor_offset.offset_A=0.05", "speed_scale.scale=0.9")
+    np.testing.assert_array_equal(recording.trajectory.pose, bare.trajectory.pose)
     amperes = bare["current_A"].values
-    np.testing.assert_allclose(found["current_A"].values, 1.2 * amperes + 0.05)
-    np.testing.assert_allclose(found["wheel_speed_rad_s"].values, 0.9 * bare["wheel_speed_rad_s"].values)
+    np.testing.assert_allclose(recording["current_A"].values, 1.2 * amperes + 0.05)
+    np.testing.assert_allclose(recording["wheel_speed_rad_s"].values, 0.9 * bare["wheel_speed_rad_s"].values)
 
 
 def test_odometry_does_not_know_of_smaller_wheels(recorded):
-    found = recorded("wheel_radius_scale.scale=0.95")
-    gone = np.hypot(*np.diff(found.trajectory.pose[:, :2], axis=0).T).sum()
-    believed = np.hypot(*np.diff(found["odometry"].values[:, :2], axis=0).T).sum()
+    recording = recorded("wheel_radius_scale.scale=0.95")
+    gone = np.hypot(*np.diff(recording.trajectory.pose[:, :2], axis=0).T).sum()
+    believed = np.hypot(*np.diff(recording["odometry"].values[:, :2], axis=0).T).sum()
     assert gone == pytest.approx(0.95 * believed, rel=5e-3)

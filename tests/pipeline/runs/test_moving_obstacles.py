@@ -123,10 +123,10 @@ def test_verify_finds_damage_of_the_table(kind, moving, copy_of, sign):
     assert change(text) != text
     (root / TABLE).write_text(change(text))
     sign(root)
-    found = [str(finding) for finding in verify(root)]
-    assert len(found) == 1
-    assert found[0].startswith(TABLE)
-    assert telling in found[0]
+    findings = [str(finding) for finding in verify(root)]
+    assert len(findings) == 1
+    assert findings[0].startswith(TABLE)
+    assert telling in findings[0]
 
 
 def test_verify_misses_the_table(moving, copy_of, sign):

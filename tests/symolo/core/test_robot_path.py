@@ -25,11 +25,11 @@ def path() -> RobotPath:
 
 def test_a_circle_is_kept_between_its_rows(path):
     times = np.linspace(0, 1, 333)
-    found = path.poses_at(times)
+    poses = path.poses_at(times)
     # A cubic Hermite curve is off by the fourth derivative times h^4 / 384 at most.
     max_m = SPEED_M_S * RATE_RAD_S**3 * 0.05**4 / 384
-    assert np.abs(found[:, :2] - circle(times)[:, :2]).max() < 1.01 * max_m
-    turned = found[:, 2] - found[0, 2]
+    assert np.abs(poses[:, :2] - circle(times)[:, :2]).max() < 1.01 * max_m
+    turned = poses[:, 2] - poses[0, 2]
     assert turned == pytest.approx(RATE_RAD_S * times, abs=1e-12)
 
 

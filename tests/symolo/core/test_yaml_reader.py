@@ -35,9 +35,9 @@ from symolo.core.yaml.reader import parse_yaml, read_yaml
     ],
 )
 def test_scalars_are_those_of_yaml_1_2(text: str, value: object):
-    found = parse_yaml(f"key: {text}", "file").plain()["key"]
-    assert found == value
-    assert type(found) is type(value)
+    scalar = parse_yaml(f"key: {text}", "file").plain()["key"]
+    assert scalar == value
+    assert type(scalar) is type(value)
 
 
 def test_every_node_knows_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

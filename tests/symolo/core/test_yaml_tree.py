@@ -23,5 +23,5 @@ def test_what_lies_over_wins_and_mappings_of_one_kind_merge(base: object, over: 
 
 
 def test_merged_values_keep_their_own_places():
-    found = merge(node_of({"a": 1, "b": 2}, "base:1"), node_of({"b": 3}, "over:1"))
-    assert {key: node.where for key, node in found.children()} == {"a": "base:1", "b": "over:1"}
+    merged = merge(node_of({"a": 1, "b": 2}, "base:1"), node_of({"b": 3}, "over:1"))
+    assert {key: node.where for key, node in merged.children()} == {"a": "base:1", "b": "over:1"}

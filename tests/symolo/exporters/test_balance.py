@@ -40,9 +40,9 @@ def counted(images):
 
 def test_images_classes_and_speeds_of_each_split_are_those_of_its_runs(divided, random_release):
     release = random_release(2, kinds=("instance",))
-    found = balance(library.load(divided(("instance",), BY_RUN)))
-    assert [split.name for split in found.splits] == ["train", "test"]
-    for split, truth in zip(found.splits, release.runs, strict=True):
+    statistics = balance(library.load(divided(("instance",), BY_RUN)))
+    assert [split.name for split in statistics.splits] == ["train", "test"]
+    for split, truth in zip(statistics.splits, release.runs, strict=True):
         with_class, instances = counted(truth.instances)
         assert (split.images, [*split.runs], [*split.routes]) == (
             len(truth.pictures),
@@ -53,7 +53,7 @@ def test_images_classes_and_speeds_of_each_split_are_those_of_its_runs(divided, 
         assert (dict(split.images_by_class), dict(split.instances)) == (with_class, instances)
         speeds = truth.table[truth.table[:, 18] > 0, 5]
         assert split.speeds_m_s == [speeds.min(), speeds.max()]
-    rows = dict(found.rows)
+    rows = dict(statistics.rows)
     lines = [str(sum(not np.any(ids == 2) for ids in truth.instances)) for truth in release.runs]
     assert rows["images without the line"] == lines
 
@@ -65,11 +65,11 @@ def test_splits_by_image_count_only_their_images(divided, random_release):
         "seed": 1,
         "images": {"train": {first.name: [1]}, "test": {first.name: [2], second.name: [1]}},
     }
-    train, test = (found := balance(library.load(divided(("instance",), splits)))).splits
+    train, test = (statistics := balance(library.load(divided(("instance",), splits)))).splits
     assert (train.images, test.images) == (1, 2)
     assert dict(train.instances) == counted(first.instances[:1])[1]
     assert dict(test.instances) == counted([first.instances[1], second.instances[0]])[1]
-    assert "Splits by image: neighbouring images of a run are nearly alike" in found.warnings[0]
+    assert "Splits by image: neighbouring images of a run are nearly alike" in statistics.warnings[0]
 
 
 def test_a_class_that_a_split_lacks_is_a_warning(divided):
@@ -80,15 +80,15 @@ def test_a_class_that_a_split_lacks_is_a_warning(divided):
     for one in document["annotations"]:
         one |= {"bbox": [0, 0, 0, 0], "area": 0}
     path.write_text(json.dumps(document))
-    found = balance(library.load(root))
-    assert found.warnings == ("No image of test shows the class wall", "No image of test shows the class obstacle")
-    assert not found.knows_line
-    assert dict(found.rows)["images with wall"][1] == "0"
+    statistics = balance(library.load(root))
+    assert statistics.warnings == ("No image of test shows the class wall", "No image of test shows the class obstacle")
+    assert not statistics.knows_line
+    assert dict(statistics.rows)["images with wall"][1] == "0"
 
 
 def test_without_annotations_classes_are_not_known_and_without_splits_there_is_nothing(divided, random_release):
-    found = balance(library.load(divided((), BY_RUN)))
-    assert (found.classes, found.warnings, found.knows_line) == ((), (), False)
+    statistics = balance(library.load(divided((), BY_RUN)))
+    assert (statistics.classes, statistics.warnings, statistics.knows_line) == ((), (), False)
     assert balance(library.load(random_release(2).root)) is None
 
 

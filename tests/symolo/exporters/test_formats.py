@@ -116,9 +116,9 @@ def check_coco(out, truths):
         assert (out / "coco/images" / image["file_name"]).read_bytes() == truth.pictures[index]
         np.testing.assert_array_equal(image["X_WC"], truth.X_WC[index])
         ids = truth.instances[index]
-        found = coco.loadAnns(coco.getAnnIds(image["id"]))
-        assert {one["instance_id"] for one in found} == {*np.unique(ids).tolist()} - {0}
-        for one in found:
+        annotations = coco.loadAnns(coco.getAnnIds(image["id"]))
+        assert {one["instance_id"] for one in annotations} == {*np.unique(ids).tolist()} - {0}
+        for one in annotations:
             mask = ids == one["instance_id"]
             np.testing.assert_array_equal(coco.annToMask(one), mask)
             rows, columns = np.nonzero(mask)

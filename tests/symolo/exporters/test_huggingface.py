@@ -28,16 +28,16 @@ def opened(tmp_path, monkeypatch):
 def test_datasets_loads_pictures_readings_and_poses(seed, random_release, exported, tmp_path, opened):
     release = random_release(seed, annotated=True)
     out = exported(release.root, tmp_path / "out", "huggingface") / "huggingface"
-    found = opened(out)
+    dataset = opened(out)
     expected = [(truth, index) for truth in release.runs for index in range(len(truth.pictures))]
-    assert len(found) == len(expected)
+    assert len(dataset) == len(expected)
     grey = {"depth", "semantic", "free_floor"} & {*release.runs[0].passes}
-    assert {name for name, one in found.features.items() if isinstance(one, datasets.Image)} == {
+    assert {name for name, one in dataset.features.items() if isinstance(one, datasets.Image)} == {
         "image",
         "instance",
         *grey,
     }
-    for row, (truth, index) in zip(found, expected, strict=True):
+    for row, (truth, index) in zip(dataset, expected, strict=True):
         assert row["run"] == truth.name
         assert [row[name] for name in HEADER] == truth.table[truth.table[:, 18] > 0][index].tolist()
         np.testing.assert_array_equal(row["X_WC"], truth.X_WC[index])
@@ -55,15 +55,15 @@ def test_datasets_loads_pictures_readings_and_poses(seed, random_release, export
                 np.testing.assert_array_equal(stored[..., ::-1], truth.passes[kind][index])
             else:
                 assert row[kind] is None
-    as_files = found.cast_column("image", datasets.Image(decode=False))["image"]
+    as_files = dataset.cast_column("image", datasets.Image(decode=False))["image"]
     assert [one["bytes"] for one in as_files] == [truth.pictures[index] for truth, index in expected]
 
 
 def test_datasets_loads_the_rows_between_images(random_release, exported, tmp_path, opened):
     release = random_release(1)
-    found = opened(exported(release.root, tmp_path / "out", "huggingface") / "huggingface", "rows").to_pandas()
+    dataset = opened(exported(release.root, tmp_path / "out", "huggingface") / "huggingface", "rows").to_pandas()
     for truth in release.runs:
-        of_run = found[found["run"] == truth.name]
+        of_run = dataset[dataset["run"] == truth.name]
         for header, expected in ((HEADER, truth.table), (WHEELS.header, truth.wheels), (TOF.header, truth.tof)):
             np.testing.assert_array_equal(of_run[[*header]], expected)
 

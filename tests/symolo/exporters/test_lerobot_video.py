@@ -90,10 +90,10 @@ def test_each_further_camera_has_a_video_of_its_own(sensing_release, symolo, tmp
         key = f"observation.images.{name}"
         assert info["features"][key]["dtype"] == "video"
         place = {one: episode[f"videos/{key}/{one}"] for one in ("chunk_index", "file_index")}
-        found, _ = decoded(folder / info["video_path"].format(video_key=key, **place))
-        assert [*found] == pytest.approx([0, 0.2, 0.4, 0.6])
+        frames, _ = decoded(folder / info["video_path"].format(video_key=key, **place))
+        assert [*frames] == pytest.approx([0, 0.2, 0.4, 0.6])
         files = sorted((sensing_release / f"CW/test_1/cameras/{name}/images").iterdir())
         greys = [cv2.imread(str(file), cv2.IMREAD_GRAYSCALE).ravel() for file in files]
-        for luma, number in zip(found.values(), numbers, strict=True):
+        for luma, number in zip(frames.values(), numbers, strict=True):
             likeness = [np.corrcoef(luma.ravel(), grey)[0, 1] for grey in greys]
             assert int(np.argmax(likeness)) == number - 1

@@ -132,8 +132,8 @@ def test_splits_by_image_are_warned_about_and_have_every_image_once(random_relea
     table = pd.read_parquet(out / "parquet/images.parquet")
     assert {split: {*zip(part["run"], part["img"], strict=True)} for split, part in table.groupby("split")} == parts
     for split, images in parts.items():
-        found = pd.read_parquet([*(out / "huggingface/images").glob(f"{split}-*")])
-        assert {*zip(found["run"], found["img"], strict=True)} == images
+        rows = pd.read_parquet([*(out / "huggingface/images").glob(f"{split}-*")])
+        assert {*zip(rows["run"], rows["img"], strict=True)} == images
         names = [name for path in (out / "webdataset").glob(f"symolo-{split}-*.tar") for name in tar_names(path)]
         assert {name.rpartition(".")[0] for name in names if name.endswith(".jpg")} == {
             f"{run}/{number:06d}" for run, number in images

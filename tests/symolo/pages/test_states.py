@@ -15,9 +15,9 @@ SAFE = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79
 
 @given(st.lists(st.sampled_from(STATES), min_size=1, max_size=60))
 def test_stretches_join_up_and_each_row_is_of_its_state(states):
-    found = stretches(np.array(states))
-    assert [part.state for part in found for _ in range(part.first, part.end)] == states
-    assert all(one.state != other.state for one, other in pairwise(found))
+    stretch_list = stretches(np.array(states))
+    assert [part.state for part in stretch_list for _ in range(part.first, part.end)] == states
+    assert all(one.state != other.state for one, other in pairwise(stretch_list))
 
 
 def test_every_state_has_a_safe_colour_and_a_mark_unlike_all_others():

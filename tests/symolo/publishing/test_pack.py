@@ -146,24 +146,24 @@ def test_a_dry_run_tells_what_is_written_and_writes_nothing(packed, tmp_path, ca
 @pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@A1", "a b", "a,b"])
 def test_a_route_whose_name_a_spreadsheet_would_calculate_is_refused(name, packed, tmp_path, sign, capsys):
     """The name of the run is a cell of every table; a formula in it would run where the table is opened."""
-    own = tmp_path / "own"
-    shutil.copytree(packed.release, own)
-    (own / "CW").rename(own / name)
-    text = (own / "metadata.json").read_text()
-    (own / "metadata.json").write_text(text.replace('"CW/', f'"{name}/'))
-    sign(own)
-    assert main(["pack", str(own), "--about", str(packed.about), "--out", str(tmp_path / "upload")]) == 2
+    copy = tmp_path / "own"
+    shutil.copytree(packed.release, copy)
+    (copy / "CW").rename(copy / name)
+    text = (copy / "metadata.json").read_text()
+    (copy / "metadata.json").write_text(text.replace('"CW/', f'"{name}/'))
+    sign(copy)
+    assert main(["pack", str(copy), "--about", str(packed.about), "--out", str(tmp_path / "upload")]) == 2
     assert f"run: got '{name}/test_1', allowed: two names" in capsys.readouterr().err
 
 
 def test_a_licence_that_is_not_listed_goes_by_its_name(packed, tmp_path, sign):
-    own = tmp_path / "own"
-    shutil.copytree(packed.release, own)
-    metadata = json.loads((own / "metadata.json").read_bytes())
-    (own / "metadata.json").write_text(json.dumps(metadata | {"licence": "Our terms"}))
-    sign(own)
+    copy = tmp_path / "own"
+    shutil.copytree(packed.release, copy)
+    metadata = json.loads((copy / "metadata.json").read_bytes())
+    (copy / "metadata.json").write_text(json.dumps(metadata | {"licence": "Our terms"}))
+    sign(copy)
     out = tmp_path / "upload"
-    assert main(["pack", str(own), "--about", str(packed.about), "--out", str(out)]) == 0
+    assert main(["pack", str(copy), "--about", str(packed.about), "--out", str(out)]) == 0
     front = yaml.safe_load((out / "README.md").read_text().split("---\n")[1])
     assert (front["license"], front["license_name"]) == ("other", "Our terms")
     assert "license" not in yaml.safe_load((out / "CITATION.cff").read_text())
@@ -210,12 +210,12 @@ def test_a_damaged_release_is_not_packed(packed, tmp_path, capsys):
     ],
 )
 def test_a_strangers_release_does_not_say_where_files_go(packed, tmp_path, capsys, sign, change, message):
-    own = tmp_path / "own"
-    shutil.copytree(packed.release, own)
-    metadata = json.loads((own / "metadata.json").read_bytes())
-    (own / "metadata.json").write_text(json.dumps(metadata | change))
-    sign(own)
-    assert main(["pack", str(own), "--about", str(packed.about), "--out", str(tmp_path / "upload")]) == 2
+    copy = tmp_path / "own"
+    shutil.copytree(packed.release, copy)
+    metadata = json.loads((copy / "metadata.json").read_bytes())
+    (copy / "metadata.json").write_text(json.dumps(metadata | change))
+    sign(copy)
+    assert main(["pack", str(copy), "--about", str(packed.about), "--out", str(tmp_path / "upload")]) == 2
     assert message in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["own"]
 
@@ -230,10 +230,10 @@ def test_a_full_disk_is_told_before_work_starts(packed, tmp_path, capsys, monkey
 
 
 def test_a_file_that_changes_meanwhile_leaves_no_half_of_an_upload(packed, tmp_path, capsys, monkeypatch):
-    own = tmp_path / "own"
-    shutil.copytree(packed.release, own)
-    monkeypatch.setattr("symolo.publishing.pack.check_disk", lambda *_: (own / "README.md").write_text("other\n"))
+    copy = tmp_path / "own"
+    shutil.copytree(packed.release, copy)
+    monkeypatch.setattr("symolo.publishing.pack.check_disk", lambda *_: (copy / "README.md").write_text("other\n"))
     out = tmp_path / "upload"
-    assert main(["pack", str(own), "--about", str(packed.about), "--out", str(out)]) == 5
+    assert main(["pack", str(copy), "--about", str(packed.about), "--out", str(out)]) == 5
     assert "README.md is no longer what was written" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["own"]

@@ -23,23 +23,23 @@ def draws(root):
 
 
 def test_each_draw_has_the_values_of_the_runs_and_the_distribution_of_the_scenario(painted):
-    found, data = draws(painted(settings=ASKED))
+    drawn, data = draws(painted(settings=ASKED))
     specs = [run.specification for run in data]
-    assert found["look.sun.elevation_deg"].distribution == Uniform(20, 40)
-    assert found["look.sun.elevation_deg"].values == tuple(spec["look"]["sun"]["elevation_deg"] for spec in specs)
-    assert found["robot.chassis.mass_kg"].distribution == LogUniform(0.9, 1.1)
-    assert found["robot.chassis.mass_kg"].numbers == tuple(spec["robot"]["chassis"]["mass_kg"] for spec in specs)
-    materials = found["look.floor.material"]
+    assert drawn["look.sun.elevation_deg"].distribution == Uniform(20, 40)
+    assert drawn["look.sun.elevation_deg"].values == tuple(spec["look"]["sun"]["elevation_deg"] for spec in specs)
+    assert drawn["robot.chassis.mass_kg"].distribution == LogUniform(0.9, 1.1)
+    assert drawn["robot.chassis.mass_kg"].numbers == tuple(spec["robot"]["chassis"]["mass_kg"] for spec in specs)
+    materials = drawn["look.floor.material"]
     assert (materials.distribution, materials.numbers) == (Choice(("parquet", "linoleum")), None)
     assert sum(count for _, count in materials.counts) == len(specs)
-    assert set(found) >= set(specs[0]["drawn"]) - {"start.x_m", "start.y_m", "start.yaw_deg"}
+    assert set(drawn) >= set(specs[0]["drawn"]) - {"start.x_m", "start.y_m", "start.yaw_deg"}
 
 
 def test_what_a_route_asks_for_is_its_own(painted):
-    found, data = draws(painted(settings=["routes.0.start.x_m={normal: [0.55, 0.003]}"]))
-    assert found["start.x_m (CW)"].distribution == Normal(0.55, 0.003)
-    assert found["start.x_m (CW)"].values == tuple(run.spec.start.x_m for run in data if run.name.startswith("CW/"))
-    assert "start.x_m (CCW)" not in found  # a number there, so that nothing is drawn
+    drawn, data = draws(painted(settings=["routes.0.start.x_m={normal: [0.55, 0.003]}"]))
+    assert drawn["start.x_m (CW)"].distribution == Normal(0.55, 0.003)
+    assert drawn["start.x_m (CW)"].values == tuple(run.spec.start.x_m for run in data if run.name.startswith("CW/"))
+    assert "start.x_m (CCW)" not in drawn  # a number there, so that nothing is drawn
 
 
 def test_what_another_version_asked_for_is_left_out_and_its_draws_are_not(painted):
@@ -66,8 +66,8 @@ def marks(plot):
     ],
 )
 def test_marks_stand_where_their_values_are_between_the_ends_of_what_was_asked_for(asked, values, middles):
-    found = sorted(mark.x + 0.5 * mark.width for mark in marks(strip(values, asked)))
-    assert found == pytest.approx(sorted(middles), abs=0.06)
+    positions = sorted(mark.x + 0.5 * mark.width for mark in marks(strip(values, asked)))
+    assert positions == pytest.approx(sorted(middles), abs=0.06)
 
 
 def test_many_values_are_a_histogram_whose_bars_are_as_high_as_their_counts():

@@ -16,11 +16,11 @@ def quiet(_done):
 
 def test_flat_images_are_as_bright_as_they_were_painted_and_have_no_detail(painted):
     data = load(painted(grey=lambda run, image: 40 * run + 10 * image))
-    found = image_numbers(data["CW/test_2"], quiet)
-    assert found.numbers == tuple(range(1, 12))
-    assert found.brightness.tolist() == [40 + 10 * image for image in range(1, 12)]
-    assert found.sharpness.tolist() == [0.0] * 11
-    assert {grey: count for grey, count in enumerate(found.pixels) if count} == {
+    statistics = image_numbers(data["CW/test_2"], quiet)
+    assert statistics.numbers == tuple(range(1, 12))
+    assert statistics.brightness.tolist() == [40 + 10 * image for image in range(1, 12)]
+    assert statistics.sharpness.tolist() == [0.0] * 11
+    assert {grey: count for grey, count in enumerate(statistics.pixels) if count} == {
         40 + 10 * image: 48 * 32 for image in range(1, 12)
     }
 
@@ -28,8 +28,8 @@ def test_flat_images_are_as_bright_as_they_were_painted_and_have_no_detail(paint
 @pytest.mark.parametrize(("grey", "black", "burnt"), [(16, 1.0, 0.0), (17, 0.0, 0.0), (249, 0.0, 0.0), (250, 0.0, 1.0)])
 def test_black_and_burnt_begin_where_docs_say(painted, grey, black, burnt):
     run = load(painted(grey=lambda *_: grey)).runs[0]
-    found = image_numbers(run, quiet)
-    assert (set(found.black), set(found.burnt)) == ({black}, {burnt})
+    statistics = image_numbers(run, quiet)
+    assert (set(statistics.black), set(statistics.burnt)) == ({black}, {burnt})
 
 
 def test_sharpness_is_the_spread_of_the_laplacian(painted):
@@ -38,9 +38,9 @@ def test_sharpness_is_the_spread_of_the_laplacian(painted):
     run.image(1).path.write_bytes(cv2.imencode(".jpg", noise)[1].tobytes())
     red, green, blue = run.image(1).pixels().astype(float).transpose(2, 0, 1)
     grey = np.rint(0.299 * red + 0.587 * green + 0.114 * blue)  # ITU-R BT.601
-    found = image_numbers(run, quiet)
-    assert found.sharpness[0] == pytest.approx(laplace(grey, mode="mirror").std(), rel=2e-3)
-    assert found.brightness[0] == pytest.approx(grey.mean(), abs=0.1)
+    statistics = image_numbers(run, quiet)
+    assert statistics.sharpness[0] == pytest.approx(laplace(grey, mode="mirror").std(), rel=2e-3)
+    assert statistics.brightness[0] == pytest.approx(grey.mean(), abs=0.1)
 
 
 def test_it_reports_how_many_images_are_done(painted):
@@ -65,8 +65,8 @@ def numbers(run="CW/test_1", **columns):
 
 
 def test_planted_outliers_are_named_the_farthest_first_and_neighbours_as_one():
-    found = outliers([numbers(), numbers("CCW/test_1", brightness={9: 90, 10: 80, 11: 90}, burnt={50: 0.2})])
-    planted = [one for one in found if one.score > 1.3]
+    named_outliers = outliers([numbers(), numbers("CCW/test_1", brightness={9: 90, 10: 80, 11: 90}, burnt={50: 0.2})])
+    planted = [one for one in named_outliers if one.score > 1.3]
     assert [(one.run, one.numbers, one.worst) for one in planted] == [
         ("CCW/test_1", (10, 11, 12), 11),
         ("CCW/test_1", (51,), 51),

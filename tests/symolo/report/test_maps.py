@@ -26,9 +26,9 @@ def names(maps):
 
 def test_runs_of_a_route_share_a_map_though_the_floor_is_lighter(facts):
     assert facts[0].arena.floor_reflectance != facts[1].arena.floor_reflectance
-    found = route_maps(facts)
-    assert names(found) == [["CW/test_1", "CW/test_2"], ["CCW/test_1"]]
-    assert [one.title for one in found] == ["CW: test_1, test_2", "CCW: test_1"]
+    maps = route_maps(facts)
+    assert names(maps) == [["CW/test_1", "CW/test_2"], ["CCW/test_1"]]
+    assert [one.title for one in maps] == ["CW: test_1, test_2", "CCW: test_1"]
 
 
 def test_a_run_among_other_obstacles_has_a_map_of_its_own(facts):

@@ -113,9 +113,9 @@ def test_the_same_release_gives_the_same_bytes(whole, symolo, tmp_path):
 
 def test_images_are_those_of_the_release(whole):
     root, html = whole
-    found = re.findall(r'src="data:image/jpeg;base64,([^"]*)" alt="([^,"]*), image (\d+)"', html)
-    assert len(found) == 12  # six of each state
-    for data, run, number in found:
+    matches = re.findall(r'src="data:image/jpeg;base64,([^"]*)" alt="([^,"]*), image (\d+)"', html)
+    assert len(matches) == 12  # six of each state
+    for data, run, number in matches:
         assert base64.b64decode(data) == (root / run / f"images/{int(number):06d}.jpg").read_bytes()
 
 

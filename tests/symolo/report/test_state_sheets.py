@@ -22,10 +22,10 @@ def runs(*of_states):
 @given(st.lists(st.lists(st.sampled_from([0, 1, 5, 33]), max_size=40), max_size=9))
 def test_every_state_that_was_seen_has_images_of_it(of_states):
     facts = runs(*of_states)
-    found = images_of_states(facts)
-    assert list(found) == sorted({state for states in of_states for state in states})
+    images = images_of_states(facts)
+    assert list(images) == sorted({state for states in of_states for state in states})
     known = {(f"CW/test_{i}", n): s for i, states in enumerate(of_states, 1) for n, s in enumerate(states, 1)}
-    for state, shown in found.items():
+    for state, shown in images.items():
         assert {known[one.run, one.number] for one in shown} == {state}
         assert len(set(shown)) == len(shown) <= MAX_IMAGES
         having = sum(state in states for states in of_states)

@@ -122,8 +122,8 @@ def read_back(server):
 
     def read(prefix):
         client = boto3.client("s3", endpoint_url=server[1], region_name="us-east-1")
-        found = client.get_paginator("list_objects_v2").paginate(Bucket="bucket", Prefix=f"{prefix}/")
-        keys = [one["Key"] for page in found for one in page.get("Contents", [])]
+        pages = client.get_paginator("list_objects_v2").paginate(Bucket="bucket", Prefix=f"{prefix}/")
+        keys = [one["Key"] for page in pages for one in page.get("Contents", [])]
         return {key[len(prefix) + 1 :]: client.get_object(Bucket="bucket", Key=key)["Body"].read() for key in keys}
 
     return read

@@ -126,9 +126,9 @@ def test_an_object_that_somebody_else_put_there_without_a_checksum_is_sent_again
     for name, content in sent[1].items():
         obstore.put(memory, name, content)
     store = Bucket("s3://bucket/data", memory)
-    found = planned(sent[0], store, LineReport())
-    assert {file.name for file in found.to_send} == sent[1].keys() - {MANIFEST, TAG_MANIFEST}
-    assert set(found.different.values()) == {"has no SHA-256 in its metadata, so only a download could check it"}
+    plan = planned(sent[0], store, LineReport())
+    assert {file.name for file in plan.to_send} == sent[1].keys() - {MANIFEST, TAG_MANIFEST}
+    assert set(plan.different.values()) == {"has no SHA-256 in its metadata, so only a download could check it"}
 
 
 def test_a_damaged_release_is_not_sent(release, tmp_path, symolo):

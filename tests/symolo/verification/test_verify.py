@@ -305,8 +305,8 @@ def test_damage_is_found_by_content(kind, dataset, copy_of, sign):
     root = copy_of(dataset)
     damage(root)
     sign(root)
-    found = [str(finding) for finding in verify(root, spec_problem)]
-    assert any(text.startswith(f"{file}: ") and re.search(what, text) for text in found), found
+    findings = [str(finding) for finding in verify(root, spec_problem)]
+    assert any(text.startswith(f"{file}: ") and re.search(what, text) for text in findings), findings
 
 
 @pytest.mark.parametrize("kind", UNSIGNED)
@@ -314,9 +314,9 @@ def test_damage_is_found_by_checksum(kind, dataset, copy_of):
     damage, file, what = UNSIGNED[kind]
     root = copy_of(dataset)
     damage(root)
-    found = [str(finding) for finding in verify(root)]
-    assert any(text.startswith(f"{file}: ") and what in text for text in found), found
-    other = [text for text in found if not text.startswith(f"{file}: ")]
+    findings = [str(finding) for finding in verify(root)]
+    assert any(text.startswith(f"{file}: ") and what in text for text in findings), findings
+    other = [text for text in findings if not text.startswith(f"{file}: ")]
     assert other == [] or kind == "images swapped", "files that are as they were released are not blamed"
 
 
@@ -358,10 +358,10 @@ def test_an_edited_file_and_an_edited_checksum_are_both_told_where_the_stages_ar
     cell("v", 3, "0.123456")(root)
     digest = hashlib.sha256((root / CSV).read_bytes()).hexdigest()
     edit("manifest-sha256.txt", lambda t: re.sub(rf"[0-9a-f]{{64}}  {CSV}", f"{digest}  {CSV}", t))(root)
-    found = [str(finding) for finding in verify(root)]
-    assert f"manifest-sha256.txt: was changed: not as released is what it says of {CSV}" in found
-    assert any(text.startswith(f"{CSV}: was changed: its SHA-256") for text in found)
-    assert {text.partition(": ")[0] for text in found} == {"manifest-sha256.txt", CSV}
+    findings = [str(finding) for finding in verify(root)]
+    assert f"manifest-sha256.txt: was changed: not as released is what it says of {CSV}" in findings
+    assert any(text.startswith(f"{CSV}: was changed: its SHA-256") for text in findings)
+    assert {text.partition(": ")[0] for text in findings} == {"manifest-sha256.txt", CSV}
 
 
 def test_an_edit_with_all_checksums_made_anew_is_told_where_the_stages_are_there(dataset, copy_of, sign):
@@ -383,9 +383,9 @@ def test_a_file_that_the_disk_does_not_give_is_named_and_the_others_are_checked(
         return opened(path, *args, **options)
 
     monkeypatch.setattr(os, "open", open_or_fail)
-    found = [str(finding) for finding in verify(root)]
-    assert f"{RUN}/images/000004.jpg: cannot be read: {os.strerror(errno.EIO)}" in found
-    assert f"{CSV}: line 2: column L3: 1.5 is outside 0..1" in found
+    findings = [str(finding) for finding in verify(root)]
+    assert f"{RUN}/images/000004.jpg: cannot be read: {os.strerror(errno.EIO)}" in findings
+    assert f"{CSV}: line 2: column L3: 1.5 is outside 0..1" in findings
 
 
 def test_names_that_would_upset_a_terminal_are_shown_in_one_line(dataset, copy_of, symolo):
@@ -411,9 +411,9 @@ def test_many_faults_of_a_kind_are_summed_up(dataset, copy_of, sign):
     root = copy_of(dataset)
     scaled("theta", 57.29578)(root)
     sign(root)
-    found = [finding.what for finding in verify(root) if "theta" in finding.what or "of this kind" in finding.what]
-    assert len([text for text in found if text.startswith("line")]) == 5
-    assert "and 16 more of this kind" in found
+    findings = [finding.what for finding in verify(root) if "theta" in finding.what or "of this kind" in finding.what]
+    assert len([text for text in findings if text.startswith("line")]) == 5
+    assert "and 16 more of this kind" in findings
 
 
 def test_what_libjpeg_says_of_damaged_pixels_is_not_on_the_terminal(dataset, copy_of, capfd):
@@ -423,8 +423,8 @@ def test_what_libjpeg_says_of_damaged_pixels_is_not_on_the_terminal(dataset, cop
     middle = len(data) - 60
     data[middle : middle + 40] = b"\xff\xd0" * 20  # restart markers where none belong
     path.write_bytes(data)
-    found = cv2.imdecode(np.frombuffer(bytes(data), np.uint8), cv2.IMREAD_COLOR)
-    assert found is not None
+    image = cv2.imdecode(np.frombuffer(bytes(data), np.uint8), cv2.IMREAD_COLOR)
+    assert image is not None
     assert "Corrupt JPEG" in capfd.readouterr().err, "libjpeg does say something"
     assert main(["verify", str(root)]) == 4
     output = capfd.readouterr()
