@@ -9,6 +9,7 @@ import typer
 
 from symolo.core.errors import InputError
 from symolo.core.files.paths import BELOW_CHARS, check_new_path, check_path
+from symolo.core.files.plain_files import FileKind, UnsafeFileError, read_named_file
 from symolo.core.text_enum import TextEnum
 
 
@@ -23,6 +24,22 @@ def checked_inputs(
 ) -> list[Path]:  # bare, because Typer on Python 3.10 takes `list[Path]` for a class
     """Check the paths of files or folders to read."""
     return [checked_input(path) for path in paths]
+
+
+def read_input(path: Path, kind: FileKind) -> bytes:
+    """Return the bytes of a file that the command line names.
+
+    Raises:
+        InputError: It is missing, no plain file, larger than its kind may be, or cannot be read.
+    """
+    if path.is_dir():
+        raise InputError("is a folder, not a file", where=str(path), cure="name the file")
+    try:
+        return read_named_file(path, kind)
+    except UnsafeFileError:
+        raise
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
 
 
 def checked_new_folder(path: Path) -> Path:

@@ -79,6 +79,16 @@ BAD = {
     "verify what is not there": (["verify", "OUT"], "no such folder"),
     "verify a file": (["verify", "HERE/data.csv"], "is a file, not a folder"),
     "a misspelt command of a group": (["case", "ini"], "Did you mean 'init'; see symolo case --help"),
+    "robot of a file that is not there": (
+        ["robot", "import", "OUT.urdf", "--out", "HERE/robot.yaml"],
+        "OUT.urdf: cannot be read: No such file or directory",
+    ),
+    "robot of a folder": (["robot", "import", "HERE", "--out", "HERE/robot.yaml"], "HERE: is a folder, not a file"),
+    "arena of a file that is not there": (
+        ["arena", "import", "OUT.svg", "--out", "HERE/arena.yaml"],
+        "OUT.svg: cannot be read: No such file or directory",
+    ),
+    "model where no folder can be made": (["model", "smoke", "--out", "/proc/symolo"], "cannot be written: /proc"),
     "compare two empty folders": (["compare", "HERE/empty", "HERE/empty"], "both folders are empty"),
     "rerender what is not there": (["rerender", "OUT", "--look", "lab", "--out", "OUT2"], "no such file or folder"),
     "rerender an empty folder": (["rerender", "HERE/empty", "--look", "lab", "--out", "OUT"], "is an empty folder"),

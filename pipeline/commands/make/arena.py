@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import checked_input, new_file_check
+from pipeline.commands.options import checked_input, new_file_check, read_input
+from symolo.core.files.plain_files import FileKind
 
 HELP = "Import an arena from a drawing."
 
@@ -44,10 +45,9 @@ def import_(
     from configs.arena_import.svg import drawing_from_svg
     from configs.loader import section_of
     from symolo.core.files.atomic_files import write_file
-    from symolo.core.files.plain_files import FileKind, read_named_file
     from symolo.core.progress import plural
 
-    data = read_named_file(drawing, FileKind.IMAGE)
+    data = read_input(drawing, FileKind.IMAGE)
     is_svg = drawing.suffix.lower() == ".svg" or b"<svg" in data[:2000]
     read = drawing_from_svg if is_svg else drawing_from_image
     drawn = read(data, str(drawing), width_m).moved_to_middle()

@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import checked_input, new_file_check
+from pipeline.commands.options import checked_input, new_file_check, read_input
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind
 
 HELP = "Import the description of a robot, or show one with all of its numbers."
 
@@ -35,17 +36,15 @@ def import_(
     """
     from configs.loader import section_of
     from physics.robot.urdf_import import robot_from_urdf
-    from physics.robot.urdf_tree import MAX_BYTES, read_urdf
+    from physics.robot.urdf_tree import read_urdf
     from pipeline.robot_file import robot_file_text
     from symolo.core.files.atomic_files import write_file
-    from symolo.core.files.plain_files import open_named_file
 
     name = re.sub(r"[^A-Za-z0-9_-]", "_", out.stem)[:64]
     names = tuple(wheels.split(",")) if wheels else None
     if names is not None and len(names) != 2:
         raise InputError("--wheels", got=wheels, allowed="the names of two joints: LEFT,RIGHT")
-    with open_named_file(urdf) as file:
-        data = file.read(MAX_BYTES + 1)
+    data = read_input(urdf, FileKind.DOCUMENT)
     pair = (names[0], names[1]) if names else None
     imported = robot_from_urdf(read_urdf(data, str(urdf)), name, str(urdf), pair)
     section_of("robot", imported.settings, f"{urdf}, imported")

@@ -12,8 +12,9 @@ TEMPORARY_CHARS = 24
 """What the temporary name of a file or folder has more than its own."""
 BELOW_CHARS = 128
 """Longest path that is made inside an output folder."""
-_REFUSALS = frozenset({errno.EROFS, errno.EACCES, errno.EPERM})
-"""Errors of a disk or a folder that takes no files, whatever is done about it before the next try."""
+_REFUSALS = frozenset({errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT})
+"""Errors of a disk or a folder that takes no files, whatever is done about it before the next try; ENOENT is that of
+/proc."""
 
 
 def check_path(path: Path, where: str) -> None:
