@@ -8,7 +8,7 @@ from symolo.compare.conclusion import Conclusion
 from symolo.compare.folders import FileResult, Verdict
 from symolo.compare.images import is_of_ids
 from symolo.compare.likeness import shown_db
-from symolo.compare.pictures import ColumnPair, ImagePair, column_pair, image_pair, is_image, is_table
+from symolo.compare.pairs import ColumnPair, ImagePair, column_pair, image_pair, is_image, is_table
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.pages.html import render_page
 
@@ -24,7 +24,7 @@ _TITLES = {
 
 
 @dataclass(frozen=True)
-class Pictured:
+class DifferingFile:
     """A file that differs, with what is shown of it."""
 
     name: str
@@ -59,8 +59,8 @@ class Comparison:
 def comparison_page(comparison: Comparison) -> bytes:
     """Return the page, which needs no file beside itself; the same files give the same bytes."""
     unlike = comparison.unlike
-    pictured = [_pictured(comparison, result) for result in [one for one in unlike if is_image(one.name)][:MAX_IMAGES]]
-    plotted = [_pictured(comparison, result) for result in [one for one in unlike if is_table(one.name)][:MAX_TABLES]]
+    images = [_differing(comparison, result) for result in [one for one in unlike if is_image(one.name)][:MAX_IMAGES]]
+    plotted = [_differing(comparison, result) for result in [one for one in unlike if is_table(one.name)][:MAX_TABLES]]
     conclusion = Conclusion.of(comparison.results)
     listed = {title: _listed(comparison.results, verdict) for verdict, title in _TITLES.items()}
     page = render_page(
@@ -68,7 +68,7 @@ def comparison_page(comparison: Comparison) -> bytes:
         title=f"{comparison.a.name} and {comparison.b.name}: comparison",
         comparison=comparison,
         conclusion=conclusion.text,
-        images=[one for one in pictured if one.images is not None],
+        images=[one for one in images if one.images is not None],
         image_count=sum(is_image(result.name) for result in unlike),
         tables=[one for one in plotted if one.column is not None],
         listed={title: rows for title, rows in listed.items() if rows},
@@ -85,7 +85,7 @@ def _listed(results: Sequence[FileResult], verdict: Verdict) -> list[tuple[str, 
     ]
 
 
-def _pictured(comparison: Comparison, result: FileResult) -> Pictured:
+def _differing(comparison: Comparison, result: FileResult) -> DifferingFile:
     places = [comparison.place(root, result.name) for root in (comparison.a, comparison.b)]
     try:
         one, other = (read_file(place, FileKind.ANY) for place in places)
@@ -93,4 +93,4 @@ def _pictured(comparison: Comparison, result: FileResult) -> Pictured:
         one = other = b""
     images = image_pair(one, other, result.name) if is_image(result.name) and one and other else None
     column = column_pair(one, other, result.name) if is_table(result.name) and one and other else None
-    return Pictured(result.name, shown_db(result.likeness.level_db), result.likeness.what, images, column)
+    return DifferingFile(result.name, shown_db(result.likeness.level_db), result.likeness.what, images, column)

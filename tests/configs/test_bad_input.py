@@ -274,8 +274,8 @@ CASES = {
         "there is no light",
     ),
     "two routes of one folder": Bad("name: CCW", "name: cw #!\n   ", "routes.1.name", "the same name as routes.0"),
-    "lens that folds the picture": robot(
-        "camera: {distortion: {k1: -0.5}} #!", "robot.camera.distortion", "folds the picture back on itself"
+    "lens that folds the image": robot(
+        "camera: {distortion: {k1: -0.5}} #!", "robot.camera.distortion", "folds the image back on itself"
     ),
     # References
     "unknown shipped name": Bad("arena: symolo", "arena: symlo #!", "arena", "did you mean symolo"),

@@ -78,7 +78,7 @@ def distorted(lens: Coefficients, rays: Array) -> Array:
 def undistorted(lens: Coefficients, points: Array) -> Array:
     """The rays (N, 2) that meet the sensor in points (N, 2); NaN where the lens brings none, or more than one.
 
-    Followed from the axis outwards by Newton's method, so that a lens that folds the picture back is found out.
+    Followed from the axis outwards by Newton's method, so that a lens that folds the image back is found out.
     """
     rays = np.zeros_like(points)
     whole = np.ones(len(points), bool)
@@ -127,9 +127,9 @@ def border_rays(lens: Coefficients, low: tuple[float, float], high: tuple[float,
 
 
 def lens_problem(camera: CameraOptics, width_px: int, height_px: int) -> str:
-    """Why no picture of this size can be made through the camera's lens; empty where one can.
+    """Why no image of this size can be made through the camera's lens; empty where one can.
 
-    A lens that does not fold takes little more than twice the picture's width and height of pinhole picture.
+    A lens that does not fold takes little more than twice the image's width and height of pinhole image.
     """
     if camera.fisheye is not None:
         return Fisheye.of(camera.fisheye).problem()
@@ -139,5 +139,5 @@ def lens_problem(camera: CameraOptics, width_px: int, height_px: int) -> str:
     axis = np.array([camera.principal_point_right_mm, camera.principal_point_down_mm]) / camera.focal_length_mm
     rays = border_rays(coefficients(camera), tuple(-half - axis), tuple(half - axis))
     if np.isnan(rays).any():
-        return "the lens folds the picture back on itself before its border, so that no ray belongs to a pixel there"
+        return "the lens folds the image back on itself before its border, so that no ray belongs to a pixel there"
     return ""

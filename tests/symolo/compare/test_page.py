@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from symolo.compare.pictures import image_pair
+from symolo.compare.pairs import image_pair
 from symolo.compare.tables import worst_column
 
 

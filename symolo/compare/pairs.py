@@ -1,4 +1,4 @@
-"""Two files that differ, as pictures: images beside their difference, and the curves of the worst column of tables."""
+"""Views of two files that differ: images beside their difference, and the curves of the worst column of tables."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
