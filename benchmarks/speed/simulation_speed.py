@@ -2,9 +2,10 @@
 
 Both run in turns in one process on one core, for the same number of steps; the ratio is the median over neighbouring
 pairs, which a machine that is busy with something else disturbs least. The cost of each sensor is taken in separate
-laps, because the clocks cost time too.
+laps, because the clocks cost time too. With `--set`, laps with and without these settings are timed in turns as well.
 
     python benchmarks/speed/simulation_speed.py [--scenario symolo] [--route CW] [--repeats 7]
+    python benchmarks/speed/simulation_speed.py --set "robot.sensors={lidar: {}, imu: {}}"
 """
 
 import argparse
@@ -13,6 +14,7 @@ import time
 from collections.abc import Callable
 from math import copysign, radians
 from statistics import median
+from typing import TypeVar
 from unittest.mock import patch
 
 import numpy as np
@@ -25,12 +27,14 @@ from configs.schema.scenario import RunSpec
 from physics.bullet.body import add_robot
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.motor import MotorModel
+from pipeline.stages import closed_loop
 from pipeline.stages.simulate import simulate
-from sensors.base import Reading, Sensor, World
+from sensors.base import Sensor, World
 from sensors.fit_out import fit_out
 from symolo.arena.geometry import Arena
 
 WHEEL_SPEED_RAD_S = 4.0
+Result = TypeVar("Result")
 
 
 def main() -> None:
@@ -38,15 +42,19 @@ def main() -> None:
     parser.add_argument("--scenario", default="symolo")
     parser.add_argument("--route", default="CW")
     parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--set", dest="settings", action="append", default=[], metavar="PATH=VALUE")
     arguments = parser.parse_args()
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    spec = draw_run(load_scenario(arguments.scenario), arguments.route, 1)
-    laps, bares, steps = [], [], 0
+    plain = draw_run(load_scenario(arguments.scenario), arguments.route, 1)
+    spec = draw_run(load_scenario(arguments.scenario, arguments.settings), arguments.route, 1)
+    laps, plain_laps, bares, steps = [], [], [], 0
     shares: dict[str, list[float]] = {}
     for _ in range(arguments.repeats):
         seconds, steps = time_lap(spec)
         laps.append(seconds)
         bares.append(time_bare(spec, steps))
+        if arguments.settings:
+            plain_laps.append(time_lap(plain)[0])
         for name, share in time_sensors(spec).items():
             shares.setdefault(name, []).append(share)
     simulated_s = steps / spec.rates.physics_hz
@@ -57,10 +65,16 @@ def main() -> None:
         per_step_us, times_real = 1e6 * seconds / steps, simulated_s / seconds
         print(f"{name:24s} {seconds:7.3f} s {per_step_us:7.1f} us/step {times_real:7.1f} x real time")
     print(f"{60.0 / median(laps):.1f} laps and {60e-6 * steps / median(laps):.2f} million steps a minute on one core")
-    ratios = [lap / bare for lap, bare in zip(laps, bares, strict=True)]
-    print(f"ratio {median(ratios):.2f}, of neighbouring pairs {min(ratios):.2f} to {max(ratios):.2f}")
+    print_ratio("the bare engine", laps, bares)
+    if arguments.settings:
+        print_ratio("a lap without --set", laps, plain_laps)
     for name, share in shares.items():
         print(f"{name:24s} {100.0 * median(share):5.1f} % of a lap")
+
+
+def print_ratio(name: str, laps_s: list[float], others_s: list[float]) -> None:
+    ratios = [lap_s / other_s for lap_s, other_s in zip(laps_s, others_s, strict=True)]
+    print(f"{median(ratios):.2f} times {name}, of neighbouring pairs {min(ratios):.2f} to {max(ratios):.2f}")
 
 
 def time_lap(spec: RunSpec) -> tuple[float, int]:
@@ -74,17 +88,17 @@ def time_lap(spec: RunSpec) -> tuple[float, int]:
 
 
 def time_sensors(spec: RunSpec) -> dict[str, float]:
-    """Share of a lap's time that each sensor's samples take, by name."""
+    """Share of a lap's time that each sensor takes, by name."""
     spent: dict[str, float] = {}
 
-    def timed(name: str, sample: Callable[[World], Reading]) -> Callable[[World], Reading]:
-        def sample_timed(world: World) -> Reading:
+    def timed(name: str, method: Callable[[World], Result]) -> Callable[[World], Result]:
+        def method_timed(world: World) -> Result:
             begin = time.perf_counter()
-            reading = sample(world)
+            result = method(world)
             spent[name] = spent.get(name, 0.0) + time.perf_counter() - begin
-            return reading
+            return result
 
-        return sample_timed
+        return method_timed
 
     def fit_out_timed(
         robot: RobotConfig, arena: Arena, physics_hz: int, rng_of: Callable[[str], np.random.Generator]
@@ -92,9 +106,10 @@ def time_sensors(spec: RunSpec) -> dict[str, float]:
         sensors = fit_out(robot, arena, physics_hz, rng_of)
         for name, sensor in sensors.items():
             sensor.sample = timed(name, sensor.sample)  # type: ignore[method-assign]
+            sensor.glance = timed(name, sensor.glance)  # type: ignore[method-assign]
         return sensors
 
-    with patch("pipeline.stages.simulate.fit_out", fit_out_timed):
+    with patch.object(closed_loop, "fit_out", fit_out_timed):
         seconds, _ = time_lap(spec)
     return {name: taken_s / seconds for name, taken_s in spent.items()}
 

@@ -9,3 +9,4 @@ def _benchmarks_on_the_path(monkeypatch):
     folder = Path(__file__).parents[2] / "benchmarks"
     monkeypatch.syspath_prepend(str(folder / "render"))
     monkeypatch.syspath_prepend(str(folder / "photographs"))
+    monkeypatch.syspath_prepend(str(folder / "speed"))

@@ -6,20 +6,16 @@ cloning: Roumeliotis and Burdick, "Stochastic cloning", ICRA 2002). While the ro
 not turn, and the filter measures the bias.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import Estimate
 from pipeline.baselines.ekf import ALL, KalmanFilter, updated
 from pipeline.baselines.further_sensors.imu_log import ImuLog
-from pipeline.baselines.further_sensors.readings import FurtherReadings
+from pipeline.baselines.further_sensors.sensor_method import sensor_method
 from pipeline.baselines.motion import rolled_distances_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError
 
-NO_IMU = "the robot has no IMU: add one to robot.sensors"
 YAW = 2
 YAW_BEFORE, BIAS, PER_K, SCALE = range(ALL, ALL + 4)
 """Indices in the state of the heading at the row before, and of the errors of the gyroscope."""
@@ -54,10 +50,7 @@ class GyroFilter(KalmanFilter):
         self.state, self.covariance = updated(self.state, self.covariance, row, turn_rad - expected_rad, variance)
 
 
-def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    imu = knowledge.further.imu
-    if imu is None:
-        raise InputError(NO_IMU)
+def _estimate(knowledge: RobotKnowledge, imu: ImuLog) -> Estimate:
     ekf = GyroFilter(knowledge, imu)
     poses, covariances = [], []
     readings = np.where(knowledge.fresh, knowledge.ranges_m, np.nan)
@@ -74,10 +67,11 @@ def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: 
     return Estimate(np.arange(len(knowledge)), np.array(poses), np.array(covariances))
 
 
-def _lacks(further: FurtherReadings) -> str:
-    return "" if further.imu else NO_IMU
-
-
-METHOD = Method(
-    "ekf_imu", "EKF with IMU", "as ekf, with the turns that the gyroscope reads less its bias", _estimate, lacks=_lacks
+METHOD = sensor_method(
+    "ekf_imu",
+    "EKF with IMU",
+    "as ekf, with the turns that the gyroscope reads less its bias",
+    log_of=lambda further: further.imu,
+    missing="the robot has no IMU: add one to robot.sensors",
+    estimate=_estimate,
 )

@@ -1,22 +1,16 @@
 """Scan matching with a lidar, whose scans are straightened by the wheels: the robot drives while the head turns."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.further_sensors.lidar_log import LidarLog
-from pipeline.baselines.further_sensors.readings import FurtherReadings
 from pipeline.baselines.further_sensors.scan_filter import matched
 from pipeline.baselines.further_sensors.scans import OdometryPath, RangeScan, ScanLog
-from pipeline.baselines.robot_knowledge import RobotKnowledge
-from symolo.core.errors import InputError
+from pipeline.baselines.further_sensors.sensor_method import sensor_method
 
 MAX_RAYS = 360
 """Number of rays of a scan that are matched; of more, every second, every third and so on is matched."""
 RANGE_DIGIT_M = 1e-4
 """Last digit of a range in the table of a lidar."""
-NO_LIDAR = "the robot has no lidar: add one to robot.sensors"
 
 
 def scans_of(lidar: LidarLog, path: OdometryPath) -> ScanLog:
@@ -40,21 +34,11 @@ def scans_of(lidar: LidarLog, path: OdometryPath) -> ScanLog:
     return ScanLog(tuple(scans.values()), settings.offset_sd_m)
 
 
-def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    lidar = knowledge.further.lidar
-    if lidar is None:
-        raise InputError(NO_LIDAR)
-    return matched(knowledge, scans_of(lidar, OdometryPath(knowledge)))
-
-
-def _lacks(further: FurtherReadings) -> str:
-    return "" if further.lidar else NO_LIDAR
-
-
-METHOD = Method(
+METHOD = sensor_method(
     "lidar",
     "scan matching",
     "odometry, corrected by scans of the lidar by the map",
-    _estimate,
-    lacks=_lacks,
+    log_of=lambda further: further.lidar,
+    missing="the robot has no lidar: add one to robot.sensors",
+    estimate=lambda knowledge, lidar: matched(knowledge, scans_of(lidar, OdometryPath(knowledge))),
 )

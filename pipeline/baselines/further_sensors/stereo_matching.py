@@ -1,16 +1,11 @@
 """Scan matching with a stereo pair, whose points are scans."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
-from pipeline.baselines.further_sensors.readings import FurtherReadings
 from pipeline.baselines.further_sensors.scan_filter import matched
 from pipeline.baselines.further_sensors.scans import OdometryPath, RangeScan, ScanLog
+from pipeline.baselines.further_sensors.sensor_method import sensor_method
 from pipeline.baselines.further_sensors.stereo_log import StereoLog
-from pipeline.baselines.robot_knowledge import RobotKnowledge
-from symolo.core.errors import InputError
 
 SD_PX = 0.7
 """Standard deviation [px] of a disparity."""
@@ -24,7 +19,6 @@ MAX_DEPTH_M = 3.0
 """Largest depth [m] of a point that is used."""
 MAX_POINTS = 400
 """Number of points of a pair of images that are matched; of more, every second, every third and so on is matched."""
-NO_PAIR = "there are no images of a rectified stereo pair: release a robot with two equal cameras side by side"
 
 
 def scans_of(stereo: StereoLog, path: OdometryPath) -> ScanLog:
@@ -47,17 +41,11 @@ def scans_of(stereo: StereoLog, path: OdometryPath) -> ScanLog:
     return ScanLog(tuple(scans.values()), LASTING_SD_PX)
 
 
-def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    stereo = knowledge.further.stereo
-    if stereo is None:
-        raise InputError(NO_PAIR)
-    return matched(knowledge, scans_of(stereo, OdometryPath(knowledge)))
-
-
-def _lacks(further: FurtherReadings) -> str:
-    return "" if further.stereo else NO_PAIR
-
-
-METHOD = Method(
-    "stereo", "stereo matching", "odometry, corrected by stereo depth that agrees with the map", _estimate, lacks=_lacks
+METHOD = sensor_method(
+    "stereo",
+    "stereo matching",
+    "odometry, corrected by stereo depth that agrees with the map",
+    log_of=lambda further: further.stereo,
+    missing="there are no images of a rectified stereo pair: release a robot with two equal cameras side by side",
+    estimate=lambda knowledge, stereo: matched(knowledge, scans_of(stereo, OdometryPath(knowledge))),
 )
