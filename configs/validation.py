@@ -13,7 +13,7 @@ from configs.schema_faults import all_explained
 from configs.shapes import Shape
 from symolo.core.distributions import Choice, Distribution, Uniform, parse
 from symolo.core.errors import FaultList, InputError, together
-from symolo.core.yaml.tree import FieldPath, Node, Scalar, Values, dotted
+from symolo.core.yaml.tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, Values, dotted
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -119,7 +119,8 @@ def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[
 
 def _placed(node: Node, shape: Shape, path: FieldPath) -> Placed:
     refusal = partial(InputError, dotted(path), where=node.where, got=node.plain(), allowed=shape.words())
-    reason = shape.not_drawn if shape.is_leaf else "a distribution replaces one value"
+    names = f"it replaces one value; entries, such as sensors, cannot be named {', '.join(DISTRIBUTION_KINDS)}"
+    reason = shape.not_drawn if shape.is_leaf else names
     if reason:
         raise refusal(cure=f"no distribution is allowed here, because {reason}" if node.is_distribution else "")
     distribution = parse(node, path)

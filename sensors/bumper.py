@@ -16,6 +16,9 @@ from symolo.dataset.tables.column import Column
 
 SPACING_M = 0.002
 """Largest distance between two rays; a narrower thing may pass between them."""
+INTO_BODY_M = 0.01
+"""Distance behind the surface of the body at which the rays start, because a body that touches it overlaps with it, and
+a ray does not meet a body in which it starts."""
 
 
 class BumperSettings(MountedSettings):
@@ -57,7 +60,8 @@ class Bumper(Sensor):
         starts = np.stack([np.zeros_like(across), across, np.zeros_like(across)], axis=1)
         X_RS = own.X_RS()
         ends = starts + np.array([own.reach_m - own.travel_m, 0.0, 0.0])
-        self._points_R = np.concatenate([starts, ends]) @ X_RS[:3, :3].T + X_RS[:3, 3]
+        points_S = np.concatenate([starts - np.array([INTO_BODY_M, 0.0, 0.0]), ends])
+        self._points_R = points_S @ X_RS[:3, :3].T + X_RS[:3, 3]
 
     @classmethod
     def columns_of(cls, settings: SensorSettings) -> tuple[Column, ...]:

@@ -99,6 +99,9 @@ CASES = {
     ),
     "number for a name": Bad("name: trial", "name: 2025 #!", "name", "put it in quotes"),
     "name that is a path": Bad("name: CW,", "name: ../x, #!\n    ", "routes.0.name", "letters, digits, '_' and '-'"),
+    "sensor with the name of a distribution": robot(
+        "sensors: {normal: {kind: imu}} #!", "robot.sensors", "cannot be named uniform, normal, log_uniform, choice"
+    ),
     "number for a section": Bad("arena: symolo", "arena: 3 #!", "arena", "or the path of a YAML file, or a mapping"),
     "nothing for a section": Bad("arena: symolo", "arena: #!", "arena", "got nothing (null)"),
     "mapping for a number": robot("drive: {track_m: {value: 3}} #!", "robot.drive.track_m", "allowed: a single value"),

@@ -39,6 +39,13 @@ def test_it_closes_when_it_has_been_pushed_in_by_its_travel():
     assert pressed(post(0.101, 0.0)) == [1.0]
 
 
+def test_it_stays_closed_while_the_body_touches():
+    # The engine lets bodies overlap by a fraction of a millimetre, and those that drive into the robot by more.
+    assert pressed(post(0.09, 0.0)) == [1.0]
+    assert pressed(post(0.0895, 0.0)) == [1.0]
+    assert pressed(post(0.085, 0.0)) == [1.0]
+
+
 def test_each_zone_has_a_switch_from_right_to_left():
     assert pressed(post(0.1, 0.05), zones=3) == [0.0, 0.0, 1.0]
     assert pressed(post(0.1, 0.0), zones=3) == [0.0, 1.0, 0.0]
