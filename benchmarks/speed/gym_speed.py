@@ -1,7 +1,7 @@
 """Steps per second of the Gymnasium environment against control ticks per second of `symolo simulate`.
 
-Both drive the same run with the same controller, in turns in one process on one core. The ratio is the median over
-neighbouring pairs.
+Both drive the same run with the same controller, in turns in one process on one core. Seconds are processor time, which
+changes least while the machine is busy with something else. The ratio is the median over neighbouring pairs.
 
     python benchmarks/speed/gym_speed.py [--scenario symolo] [--seconds 20] [--repeats 5]
 """
@@ -47,11 +47,11 @@ def main() -> None:
 def steps_per_second(scenario: str, settings: list[str]) -> tuple[float, float]:
     """Return the steps per second of one episode, and the time of its reset [s]."""
     environment = DriveEnvironment(scenario, settings)
-    began = time.perf_counter()
+    began = time.process_time()
     readings, _ = environment.reset(seed=1)
-    reset_s = time.perf_counter() - began
+    reset_s = time.process_time() - began
     controller = BuiltIn(ControllerSettings(), environment.spec_of_run.robot, 20, stream(1))
-    count, over, began = 0, False, time.perf_counter()
+    count, over, began = 0, False, time.process_time()
     while not over:
         front_m, left_m, right_m = readings["ranges"].tolist()
         x_m, y_m, yaw_rad = readings["odometry"].tolist()
@@ -60,7 +60,7 @@ def steps_per_second(scenario: str, settings: list[str]) -> tuple[float, float]:
         action = np.array([twist.v_m_s, twist.w_rad_s], dtype=np.float32)
         readings, _, terminated, truncated, _ = environment.step(action)
         count, over = count + 1, terminated or truncated
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     environment.close()
     return count / seconds, reset_s
 
@@ -68,9 +68,9 @@ def steps_per_second(scenario: str, settings: list[str]) -> tuple[float, float]:
 def ticks_per_second(scenario: str, settings: list[str]) -> float:
     loaded = load_scenario(scenario, settings)
     spec = draw_run(loaded, loaded.routes[0].name, 1)
-    began = time.perf_counter()
+    began = time.process_time()
     outcome = simulate(spec)
-    return len(outcome.recording.trajectory.t_s) / (time.perf_counter() - began)
+    return len(outcome.recording.trajectory.t_s) / (time.process_time() - began)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""Wall time of a whole lap with all sensors and the controller against bare `stepSimulation` on the same world.
+"""Processor time of a whole lap with all sensors and the controller against bare `stepSimulation` on the same world.
 
-Both run in turns in one process on one core, for the same number of steps; the ratio is the median over neighbouring
-pairs, which a machine that is busy with something else disturbs least. The cost of each sensor is taken in separate
-laps, because the clocks cost time too. With `--set`, laps with and without these settings are timed in turns as well.
+Both run in turns in one process on one core, for the same number of steps. Processor time, and the median ratio of
+neighbouring pairs, change least while the machine is busy with something else. The cost of each sensor is taken in
+separate laps, because the clocks cost time too. With `--set`, laps with and without these settings are timed in turns
+as well.
 
     python benchmarks/speed/simulation_speed.py [--scenario symolo] [--route CW] [--repeats 7]
     python benchmarks/speed/simulation_speed.py --set "robot.sensors={lidar: {}, imu: {}}"
@@ -78,10 +79,10 @@ def print_ratio(name: str, laps_s: list[float], others_s: list[float]) -> None:
 
 
 def time_lap(spec: RunSpec) -> tuple[float, int]:
-    """Wall time [s] of one run, and its physics steps."""
-    begin = time.perf_counter()
+    """Processor time [s] of one run, and its physics steps."""
+    begin = time.process_time()
     outcome = simulate(spec)
-    elapsed = time.perf_counter() - begin
+    elapsed = time.process_time() - begin
     if outcome.problems:
         raise SystemExit(f"the run failed: {'; '.join(outcome.problems)}")
     return elapsed, round(float(outcome.recording.trajectory.t_s[-1]) * spec.rates.physics_hz)
@@ -93,9 +94,9 @@ def time_sensors(spec: RunSpec) -> dict[str, float]:
 
     def timed(name: str, method: Callable[[World], Result]) -> Callable[[World], Result]:
         def method_timed(world: World) -> Result:
-            begin = time.perf_counter()
+            begin = time.process_time()
             result = method(world)
-            spent[name] = spent.get(name, 0.0) + time.perf_counter() - begin
+            spent[name] = spent.get(name, 0.0) + time.process_time() - begin
             return result
 
         return method_timed
@@ -115,7 +116,7 @@ def time_sensors(spec: RunSpec) -> dict[str, float]:
 
 
 def time_bare(spec: RunSpec, steps: int) -> float:
-    """Wall time [s] of the engine's steps alone, while the robot turns on the spot.
+    """Processor time [s] of the engine's steps alone, while the robot turns on the spot.
 
     Joint motors out of reach of their target are constant torques, so that the solver has the work it has in a lap.
     """
@@ -134,10 +135,10 @@ def time_bare(spec: RunSpec, steps: int) -> float:
             physicsClientId=client,
         )
     step = pybullet.stepSimulation
-    begin = time.perf_counter()
+    begin = time.process_time()
     for _ in range(steps):
         step(physicsClientId=client)
-    elapsed = time.perf_counter() - begin
+    elapsed = time.process_time() - begin
     pybullet.disconnect(client)
     return elapsed
 

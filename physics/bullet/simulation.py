@@ -23,7 +23,7 @@ from physics.bullet.moving_boxes import MovingBoxes
 from physics.bullet.wheels_with_effects import WheelsWithEffects, needs_every_step
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
-from physics.robot.body_motion import BodyMotion
+from physics.robot.body_motion import BodyMotion, velocity_of_turn
 from physics.robot.model import RobotModel
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -239,13 +239,13 @@ class BulletSimulation:
         velocity, spin = pybullet.getBaseVelocity(self._robot, physicsClientId=self._client)
         R_WR = np.array(pybullet.getMatrixFromQuaternion(turn)).reshape(3, 3)
         to_axle, w_WR = R_WR @ self._to_axle, np.array(spin)
-        v_WA = velocity + np.cross(w_WR, to_axle)
+        v_WA = velocity + velocity_of_turn(w_WR, to_axle)
         if self._effects is not None:
             slid_m_s, slid_rad_s = self._effects.slid(atan2(R_WR[1, 0], R_WR[0, 0]))
             w_WR[2] = self._effects.yaw_share * w_WR[2] + slid_rad_s
             v_WA = v_WA + slid_m_s * R_WR[:, 0]
         to_floor = R_WR @ (0.0, 0.0, -self._axle_height_m)
-        return BodyMotion(R_WR, position + to_axle + to_floor, v_WA + np.cross(w_WR, to_floor), w_WR)
+        return BodyMotion(R_WR, position + to_axle + to_floor, v_WA + velocity_of_turn(w_WR, to_floor), w_WR)
 
     def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Return the engine's joint states of both wheels: angle [rad], speed [rad/s] and more."""

@@ -14,7 +14,7 @@ from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Section
 from physics.robot.body_inertia import GRAVITY_M_S2
-from physics.robot.body_motion import BodyMotion
+from physics.robot.body_motion import BodyMotion, velocity_of_turn
 from sensors.base import Reading, Sensor, World, quantise
 from sensors.inertial.inertial_errors import ErrorSizes, FixedErrors, RandomErrors
 from symolo.arena.geometry import Arena
@@ -163,7 +163,7 @@ class Imu(Sensor):
 
     def _velocity(self, motion: BodyMotion) -> Array:
         """Return the velocity (3,) [m/s] of the sensor in W."""
-        return motion.v_WR + np.cross(motion.w_WR, motion.R_WR @ self._p_RS)
+        return motion.v_WR + velocity_of_turn(motion.w_WR, motion.R_WR @ self._p_RS)
 
 
 class _Axes:

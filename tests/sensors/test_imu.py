@@ -7,7 +7,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.robot.body_motion import BodyMotion
+from physics.robot.body_motion import BodyMotion, velocity_of_turn
 from pipeline.stages.simulate import simulate
 from sensors.inertial.imu import Imu, ImuSettings
 from sensors.inertial.inertial_errors import ErrorSizes, RandomErrors
@@ -75,6 +75,12 @@ def test_beside_the_axle_the_place_counts():
     # 0.1 m ahead of the axle, a turn on the spot pulls backwards with w^2 r; on the left, it pulls to the right.
     np.testing.assert_allclose(felt(Turntable(0.0, 2.0), x_m=0.1)[:3], [-0.4, 0, G], atol=2e-5)
     np.testing.assert_allclose(felt(Turntable(0.0, 2.0), y_m=0.1)[:3], [0, -0.4, G], atol=2e-5)
+
+
+def test_the_velocity_of_a_turn_is_the_cross_product_of_numpy_to_the_last_bit():
+    turns, arms_m = np.random.default_rng(1).standard_normal((2, 200, 3))
+    velocities = [velocity_of_turn(w, arm_m) for w, arm_m in zip(turns, arms_m, strict=True)]
+    np.testing.assert_array_equal(velocities, np.cross(turns, arms_m))
 
 
 def test_its_axes_turn_with_its_mounting():
