@@ -11,7 +11,8 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cache, cached_property
@@ -139,6 +140,31 @@ class Family(Generic[Member]):
             self.unload(file)
         self._loaded[file] = UserFile(member, file, text)
         return member
+
+    def executed(self, file: Path, text: bytes) -> type[Member]:
+        """Return the member of a text that this program wrote itself, without adding it to the family.
+
+        Args:
+            file: Path for messages; nothing is read from it.
+            text: Python code.
+
+        Raises:
+            InputError: Its class is not complete.
+        """
+        module = self._executed(file, text)
+        try:
+            return self._only_member(module, place_of)
+        finally:
+            del sys.modules[module.__name__]
+
+    @contextmanager
+    def holding(self, member: type[Member], file: Path, text: bytes) -> Iterator[None]:
+        """Have one more member, as if it came from a file of the user, until the context ends."""
+        self._loaded[file] = UserFile(member, file, text)
+        try:
+            yield
+        finally:
+            del self._loaded[file]
 
     def unload(self, path: str | Path) -> None:
         """Forget the member of a file that was loaded."""

@@ -9,6 +9,7 @@ import numpy as np
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
+from diagnosis.discovery.law import DiscoveredLaw, Discovery
 from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
@@ -33,7 +34,7 @@ from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.unlisted import with_forms
 from diagnosis.inference.unexplained.wander import Wander, wander
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors import STAGES
+from diagnosis.predictors import STAGES, check_kind
 from diagnosis.predictors.base import Stage
 from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from diagnosis.together import joint_nuisances, joint_stages
@@ -61,6 +62,14 @@ class NamedEffect:
     comparison: RivalComparison
     ranges: tuple[SeenRange, ...] = ()
     """Range of each covariate over the rows in which the effect was seen."""
+
+    @classmethod
+    def of(
+        cls, evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, comparison: RivalComparison
+    ) -> "NamedEffect":
+        """Return an effect of a fit with its numbers; `nominal` is the fit without effects."""
+        effect, values = comparison.effect, dict(fit.hypothesis.values(comparison.effect, fit.x))
+        return cls(effect, values, fit.std(effect), comparison, seen_ranges(evidence, nominal, fit, effect))
 
     @property
     def name(self) -> str:
@@ -117,6 +126,18 @@ class Diagnosis:
     """The slow error of a range sensor, which is random and therefore not part of the fit."""
     alternatives: tuple[Alternative, ...] = ()
     """Fits with a rival in place of one named effect, which these data do not distinguish from `fit`."""
+    discovery: Discovery | None = None
+    """The search for a law where something stays unexplained; None if there was none. Its law is part of `fit`."""
+
+    @property
+    def law(self) -> DiscoveredLaw | None:
+        """The law that describes what is unexplained; None if there is none."""
+        return self.discovery.law if self.discovery else None
+
+    @property
+    def fitted_effects(self) -> tuple[NamedEffect | DiscoveredLaw, ...]:
+        """The named effects, and the law if there is one: all by which the extended robot differs in kind."""
+        return (*self.named, *((self.law,) if self.law else ()))
 
     @property
     def unexplained(self) -> Structure | None:
@@ -256,16 +277,7 @@ def diagnose(
         candidates=library,
         selection=selection,
         fit=fit,
-        named=tuple(
-            NamedEffect(
-                c.effect,
-                dict(fit.hypothesis.values(c.effect, fit.x)),
-                fit.std(c.effect),
-                c,
-                seen_ranges(evidence, selection.nominal, fit, c.effect),
-            )
-            for c in comparisons
-        ),
+        named=tuple(NamedEffect.of(evidence, selection.nominal, fit, each) for each in comparisons),
         withheld=withheld_names,
         withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
         adequacy=result,
@@ -311,15 +323,6 @@ def _selected(evidence: Evidence, bare: Hypothesis, effects: Sequence[CandidateE
     if np.any(updated.weight > MAX_WEIGHT_RATIO * evidence.weight):
         return updated, select(updated, bare, effects, selection)
     return evidence, selection
-
-
-def check_kind(measurement: Measurement) -> None:
-    """Raise InputError if no stage of the simulator predicts such data."""
-    if measurement.kind not in STAGES and not measurement.cases:
-        allowed = ", ".join(STAGES)
-        what = f"no stage predicts data of kind {measurement.kind}"
-        cure = "diagnose a bench or a drive; `symolo inspect` shows what these data contain"
-        raise InputError(what, where=measurement.where, allowed=allowed, cure=cure)
 
 
 def _alternatives(

@@ -69,10 +69,11 @@ class ExtendedRobot:
 
 def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     """Return the extended model of a diagnosis as a robot file."""
-    config, left_out, problem = simulated(diagnosis.extended, [named.effect for named in diagnosis.named])
+    config, left_out, problem = simulated(diagnosis.extended, [each.effect for each in diagnosis.fitted_effects])
     measured = diagnosis.measurement
     source = f"{measured.name} ({measured.kind})"
     named = ", ".join(name.partition("[")[0] for name in diagnosis.names) or "no effect"
+    named += f" and the law {diagnosis.law.name}" if diagnosis.law else ""
     config = config.model_copy(
         update={"name": _slug(measured.name), "description": f"Fitted to {source}: the nominal model with {named}"}
     )
@@ -120,7 +121,7 @@ def simulated(config: RobotConfig, effects: Sequence[CandidateEffect]) -> tuple[
 
 def _ranges(diagnosis: Diagnosis, config: RobotConfig) -> Iterator[EffectRange]:
     """Yield the ranges in which the effects of the robot were seen, of those quantities that a run records."""
-    for named in diagnosis.named:
+    for named in diagnosis.fitted_effects:
         if config.effects.get(named.effect.kind) is not None:
             yield from recorded_ranges(named.name, named.ranges)
 
@@ -238,19 +239,21 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
         comments |= {
             path: text if path[-1] == nuisance.name else f"{nuisance.name}: {text}" for path in leaf_paths(moved)
         }
-    for named in diagnosis.named:
+    for named in diagnosis.fitted_effects:
+        source = "law that the diagnosis discovered" if named is diagnosis.law else "named by the diagnosis"
         for name in named.values:
             error = named.std[name]
             known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not determined by these data"
             seen = f"; seen for {named.seen_for}" if named.ranges else ""
-            comments["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}{seen}"
+            comments["effects", named.effect.kind.name, name] = f"{source}; {known}{seen}"
         for name, _ in named.effect.choices:
-            comments["effects", named.effect.kind.name, name] = "named by the diagnosis"
+            comments["effects", named.effect.kind.name, name] = source
     if diagnosis.wander is not None:
         for name, error in diagnosis.wander.std.items():
             text = f"named by the diagnosis; standard error {error:.2g}"
             comments["effects", diagnosis.wander.effect.name, name] = text
-    comments["effect_files",] = "an effect of your own; a copy of the file that was loaded"
+    own = "an effect of your own; a copy of the file that was loaded"
+    comments["effect_files",] = "the law, and effects of your own if there are any" if diagnosis.law else own
     comments["chassis", "width_m"] = "widened to cover the wheels"
     comments["effect_ranges",] = "range of the data in which the effect was seen"
     return comments

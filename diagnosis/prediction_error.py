@@ -16,6 +16,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis, NamedEffect
+from diagnosis.discovery.law import DiscoveredLaw
 from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.fit import NUISANCE_STEP
 from diagnosis.inference.naming.seen_range import conditions
@@ -100,7 +101,7 @@ def _predicted(diagnosis: Diagnosis, inputs: UnseenInputs) -> UnseenPrediction:
     by_parameters = np.einsum("kin,ij,kjn->kn", changes, covariance, changes)
     variance = _noise(diagnosis, inputs, mean) ** 2 + np.maximum(by_parameters, 0.0)
     beyond: list[Beyond] = []
-    for named in diagnosis.named:
+    for named in diagnosis.fitted_effects:
         without = _without(diagnosis, named)
         distance, left = _distance(diagnosis, named, inputs, without)
         beyond += left
@@ -133,7 +134,7 @@ def _around(diagnosis: Diagnosis) -> tuple[list[RobotConfig], Array]:
     return hypothesis.robots(x + np.diag(steps)), covariance / np.outer(steps, steps)
 
 
-def _without(diagnosis: Diagnosis, named: NamedEffect) -> RobotConfig:
+def _without(diagnosis: Diagnosis, named: NamedEffect | DiscoveredLaw) -> RobotConfig:
     """Return the extended robot with one effect as the nominal robot has it, or without it."""
     robot = diagnosis.extended
     present = diagnosis.nominal.effects.get(named.effect.kind)
@@ -160,7 +161,7 @@ def _noise(diagnosis: Diagnosis, inputs: UnseenInputs, mean: Array) -> Array:
 
 
 def _distance(
-    diagnosis: Diagnosis, named: NamedEffect, inputs: UnseenInputs, without: RobotConfig
+    diagnosis: Diagnosis, named: NamedEffect | DiscoveredLaw, inputs: UnseenInputs, without: RobotConfig
 ) -> tuple[list[Array], list[Beyond]]:
     """Return the distances (n,) of the samples of each quantity of the stage from the range of an effect, and warnings.
 
@@ -197,7 +198,9 @@ def relative_distance(values: Array, low: float, high: float) -> Array:
     return np.nan_to_num(beyond)
 
 
-def _left(named: NamedEffect, values: Mapping[str, Array], seen: Mapping[str, tuple[float, float]]) -> Iterator[Beyond]:
+def _left(
+    named: NamedEffect | DiscoveredLaw, values: Mapping[str, Array], seen: Mapping[str, tuple[float, float]]
+) -> Iterator[Beyond]:
     for name, of_rows in values.items():
         distance = relative_distance(of_rows, *seen[name])
         share = float(np.mean(distance > MARGIN)) if len(distance) else 0.0
@@ -205,7 +208,7 @@ def _left(named: NamedEffect, values: Mapping[str, Array], seen: Mapping[str, tu
             yield Beyond(named.effect.name, name, *seen[name], float(of_rows[np.argmax(distance)]), share)
 
 
-def _largest_changes(diagnosis: Diagnosis, named: NamedEffect) -> dict[str, float]:
+def _largest_changes(diagnosis: Diagnosis, named: NamedEffect | DiscoveredLaw) -> dict[str, float]:
     """Return the largest change by an effect of each quantity, in the rows in which it was seen."""
     evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
     rows = evidence.with_rows(fit=evidence.fit | evidence.heldout)

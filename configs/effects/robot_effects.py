@@ -51,7 +51,9 @@ class RobotEffects:
     def __post_init__(self) -> None:
         if len(self.members) > 1:
             place = {effect: place for place, effect in enumerate(EFFECTS.classes())}
-            object.__setattr__(self, "members", tuple(sorted(self.members, key=lambda effect: place[type(effect)])))
+            # An effect that is in no table yet, such as a law that a diagnosis tries, acts last.
+            order = sorted(self.members, key=lambda effect: place.get(type(effect), len(place)))
+            object.__setattr__(self, "members", tuple(order))
 
     def __iter__(self) -> Iterator[Effect]:
         return iter(self.members)

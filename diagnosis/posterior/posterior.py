@@ -59,6 +59,8 @@ def posterior_text(diagnosis: Diagnosis) -> str:
     """Return the content of posterior.yaml."""
     content = _content(diagnosis)
     Posterior.model_validate(content)
+    if "effect_files" in content:  # the file names them, and they lie beside it
+        content["effect_files"] = [record["file"] for record in content["effect_files"]]
     head = [
         f"# The robots that agree with {content['source']}. `symolo release SCENARIO --like` draws from them: first a",
         "# hypothesis by its weight, then its numbers together. A number, or its logarithm if its scale is log, has a",
@@ -82,7 +84,7 @@ def _content(diagnosis: Diagnosis) -> dict[str, Any]:
         "noise": list(_noise(diagnosis)),
     }
     used = {field["field"].split(".")[1] for each in content["hypotheses"] for field in _effect_fields(each)}
-    if files := [record_of(name)["file"] for name in sorted(used & EFFECTS.files.keys())]:
+    if files := [record_of(name) for name in sorted(used & EFFECTS.files.keys())]:
         content["effect_files"] = files
     return content
 

@@ -4,13 +4,14 @@ from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.gain import Gain
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.sentences import predictive
+from diagnosis.report.sentences import discovered, predictive
 
 
 def answer(data: ReportData) -> dict[str, object]:
     """Return the answer in GAP_FORMAT, with the conclusion, and `intervals` and `without` if effects are named."""
     result = data.diagnosis.answer() | {"conclusion": str(data.diagnosis.conclusion)}
     result["predictive"] = predictive.in_json(data.predictive)
+    result |= discovered.in_json(data.diagnosis.discovery)
     if errors := fitted_errors(data.diagnosis.fit):
         sessions: dict[str, dict[str, object]] = {}
         for each in errors:

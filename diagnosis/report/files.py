@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import nullcontext
 from types import MappingProxyType
 
 from diagnosis.diagnose import Diagnosis
@@ -44,8 +45,19 @@ def files(
         unseen: Inputs of runs without readings, by file name; files with the extended robot's readings are added.
         progress: Receives when the plots begin; by default nobody does.
     """
+    with diagnosis.law.registered() if diagnosis.law else nullcontext():
+        return _files(diagnosis, pybullet, release, unseen, progress or unreported())
+
+
+def _files(
+    diagnosis: Diagnosis,
+    pybullet: bool,  # noqa: FBT001 - options of `files`
+    release: Measurement | None,
+    unseen: Mapping[str, Measurement],
+    progress: DiagnosisProgress,
+) -> Mapping[str, bytes]:
     data = report_data(diagnosis, pybullet=pybullet, release=release, unseen=unseen)
-    (progress or unreported()).begin(Phase.PLOTS)
+    progress.begin(Phase.PLOTS)
     plots = _plots(data)
     texts = {
         ANSWER: json.dumps(answer(data), indent=2, ensure_ascii=False) + "\n",
@@ -56,6 +68,7 @@ def files(
         REASONING: "\n".join(reasoning(data)) + "\n",
     }
     texts |= {file.file: file.text for file in data.robot.config.effect_files}
+    texts |= {diagnosis.law.file: diagnosis.law.text} if diagnosis.law else {}
     texts |= {prediction.file: csv_text(prediction.columns) for prediction in data.unseen}
     return {name: text.encode() for name, text in texts.items() if text} | {
         f"{PLOTS}/{name}.png": png for name, png in plots.items()

@@ -10,7 +10,7 @@ from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
 from diagnosis.report import dataset_comparison, engines, verdict
 from diagnosis.report.matrix import matrix_rows
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.sentences import quantities
+from diagnosis.report.sentences import discovered, quantities
 from diagnosis.report.sentences.compared import quantity_rows, source_text
 from diagnosis.report.sentences.predictive import predictive_sentence
 from diagnosis.report.sentences.rows import too_large
@@ -46,6 +46,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
             (named, ablation, list(_parameter_rows(named, data)))
             for named, ablation in zip(diagnosis.named, data.ablations, strict=True)
         ],
+        discovered=list(discovered.sentences(diagnosis.discovery)),
         hints=list(verdict.hints(diagnosis)),
         matrix_rows=matrix_rows(data),
         reasoning=reasoning(data),

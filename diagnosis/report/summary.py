@@ -11,6 +11,7 @@ from diagnosis.measured.overview import summary_line
 from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
+from diagnosis.report.sentences import discovered
 from diagnosis.report.sentences.quantities import meaning, with_error
 from diagnosis.report.sentences.rows import too_large
 from diagnosis.report.verdict import (
@@ -63,6 +64,8 @@ def _not_named(data: ReportData) -> Iterator[str]:
     if diagnosis.unexplained is not None:
         yield ""
         yield from _entry("unexplained", unexplained_sentence(diagnosis.unexplained))
+    for label, text in discovered.entries(diagnosis.discovery):
+        yield from _entry(label, text)
     if diagnosis.withdrawn:
         names = ", ".join(diagnosis.withdrawn)
         yield from _entry("withdrawn", f"{names}: only a substitute for what is unexplained")

@@ -227,13 +227,13 @@ def gain_sentences(data: ReportData) -> list[str]:
     calibration = f"Fitting the nominal parameters alone, without any effect, gains {gain_text(diagnosis.calibrated)}"
     if deviations := _bent_text(diagnosis.selection.nominal):
         calibration += f", but parameters leave their tolerances ({deviations})"
-    if not diagnosis.named:
+    if not diagnosis.fitted_effects:
         return [f"{calibration}."]
     error = f"the error falls from {diagnosis.gain.before:.3g} to {diagnosis.gain.after:.3g} sigma"
     calibrated, extended = diagnosis.calibrated.after, diagnosis.gain.after
     share = abs(1.0 - extended / calibrated) if calibrated > 0.0 else 0.0
     change = f"{100.0 * share:.0f} % {'lower' if extended < calibrated else 'higher'}"
-    names = listed([named.name for named in diagnosis.named])
+    names = listed([each.name for each in diagnosis.fitted_effects])
     return [
         f"On the held-out rows {error}: a gain of {gain_text(diagnosis.gain)}.",
         f"{calibration}. With {names}, the error is {change} than after this calibration alone.",

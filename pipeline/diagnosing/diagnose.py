@@ -173,6 +173,10 @@ def diagnose_into(
     unseen = read_blind(path if path.is_dir() else path.parent, measurement.kind) if is_blind else {}
     progress = DiagnosisProgress(on_share)
     diagnosis = diagnose(measurement, robot, progress)
+    if settings.discover:
+        from diagnosis.discovery.discover import with_law  # noqa: PLC0415 - as above
+
+        diagnosis = with_law(diagnosis)
     contents = files(diagnosis, pybullet=settings.pybullet, release=release, unseen=unseen, progress=progress)
     made_from = MadeFrom.of(path, settings).model_dump_json(indent=2, exclude_defaults=True) + "\n"
     contents = {**contents, MADE_FROM: made_from.encode()}

@@ -16,19 +16,31 @@ from sensors.fit_out import fit_out
 from sensors.ranging.range_effects import RangeEffects
 from sensors.ranging.range_view import RangeView
 from sensors.suite import SensorSuite, SteppedWorld
-from sensors.wheels.instruments import read_current_A, read_speed_rad_s
+from sensors.wheels.instruments import read_current_A, read_settled_speed_rad_s, read_speed_rad_s
 from symolo.arena.geometry import Arena, Box, Line, Straight
 from symolo.core.arrays import Array
 
 DRIVEN = "drive: 0.6 s with 2.8 V and 2.2 V (in the twin then 1 V and 3 V), over a line, towards a wall at 0.75 m"
-ON_MOTOR = "motor bench: +3 V and then -3 V for 0.1 s each, and steady states at -2 V, 0.3 V and 4 V"
-AT_TARGETS = "range bench: 24 targets at 0.05 to 1.95 m, up to 46 degrees oblique, at 20 to 38 degrees C, up to 4 klux"
+ON_MOTOR = (
+    "motor bench: +3 V and then -3 V for 0.1 s each, steady states at -2 V, 0.3 V and 4 V, and those of a fast motor "
+    "from 3 mV to 6 V within an hour"
+)
+AT_TARGETS = (
+    "range bench: 24 targets at 0.05 to 1.95 m, up to 46 degrees oblique, at 14 to 44 degrees C, up to 7.5 klux, "
+    "within an hour"
+)
 ABOUT = (DRIVEN, ON_MOTOR, AT_TARGETS)
 """The experiments in words, for a user whose effect changes none of their readings."""
 PHYSICS_HZ, TICK_STEPS, TICKS = 1000, 50, 12
 VOLTAGES_V, LATER_V = (2.8, 2.2), (1.0, 3.0)
 """Right and left; the later ones only in the twin."""
 STEADY_V = (-2.0, 0.3, 4.0)
+FAST = {"torque_constant_N_m_A": 0.06, "coulomb_friction_N_m": 1e-4, "viscous_friction_N_m_s_rad": 1e-7}
+"""Motor of the second bench, which turns at up to 100 rad/s. A law may act at high speed only, or at low current."""
+LADDER_V = np.append(np.geomspace(0.003, 0.3, 8), np.linspace(0.5, 6.0, 16))
+HOUR_S = 3600.0
+LADDER_S = HOUR_S * (0.618 * np.arange(1, len(LADDER_V) + 1) % 1.0)
+"""Times of the steady states, in no order, so that a law of time is none of speed."""
 
 Readings = Mapping[str, Array]
 """Readings by channel."""
@@ -100,12 +112,14 @@ class Probe:
         current, speed = step_responses(model, reversal, 0.005)
         steady_current, steady_speed = steady_states(model, np.array(STEADY_V), np.array([1.0, 2.0, 3.0]))
         t_s = 0.005 * np.arange(1, 41)
+        fast = RobotModel.from_config(robot.with_section("motor", FAST))
+        fast_current, fast_speed = steady_states(fast, LADDER_V, LADDER_S)
         mean_m, sd_m = _before_targets(robot)
         return {
             "step_current_A": read_current_A(robot.effects, current),
             "step_speed_rad_s": read_speed_rad_s(robot.effects, t_s, speed),
-            "steady_current_A": read_current_A(robot.effects, steady_current),
-            "steady_speed_rad_s": steady_speed,
+            "steady_current_A": read_current_A(robot.effects, np.append(steady_current, fast_current)),
+            "steady_speed_rad_s": np.append(steady_speed, read_settled_speed_rad_s(robot.effects, fast_speed)),
             "range_m": mean_m,
             "range_sd_m": sd_m,
         }
@@ -134,10 +148,10 @@ def _before_targets(robot: RobotConfig) -> tuple[Array, Array]:
         tilt_sideways_rad=0.1 * (row % 3 - 1.0),
         reflectance=np.array([0.85, 0.05, 0.5, 0.7])[row % 4],
         material_share={name: (row % 4 == k).astype(float) for k, name in enumerate(materials)},
-        temperature_C=20.0 + 3.0 * (row % 7),
+        temperature_C=14.0 + 5.0 * (row % 7),
         reference_temperature_C=robot.tof.reference_temperature_C,
-        ambient_lux=800.0 * (row % 6),
-        time_s=10.0 * row,
+        ambient_lux=1500.0 * (row % 6),
+        time_s=HOUR_S / 24.0 * row,
     )
     effects = RangeEffects.of(robot.effects.without("tof_range_offset"))
     reading_m, sd_m = effects.seen(distance_m, 0.002 + 0.001 * (row % 3), view)

@@ -98,6 +98,8 @@ class DiagnosisSettings(Message):
     """Dataset that each case is compared with."""
     together: tuple[Path, ...] = ()
     """Further cases of the same robot, which are fitted together with the first one."""
+    discover: bool = False
+    """Whether a law is looked for where something stays unexplained."""
 
 
 class DiagnoseUnit(UnitOfWork):

@@ -24,7 +24,7 @@ def gain_plot(data: ReportData) -> bytes:
         ("nominal", BEFORE, [quantity.extended.before for quantity in by_quantity]),
         ("nominal, fitted", CALIBRATED, [quantity.calibrated.after for quantity in by_quantity]),
     ]
-    if data.diagnosis.named:
+    if data.diagnosis.fitted_effects:
         points.append(("extended", AFTER, [quantity.extended.after for quantity in by_quantity]))
     figure = Figure(figsize=(7.2, 1.3 + 0.42 * len(by_quantity)), layout="constrained")
     axes = figure.subplots()

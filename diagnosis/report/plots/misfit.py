@@ -24,7 +24,7 @@ def misfit_plot(data: ReportData, k: int) -> bytes:
     observed, place = evidence.observed[k], evidence.places[k]
     covariate = _covariate(data, observed)
     models = [("nominal", BEFORE, 0), ("nominal, fitted", CALIBRATED, 1)]
-    if data.diagnosis.named:
+    if data.diagnosis.fitted_effects:
         models.append(("extended", AFTER, 2))
     panels = 1 + len(models)
     is_map = covariate is not None and covariate.second is not None

@@ -14,14 +14,18 @@ SIZE_IN = (7.2, 3.4)
 def unexplained_plot(data: ReportData, structure: Structure) -> bytes:
     """Return the residuals of the model with the named effects, along the covariate of a structure, as PNG.
 
-    They are those in which the structure was detected, without the wandering error of a range sensor.
+    They are those in which the structure was detected, without the wandering error of a range sensor, and without a law
+    that was discovered afterwards.
     """
     evidence = data.diagnosis.evidence
     k = [observed.name for observed in evidence.observed].index(structure.observed)
     observed, place = evidence.observed[k], evidence.places[k]
     covariate = next(c for c in observed.covariates if c.name == structure.covariate)
+    mean, law = data.means[2], data.diagnosis.law
+    if law is not None:
+        mean = evidence.predicted([law.without.robot]).mean[0] + law.without.local_change
     usable = evidence.fit | evidence.heldout
-    z = np.where(usable, (evidence.values - data.means[2]) / evidence.sd, np.nan)
+    z = np.where(usable, (evidence.values - mean) / evidence.sd, np.nan)
     figure = Figure(figsize=SIZE_IN, layout="constrained")
     axes = figure.subplots()
     residual_panel(axes, covariate, z[place], observed.holdout, PURPLE)

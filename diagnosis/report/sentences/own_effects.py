@@ -33,6 +33,7 @@ class TriedEffect:
 def tried_effects(diagnosis: Diagnosis) -> Iterator[TriedEffect]:
     """Yield what is known about each effect of a loaded file, unless the diagnosis names or withholds it."""
     reported = {each.effect.kind.name for each in diagnosis.named} | {each.name for each in diagnosis.withheld}
+    reported |= {diagnosis.law.name} if diagnosis.law else set()
     kinds = [file.member for file in EFFECTS.files.values() if file.member.name not in reported]
     for kind in kinds:
         candidates = [effect for effect in diagnosis.candidates.testable if effect.kind is kind]

@@ -143,6 +143,14 @@ def diagnose(
         bool,
         typer.Option("--together", help="All cases are of one robot: fit them together, for one result in DIR."),
     ] = False,
+    discover: Annotated[
+        bool,
+        typer.Option(
+            "--discover",
+            help="Where something stays unexplained on a bench, look for a law that describes it, and write it as an "
+            "effect file.",
+        ),
+    ] = False,
     workers: Workers = None,
     explain: Annotated[bool, typer.Option("--explain", help="Also print how the result was reached.")] = False,
     as_json: Json = False,
@@ -177,7 +185,8 @@ def diagnose(
     - posterior.yaml: the robots that agree with the data, for
       release --like DIR
 
-    - the file of each effect of your own that the extended robot has
+    - the file of each effect of your own that the extended robot has, and of
+      the law that --discover proposes
 
     - made_from.json: the cases and options, for `symolo next`
 
@@ -194,6 +203,8 @@ def diagnose(
     Several cases of one robot: symolo diagnose my_robot/* --together --out diagnosis
 
     Try an effect of your own as well: symolo diagnose my_robot/drive_1 --effects oval_wheel.py --out diagnosis
+
+    Describe what no listed effect explains: symolo diagnose my_robot/bench_1 --discover --out diagnosis
 
     Judge the result on the circular drives only: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
     """
@@ -216,11 +227,8 @@ def diagnose(
     if any(case.path.absolute() == out.absolute() for case in named):
         # As soon as a folder `table-1` exists, `table-1` means that folder.
         raise InputError("is the name of a case", where=f"--out {out}", cure="name another folder")
-    if together and len(named) < 2:
-        raise InputError("--together with one case", cure="name two or more cases of the same robot")
-    if together and against is not None:
-        raise InputError("--together and --against", cure="compare one drive with the dataset")
     if together:
+        _check_together(cases, discover=discover, against=against)
         named = named[:1]
     settings = DiagnosisSettings(
         importer=importer,
@@ -230,6 +238,7 @@ def diagnose(
         pybullet=pybullet,
         against=against,
         together=tuple(cases[1:]) if together else (),
+        discover=discover,
     )
     check_out(out, Kind.DIAGNOSIS)
     if len(named) == 1:
@@ -319,13 +328,23 @@ def identify_camera(
 def _check(case: "NamedCase", settings: "DiagnosisSettings") -> None:
     """Refuse the only case before anything is written."""
     from diagnosis.dataset_comparison import check_drive
-    from diagnosis.diagnose import check_kind
+    from diagnosis.predictors import check_kind
     from pipeline.diagnosing.diagnose import read_case
 
     measurement = read_case(case.path, settings)
     check_kind(measurement)
     if settings.against is not None:
         check_drive(measurement, "CASE")
+
+
+def _check_together(cases: "Sequence[Path]", *, discover: bool, against: Path | None) -> None:
+    """Refuse options that need a single case, and a single case."""
+    if len(cases) < 2:
+        raise InputError("--together with one case", cure="name two or more cases of the same robot")
+    if discover:
+        raise InputError("--together and --discover", cure="look for a law in one bench alone")
+    if against is not None:
+        raise InputError("--together and --against", cure="compare one drive with the dataset")
 
 
 def _print(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]", *, explain: bool) -> None:

@@ -1,0 +1,212 @@
+"""Blind benches with an effect that is in no list, and benches with nothing hidden, given to `diagnose --discover`.
+
+    python -m benchmarks.diagnosis.discovery_exam --cases 100 --nothing 60 --seed 606 --out exam.jsonl
+
+The cases come from `independent_cases`, whose simulator shares no code with symolo, half of them motors and half range
+sensors; each effect outside the list comes about equally often. The results are written case by case, so that the same
+command goes on where it was interrupted.
+
+A law has the same structure as the hidden effect if slot, shape, covariates and material agree (`SAME`); its numbers
+are not judged. A straight line counts as a power law with an exponent of 0.7 to 1.4. Effects whose place has no slot,
+such as what a sensor remembers of the row before, cannot be written as a law of the simulator; they count as missed.
+
+The share of the gain compares held-out errors in sigmas (root mean square without the largest 3 %): (calibrated -
+extended) / (calibrated - true), where `true` are the readings that the generator had before it added noise. It is
+judged where the true law gains at least a tenth of the error, by the error that is left beyond the truth.
+"""
+
+import argparse
+import json
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from benchmarks.diagnosis.independent_cases.case import KINDS, draw_case
+from benchmarks.diagnosis.independent_cases.files import write_case
+from benchmarks.diagnosis.independent_cases.judge import wilson
+from benchmarks.diagnosis.independent_cases.recipes import Array, Variant, variant_of
+from benchmarks.diagnosis.independent_cases.setting import Setting
+from diagnosis.diagnose import Diagnosis, diagnose
+from diagnosis.discovery.discover import with_law
+from diagnosis.importers.choose import read_measurement
+from diagnosis.inference.gain import trimmed_rms
+from pipeline.diagnosing.importers import IMPORTERS
+
+BENCHES = ("motor_steady", "tof_bench")
+SAME: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "friction_bump": ("bump", ("omega_rad_s",)),
+    "parameter_jump": ("step", ("t_s",)),
+    "current_kink": ("rise", ("current_A",)),
+    "current_dead_zone": ("dead_zone", ("current_A",)),
+    "periodic_friction": ("wave", ("t_s",)),
+    "speed_counter_limit": ("limit", ("omega_rad_s",)),
+    "periodic_error": ("wave", ("distance_m",)),
+    "jump": ("step", ("t_s",)),
+    "distance_bump": ("bump", ("distance_m",)),
+    "scale_drift": ("line", ("t_s", "distance_m")),
+    "near_floor": ("floor", ("distance_m",)),
+    "light_bias": ("line", ("ambient_lux",)),
+    "material_angle": ("sine_squared", ("incidence_rad",)),
+    "coarse_steps": ("rounding", ("distance_m",)),
+}
+"""Shape and covariates by hidden effect. Those that are missing have no slot in the simulator."""
+IN_FRICTION = ("friction_bump", "parameter_jump", "periodic_friction")
+NEARLY_STRAIGHT = (0.7, 1.4)
+MIN_GAIN = 0.1
+"""Share of the error that the true law must remove for a share of the gain to be judged."""
+
+Result = dict[str, Any]
+
+
+def main() -> None:
+    """Make and judge the cases, and print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cases", type=int, default=100, help="cases with an effect in no list")
+    parser.add_argument("--nothing", type=int, default=60, help="cases with nothing hidden")
+    parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--out", type=Path, required=True, help="file of the results, one line a case")
+    args = parser.parse_args()
+    results = [json.loads(line) for line in args.out.read_text().splitlines()] if args.out.exists() else []
+    known = {result["case"] for result in results}
+    with args.out.open("a", encoding="utf-8") as file:
+        for case, kind, names in dealt(args.cases, args.nothing):
+            if case not in known:
+                results.append(judged(case, kind, names, args.seed))
+                print(json.dumps(results[-1]), file=file, flush=True)
+    for line in figures(results):
+        print(line)
+
+
+def dealt(cases: int, nothing: int) -> Iterator[tuple[str, str, list[str]]]:
+    """Yield name, kind and hidden effects of each case, those with nothing hidden evenly among the others."""
+    order = [(k / max(cases, 1), "outside", k) for k in range(cases)]
+    order += [((k + 0.5) / max(nothing, 1), "none", k) for k in range(nothing)]
+    for _, category, k in sorted(order):
+        kind = BENCHES[k % 2]
+        outside = list(KINDS[kind].OUTSIDE)
+        names = [outside[(k // 2) % len(outside)]] if category == "outside" else []
+        yield f"{category}_{k + 1:03d}", kind, names
+
+
+def judged(case: str, kind: str, names: Sequence[str], seed: int) -> Result:
+    """Draw one case, diagnose it with a search for a law, and judge the law."""
+    category, _, number = case.partition("_")
+    rng = np.random.default_rng([seed, BENCHES.index(kind), category == "none", int(number)])
+    try:
+        drawn, _ = draw_case(KINDS[kind], category, list(names), rng)
+    except RuntimeError as error:  # no setting shows this effect
+        return {"case": case, "kind": kind, "hidden": list(names), "skipped": str(error)}
+    variant = variant_of(drawn.sized)
+    with tempfile.TemporaryDirectory() as folder:
+        write_case(Path(folder) / case, drawn.setting.produce(variant, rng))
+        measurement = read_measurement(Path(folder) / case, IMPORTERS)
+    begin = process_time()
+    before = diagnose(measurement)
+    middle = process_time()
+    diagnosis = with_law(before)
+    after = process_time()
+    law, discovery = diagnosis.law, diagnosis.discovery
+    return {
+        "case": case,
+        "kind": kind,
+        "hidden": list(names),
+        "parameters": variant.outside[0].parameters if variant.outside else {},
+        "conclusion": str(diagnosis.conclusion),
+        "named": list(diagnosis.names),
+        "searched": discovery is not None,
+        "law": law.form.label if law else "",
+        "values": dict(law.values) if law else {},
+        "is_curve": law.is_curve if law else False,
+        "reason": discovery.reason if discovery else "",
+        "is_same": bool(names) and law is not None and is_same(names[0], variant, diagnosis),
+        "has_slot": bool(names) and has_slot(names[0], variant),
+        "errors": errors(diagnosis, drawn.setting, variant),
+        "diagnose_s": middle - begin,
+        "discover_s": after - middle,
+    }
+
+
+def has_slot(name: str, variant: Variant) -> bool:
+    """Return whether a law in a slot of the simulator can be the hidden effect."""
+    parameters = variant.outside[0].parameters
+    return name in SAME and (name != "parameter_jump" or parameters["parameter"] == "Tc")
+
+
+def is_same(name: str, variant: Variant, diagnosis: Diagnosis) -> bool:
+    """Return whether the law has the structure of the hidden effect."""
+    if diagnosis.law is None or not has_slot(name, variant):
+        return False
+    form, parameters = diagnosis.law.form, variant.outside[0].parameters
+    shape, covariates = SAME[name]
+    is_line = shape == "line" and form.shape == "power"
+    low, high = NEARLY_STRAIGHT
+    is_line = is_line and low <= diagnosis.law.values["exponent"] <= high
+    if (form.shape != shape and not is_line) or form.covariates != covariates:
+        return False
+    in_friction = name in IN_FRICTION
+    return in_friction == (form.place.prefix == "friction") and form.material == parameters.get("material", "")
+
+
+def errors(diagnosis: Diagnosis, setting: Setting, variant: Variant) -> list[float]:
+    """Return the held-out errors in sigmas of the calibrated nominal robot, the extended robot, and the truth."""
+    evidence, nominal = diagnosis.measured, diagnosis.selection.nominal
+    if not evidence.heldout.any():
+        return []
+    robots = [nominal.robot, diagnosis.extended]
+    means = [*evidence.predicted(robots).mean, readings(setting, variant)]
+    return [trimmed_rms(np.abs((evidence.values - mean) / evidence.sd)[evidence.heldout]) for mean in means]
+
+
+def readings(setting: Any, variant: Variant) -> Array:  # noqa: ANN401 - each kind predicts in its own way
+    """Return the readings without noise of all rows, one quantity after the other."""
+    if setting.KIND == "tof_bench":
+        return setting.predict(variant)
+    return np.concatenate([channel[0] for channel in setting.predict([variant], setting.t_s, setting.u_V)])
+
+
+def share_of_gain(result: Result) -> float | None:
+    """Return the share of the gain of the true law that the extended robot reaches; None where there is no gain."""
+    if result.get("skipped") or not result["errors"]:
+        return None
+    calibrated, extended, true = result["errors"]
+    gain = calibrated - true
+    return None if gain < MIN_GAIN * calibrated else (calibrated - extended) / gain
+
+
+def figures(results: Sequence[Result]) -> Iterator[str]:
+    """Yield the lines of the figures."""
+    results = [result for result in results if not result.get("skipped")]
+    for kind in (*BENCHES, "all"):
+        some = [each for each in results if kind in {each["kind"], "all"}]
+        outside, nothing = ([e for e in some if bool(e["hidden"]) == hidden] for hidden in (True, False))
+        shares = [share for each in outside if (share := share_of_gain(each)) is not None]
+        yield kind
+        yield _line("same structure", [each["is_same"] for each in outside])
+        yield _line("same structure, of effects with a slot", [e["is_same"] for e in outside if e["has_slot"]])
+        yield _line(
+            "same structure, of those searched", [e["is_same"] for e in outside if e["has_slot"] and e["searched"]]
+        )
+        yield _line("a law or a curve", [bool(each["law"]) for each in outside])
+        yield _line("of which curves", [each["is_curve"] for each in outside if each["law"]])
+        yield _line("at least 90 % of the gain of the true law", [share >= 0.9 for share in shares])
+        with_slot = [s for e in outside if e["has_slot"] and (s := share_of_gain(e)) is not None]
+        yield _line("the same, of effects with a slot", [share >= 0.9 for share in with_slot])
+        yield _line("nothing hidden: a law or a curve", [bool(each["law"]) for each in nothing])
+        seconds = [each["discover_s"] for each in some if each["searched"]]
+        if seconds:
+            yield f"  CPU seconds of a search: median {np.median(seconds):.1f}, at most {max(seconds):.1f}"
+
+
+def _line(text: str, hits: Sequence[bool]) -> str:
+    if not hits:
+        return f"  {text:48} none"
+    low, high = wilson(sum(hits), len(hits))
+    return f"  {text:48} {sum(hits):3d} of {len(hits):3d}  {sum(hits) / len(hits):6.1%}  [{low:.1%}, {high:.1%}]"
+
+
+if __name__ == "__main__":
+    main()

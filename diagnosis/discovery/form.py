@@ -1,0 +1,191 @@
+"""One form of a law: a slot, an expression of one or two covariates with a few numbers, and where its fit starts.
+
+A form is written as the text of an effect file, and what is fitted is the class of that text. So the file that a user
+gets is what was fitted, to the last digit of its numbers.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from configs.effects.base import Effect
+from configs.effects.registry import EFFECTS
+from diagnosis.discovery.place import LawPlace
+from diagnosis.inference.hypothesis import CandidateEffect
+
+FILE = Path("law.py")
+"""Path in messages about a text that is not written yet."""
+DIGITS = 6
+"""Digits of a number in the file."""
+REACH = 50.0
+"""Bound of a number of either sign, relative to its start."""
+
+
+@dataclass(frozen=True)
+class LawNumber:
+    """One number of a form."""
+
+    name: str
+    unit: str
+    meaning: str
+    start: float
+    low: float
+    high: float
+    null: float | None = None
+    """Value without effect; None for a number of shape."""
+    is_angle: bool = False
+
+    @classmethod
+    def amplitude(cls, name: str, unit: str, start: float, meaning: str) -> "LawNumber":
+        """Return a number of either sign that is 0 without the effect."""
+        reach = REACH * abs(start)
+        return cls(name, unit, meaning, start, -reach, reach, 0.0)
+
+    def starting_at(self, value: float) -> "LawNumber":
+        """Return the number with another start, within its bounds."""
+        value = rounded(value)
+        if self.null is not None and value == self.null:
+            value = self.start
+        return replace(self, start=value, low=min(self.low, 2.0 * value), high=max(self.high, 2.0 * value))
+
+    @property
+    def declaration(self) -> str:
+        null = "None" if self.null is None else _text(self.null)
+        numbers = f"null={null}, start={_text(self.start)}, low={_text(self.low)}, high={_text(self.high)}"
+        angle = ", is_angle=True" if self.is_angle else ""
+        return f'{self.name}: Annotated[float, Parameter("{self.unit}", {numbers}{angle})]'
+
+
+@dataclass(frozen=True)
+class LawForm:
+    """One form of a law, with the values at which it is tried."""
+
+    place: LawPlace
+    shape: str
+    """Kind of its dependence, such as `bump`."""
+    covariates: tuple[str, ...]
+    """Names of the covariates that it depends on."""
+    words: str
+    """What it is, in words."""
+    change: str
+    """Expression of what the law adds, or of its result if `is_result`."""
+    numbers: tuple[LawNumber, ...]
+    tries: tuple[tuple[float, ...], ...]
+    """Values of all numbers at which the form is tried."""
+    is_result: bool = False
+    """Whether `change` is the reading itself, as of a limit, and not what is added."""
+    shorthand: str = ""
+    """Assignment of a part of the expression to a name."""
+    constants: tuple[str, ...] = ()
+    """Assignments of constants of the module."""
+    material: str = ""
+    """The only material with the error; empty for all."""
+    ending: str = ""
+    """End of the name, if another effect has it without one."""
+
+    @property
+    def name(self) -> str:
+        """Name of the effect."""
+        along = "_and_".join(self.place.covariates[name].word for name in self.covariates)
+        of_material = "_of_material" if self.material else ""
+        return f"{self.place.prefix}_{self.shape}_over_{along}{of_material}{self.ending}"
+
+    @property
+    def label(self) -> str:
+        """Name with the material, as of other effects."""
+        return f"{self.name}[{self.material}]" if self.material else self.name
+
+    @property
+    def size(self) -> int:
+        return len(self.numbers)
+
+    @cached_property
+    def candidate(self) -> CandidateEffect:
+        """The form as a hypothesis, like any registered effect."""
+        choices = (("material", self.material),) if self.material else ()
+        return CandidateEffect(self.kind, choices)
+
+    @cached_property
+    def kind(self) -> type[Effect]:
+        """The class that its text defines."""
+        return EFFECTS.executed(FILE, self.text().encode())
+
+    def starting_at(self, values: Mapping[str, float]) -> "LawForm":
+        """Return the form whose numbers start at other values, such as the fitted ones."""
+        return replace(self, numbers=tuple(number.starting_at(values[number.name]) for number in self.numbers))
+
+    def named_beside(self, taken: Collection[str]) -> "LawForm":
+        """Return the form with a name that no other effect has."""
+        endings = ("", *(f"_{k}" for k in range(2, len(taken) + 3)))
+        return next(form for end in endings if (form := replace(self, ending=end)).name not in taken)
+
+    def text(self, notes: Sequence[str] = ()) -> str:
+        """Return the text of the effect file, with lines about its evidence."""
+        place = self.place
+        along = [place.covariates[name] for name in self.covariates]
+        expression, shorthand = self.change, self.shorthand
+        for covariate in along:
+            key = "{" + covariate.name + "}"
+            expression = expression.replace(key, covariate.expression)
+            shorthand = shorthand.replace(key, covariate.expression)
+        if self.material:
+            expression = f"self.share(view) * {expression}"
+        result = expression if self.is_result else f"{place.first} + {expression}"
+        if place.is_odd:
+            size = expression if self.is_result else f"np.maximum(np.abs({place.first}) + {expression}, 0.0)"
+            result = f"np.copysign({size}, {place.first})"
+        base = "OfMaterial" if self.material else "Effect"
+        imports = [*place.imports]
+        if self.material:
+            imports.append("from sensors.ranging.of_material import OfMaterial")
+        excitation = ", ".join(
+            f"{covariate.words} from {covariate.low:.3g} to {covariate.high:.3g}" for covariate in along
+        )
+        effect = "Effect, " if not self.material else ""
+        lines = [
+            f'"""{self.words[0].upper()}{self.words[1:]}.',
+            *(["", *notes] if notes else []),
+            '"""',
+            "",
+            "from typing import Annotated",
+            "",
+            "import numpy as np",
+            *(["from scipy.interpolate import CubicSpline"] if self.constants else []),
+            "",
+            f"from configs.effects.base import {effect}Setup, Slot",
+            "from configs.effects.parameter import Parameter",
+            *sorted(imports),
+            "from symolo.core.arrays import Array",
+            "",
+            *([*self.constants, ""] if self.constants else []),
+            "",
+            f"class {_class_name(self.name)}({base}):",
+            f"    slot = Slot.{place.slot.name}",
+            f'    cause = "not known: {self.words}"',
+            f'    excitation = "{excitation}"',
+            f"    setups = ({', '.join(place.setups)}{',' if len(place.setups) == 1 else ''})",
+            "",
+        ]
+        for number in self.numbers:
+            lines += [f"    {number.declaration}", f'    """{number.meaning}."""']
+        lines += ["", f"    def apply(self, {place.arguments}) -> Array:"]
+        lines += [f"        {shorthand}"] if shorthand else []
+        lines.append(f"        return {result}")
+        return "\n".join(lines) + "\n"
+
+
+def _class_name(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("_"))
+
+
+def rounded(value: float) -> float:
+    """Return a number with as many digits as the file has."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _text(value: float) -> str:
+    value = rounded(value)
+    return repr(float(value)) if np.isfinite(value) else "0.0"

@@ -1,0 +1,116 @@
+"""What the search for a law came to, in sentences and for programs."""
+
+from collections.abc import Iterator
+
+from diagnosis.discovery.law import DiscoveredLaw, Discovery
+from diagnosis.discovery.search import SIGN_DRAWS
+from diagnosis.report.sentences.quantities import along, cost, gain_text, with_error
+
+
+def sentences(discovery: Discovery | None) -> Iterator[str]:
+    """Yield the sentences about a search; none if there was none."""
+    if discovery is None:
+        return
+    law = discovery.law
+    if law is None:
+        yield f"No law describes it. The best one that was tried is refused: {discovery.reason}."
+        return
+    yield f"{_structure(law)}. A law describes the data and names no cause; its file is {law.file}."
+    yield f"Its numbers are {_numbers(law)}."
+    yield f"{_evidence(law)}."
+    if law.ranges:
+        yield f"It was seen for {law.seen_for}; beyond, it is a guess."
+    yield f"{_rivals(law)}."
+    yield f"{_left(law)}."
+
+
+def entries(discovery: Discovery | None) -> Iterator[tuple[str, str]]:
+    """Yield labels and texts for a terminal."""
+    if discovery is None:
+        return
+    law = discovery.law
+    if law is None:
+        yield "no law", f"the best one that was tried is refused: {discovery.reason}"
+        return
+    yield "law", f"{_structure(law)}: {law.file}"
+    for name, value in law.values.items():
+        yield f"  {name}", with_error(value, law.std[name], "+-")
+    yield "  evidence", _evidence(law)
+    if law.ranges:
+        yield "  seen for", law.seen_for
+    yield "  rivals", _rivals(law)
+    yield "  beside it", _left(law)
+
+
+def in_json(discovery: Discovery | None) -> dict[str, object]:
+    """Return the search under its key in answer.json; empty if there was none."""
+    if discovery is None:
+        return {}
+    law = discovery.law
+    if law is None:
+        return {"discovery": {"law": None, "reason": discovery.reason}}
+    result: dict[str, object] = {
+        "law": law.name,
+        "file": law.file,
+        "slot": str(law.form.place.slot),
+        "shape": law.form.shape,
+        "covariates": list(law.form.covariates),
+        "parameters": {**dict(law.effect.choices), **law.values},
+        "std": dict(law.std),
+        "range": {seen.covariate: [seen.low, seen.high] for seen in law.ranges},
+        "cost_fall": law.fall,
+        "chance": law.chance,
+        "forms_tried": law.forms_tried,
+        "rivals": dict(law.rivals),
+        "leaves_structure": law.left is not None,
+    }
+    if law.heldout_fall is not None:
+        result["heldout_cost_fall"] = law.heldout_fall
+    if law.gain is not None:
+        result |= {"gain": law.gain.value, "gain_ci": [law.gain.low, law.gain.high]}
+    return {"discovery": result}
+
+
+def _structure(law: DiscoveredLaw) -> str:
+    words = law.form.words
+    if law.is_curve:
+        return f"No form with few numbers describes it better than {words}, which has a value at each of some knots"
+    return f"{words[0].upper()}{words[1:]} describes what no listed effect explains"
+
+
+def _numbers(law: DiscoveredLaw) -> str:
+    units = {number.name: number.unit for number in law.form.numbers}
+    parts = [
+        f"{name} = {with_error(value, law.std[name])}{'' if units[name] == '1' else f' {units[name]}'}"
+        for name, value in law.values.items()
+    ]
+    return ", ".join(parts)
+
+
+def _evidence(law: DiscoveredLaw) -> str:
+    text = f"The cost falls by {cost(law.fall)} over the fitted rows"
+    if law.heldout_fall is not None:
+        text += f" and by {cost(law.heldout_fall)} over the held-out ones"
+    if law.gain is not None:
+        text += (
+            f", where the error falls from {law.gain.before:.3g} to {law.gain.after:.3g} sigma, a gain of "
+            f"{gain_text(law.gain)}"
+        )
+    as_good = round(law.chance * (SIGN_DRAWS + 1)) - 1
+    return (
+        f"{text}. It is the best of {law.forms_tried} forms; with random signs of the residuals, some form does as "
+        f"well in {as_good or 'none'} of {SIGN_DRAWS} draws"
+    )
+
+
+def _rivals(law: DiscoveredLaw) -> str:
+    if not law.rivals:
+        return "No other form does nearly as well"
+    listed = "; ".join(f"{words} (cost higher by {cost(max(0.0, rise))})" for words, rise in law.rivals)
+    return f"These data can hardly distinguish it from {listed}"
+
+
+def _left(law: DiscoveredLaw) -> str:
+    if law.left is None:
+        return "Beside it, the residuals have no structure left"
+    return f"Beside it, structure remains in {law.left.observed} along {along(law.left.covariate)}"

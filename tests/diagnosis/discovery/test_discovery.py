@@ -1,0 +1,135 @@
+"""Laws that are hidden in benches by their closed form, and found with the numbers that were hidden."""
+
+import json
+from math import isfinite
+
+import numpy as np
+import pytest
+import yaml
+
+from configs.effects.registry import EFFECTS
+from diagnosis.diagnose import diagnose
+from diagnosis.discovery.discover import with_law
+from diagnosis.importers import IMPORTERS
+from diagnosis.importers.choose import read_measurement
+from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.report.files import files
+from pipeline.cli import main
+from pipeline.effects.check import load_to_fit
+
+NOMINAL = """kind: tof_bench
+tof:
+  range_offset_m: {value: 0.0, tolerance: 0.001}
+  range_scale: {value: 1.0, tolerance: 0.002}
+  reference_temperature_C: 25
+  resolution_m: 0.0001
+  reflectance: {wood: 0.5}
+noise: {polynomial_mm: [1.0, 0.0, 0.0, 0.0], polynomial_origin_m: 0.1}
+"""
+ROWS = 80
+LAWS = {
+    "threshold": lambda _lux, time: np.where(time > 90.0, 0.02, 0.0),
+    "saturation": lambda lux, _time: 0.03 * lux / (lux + 400.0),
+    "power": lambda lux, _time: 0.03 * (lux / 4000.0) ** 3,
+    "nothing": lambda _lux, _time: 0.0,
+}
+"""Error [m] of a reading, by light [lux] and time [s]."""
+EXPECTED = {
+    "threshold": ("range_step_over_time", {"step_m": 0.02}),
+    "saturation": ("range_saturation_over_light", {"most_m": 0.03, "half_lux": 400.0}),
+}
+
+
+@pytest.fixture(scope="module")
+def diagnosis_of(tmp_path_factory):
+    """The diagnosis of a bench with one law, with the search for it."""
+    made = {}
+
+    def of(name):
+        if name not in made:
+            noise = np.random.Generator(np.random.PCG64(7))
+            distance = noise.uniform(0.1, 1.0, ROWS).round(3)
+            lux = np.exp(noise.uniform(np.log(20.0), np.log(4000.0), ROWS)).round(1)
+            time = 2.0 * np.arange(ROWS)
+            reading = distance + LAWS[name](lux, time) + 0.001 * noise.standard_normal(ROWS)
+            lines = ["row,split,t_s,distance_m,material,incidence_rad,temperature_C,ambient_lux,reading_m"]
+            for row, (t, d, light, value) in enumerate(zip(time, distance, lux, reading, strict=True)):
+                split = "holdout" if row % 4 == 3 else "fit"
+                lines.append(f"{row + 1},{split},{t},{d},,,,{light},{value:.4f}")
+            folder = tmp_path_factory.mktemp("benches") / name
+            folder.mkdir()
+            (folder / "nominal.yaml").write_text(NOMINAL)
+            (folder / "data.csv").write_text("\n".join(lines) + "\n")
+            made[name] = with_law(diagnose(read_measurement(folder, IMPORTERS)))
+        return made[name]
+
+    return of
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_a_hidden_law_has_its_structure_and_its_numbers(diagnosis_of, name):
+    law = diagnosis_of(name).law
+    expected_name, numbers = EXPECTED[name]
+    assert law.name == expected_name
+    for number, true in numbers.items():
+        assert abs(law.values[number] - true) < 3.0 * law.std[number], number
+    assert law.left is None
+    assert law.gain.low > 0.0
+    assert law.gain.after < 1.1  # sigma: what is left is noise
+    assert law.gain.before > 2.0
+
+
+def test_a_threshold_lies_between_the_rows_where_it_was_hidden(diagnosis_of):
+    assert 90.0 <= diagnosis_of("threshold").law.values["edge_s"] <= 94.0
+
+
+def test_a_power_law_has_its_exponent(diagnosis_of):
+    """The light is scaled by its largest value in the data, which the closed form scales to 4000 lux."""
+    law = diagnosis_of("power").law
+    assert law.name == "range_power_over_light"
+    assert abs(law.values["exponent"] - 3.0) < 3.0 * law.std["exponent"] < 1.0
+    largest = law.form.place.covariates["ambient_lux"].high
+    assert abs(law.values["most_m"] - 0.03 * (largest / 4000.0) ** 3) < 3.0 * law.std["most_m"]
+
+
+def test_the_law_extends_the_model_and_names_nothing(diagnosis_of):
+    diagnosis = diagnosis_of("saturation")
+    assert diagnosis.named == ()
+    assert diagnosis.conclusion is CaseVerdict.UNEXPLAINED
+    assert diagnosis.extended.effects.get(diagnosis.law.effect.kind).most_m == diagnosis.law.values["most_m"]
+    assert diagnosis.gain.after < 1.1
+    assert diagnosis.calibrated.after > 2.0
+
+
+def test_where_nothing_is_hidden_no_law_is_invented(diagnosis_of):
+    diagnosis = diagnosis_of("nothing")
+    assert diagnosis.law is None
+    assert diagnosis.extended.effects.get(diagnosis_of("power").law.effect.kind) is None
+
+
+def test_the_files_hold_the_law_as_an_effect_that_keeps_the_rules(diagnosis_of, tmp_path):
+    diagnosis = diagnosis_of("saturation")
+    contents = files(diagnosis)
+    assert not EFFECTS.files  # the law is an effect only while the files are written
+    answer = json.loads(contents["answer.json"])
+    assert answer["effects"] == []
+    assert answer["unexplained"] is True
+    assert answer["discovery"]["file"] == diagnosis.law.file
+    assert answer["heldout_gain"] == diagnosis.gain.value
+    robot = yaml.safe_load(contents["extended.yaml"])
+    assert robot["effect_files"] == [diagnosis.law.file]
+    for name, content in contents.items():
+        if "/" not in name:
+            (tmp_path / name).write_bytes(content)
+    effect = load_to_fit(tmp_path / diagnosis.law.file)
+    values = effect.start().model_dump()
+    EFFECTS.unload(tmp_path / diagnosis.law.file)
+    assert robot["effects"][diagnosis.law.name] == pytest.approx(values, rel=1e-5)
+    assert "A law describes the data and names no cause" in contents["report.html"].decode()
+    assert all(isfinite(value) for value in values.values())
+
+
+def test_together_and_discover_are_refused(tmp_path, capsys):
+    words = ["diagnose", "table-1", "table-3", "--together", "--discover", "--out", str(tmp_path / "out")]
+    assert main(words) == 2
+    assert "--together and --discover" in capsys.readouterr().err
