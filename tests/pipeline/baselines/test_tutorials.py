@@ -11,7 +11,7 @@ from pipeline.cli import main
 
 DOCS = Path(__file__).parents[3] / "docs"
 PAGES = (DOCS / "baselines.md", *sorted((DOCS / "tutorials").glob("*.md")))
-QUICK = {"status", "verify", "repair", "bag", "compare", "contact-sheet", "export", "plan"}
+QUICK = {"status", "verify", "repair", "bag", "compare", "contact-sheet", "view", "export", "plan"}
 """Those that are run on a small release of the scenario `smoke`; `baselines` once more, in its own test."""
 IS_MADE = "release smoke --out data"
 COMMAND = re.compile(r"^ {4,}symolo (.+)$", re.MULTILINE)

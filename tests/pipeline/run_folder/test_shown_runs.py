@@ -82,7 +82,7 @@ def test_a_report_takes_checked_releases_and_simulated_runs_only(dataset, simula
     out = tmp_path / "report.html"
     assert symolo("report", simulated, "--out", out, "--detail", "0").code == 0
     html = out.read_text()
-    assert "This is no release yet: the runs are simulated, and no image is rendered." in " ".join(html.split())
+    assert "This is no release yet: the runs have trajectories, and no image is rendered." in " ".join(html.split())
     assert "SHA-256 of the manifest" not in html
     assert "<th>Licence" not in html
 
