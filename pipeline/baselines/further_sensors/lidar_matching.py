@@ -4,7 +4,7 @@ import numpy as np
 
 from pipeline.baselines.further_sensors.lidar_log import LidarLog
 from pipeline.baselines.further_sensors.scan_filter import matched
-from pipeline.baselines.further_sensors.scans import OdometryPath, RangeScan, ScanLog
+from pipeline.baselines.further_sensors.scans import MatchedScan, OdometryPath, ScanLog
 from pipeline.baselines.further_sensors.sensor_method import sensor_method
 
 MAX_RAYS = 360
@@ -21,7 +21,7 @@ def scans_of(lidar: LidarLog, path: OdometryPath) -> ScanLog:
     directions_R = np.stack([np.cos(angles), np.sin(angles), np.zeros(len(rays))], axis=1) @ X_RS[:3, :3].T
     late_s = settings.sweep_s * (rays - settings.rays + 1) / settings.rays
     step_m = max(settings.quantisation_m, RANGE_DIGIT_M)
-    scans: dict[int, RangeScan] = {}
+    scans: dict[int, MatchedScan] = {}
     for t_s, ranges_m in zip(lidar.t_s, lidar.ranges_m[:, rays], strict=True):
         row, (met,) = path.row_after(t_s), ranges_m.nonzero()
         if row is not None and len(met):
@@ -30,7 +30,7 @@ def scans_of(lidar: LidarLog, path: OdometryPath) -> ScanLog:
             points = origins + range_m[:, None] * directions_R[met]
             sd_m = np.sqrt(settings.noise_m**2 + (settings.noise_share * range_m) ** 2 + step_m**2 / 12.0)
             seen = path.seen_from(row, at_s, origins), path.seen_from(row, at_s, points)
-            scans[row] = RangeScan(row, *seen, sd_m, np.zeros(len(met)), np.ones(len(met)))
+            scans[row] = MatchedScan(row, *seen, sd_m, np.zeros(len(met)), np.ones(len(met)))
     return ScanLog(tuple(scans.values()), settings.offset_sd_m)
 
 

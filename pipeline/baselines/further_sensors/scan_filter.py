@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from physics.arena.rays import RayScene
 from pipeline.baselines.base import Estimate
 from pipeline.baselines.ekf import GATE
-from pipeline.baselines.further_sensors.scans import RangeScan, ScanLog
+from pipeline.baselines.further_sensors.scans import MatchedScan, ScanLog
 from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m, slip_sd_m
 from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
 from symolo.core.arrays import Array
@@ -77,7 +77,7 @@ class ScanFilter:
         self.covariance = by_state @ self.covariance @ by_state.T + noise
         self.state[:STATES] = self._motion.moved(self.state[:STATES], rolled_m)
 
-    def correct(self, scan: RangeScan) -> None:
+    def correct(self, scan: MatchedScan) -> None:
         """Update the state by a scan; leave it if too few rays agree with the map."""
         prior, information = self.state, np.linalg.inv(self.covariance)
         state, gained = prior.copy(), np.zeros_like(information)
@@ -102,7 +102,7 @@ class ScanFilter:
             agree[on] &= np.mean(agree[on]) >= MIN_SHARE
         return every.only(agree)
 
-    def _residuals(self, scan: RangeScan, state: Array) -> _Residuals:
+    def _residuals(self, scan: MatchedScan, state: Array) -> _Residuals:
         """Return the rays that meet a wall or obstacle of the map from the pose of a state (7,)."""
         R_WR = rotations_about_z(state[2:3])[0]
         place = np.array([state[0], state[1], 0.0])

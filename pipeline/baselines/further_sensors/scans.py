@@ -11,7 +11,7 @@ from symolo.core.geometry.poses import rotations_about_z
 
 
 @dataclass(frozen=True)
-class RangeScan:
+class MatchedScan:
     """Rays with a return, in the frame R of the robot at one row of data.csv."""
 
     row: int
@@ -30,7 +30,7 @@ class RangeScan:
 
 @dataclass(frozen=True)
 class ScanLog:
-    scans: tuple[RangeScan, ...]
+    scans: tuple[MatchedScan, ...]
     """Scans in the order of time, at most one for each row."""
     lasting_sd: float
     """Standard deviation of the lasting error of the sensor, in its own unit."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.baselines.further_sensors.scan_filter import matched
-from pipeline.baselines.further_sensors.scans import OdometryPath, RangeScan, ScanLog
+from pipeline.baselines.further_sensors.scans import MatchedScan, OdometryPath, ScanLog
 from pipeline.baselines.further_sensors.sensor_method import sensor_method
 from pipeline.baselines.further_sensors.stereo_log import StereoLog
 
@@ -23,7 +23,7 @@ MAX_POINTS = 400
 
 def scans_of(stereo: StereoLog, path: OdometryPath) -> ScanLog:
     """Return the points of all pairs in the frames of the rows that follow them."""
-    scans: dict[int, RangeScan] = {}
+    scans: dict[int, MatchedScan] = {}
     place_R = stereo.X_RC[:3, 3]
     for index, t_s in enumerate(stereo.t_s.tolist()):
         row = path.row_after(t_s)
@@ -37,7 +37,7 @@ def scans_of(stereo: StereoLog, path: OdometryPath) -> ScanLog:
             by_px = -np.linalg.norm(points[used] - place_R, axis=1) * depth_m[used] / stereo.focal_baseline_m_px
             at_s, origins = np.full(len(used), t_s), np.broadcast_to(place_R, (len(used), 3))
             seen = path.seen_from(row, at_s, origins), path.seen_from(row, at_s, points[used])
-            scans[row] = RangeScan(row, *seen, SD_PX * np.abs(by_px), SHARED_SD_PX * np.abs(by_px), by_px)
+            scans[row] = MatchedScan(row, *seen, SD_PX * np.abs(by_px), SHARED_SD_PX * np.abs(by_px), by_px)
     return ScanLog(tuple(scans.values()), LASTING_SD_PX)
 
 

@@ -10,7 +10,7 @@ from pipeline.baselines.errors import nees
 from pipeline.baselines.further_sensors.lidar_log import LidarLog
 from pipeline.baselines.further_sensors.lidar_matching import scans_of
 from pipeline.baselines.further_sensors.scan_filter import matched
-from pipeline.baselines.further_sensors.scans import OdometryPath, RangeScan, ScanLog
+from pipeline.baselines.further_sensors.scans import MatchedScan, OdometryPath, ScanLog
 from pipeline.baselines.robot_knowledge import MAP_SD_M, Start
 from sensors.ranging.lidar import LidarSettings
 from symolo.arena.geometry import Box
@@ -44,7 +44,7 @@ def scan_of(range_m):
     angles = np.arange(RAYS) * 2 * np.pi / RAYS
     origins = np.tile([0.0, 0.0, 0.1], (RAYS, 1))
     points = origins + range_m[:, None] * np.column_stack((np.cos(angles), np.sin(angles), np.zeros(RAYS)))
-    return RangeScan(0, origins, points, np.full(RAYS, SD_M), np.zeros(RAYS), np.ones(RAYS))
+    return MatchedScan(0, origins, points, np.full(RAYS, SD_M), np.zeros(RAYS), np.ones(RAYS))
 
 
 def ranges_from(pose, half_m=((-HALF_M[0], -HALF_M[1]), (HALF_M[0], HALF_M[1]))):
