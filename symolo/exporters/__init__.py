@@ -6,16 +6,16 @@ from symolo.exporters import (
     hdf5,
     huggingface,
     kitti,
-    lerobot,
     mcap,
     parquet,
-    rerun,
     ros1,
     tum,
     webdataset,
     yolo,
 )
 from symolo.exporters.base import Exporter
+from symolo.exporters.lerobot import exporter as lerobot
+from symolo.exporters.rerun import exporter as rerun
 
 EXPORTERS: tuple[Exporter, ...] = (
     tum.EXPORTER,

@@ -14,7 +14,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from symolo.arena.geometry import Arena
 from symolo.dataset.tables.rows import COLUMNS
-from symolo.exporters.rerun import _Arrays, _box
+from symolo.exporters.rerun.exporter import _Arrays, _box
 
 PATHS = {"state": "/state", "v": "/motion/v", "w": "/motion/w", "d_f": "/range/d_f", "d_l": "/range/d_l"}
 PATHS |= {"d_r": "/range/d_r"} | {f"L{i}": f"/line/L{i}" for i in range(8)}

@@ -26,9 +26,9 @@ from symolo.dataset.tables.side_tables import WHEELS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, image_bytes
 from symolo.exporters.features import Feature, image_file, parquet_bytes, value, vector
 from symolo.exporters.hub_card import hub_card
-from symolo.exporters.lerobot_frames import image_hz, images_of_frames
-from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
-from symolo.exporters.lerobot_video import check_video, video_bytes, video_info
+from symolo.exporters.lerobot.frames import image_hz, images_of_frames
+from symolo.exporters.lerobot.stats import Levels, Stats, vector_stats
+from symolo.exporters.lerobot.video import check_video, video_bytes, video_info
 from symolo.exporters.splits import OPTION, runs_of_splits
 from symolo.exporters.stereo import first_camera
 from symolo.reader.camera_run import CameraRun

@@ -1,0 +1,1 @@
+"""Format of LeRobot: episodes in Parquet files, their statistics, and images as files or videos."""

@@ -1,0 +1,1 @@
+"""Format of Rerun: an .rrd file that its viewer opens."""
