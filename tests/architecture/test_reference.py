@@ -80,7 +80,7 @@ def _is_field(path):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
-def test_no_page_has_what_a_docstring_tells_programmers(page):
+def test_no_page_has_what_a_docstring_says_to_programmers(page):
     assert re.findall(r"^.*\b(?:Args|Attributes|Raises|Returns|Yields):.*$", page.read_text(), re.MULTILINE) == []
 
 

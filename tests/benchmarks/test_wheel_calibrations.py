@@ -55,7 +55,7 @@ def test_umbmark_finds_track_and_ratio_of_the_wheels_but_not_their_size(trade, n
     assert calibrated.left_diameter_m + calibrated.right_diameter_m == pytest.approx(0.168)
 
 
-def test_a_camera_body_that_stands_askew_is_told_from_the_wheels(trade, nominal, squares):
+def test_a_camera_body_that_stands_askew_is_distinguished_from_the_wheels(trade, nominal, squares):
     askew = []
     for run in squares:
         seen = run.copy()

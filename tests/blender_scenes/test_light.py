@@ -146,7 +146,7 @@ def test_the_slats_of_blinds_hang_in_the_niche_and_lift_their_outer_edges(tilt_d
 
 
 @pytest.mark.parametrize("housing", ["none", "batten", "shade"])
-def test_a_lamp_hangs_as_far_down_as_it_is_told_and_its_body_above_the_floor_below_the_ceiling(housing):
+def test_a_lamp_hangs_as_far_down_as_set_and_its_body_above_the_floor_below_the_ceiling(housing):
     lamps = LampsLook(rows=1, columns=2, flux_klm=2.0, width_m=0.1, drop_m=0.7, housing=housing)
     look = LookConfig(name="h", lamps=lamps)
     lights = LIGHTS["ceiling_lamps"](look, _room(look))

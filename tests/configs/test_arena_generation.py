@@ -96,7 +96,7 @@ def test_both_directions_and_several_shapes_occur(arenas):
 
 
 @pytest.mark.parametrize("clockwise", [False, True])
-def test_the_robot_goes_round_as_it_is_told(clockwise):
+def test_the_robot_goes_round_as_it_is_commanded(clockwise):
     """Also round a triangle whose corners are all seen from its middle within half a turn."""
     recipe, rng = ArenaGenerator(clockwise=clockwise, corners=3, radius_m=20, irregularity=0.9), stream(1, "outlines")
     for _ in range(1000):

@@ -111,7 +111,7 @@ def test_a_fault_in_a_section_file_names_that_file(here: Path):
         load_scenario("top.yaml")
 
 
-def test_files_that_extend_each_other_are_told_in_their_order(here: Path):
+def test_files_that_extend_each_other_are_listed_in_their_order(here: Path):
     (here / "a.yaml").write_text("extends: b.yaml\n")
     (here / "b.yaml").write_text("name: b\nextends: a.yaml\n")
     with pytest.raises(InputError, match=r"^b\.yaml:2: extends: .*a\.yaml -> b\.yaml -> a\.yaml"):

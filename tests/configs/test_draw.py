@@ -52,7 +52,7 @@ def test_values_have_the_type_of_their_field():
     assert type(drawn["render.denoise"]) is bool
 
 
-def test_the_same_seed_draws_the_same_and_another_seed_draws_anew():
+def test_the_same_seed_draws_the_same_and_another_seed_draws_other_values():
     first, again = draw_run(loaded(), "CW", 1), draw_run(loaded(), "CW", 1)
     other = draw_run(loaded(DRAWN, "seed=8"), "CW", 1)
     assert first == again

@@ -362,7 +362,7 @@ def test_the_same_seed_is_the_same_case(gap, tmp_path):
     assert texts["a"] == texts["b"] != texts["c"]
 
 
-def test_what_is_written_does_not_tell_what_is_hidden(gap, tmp_path):
+def test_what_is_written_does_not_show_what_is_hidden(gap, tmp_path):
     gap.write(gap.make_case("tof_bench", 3, [("warmup_drift", None)], rows="few"), tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["blind_inputs.csv", "data.csv", "nominal.yaml"]
     assert not any("warmup" in path.read_text() for path in tmp_path.iterdir())
@@ -406,7 +406,7 @@ def test_the_expected_drop_is_the_generalised_distance(gap, part):
     assert gap.judge(case, with_rivals=False).drops == pytest.approx((expected,), rel=1e-3)
 
 
-def test_names_that_the_data_cannot_tell_apart_are_equivalent(gap):
+def test_names_that_the_data_cannot_distinguish_are_equivalent(gap):
     """One material: its bias is an offset. One level of light: its noise is a scale."""
     offset = gap.judge(gap.make_case("tof_bench", 1, [("range_offset", {"offset_m": 0.01})], rows="few"))
     assert offset.equivalent == (("material_bias[white_paper]",),)

@@ -137,13 +137,13 @@ def test_a_wrong_baud_rate_gives_wrong_bytes(lockstep, baud, firmware_baud, hear
 
 
 @pytest.mark.parametrize(("command", "why"), [(b"x", "sleeps with interrupts off"), (b"j", "crashed at address")])
-def test_firmware_that_stops_is_told_of(lockstep, command, why):
+def test_firmware_that_stops_is_reported(lockstep, command, why):
     link = lockstep()
     with pytest.raises(BoardLost, match=f"^the simulated board stopped: the firmware {why}.*cycle 8[0-9]*$"):
         said(link, command)
 
 
-def test_a_board_that_is_killed_is_told_of(lockstep):
+def test_a_board_that_is_killed_is_reported(lockstep):
     link = lockstep()
     os.kill(link.pid, signal.SIGKILL)
     with pytest.raises(BoardLost, match="ended with status -9"):

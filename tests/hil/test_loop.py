@@ -85,7 +85,7 @@ def test_orders_are_the_set_points_and_the_speeds_that_they_make(drive):
     assert order.state is State.LINE
 
 
-def test_a_board_is_greeted_and_told_to_start_once_and_to_stand_still_at_the_end(drive):
+def test_a_board_is_greeted_and_started_once_and_stopped_at_the_end(drive):
     pilot, link, step = drive()
     assert pilot.board == HelloFrame(1, "00" * 8, 0)
     step(3)
@@ -124,7 +124,7 @@ def test_a_silent_board_ends_the_run_with_its_reason(drive):
     assert kinds(pilot)[-1] == (13, "no answer")
 
 
-def test_nobody_there_is_told_at_once(limits, command):
+def test_nobody_there_is_reported_at_once(limits, command):
     link = BadLine(Framed(), lambda _sensors: command(), lambda _tick, _said: b"")
     with pytest.raises(BoardLost, match=r"^no answer from stand-in board in 0\.2 s: is the firmware on it"):
         BoardPilot(link, Framed(), limits, LoopSettings(hello_s=0.2)).start()
@@ -170,7 +170,7 @@ def test_a_garbled_answer_is_no_answer(drive):
     assert pilot.events[0].text == "1 from the board: wrong checksum"
 
 
-def test_frames_that_the_board_could_not_read_are_told_of(drive):
+def test_frames_that_the_board_could_not_read_are_reported(drive):
     pilot, link, step = drive()
     step(1)
     link.write(b"\0noise\0")
@@ -232,7 +232,7 @@ def test_a_count_of_frames_that_cannot_be_is_refused(drive):
 
 
 @pytest.mark.parametrize("lost", [{4}, {4, 5}, {0}])
-def test_the_way_in_lost_sensor_frames_is_told_again(drive, seen, lost):
+def test_the_distance_in_lost_sensor_frames_is_sent_again(drive, seen, lost):
     """After the start the board's odometry holds; the way before it started is nobody's."""
     pilot, link, _ = drive()
     write = link.write
@@ -247,7 +247,7 @@ def test_the_way_in_lost_sensor_frames_is_told_again(drive, seen, lost):
     assert sum(left for _, left in increments) == 2 * (11 - first)
 
 
-def test_more_increments_than_a_frame_holds_are_told_in_several(drive, seen):
+def test_more_increments_than_a_frame_holds_are_sent_in_several(drive, seen):
     pilot, link, _ = drive()
     write = link.write
     pilot.step(seen((0, 0)))

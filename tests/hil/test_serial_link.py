@@ -119,7 +119,7 @@ def test_an_answer_is_waited_for_until_half_a_tick_is_over_also_when_it_begins_l
 
 
 @pytest.mark.parametrize("what", ["write", "read"])
-def test_a_port_that_goes_away_is_told_of(pty, what):
+def test_a_port_that_goes_away_is_reported(pty, what):
     end, port = pty
     link = SerialLink(port, 500_000)
     with contextlib.closing(link):

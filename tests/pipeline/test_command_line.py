@@ -275,7 +275,7 @@ def test_room_for_every_draw_and_picture_is_looked_for_before_the_work_starts(
     assert files_in(here) == before
 
 
-def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tmp_path):
+def test_a_bug_in_a_worker_is_reported_with_its_traceback_and_the_others_are_done(tmp_path):
     """A specification that is none gets past no check of the command line, so that it can only be a bug."""
     units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
     ended = []
@@ -286,7 +286,7 @@ def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tm
 
 
 @pytest.mark.usefixtures("stillborn_children")
-def test_a_worker_killed_before_it_is_told_its_unit_loses_no_more_than_that(tmp_path):
+def test_a_worker_killed_before_it_receives_its_unit_loses_no_more_than_that(tmp_path):
     units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
     failures = run_units(units, 1, lambda *_: None)
     assert [failure.unit.name for failure in failures] == ["A/test_1", "A/test_2"]
@@ -442,7 +442,7 @@ def test_doctor_finds_nothing_missing_here(symolo):
     assert {"Python", "bpy", "system libraries", "Blender", "PyBullet", "disk", "cores", "memory"} <= set(names)
 
 
-def test_doctor_names_the_line_that_mends_missing_libraries_and_a_broken_engine(tmp_path, symolo):
+def test_doctor_names_the_command_that_installs_missing_libraries_and_a_broken_engine(tmp_path, symolo):
     """The dynamic loader's listing and an engine that does not start, as a bare machine shows them."""
     ldd = tmp_path / "ldd"
     ldd.write_text("#!/bin/sh\necho '\tlibXi.so.6 => not found'\necho '\tlibSM.so.6 => not found'\n")

@@ -59,7 +59,7 @@ def render(tmp_path, monkeypatch):
     return rendered
 
 
-def test_a_black_image_among_others_is_a_warning_told_and_kept(render, capsys):
+def test_a_black_image_among_others_is_a_warning_that_is_reported_and_kept(render, capsys):
     task, failed = render(128, 0)
     assert failed == []
     assert task.folder.is_done(task.key)

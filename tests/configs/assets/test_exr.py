@@ -128,7 +128,7 @@ def _at_max_a_thousand(width: int, height: int) -> None:
         raise ValueError("too large")
 
 
-def test_a_size_is_told_before_anything_of_it_is_made(by_opencv):
+def test_a_size_is_reported_before_memory_is_taken(by_opencv):
     sizes = []
     read_exr(by_opencv["ZIP"], lambda width, height: sizes.append((width, height)))
     assert sizes == [(35, 20)]

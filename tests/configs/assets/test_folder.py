@@ -70,7 +70,7 @@ def test_a_file_is_known_by_name_and_content_in_the_run_and_by_name_among_what_w
 
 
 @pytest.mark.usefixtures("photos")
-def test_what_a_dataset_tells_of_the_scenario_holds_the_files_and_no_place(here: Path):
+def test_what_a_dataset_states_of_the_scenario_holds_the_files_and_no_place(here: Path):
     loaded = load_scenario("own.yaml")
     sha256_of = {asset["name"]: asset["sha256"] for asset in loaded.tree["look"]["assets"]}
     assert sha256_of == {"grey.png": _sha256(GREY), "sub/hall.hdr": _sha256(HALL)}
@@ -87,7 +87,7 @@ def test_another_content_under_the_same_name_is_another_run(photos: Path):
 
 
 @pytest.mark.usefixtures("photos")
-def test_a_folder_is_told_from_the_file_that_names_it_however_it_is_reached(here: Path, monkeypatch):
+def test_a_folder_is_distinguished_from_the_file_that_names_it_however_it_is_reached(here: Path, monkeypatch):
     (here / "top.yaml").write_text("extends: own.yaml\nlook: {floor: {image: {file: white.png}}}\n")
     expected = _sha256(WHITE)
     for name in ("top.yaml", str(here / "top.yaml")):
@@ -99,7 +99,7 @@ def test_a_folder_is_told_from_the_file_that_names_it_however_it_is_reached(here
     assert expected in load_scenario("../../top.yaml", ["look.assets=."]).assets
 
 
-def test_a_folder_given_on_the_command_line_is_told_from_the_working_directory(photos: Path, monkeypatch):
+def test_a_folder_on_the_command_line_is_relative_to_the_working_directory(photos: Path, monkeypatch):
     monkeypatch.chdir(photos.parent)
     settings = ["look.assets=photos", "look.floor.material=image", "look.floor.image.file=grey.png"]
     look, _ = draw_look(load_section("look", "classroom", settings), 1, "CW", 1)

@@ -45,7 +45,7 @@ def test_a_jpeg_is_nearly_what_it_was():
     ],
     ids=["grey", "with opacity", "16 bits"],
 )
-def test_other_kinds_of_png_are_told_as_colours_of_8_bits(pixels):
+def test_other_kinds_of_png_count_as_colours_of_8_bits(pixels):
     np.testing.assert_array_equal(read_image(_png(pixels)), np.full((2, 3, 3), 128))
 
 

@@ -71,7 +71,7 @@ def test_noise_of_a_range_is_the_polynomial_at_its_distance(case):
     assert trial.label("material").values == ("wood", "plastic", "wood")
 
 
-def test_what_a_drive_did_not_see_or_log_is_marked_not_mended(case):
+def test_what_a_drive_did_not_see_or_log_is_marked_and_not_filled_in(case):
     first, _ = read(case("drive_log")).trials
     np.testing.assert_array_equal(first["tof_left_m"].quality, [MISSING, NO_TARGET, NO_TARGET])
     np.testing.assert_array_equal(first["u_left_V"].quality, [GOOD, GOOD, MISSING])
@@ -263,14 +263,14 @@ def test_a_wild_reading_is_no_wrong_unit(case, text):
     assert measurement.trials[0]["reading_m"].values[0] == 4321
 
 
-def test_speeds_in_rpm_are_told_by_what_the_motor_can_do(case):
+def test_speeds_in_rpm_are_recognised_by_what_the_motor_can_do(case):
     rows = [f"{i},1,fit,{i}.0,{u},0.08,{u / 0.3 * 30 / np.pi:.3f}" for i, u in enumerate((2.0, 3.0, 4.0, 5.0), 1)]
     data = "\n".join(["row,sweep,split,t_s,u_cmd_V,current_A,omega_rad_s", *rows]) + "\n"
     (note,) = read(case("motor_steady", data=data)).notes
     assert re.search("CHECK THE UNIT of omega_rad_s.*9.55 times.*rpm: divide by 9.549", note)
 
 
-def test_degrees_under_a_header_in_radians_are_told_by_what_the_wheels_did(case, text):
+def test_degrees_under_a_header_in_radians_are_recognised_by_what_the_wheels_did(case, text):
     """Turning on the spot: opposite counts, of which 1920 are a turn of a wheel of 30 mm at 80 mm from the middle."""
     per_tick_deg = np.degrees(2 * 2 * np.pi * 0.03 / 1920 / 0.16)
     rows = [

@@ -218,7 +218,7 @@ def test_an_importer_that_is_not_there_names_the_nearest(tmp_path):
     assert re.search("--importer: got 'optiodm'.*did you mean optiodom", refusal(tmp_path, "optiodm"))
 
 
-def test_the_overview_of_a_session_tells_rate_gaps_and_channels(session):
+def test_the_overview_of_a_session_states_rate_gaps_and_channels(session):
     lines = overview(read(session))
     assert lines[0] == "250620202104: drive_log, 2 trials, 24 rows (none held out)"
     assert any(re.match(r"circular/250620202104_run-01 +12 +0 +- +0.55 +20 +0 +0.05", line) for line in lines)

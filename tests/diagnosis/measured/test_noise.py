@@ -79,7 +79,7 @@ def test_differences_do_not_reach_across_a_gap():
     assert noise_of_differences(values).sd > 1.0
 
 
-def test_repeats_tell_the_noise_whatever_lies_between_the_conditions():
+def test_repeats_show_the_noise_whatever_lies_between_the_conditions():
     conditions = [k // 3 for k in range(3000)]
     means = rng(4).uniform(-100, 100, 1000)
     noise = noise_of_repeats(means[conditions] + 0.04 * rng(5).standard_normal(3000), conditions)
@@ -94,7 +94,7 @@ def test_a_pair_counts_as_its_difference_over_the_root_of_two():
     assert noise.sd == pytest.approx(math.sqrt(kept))
 
 
-def test_too_little_data_tell_no_noise():
+def test_too_little_data_show_no_noise():
     assert noise_of_differences(np.arange(9.0)) is None
     assert noise_of_repeats(np.arange(10.0), list(range(10))) is None
 

@@ -77,7 +77,7 @@ def test_a_channel_is_refused_whose_marks_contradict_its_values():
 
 
 @pytest.mark.parametrize("steps_of_sd", [2.0, 3.0, 4.0, 5.0])
-def test_noise_finer_than_the_resolution_is_never_told_too_small(steps_of_sd):
+def test_noise_finer_than_the_resolution_is_never_estimated_too_small(steps_of_sd):
     """At rest; a value that may lie anywhere in a step of q is known to a variance of q^2/12 and no better."""
     fresh = np.random.Generator(np.random.PCG64(9)).standard_normal(4000)
     t = 0.005 * np.arange(4000)

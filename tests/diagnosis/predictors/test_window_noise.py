@@ -35,7 +35,7 @@ def test_steps_from_trial_to_trial_and_rows_held_out_do_not_count(left):
     assert window_noise(stepped, trial, rows, SHARE_NO_POSE) == pytest.approx(SD, rel=0.08)
 
 
-def test_too_few_windows_or_none_that_scatter_tell_nothing():
+def test_too_few_windows_or_none_that_scatter_show_nothing():
     flat = np.zeros(40)
     assert window_noise(flat, np.zeros(40, dtype=int), np.ones(40, dtype=bool), SHARE_NO_POSE) is None
     assert window_noise(flat[:8], np.zeros(8, dtype=int), np.ones(8, dtype=bool), SHARE_NO_POSE) is None

@@ -40,7 +40,7 @@ def test_every_plot_has_an_alternative_text(files_of, name):
     assert all(files_of(name)[path].startswith(PNG) for path in plots)
 
 
-def test_an_effect_is_told_with_value_cause_and_gain(files_of, diagnosis_of):
+def test_an_effect_is_reported_with_value_cause_and_gain(files_of, diagnosis_of):
     text = text_of(files_of("weak")[PAGE].decode())
     (named,) = diagnosis_of("weak").named
     assert named.name == "torque_constant_scale"
@@ -51,7 +51,7 @@ def test_an_effect_is_told_with_value_cause_and_gain(files_of, diagnosis_of):
     assert "but parameters leave their tolerances" in text
 
 
-def test_what_has_no_name_is_told_with_channel_covariate_and_picture(files_of, diagnosis_of):
+def test_what_has_no_name_is_reported_with_channel_covariate_and_plot(files_of, diagnosis_of):
     text = text_of(files_of("bumped")[PAGE].decode())
     left = diagnosis_of("bumped").unexplained
     assert left.channel == "current_A"

@@ -59,7 +59,7 @@ def test_what_is_there_is_not_compiled_again(nominal, folder, build, monkeypatch
     assert [path.name for path in folder.iterdir()] == [build.elf.parent.name]
 
 
-def test_its_id_tells_robots_framings_and_baud_rates_apart(nominal, robot_of):
+def test_its_id_distinguishes_robots_framings_and_baud_rates(nominal, robot_of):
     ids = [firmware_sources(nominal, framing, baud)[1] for framing in ("framed", "simtwo") for baud in BAUDS]
     ids += [firmware_sources(robot_of("nominal", "robot.controller.line.k2_rad_s=0.91"), "framed", BAUDS[0])[1]]
     ids += [firmware_sources(nominal, "framed", BAUDS[0], student="")[1]]
@@ -67,7 +67,7 @@ def test_its_id_tells_robots_framings_and_baud_rates_apart(nominal, robot_of):
     assert all(re.fullmatch(r"[0-9a-f]{16}", identity) for identity in ids)
 
 
-def test_without_compiler_the_line_that_installs_it_is_told(nominal, tmp_path, monkeypatch):
+def test_without_compiler_the_line_that_installs_it_is_reported(nominal, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(EnvironmentLacking, match="no avr-gcc; run `apt-get install -y gcc-avr avr-libc`"):
         build_firmware(nominal, "framed", 500_000, tmp_path)
@@ -112,7 +112,7 @@ def test_a_name_that_the_ide_does_not_take_is_refused(nominal, tmp_path, name):
 
 @pytest.mark.avr_compiler
 @pytest.mark.firmware
-def test_a_slip_in_the_student_s_part_is_told_with_its_line(nominal, tmp_path):
+def test_a_slip_in_the_student_s_part_is_reported_with_its_line(nominal, tmp_path):
     text = student_version(["follow"]).replace("sum / (float)active", "sun / (float)active")
     line = 1 + text[: text.index("sun")].count("\n")
     with pytest.raises(InputError, match=rf"does not compile: student.c:{line}:\d+: error: 'sun' undeclared"):

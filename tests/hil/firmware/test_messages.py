@@ -58,7 +58,7 @@ def test_a_line_to_the_left_turns_the_robot_left_by_the_paper_s_law(robot, ask):
         assert (command.v_m_s, command.w_rad_s) == pytest.approx((v, w), abs=0.0006)
 
 
-def test_told_to_stand_still_it_does_and_keeps_its_state(ask, board):
+def test_commanded_to_stand_still_it_does_and_keeps_its_state(ask, board):
     ask(ON_LINE)
     assert ask(WALL)[0].state is State.RIGHT_WALL
     (standing,) = ask(replace(LEFT, run=False))
@@ -67,7 +67,7 @@ def test_told_to_stand_still_it_does_and_keeps_its_state(ask, board):
     assert board.set_points() == (0.0, 0.0)
 
 
-def test_a_start_begins_anew(ask):
+def test_a_start_begins_again(ask):
     ask(ON_LINE)
     assert ask(WALL)[0].state is State.RIGHT_WALL
     assert ask(replace(WALL, line=LEFT.line, start=True))[0].state is State.LINE
@@ -79,7 +79,7 @@ def test_the_start_holds_for_one_tick(ask):
     assert [ask(WALL)[0].state for _ in range(2)] == [State.RIGHT_WALL] * 2
 
 
-def test_after_150_ms_of_silence_the_wheels_are_told_to_stand_still(ask, board, framing):
+def test_after_150_ms_of_silence_the_wheels_are_stopped(ask, board, framing):
     (command,) = ask(LEFT)
     board.exchange(b"", 149)
     assert board.set_points() == pytest.approx((command.right_rad_s, command.left_rad_s), abs=0.001)
@@ -117,7 +117,7 @@ def test_it_says_who_it_is(robot, framed):
     assert (hello.protocol, hello.firmware_id, hello.baud_index) == (1, identity, 0)
 
 
-def test_a_damaged_frame_is_dropped_and_told_of_once(framed):
+def test_a_damaged_frame_is_dropped_and_reported_once(framed):
     good = Framed().sensors(5, ON_LINE)
     for place in range(1, len(good) - 1):
         damaged = bytearray(good)

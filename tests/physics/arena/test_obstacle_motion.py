@@ -69,7 +69,7 @@ class TestPath:
         expected = [(1.1, 2.0), (1.2, 2.2), (1.2, 2.4), (1.2, 2.2), (1.1, 2.0), (1.0, 2.0), (1.1, 2.0), (1.2, 2.2)]
         np.testing.assert_allclose(found.poses_at(times)[:, :2], expected, atol=1e-12)
 
-    def test_a_loop_begins_anew_and_may_have_turned_round(self):
+    def test_a_loop_begins_again_and_may_have_turned_round(self):
         found = motion((1.0, (0.2, 0.0), 180.0), (2.0, (0.0, 0.0), 360.0), repeat="loop")
         poses = found.poses_at(np.array([1.5, 2.0, 2.5, 7.5]))
         np.testing.assert_allclose(poses[:, 0], [1.1, 1.0, 1.1, 1.1], atol=1e-12)

@@ -74,7 +74,7 @@ def test_pairs_of_times_that_are_not_there_are_none():
     assert errors.rpe_per_m_rad is None
 
 
-def test_errors_drawn_from_the_covariance_told_have_the_nees_of_chi_square():
+def test_errors_drawn_from_the_stated_covariance_have_the_nees_of_chi_square():
     rng = np.random.Generator(np.random.PCG64(3))
     root = np.tril(rng.normal(size=(3, 3)))
     count = 4000

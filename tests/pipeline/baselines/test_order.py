@@ -33,7 +33,7 @@ def test_filters_beat_odometry(driven, start_sd):
         assert run_errors.end_m < 0.5 * alone.end_m
 
 
-def test_the_wheels_of_a_perfect_robot_tell_all_but_the_start(driven):
+def test_the_wheels_of_a_perfect_robot_show_all_but_the_start(driven):
     run_errors = errors(driven("nominal"), odometry, EXACT)
     assert run_errors.ate_m < 0.006
     assert run_errors.rpe_per_m_m < 0.002

@@ -33,7 +33,7 @@ def test_scattering_keeps_mean_and_covariance():
     assert np.abs(moved - particles).max() > 0.1
 
 
-def test_a_wall_ahead_tells_how_far_it_is_and_no_more(before_a_wall):
+def test_a_wall_ahead_shows_its_distance_and_no_more(before_a_wall):
     rows = 40
     true_x_m = 0.28
     start = Start(np.array([0.26, 0.0, 0.0]), np.array([0.02, 0.02, 0.01]))

@@ -22,7 +22,7 @@ def read(path):
     return read_measurement(path, IMPORTERS)
 
 
-def test_the_paper_s_table_is_told(symolo):
+def test_the_paper_s_table_is_reported(symolo):
     ended = symolo("inspect", "table-1")
     assert (ended.code, ended.err) == (0, "")
     assert ended.out.startswith("table-1: motor_steady, 1 trial, 21 rows (none held out)\n")

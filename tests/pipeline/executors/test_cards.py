@@ -77,7 +77,7 @@ def test_on_ray_neither_simulation_nor_the_processor_asks_for_a_card(pretended_r
     assert _asked_on(pretended_ray(CPU=8.0), "CPU", _units(Path())) == [None]
 
 
-def test_a_cluster_without_a_card_is_told_before_ray_waits_for_one(pretended_ray):
+def test_a_cluster_without_a_card_is_reported_before_ray_waits_for_one(pretended_ray):
     with pytest.raises(EnvironmentLacking, match=r"no node .* has a graphics card.*--num-gpus.*--device cpu"):
         _asked_on(pretended_ray(CPU=8.0), "OPTIX", _units(Path()))
 

@@ -10,7 +10,7 @@ from pipeline.work.units import RenderUnit
 UNIT = RenderUnit(name="CW/test_1", work="images", job=Path(), folder=Path(), numbers=(1, 2), threads=1)
 
 
-def test_a_frame_that_was_given_up_is_told_before_the_end_of_its_block(pretended_ray):
+def test_a_frame_that_was_given_up_is_reported_before_the_end_of_its_block(pretended_ray):
     pretended_ray(UnitRecord(failures=("image 1 was given up",)).model_dump_json(), CPU=1.0)
     heard = []
     failures = chosen(None, None, None, "auto").do([UNIT], lambda unit, event: heard.append((unit, event)))

@@ -69,7 +69,7 @@ def test_an_episode_has_the_poses_and_readings_of_a_simulated_run(environment):
     assert not terminated
 
 
-def test_each_episode_draws_again_and_a_seed_begins_anew():
+def test_each_episode_draws_again_and_a_seed_begins_again():
     environment = DriveEnvironment("smoke", ["routes.0.start.x_m={uniform: [0.5, 0.6]}"])
     starts = [environment.reset(seed=7)[1]["pose"], *(environment.reset()[1]["pose"] for _ in range(2))]
     assert len(set(starts)) == 3

@@ -93,7 +93,7 @@ def test_a_changed_picture_is_another_job_and_a_renamed_one_is_not(dataset, own,
     assert key() != before
 
 
-def test_a_folder_that_is_gone_is_told_before_anything_is_made(dataset, own, tmp_path, symolo):
+def test_a_folder_that_is_gone_is_reported_before_anything_is_made(dataset, own, tmp_path, symolo):
     shutil.rmtree(tmp_path / "photos")
     ended = symolo("rerender", dataset / "CW/test_1", "--look", own, "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)

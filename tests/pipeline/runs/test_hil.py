@@ -124,7 +124,7 @@ def test_a_port_is_driven_in_real_time(tmp_path):
         ("release", ["--set", "board.kind=serial"], "symolo hil --port PORT"),
     ],
 )
-def test_what_cannot_be_reached_is_told_before_anything_is_written(command, options, message, symolo, tmp_path):
+def test_what_cannot_be_reached_is_reported_before_anything_is_written(command, options, message, symolo, tmp_path):
     ended = symolo(command, "smoke", *options, "--out", tmp_path / "data")
     assert ended.code == 2
     assert message in ended.err

@@ -28,7 +28,7 @@ def made(hands, symolo, tmp_path):
     return release
 
 
-def test_a_run_of_two_classes_is_told_at_assembly_in_metadata_and_by_status(made, symolo):
+def test_a_run_of_two_classes_is_reported_at_assembly_in_metadata_and_by_status(made, symolo):
     out, ended = made(mixed=True)
     assert ended.code == 0
     assert f"assemble: {TOLD}" in ended.err.splitlines()

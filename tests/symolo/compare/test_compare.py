@@ -40,7 +40,7 @@ def test_a_copy_is_identical(pair, symolo):
 
 
 @pytest.mark.parametrize(("step", "expected_db"), [(1, 20 * math.log10(255)), (5, 20 * math.log10(255 / 5))])
-def test_pictures_are_told_apart_by_their_psnr(pair, step, expected_db):
+def test_images_are_distinguished_by_their_psnr(pair, step, expected_db):
     cv2.imwrite(str(pair[1] / "000001.png"), np.full((6, 8, 3), 100 + step, np.uint8))
     result = only(pair, tolerance_db=expected_db - 0.01)
     assert result.verdict is Verdict.CLOSE
@@ -84,7 +84,7 @@ def test_pictures_of_other_sizes_or_no_pictures_are_different(pair):
     assert "the image of B cannot be decoded" in str(only(pair, 0))
 
 
-def test_columns_are_told_apart_by_their_largest_difference(pair):
+def test_columns_are_distinguished_by_their_largest_difference(pair):
     """Peak 8, one of three rows off by 0.008: 20 log10(1000) + 10 log10(3) dB."""
     (pair[1] / "data.csv").write_text(TABLE.replace("-8.0", "-8.008"))
     result = only(pair)
@@ -121,7 +121,7 @@ def test_tables_that_no_tolerance_makes_equal(pair, table, what):
         ({"seed": True}, -math.inf, "seed: 1 in A, true in B"),
     ],
 )
-def test_documents_are_told_apart_by_their_leaves(pair, change, level_db, what):
+def test_documents_are_distinguished_by_their_leaves(pair, change, level_db, what):
     content = json.loads((pair[0] / "spec.json").read_text()) | change
     (pair[1] / "spec.json").write_text(json.dumps(content))
     result = only(pair)
@@ -148,7 +148,7 @@ def test_what_cannot_be_compared_is_refused_in_one_line(pair, tmp_path, symolo):
         assert (ended.code, ended.err.count("\n")) == (2, 1)
 
 
-def test_processors_and_programs_that_differ_are_told(pair, symolo):
+def test_processors_and_programs_that_differ_are_reported(pair, symolo):
     cpus = ("x86-64-v3 GenuineIntel family 6", "x86-64-v4 AuthenticAMD family 25")
     for folder, cpu in zip(pair, cpus, strict=True):
         (folder / "bag-info.txt").write_text(f"Payload-Oxum: 1.1\nCPU-Class: {cpu}\n")

@@ -52,7 +52,7 @@ def test_every_node_knows_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert places["walls", 0, "start", 1] == "a.yaml:7"
 
 
-def test_files_outside_the_working_directory_are_told_in_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_files_outside_the_working_directory_are_named_in_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "inner").mkdir()
     (tmp_path / "a.yaml").write_text("a: 1\n")
     monkeypatch.chdir(tmp_path / "inner")

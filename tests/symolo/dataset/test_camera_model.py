@@ -70,7 +70,7 @@ def test_an_instant_is_exposed_at_its_stamp(rows):
     assert table[:, -2:].tolist() == [[0, 0], [200, 0]]
 
 
-def test_what_is_written_is_read_again_and_damage_is_told(spec, tmp_path):
+def test_what_is_written_is_read_again_and_damage_is_reported(spec, tmp_path):
     model = CameraDocument.of(spec)
     path = tmp_path / "intrinsics.json"
     path.write_bytes(model.to_json())

@@ -85,7 +85,7 @@ def test_a_drawn_truth_stays_one():
     assert RunRecord.model_validate_json(record.model_dump_json()).drawn["render.denoise"] is True
 
 
-def test_scipy_is_among_the_versions_and_another_one_simulates_anew(monkeypatch):
+def test_scipy_is_among_the_versions_and_another_one_simulates_again(monkeypatch):
     assert made_with()["scipy"][0].isdigit()
     spec = draw_run(load_scenario("smoke", []), "CW", 1)
     before = simulate_runs.simulation_key(spec)

@@ -115,7 +115,7 @@ def test_what_ends_midway_leaves_nothing(error, random_release, tmp_path, symolo
     assert symolo(*arguments).code == 0
 
 
-def test_a_disk_without_room_is_told_before_the_work_starts(random_release, tmp_path, symolo, monkeypatch):
+def test_a_disk_without_room_is_reported_before_the_work_starts(random_release, tmp_path, symolo, monkeypatch):
     """50 kB free: enough for trajectories, not for images."""
     root = random_release(1).root
     usage = shutil.disk_usage(tmp_path)._replace(free=50_000)

@@ -245,7 +245,7 @@ def test_quaternions_go_on_from_those_before(random_release, exported, tmp_path)
         assert np.all(np.sum(quaternions[1:] * quaternions[:-1], axis=1) >= 0)
 
 
-def test_shards_tell_nothing_of_the_machine(random_release, exported, tmp_path):
+def test_shards_contain_nothing_of_the_machine(random_release, exported, tmp_path):
     out = exported(random_release(1, annotated=True).root, tmp_path / "out", "webdataset")
     shards = sorted((out / "webdataset").iterdir())
     assert len(shards) > 1

@@ -85,7 +85,7 @@ def test_shards_are_numbered_and_no_larger_than_asked_for(random_release, export
         assert sum(sizes) <= 40_000 or len(sizes) == 1
 
 
-def test_the_card_tells_licence_and_units(random_release, exported, tmp_path):
+def test_the_card_states_licence_and_units(random_release, exported, tmp_path):
     out = exported(random_release(1).root, tmp_path / "out", "huggingface")
     _, head, body = (out / "huggingface/README.md").read_text().split("---\n", 2)
     front_matter = yaml.safe_load(io.StringIO(head))

@@ -171,7 +171,7 @@ def with_splits(random_release, copy_of, sign):
     return root
 
 
-def test_an_export_takes_the_splits_of_the_release_unless_told_otherwise(with_splits, symolo, tmp_path):
+def test_an_export_takes_the_splits_of_the_release_by_default(with_splits, symolo, tmp_path):
     def shards(*options):
         out = tmp_path / f"out{len([*tmp_path.iterdir()])}"
         ended = symolo("export", with_splits, "--format", "webdataset", "--out", out, *options)

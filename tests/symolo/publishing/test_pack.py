@@ -82,7 +82,7 @@ def test_the_same_release_gives_the_same_bytes_on_another_day(packed, tmp_path):
     assert files_of(out) == files_of(packed.out)
 
 
-def test_a_shard_tells_no_owner_and_no_day(packed):
+def test_a_shard_has_no_owner_and_no_day(packed):
     for path in packed.out.glob("*.tar"):
         with tarfile.open(path) as tar:
             heads = {(info.uid, info.gid, info.uname, info.gname, info.mtime, info.mode) for info in tar}
@@ -124,7 +124,7 @@ def test_the_card_has_front_matter_and_names_every_file(packed):
         assert path.name == "README.md" or path.name in body
 
 
-def test_a_dry_run_tells_what_is_written_and_writes_nothing(packed, tmp_path, capsys):
+def test_a_dry_run_lists_what_is_written_and_writes_nothing(packed, tmp_path, capsys):
     out = tmp_path / "nothing"
     arguments = [
         "--about",
@@ -183,7 +183,9 @@ def test_a_licence_that_is_not_listed_goes_by_its_name(packed, tmp_path, sign):
         ("doi: ", "keywords: []\ndoi: ", "keywords"),
     ],
 )
-def test_what_is_wrong_about_it_is_told_before_anything_is_written(packed, tmp_path, capsys, line, changed, message):
+def test_what_is_wrong_about_it_is_reported_before_anything_is_written(
+    packed, tmp_path, capsys, line, changed, message
+):
     (tmp_path / "about.yaml").write_text(packed.about.read_text().replace(line, changed))
     out = tmp_path / "upload"
     assert main(["pack", str(packed.release), "--about", str(tmp_path / "about.yaml"), "--out", str(out)]) == 2
@@ -220,7 +222,7 @@ def test_a_strangers_release_does_not_say_where_files_go(packed, tmp_path, capsy
     assert [path.name for path in tmp_path.iterdir()] == ["own"]
 
 
-def test_a_full_disk_is_told_before_work_starts(packed, tmp_path, capsys, monkeypatch):
+def test_a_full_disk_is_reported_before_work_starts(packed, tmp_path, capsys, monkeypatch):
     usage = shutil.disk_usage(tmp_path)._replace(free=1_000_000)
     monkeypatch.setattr("symolo.core.files.disk_space.shutil.disk_usage", lambda _: usage)
     out = tmp_path / "upload"

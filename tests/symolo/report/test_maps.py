@@ -40,7 +40,7 @@ def test_a_run_without_a_path_is_on_no_map(facts):
     assert names(route_maps([replace(facts[0], path=None), *facts[1:]])) == [["CW/test_2"], ["CCW/test_1"]]
 
 
-def test_the_farthest_place_off_the_line_is_told_of_line_following_alone(facts):
+def test_the_farthest_place_off_the_line_is_stated_for_line_following_alone(facts):
     # Rows 32 on are state 0 at x = 0.58 beside the straight x = 0.55; rows 20 to 31, as far away, are avoidance.
     assert [one.farthest_following_m for one in facts] == pytest.approx([0.03] * 3, abs=1e-6)
 

@@ -88,7 +88,7 @@ def test_without_the_library_the_extra_is_named(symolo, tmp_path, monkeypatch):
     assert "pip install 'symolo[cloud]'" in ended.err
 
 
-def test_a_server_that_is_not_there_is_told_in_a_line_without_the_key(symolo, tmp_path, monkeypatch):
+def test_a_server_that_is_not_there_is_reported_in_a_line_without_the_key(symolo, tmp_path, monkeypatch):
     monkeypatch.setattr(bucket, "RETRIES", 1)
     monkeypatch.setenv("AWS_ACCESS_KEY_ID", "name")
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", SECRET)

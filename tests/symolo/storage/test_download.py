@@ -165,7 +165,7 @@ class _Stranger:
         return self._objects.get(name)
 
 
-def test_a_disk_without_room_is_told_before_anything_is_fetched(release, tmp_path, monkeypatch, counting):
+def test_a_disk_without_room_is_reported_before_anything_is_fetched(release, tmp_path, monkeypatch, counting):
     shelf = Folder(f"file://{tmp_path}/shelf", tmp_path / "shelf")
     upload(released_files(release()), shelf, LineReport())
     counted = counting(shelf)

@@ -259,7 +259,7 @@ def test_a_picture_is_a_picture_and_bears_its_checksum(server, at, release, symo
     assert f"{head['Metadata']['sha256']}  CW/test_1/images/000001.jpg\n" in listed
 
 
-def test_a_bucket_that_is_not_there_is_told(at, release, symolo):
+def test_a_bucket_that_is_not_there_is_reported(at, release, symolo):
     ended = symolo("upload", release(), "s3://nobodys/data", *at)
     assert (ended.code, ended.err) == (
         2,
@@ -267,7 +267,7 @@ def test_a_bucket_that_is_not_there_is_told(at, release, symolo):
     )
 
 
-def test_a_key_that_is_wrong_is_not_told(server, at, release, symolo, monkeypatch):
+def test_a_key_that_is_wrong_is_not_reported(server, at, release, symolo, monkeypatch):
     refusal = b"<Error><Code>SignatureDoesNotMatch</Code><AWSAccessKeyId>name</AWSAccessKeyId></Error>"
 
     def refuse(_environ, start_response):

@@ -94,7 +94,7 @@ def test_files_of_others_are_left_alone(sent, release, store):
     assert held_by(store) == {"CW/theirs.txt": b"theirs"}
 
 
-def test_check_names_what_is_missing_or_other_or_extra_and_upload_mends_it(release, release_of, tmp_path, symolo):
+def test_check_names_what_is_missing_or_other_or_extra_and_upload_repairs_it(release, release_of, tmp_path, symolo):
     root, shelf = release(), tmp_path / "shelf"
     url = f"file://{shelf}"
     assert symolo("upload", root, url).code == 0

@@ -93,7 +93,7 @@ def test_a_bag_without_a_file_or_with_one_more_is_found(bag):
     }
 
 
-def test_a_checksum_that_was_edited_is_told_from_a_file_that_was(bag):
+def test_a_checksum_that_was_edited_is_distinguished_from_a_file_that_was(bag):
     """RFC 8493 cannot tell them apart; what the payload gives for the manifest can."""
     path = bag / "tagmanifest-sha256.txt"
     lines = path.read_text().splitlines()
@@ -113,7 +113,7 @@ def test_a_damaged_dataset_or_a_taken_folder_is_refused(dataset, copy_of, tmp_pa
     assert (taken.code, taken.err.count("\n")) == (2, 1)
 
 
-def test_a_bag_that_was_interrupted_is_made_anew(dataset, tmp_path, symolo, monkeypatch):
+def test_a_bag_that_was_interrupted_is_made_again(dataset, tmp_path, symolo, monkeypatch):
     out = tmp_path / "bag"
     with monkeypatch.context() as patch:
         patch.setattr("symolo.publishing.bagging.manifest", lambda _hashes: (_ for _ in ()).throw(KeyboardInterrupt))

@@ -328,7 +328,7 @@ def test_a_release_of_a_version_without_scene_json_has_no_fault(dataset, copy_of
     assert list(verify(out)) == []
 
 
-def test_a_file_under_another_name_is_told_with_both(dataset, copy_of):
+def test_a_file_under_another_name_is_reported_with_both(dataset, copy_of):
     root = copy_of(dataset)
     (root / CSV).rename(root / "CW/moved.csv")
     assert [str(finding) for finding in verify(root)] == [
@@ -338,7 +338,7 @@ def test_a_file_under_another_name_is_told_with_both(dataset, copy_of):
     ]
 
 
-def test_a_manifest_under_another_name_is_told_with_both(dataset, copy_of):
+def test_a_manifest_under_another_name_is_reported_with_both(dataset, copy_of):
     root = copy_of(dataset)
     (root / "manifest-sha256.txt").rename(root / "manifest-sha256.old")
     assert {finding.file for finding in verify(root)} == {"manifest-sha256.txt", "manifest-sha256.old"}
@@ -346,13 +346,13 @@ def test_a_manifest_under_another_name_is_told_with_both(dataset, copy_of):
 
 @pytest.mark.parametrize("stages", [True, False])
 @pytest.mark.parametrize("other", ["README.md", "tagmanifest-sha256.txt"])
-def test_a_file_that_was_swapped_with_the_manifest_is_told_with_it(dataset, copy_of, stages, other):
+def test_a_file_that_was_swapped_with_the_manifest_is_reported_with_it(dataset, copy_of, stages, other):
     root = copy_of(dataset, stages=stages)
     swap(f"../../{other}", "../../manifest-sha256.txt")(root)
     assert {finding.file for finding in verify(root)} == {other, "manifest-sha256.txt"}
 
 
-def test_an_edited_file_and_an_edited_checksum_are_both_told_where_the_stages_are_there(dataset, copy_of):
+def test_an_edited_file_and_an_edited_checksum_are_both_reported_where_the_stages_are_there(dataset, copy_of):
     """Neither list fits the other any more; what was assembled tells which file it was."""
     root = copy_of(dataset, stages=True)
     cell("v", 3, "0.123456")(root)
@@ -364,7 +364,7 @@ def test_an_edited_file_and_an_edited_checksum_are_both_told_where_the_stages_ar
     assert {text.partition(": ")[0] for text in findings} == {"manifest-sha256.txt", CSV}
 
 
-def test_an_edit_with_all_checksums_made_anew_is_told_where_the_stages_are_there(dataset, copy_of, sign):
+def test_an_edit_with_all_checksums_made_again_is_reported_where_the_stages_are_there(dataset, copy_of, sign):
     root = copy_of(dataset, stages=True)
     cell("v", 3, "0.123456")(root)
     sign(root)
