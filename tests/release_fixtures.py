@@ -17,7 +17,7 @@ import pytest
 from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from configs.schema.scenario import RunSpec
 from pipeline.cli import main
-from pipeline.stages.simulate import Outcome, simulate
+from pipeline.stages.simulate import DriveOutcome, simulate
 from pipeline.work.supervisor import UnitFailure, cores
 from pipeline.work.units import AnyUnit, RenderUnit
 from pipeline.work.worker_main import do
@@ -215,7 +215,7 @@ def hands_of_module() -> Iterator[SimpleNamespace]:
 
 
 @pytest.fixture(scope="session")
-def begun() -> Iterator[Callable[[RunSpec], Future[Outcome]]]:
+def begun() -> Iterator[Callable[[RunSpec], Future[DriveOutcome]]]:
     """Begins to simulate a run on a core of its own while the tests go on; `result()` waits for it."""
     with ProcessPoolExecutor(cores(), multiprocessing.get_context("spawn")) as pool:
         yield lambda spec: pool.submit(simulate, spec)

@@ -19,7 +19,7 @@ from hil.framings import FRAMINGS
 from hil.links.lockstep import LockstepLink
 from hil.loop import BoardPilot, LoopSettings
 from hil.pilot import PilotFromBoard
-from pipeline.stages.simulate import Outcome, simulate
+from pipeline.stages.simulate import DriveOutcome, simulate
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
 
 FRAMING = FRAMINGS["framed"]
@@ -50,7 +50,7 @@ def main() -> int:
     return 0 if all(outcome.finished for outcome in outcomes) else 3
 
 
-def driven(spec: RunSpec, student: str, folder: Path) -> Outcome:
+def driven(spec: RunSpec, student: str, folder: Path) -> DriveOutcome:
     build = build_firmware(spec.robot, "framed", FRAMING.baud, folder, student)
     link = LockstepLink(build.elf, FRAMING.baud)
     loop = BoardPilot.for_robot(link, FRAMING, spec.robot, LoopSettings(1.0 / spec.rates.control_hz))

@@ -27,7 +27,7 @@ Watch = Callable[[float, Observation, Decision], None]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class DriveOutcome:
     """The result of a run; `problems` is empty if it may be released."""
 
     recording: Recording
@@ -38,7 +38,7 @@ class Outcome:
 
 def simulate(
     spec: RunSpec, progress: Progress | None = None, pilot: Pilot | None = None, watch: Watch | None = None
-) -> Outcome:
+) -> DriveOutcome:
     """Drive one run to its end: a closed lap, the time limit, a collision, or a failure of the pilot.
 
     Args:
@@ -68,7 +68,7 @@ class _Recorder:
         self._values: dict[str, list[object]] = defaultdict(list)
         """Recorded values by name of the series, one for each control tick; they are stacked at the end."""
 
-    def drive(self, progress: Progress | None) -> Outcome:
+    def drive(self, progress: Progress | None) -> DriveOutcome:
         spec = self._spec
         limit_ticks = math.ceil(spec.stop.time_limit_s * spec.rates.control_hz)
         problems: list[str] = []
@@ -97,7 +97,7 @@ class _Recorder:
                 f"lap not finished within {spec.stop.time_limit_s:g} s, last at x = {x:.2f}, y = {y:.2f} m"
                 f" in state {self._values['state'][-1]}; to end all runs at stop.time_limit_s, set stop.lap=false"
             )
-        return Outcome(self._recording(), not problems, tuple(problems), lap_time_s)
+        return DriveOutcome(self._recording(), not problems, tuple(problems), lap_time_s)
 
     def _tick(self, tick: int) -> None:
         seen = self._loop.observe(tick)

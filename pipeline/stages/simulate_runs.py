@@ -37,7 +37,7 @@ from symolo.dataset.tables.camera_rows import main_camera_rows
 from symolo.dataset.tables.rows import Rows
 
 if TYPE_CHECKING:
-    from pipeline.stages.simulate import Outcome, Watch
+    from pipeline.stages.simulate import DriveOutcome, Watch
 
 FORMAT = 3
 """Version of the files of a simulation: from 2 on with the mean voltages of the wheels, from 3 on with a
@@ -235,7 +235,7 @@ def simulate_into(
 
 
 def _publish(
-    spec: RunSpec, outcome: "Outcome", folder: StageFolder, key: str, pilot: PilotFromBoard | None = None
+    spec: RunSpec, outcome: "DriveOutcome", folder: StageFolder, key: str, pilot: PilotFromBoard | None = None
 ) -> None:
     recording = outcome.recording
     partial = folder.start()

@@ -16,7 +16,16 @@ from symolo.dataset.tables.rows import COLUMNS, HEADER, LINE, RANGES
 from symolo.dataset.tables.side_tables import SideTable
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from symolo.pages.states import Dash
-from symolo.playback.playback import Beam, CameraTrack, Curve, CurvePlot, Playback, RobotOutline, Scan, StripePlot
+from symolo.playback.playback import (
+    Beam,
+    CameraTrack,
+    CurvePlot,
+    Playback,
+    PlottedCurve,
+    RobotOutline,
+    Scan,
+    StripePlot,
+)
 from symolo.reader.run import Run
 from symolo.reader.run_folder import RunFolder
 
@@ -163,7 +172,7 @@ def _levels(values: Array) -> Array:
 def curve_plot(title: str, unit: str, t_s: Array, names: Sequence[str], values: Array) -> CurvePlot:
     """Return a plot with a curve for each column of values (M, columns)."""
     styled = zip(names, values.T, cycle(_STYLES), strict=False)
-    return CurvePlot(title, unit, t_s, tuple(Curve(name, column, *style) for name, column, style in styled))
+    return CurvePlot(title, unit, t_s, tuple(PlottedCurve(name, column, *style) for name, column, style in styled))
 
 
 def _cameras(run: Run) -> tuple[CameraTrack, ...]:

@@ -10,7 +10,7 @@ from symolo.reader.run_folder import Image
 
 
 @dataclass(frozen=True)
-class Curve:
+class PlottedCurve:
     """One quantity in a plot."""
 
     name: str
@@ -29,7 +29,7 @@ class CurvePlot:
     """Unit, for example `m/s`; empty for numbers without a unit."""
     t_s: Array
     """(M,), times of the values [s]."""
-    curves: tuple[Curve, ...]
+    curves: tuple[PlottedCurve, ...]
     from_zero: bool = False
     """Whether the axis begins at 0 even if all values are far from it."""
 

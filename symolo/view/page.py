@@ -14,7 +14,7 @@ from symolo.pages.html import page_data, render_page
 from symolo.pages.states import STATE_STYLES, Dash, named
 from symolo.pages.thumbnails import thumbnail
 from symolo.playback.from_run import playback_of
-from symolo.playback.playback import CameraTrack, Curve, CurvePlot, Playback, Scan, StripePlot
+from symolo.playback.playback import CameraTrack, CurvePlot, Playback, PlottedCurve, Scan, StripePlot
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image
 from symolo.report.statistics.run_facts import fresh
@@ -148,7 +148,7 @@ def _plot(plot: CurvePlot | StripePlot, t_s: Array) -> dict[str, Any]:
     return {"kind": "stripes", **head, **shape, "levels": encoded}
 
 
-def _curve(curve: Curve) -> dict[str, Any]:
+def _curve(curve: PlottedCurve) -> dict[str, Any]:
     dashes = _dashes(curve.dash)
     return {"name": curve.name, "values": _numbers(curve.values), "colour": curve.colour, "dashes": dashes}
 
