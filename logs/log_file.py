@@ -94,7 +94,8 @@ def _check_header(header: Sequence[str], path: Path) -> None:
     faults = FaultList()
     where = f"{path}: row 1"
     if all(isfinite(number_of(name.replace(",", "."))) for name in header):
-        raise InputError("no header", where=where, cure="add a line with the names of the columns above the numbers")
+        cure = "add a line with the names of the columns above the numbers, such as t_s,x_m,y_m,theta_rad"
+        raise InputError("no header", where=where, cure=cure)
     for name in dict.fromkeys(header):
         if name and header.count(name) > 1:
             with faults.noted():

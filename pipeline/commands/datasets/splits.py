@@ -11,6 +11,7 @@ from symolo.core.progress import plural
 from symolo.core.yaml.reader import parse_yaml, read_yaml
 from symolo.core.yaml.tree import Node
 from symolo.exporters.splits import OPTION, check_splits, divided
+from symolo.exporters.stereo import first_camera
 from symolo.reader.dataset import Dataset
 
 _NONE = "none"
@@ -50,11 +51,14 @@ def _splits(text: str) -> Splits:
 
 
 def split_line(data: Dataset) -> str:
-    """Return one line with the number of runs and images of each split."""
+    """Return one line with the number of runs, and of images of one camera, of each split."""
     splits = data.splits
     parts = []
     for name in splits.names if splits else ():
-        images = plural(len(data.split_images(name)), "image")
-        runs = "" if splits and splits.by == "image" else f"{plural(len(data.split(name)), 'run')}, "
-        parts.append(f"{name} {runs}{images}")
+        if splits and splits.by == "image":
+            parts.append(f"{name} {plural(len(data.split_images(name)), 'image')}")
+            continue
+        runs = data.split(name).runs
+        images = sum(len(first_camera(run).numbers) for run in runs)
+        parts.append(f"{name} {plural(len(runs), 'run')}, {plural(images, 'image')}")
     return f"splits: {'; '.join(parts)}"

@@ -150,7 +150,9 @@ def one_camera(tmp_path_factory):
 
 
 def test_recorded_images_are_exported_with_their_times_and_poses(one_camera, tmp_path, symolo):
-    assert symolo("export", one_camera, "--format", "kitti,webdataset", "--out", tmp_path / "out").code == 0
+    splits = "{runs: {train: [imported/*]}}"
+    ended = symolo("export", one_camera, "--format", "kitti,webdataset", "--splits", splits, "--out", tmp_path / "out")
+    assert (ended.code, "splits: train 1 run, 5 images" in ended.out) == (0, True), ended.out
     (run,) = symolo_reader.load(one_camera)
     camera = run.cameras["front"]
     files = [image.path.read_bytes() for image in camera]
@@ -164,7 +166,7 @@ def test_recorded_images_are_exported_with_their_times_and_poses(one_camera, tmp
     K = np.array([[FOCAL[0], 0, CENTER[0], 0], [0, FOCAL[1], CENTER[1], 0], [0, 0, 1, 0]])
     calibration = dict(line.split(": ") for line in (sequence / "calib.txt").read_text().splitlines())
     np.testing.assert_allclose(np.array(calibration["P0"].split(), float).reshape(3, 4), K)
-    with tarfile.open(tmp_path / "out/webdataset/cameras/front/symolo-000000.tar") as shard:
+    with tarfile.open(tmp_path / "out/webdataset/cameras/front/symolo-train-000000.tar") as shard:
         names = shard.getnames()
         assert [shard.extractfile(name).read() for name in names if name.endswith(".jpg")] == files
         record = json.load(shard.extractfile(names[0].partition(".")[0] + ".json"))
