@@ -1,6 +1,6 @@
 """Blind benches with an effect that is in no list, and benches with nothing hidden, given to `diagnose --discover`.
 
-    python -m benchmarks.diagnosis.discovery_exam --cases 100 --nothing 60 --seed 606 --out exam.jsonl
+    python -m benchmarks.diagnosis.exams.discovery_exam --cases 100 --nothing 60 --seed 606 --out exam.jsonl
 
 The cases come from `independent_cases`, whose simulator shares no code with symolo, half of them motors and half range
 sensors; each effect outside the list comes about equally often. The results are written case by case, so that the same
