@@ -46,15 +46,16 @@ def with_posterior(root: Node) -> Node:
 
 def _file(named: Node) -> Path:
     path = Path(str(named.value))
+    field = "" if named.where.endswith(KEY) else f"{KEY}: "  # an option names the field itself
     # For names that the system refuses, os.path returns False, while pathlib raises.
     if os.path.isdir(path):  # noqa: PTH112 - as above
         path /= FILE
         if not os.path.isfile(path):  # noqa: PTH113 - as above
             cure = "diagnose the case again: earlier versions did not write this file"
-            what = f"{KEY}: the folder has no {FILE}"
+            what = f"{field}the folder has no {FILE}"
             raise InputError(what, where=named.where, got=displayed(path.parent), allowed=_ALLOWED, cure=cure)
     if not os.path.isfile(path):  # noqa: PTH113 - as above
-        raise InputError(f"{KEY}: no such file", where=named.where, got=displayed(path), allowed=_ALLOWED)
+        raise InputError(f"{field}no such file", where=named.where, got=displayed(path), allowed=_ALLOWED)
     return path
 
 

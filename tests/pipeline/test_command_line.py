@@ -53,7 +53,7 @@ BAD = {
     ),
     "like without a posterior": (
         ["release", "smoke", "--out", "OUT", "--like", "HERE"],
-        "--like: like: the folder has no posterior.yaml",
+        "--like: the folder has no posterior.yaml",
     ),
     "like a file of another kind": (["plan", "smoke", "--like", "HERE/extra.yaml"], "this is no posterior.yaml"),
     "set without a value": (["release", "smoke", "--out", "OUT", "--set", "render.samples"], "--set"),
