@@ -16,27 +16,19 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from from_above import draw_arena, run_from_above
 from matplotlib.figure import Figure
 from PIL import Image
+from robot_sizes import robots_beside_each_other
 
 import symolo
-from blender_scenes.materials.fittings import moulded
-from blender_scenes.preview.rasteriser import rasterise
-from blender_scenes.preview.triangles import Triangles
-from blender_scenes.scene.meshes import block
-from blender_scenes.scene.robot_body import robot_body, robot_surfaces
-from blender_scenes.scene.typical import typical_color
-from configs.draw import draw_robot, draw_run
-from configs.loader import load_scenario, load_section
+from configs.draw import draw_run
+from configs.loader import load_scenario
 from physics.control.registry import CONTROLLERS
 from pipeline.cli import main as symolo_command
 from pipeline.gym.environment import DriveEnvironment
 from pipeline.stages.simulate import simulate
 from symolo.arena.geometry import Arena
-from symolo.core.geometry.pinhole import Intrinsics
-from symolo.core.geometry.poses import pose_X_WR
 
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parents[1] / "diagnosis/examples"
@@ -67,28 +59,22 @@ sensors:
 """As in docs/sensors.md."""
 LOOKS = {"classroom": 24, "lab": 3, "atelier": 31, "garage": 43, "night": 14, "extreme": 62}
 """The looks of the strip, each with the number of the image of the run whose place it shows."""
+DRIVE = ("render.width_px=16", "render.height_px=16", "render.quality=draft", "render.annotations=[]")
+"""Settings of a release whose images nobody looks at."""
 ANNOTATED_IMAGE = 25
 RANDOM_ARENAS = 5
-ROBOT_M = (0.20, 0.17)
-"""Length and width at which the robot is drawn from above."""
-RANGES = {"d_f": "front", "d_l": "left", "d_r": "right"}
-"""Columns of data.csv, with the name of the sensor."""
-NO_TARGET_M = 1.3
-"""A range beyond this one is not drawn."""
-COLOURS = {0: "#1f77b4", 1: "#2ca02c", 2: "#2ca02c", 3: "#9467bd", 4: "#9467bd", 5: "#ff7f0e", 6: "#ff7f0e"}
-STATES = {0: "follows the line", 1: "follows a wall", 2: "follows a wall", 3: "turns", 4: "turns"}
 FRAMES_PER_S = 8
 """Of the animation; images are taken at 2 Hz, so it runs at four times the speed."""
 
 
 def strip(workspace: Path) -> None:
     """Write one image of each shipped look in two rows; each is rendered at another place of the run."""
-    run = _run(workspace)
+    run = _drive(workspace)
     tiles = []
     for look, number in LOOKS.items():
         folder = workspace / f"strip_{look}"
         source = workspace / f"strip_{look}.csv"
-        _save_rows(workspace / "release/CW/test_1/data.csv", run.image(number).row, source)
+        _save_rows(workspace / "drive/CW/test_1/data.csv", run.image(number).row, source)
         settings = ("--set", "render.width_px=320", "--set", "render.height_px=240")
         robot = workspace / "robot.yaml"
         _command("rerender", source, "--look", look, "--robot", robot, "--camera-hz", 5, "--out", folder, *settings)
@@ -109,7 +95,7 @@ def animation(workspace: Path) -> None:
     frames = []
     for image in run.images:
         view = Image.fromarray(image.pixels())
-        above = _from_above(arena, run, image.row)
+        above = run_from_above(arena, run, image.row)
         frame = Image.new("RGB", (view.width + above.width, view.height), "white")
         frame.paste(view, (0, 0))
         frame.paste(above, (view.width, 0))
@@ -118,41 +104,6 @@ def animation(workspace: Path) -> None:
         HERE / "run.webp", save_all=True, append_images=frames[1:], duration=round(1000 / FRAMES_PER_S), loop=0,
         quality=72, method=4,
     )  # fmt: skip
-
-
-def _from_above(arena: Arena, run: symolo.Run, row: int) -> Image.Image:
-    figure = Figure(figsize=(2.4, 2.4), dpi=100)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 0.92))
-    _draw_arena(axes, arena)
-    rows = run.rows.iloc[: row + 1]
-    axes.plot(rows["x"], rows["y"], color="#1f77b4", linewidth=1.2)
-    here = rows.iloc[-1]
-    place, heading_rad = np.array([here["x"], here["y"]]), float(here["theta"])
-    turn = np.array([[np.cos(heading_rad), np.sin(heading_rad)], [-np.sin(heading_rad), np.cos(heading_rad)]])
-    for column, sensor in RANGES.items():
-        if here[column] < NO_TARGET_M:
-            mount = getattr(run.spec.robot.tof.mounts, sensor)
-            along = np.array([np.cos(np.radians(mount.yaw_deg)), np.sin(np.radians(mount.yaw_deg))])
-            beam = np.array([mount.x_m, mount.y_m]) + np.outer([0.0, here[column]], along)
-            axes.plot(*(place + beam @ turn).T, color="#d62728", linewidth=0.9)
-    state = int(here["state"])
-    corners = 0.5 * np.array(ROBOT_M) * [[1, 1], [-1, 1], [-1, -1], [1, -1]]
-    axes.fill(*(place + corners @ turn).T, facecolor=COLOURS.get(state, "#d62728"), edgecolor="black", linewidth=0.6)
-    axes.set(xlim=(-1.05, 0.85), ylim=(-1.2, 1.05), aspect="equal")
-    axes.axis("off")
-    what = STATES.get(state, "avoids an obstacle" if state in {5, 6} else "searches the line")
-    figure.text(0.03, 0.93, f"{run.t_s[row]:4.1f} s   {what}", fontsize=7)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-
-
-def _draw_arena(axes: Axes, arena: Arena) -> None:
-    for left, right in arena.line.edges():
-        axes.fill(*np.concatenate([left, right[::-1]]).T, color="black", linewidth=0.8)
-    for box in arena.boxes:
-        colour = "#8a8a8a" if box.kind == "wall" else "#c7a06a"
-        axes.fill(*box.footprint().T, facecolor=colour, edgecolor="black", linewidth=0.4)
 
 
 def _depth(image: symolo.Image) -> np.ndarray:
@@ -216,7 +167,7 @@ def arenas(_workspace: Path) -> None:
     for number in range(1, RANDOM_ARENAS + 1):
         spec = draw_run(scenario, "Lap", number)
         axes = figure.add_axes(((number - 1) / RANDOM_ARENAS, 0.0, 1 / RANDOM_ARENAS, 1.0))
-        _draw_arena(axes, Arena.from_config(spec.arena))
+        draw_arena(axes, Arena.from_config(spec.arena))
         start = spec.start
         axes.plot(start.x_m, start.y_m, marker="o", color="#1f77b4", markersize=5)
         axes.set_aspect("equal")
@@ -230,7 +181,7 @@ def controllers(_workspace: Path) -> None:
     figure = Figure(figsize=(9.0, 3.0), dpi=100)
     for number, (name, path) in enumerate(_paths_of_controllers().items()):
         axes = figure.add_axes((number / 3, 0.0, 1 / 3, 0.9), title=name)
-        _draw_arena(axes, Arena.from_config(draw_run(load_scenario("smoke"), "CW", 1).arena))
+        draw_arena(axes, Arena.from_config(draw_run(load_scenario("smoke"), "CW", 1).arena))
         axes.plot(*path.T, color="#1f77b4", linewidth=1.5)
         axes.plot(*path[0], marker="o", color="#1f77b4", markersize=5)
         axes.set_aspect("equal")
@@ -240,53 +191,8 @@ def controllers(_workspace: Path) -> None:
 
 
 def robots(_workspace: Path) -> None:
-    """Write the shipped robots of three sizes beside each other on one floor, each on the line of its arena."""
-    nominal, _ = draw_robot(load_section("robot", "nominal"), 1, "image")
-    surfaces = [
-        *robot_surfaces(nominal),
-        moulded("floor", (0.75, 0.75, 0.72), 0.5),
-        moulded("line", (0.01, 0.01, 0.01), 0.5),
-    ]
-    numbers = {surface.name: number for number, surface in enumerate(surfaces)}
-    meshes, labels, x_m = (
-        [Triangles.of((block("floor", (0.0, 0.0, -0.01), (4.0, 4.0, 0.02), "floor"),), numbers)],
-        [],
-        -0.4,
-    )
-    for name, line_m in (("micromouse", 0.0075), ("nominal", 0.015), ("scout", 0.0292)):
-        robot, _ = draw_robot(load_section("robot", name), 1, "image")
-        x_m += 0.5 * robot.chassis.width_m
-        place = pose_X_WR(x_m, 0.0, -0.5 * np.pi)
-        line = block("line", (0.0, 0.0, 0.0), (3.0, line_m, 0.001), "line")
-        meshes.append(Triangles.of((*robot_body(robot), line), numbers).placed(place))
-        labels.append((x_m, f"{name}, {100 * robot.chassis.length_m:.0f} cm"))
-        x_m += 0.5 * robot.chassis.width_m + 0.09
-    camera, X_WC = (
-        Intrinsics(1800, 760, 1500.0, 1500.0, 899.5, 379.5),
-        _view_from((0.1, -1.15, 0.62), (0.02, -0.03, 0.06)),
-    )
-    triangles = Triangles.joined(meshes)
-    seen = rasterise(camera, X_WC, triangles).triangle
-    colours = np.array([typical_color(surface) for surface in surfaces])[triangles.surface]
-    light = 0.45 + 0.55 * np.abs(triangles.normals @ np.array([0.45, -0.3, 0.84]))
-    shown = np.clip(2.0 * colours * light[:, None], 0.0, 1.0)[seen] ** (1 / 2.2)
-    small = cv2.resize((255 * shown[..., ::-1]).astype(np.uint8), (900, 380), interpolation=cv2.INTER_AREA)
-    for x_m, label in labels:
-        u, v, depth = np.linalg.inv(X_WC)[:3] @ (x_m, -0.36, 0.0, 1.0)
-        at = (round(0.5 * (1500.0 * u / depth + 900.0)) + 22, round(0.5 * (1500.0 * v / depth + 380.0)))
-        cv2.putText(small, label, at, cv2.FONT_HERSHEY_SIMPLEX, 0.5, (60, 60, 60), 1, cv2.LINE_AA)
-    _save_jpeg("robots.jpg", small)
-
-
-def _view_from(eye: tuple[float, float, float], target: tuple[float, float, float]) -> np.ndarray:
-    """Return the pose (4, 4) of a level camera, x right, y down, z forward."""
-    forward = np.subtract(target, eye)
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, (0.0, 0.0, 1.0))
-    right = right / np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3] = np.stack([right, np.cross(forward, right), forward, eye], axis=1)
-    return pose
+    """Write the shipped robots of three sizes beside each other."""
+    _save_jpeg("robots.jpg", robots_beside_each_other())
 
 
 def _paths_of_controllers() -> dict[str, np.ndarray]:
@@ -375,11 +281,20 @@ def _save_jpeg(name: str, pixels: np.ndarray) -> None:
 @cache
 def _run(workspace: Path) -> symolo.Run:
     """Return the run that most images show, after releasing it."""
+    return _released(workspace, "release")
+
+
+def _drive(workspace: Path) -> symolo.Run:
+    """Return the same run with tiny images, which are not shown."""
+    return _released(workspace, "drive", *DRIVE)
+
+
+def _released(workspace: Path, name: str, *settings: str) -> symolo.Run:
     scenario = workspace / "images.yaml"
     scenario.write_text(SCENARIO)
     (workspace / "robot.yaml").write_text(ROBOT)
-    _command("release", scenario, "--out", workspace / "release")
-    return symolo.load(workspace / "release")["CW/test_1"]
+    _command("release", scenario, "--out", workspace / name, *(f"--set={setting}" for setting in settings))
+    return symolo.load(workspace / name)["CW/test_1"]
 
 
 def _command(*words: object) -> None:
