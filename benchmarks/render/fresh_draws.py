@@ -7,9 +7,11 @@ product of the differences from two references of complete light paths, with ind
 denoiser, beside the error that JPEG adds to the image with the noise of its camera.
 
     python benchmarks/render/fresh_draws.py [--draws 30] [--looks classroom lab] [--judged 3] [--samples 1024]
-        [--size 320 240] [--device cpu] [--seed N] [--out draws.json]
+        [--size 320 240] [--method auto] [--device cpu] [--seed N] [--out draws.json] [--sheet worst.png]
 
-`--device gpu` traces the references on a graphics card; the images that are judged come from the processor.
+`--method hybrid` judges hybrid rendering, whatever a run would choose. `--sheet` shows the place with the largest error
+of each image, four times as large, beside the same place of the reference. `--device gpu` traces the references on a
+graphics card; the images that are judged come from the processor.
 """
 
 import argparse
@@ -17,19 +19,22 @@ import json
 import os
 import secrets
 import sys
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 from painters import Painter
 from views import LOOKS, RandomCase, Views, random_cases
+from worst_places import WorstPlace, sheet, worst_place
 
-from blender_scenes.render.crop_errors import mean_square_errors
 from blender_scenes.render.devices import DeviceKind, device_for
+from blender_scenes.render.image_errors import mean_square_errors
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.light_paths import LIGHT_PATHS
-from blender_scenes.render.probe import PROBE_VIEWS, Decision, probed_numbers
+from blender_scenes.render.probe import MIN_VIEWS, Decision, probed_numbers
 from blender_scenes.render.sampling import hybrid_samples
 from configs.schema.scenario import Render
 from sensors.camera.colour import LUMINANCE
@@ -50,8 +55,12 @@ class Row:
     floor: str
     method: str
     """Hybrid, or the number of samples."""
-    estimated_db: float
-    """Error of the rendering relative to that of JPEG, on the crops of the probed views."""
+    worst_block_db: float
+    """Error of the worst square of `BLOCK_PX` x `BLOCK_PX` pixels, relative to JPEG's in the whole view."""
+    estimated_db: float | None
+    """Error of the rendering relative to that of JPEG, mean over the measured views; None without a choice."""
+    limit_db: float | None
+    """The same, as one view of twenty is expected to exceed it."""
     excess_db: float
     """The same, of the whole view; negative where the rendering is better than JPEG."""
     psnr_db: float
@@ -59,49 +68,74 @@ class Row:
     light: float
     """Mean luminance, relative to the references'."""
     core_s: float
-    """Without the measurement."""
+    """Without what `set_up_s` has."""
+    set_up_s: float
+    """Core-seconds for the start, the scene and the choice."""
 
 
-def rows_of(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -> list[Row]:
+@dataclass(frozen=True)
+class Lights:
+    """The light of the judged views, as a long run renders it."""
+
+    by_view: Mapping[int, FloatImage]
+    decision: Decision | None
+    """What the run chose; None if hybrid rendering is not its choice."""
+    core_s: float
+    set_up_s: float
+    """As in `Row`."""
+
+    @property
+    def method(self) -> str:
+        full = self.decision and self.decision.full
+        return f"{full.samples} samples" if full else "hybrid"
+
+
+def rows_of(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -> list[tuple[Row, WorstPlace]]:
     size = tuple(options.size)
-    views = case.views(PROBE_VIEWS + options.judged, size)
+    views = case.views(MIN_VIEWS + options.judged, size)
     probed = probed_numbers(len(views.job.frames))
     judged = [view.number for place, view in enumerate(views.job.frames) if place not in probed]
-    lights, decision, core_s = chosen_lights(views, judged, options)
+    lights = chosen_lights(views, judged, options)
+    errors = lights.decision and lights.decision.errors
     references = reference_lights(views.job, judged, options, device)
     metered = median_luminance(np.concatenate([light.reshape(-1, 3) for pair in references.values() for light in pair]))
-    method = "hybrid" if decision.full is None else f"{decision.full.samples} samples"
     rows = []
     for number in judged:
-        error, jpeg = mean_square_errors(lights[number], references[number], views.noisy().response, metered, number)
-        brightness = [float((light @ LUMINANCE).mean()) for light in (lights[number], *references[number])]
-        rows.append(
-            Row(
-                case=case.name,
-                floor=case.spec(size).look.floor.material,
-                method=method,
-                estimated_db=decibels(decision.errors.ratio),
-                excess_db=decibels(max(error, 0.01) / jpeg),
-                psnr_db=decibels(255**2 / max(error, 0.01)),
-                jpeg_psnr_db=decibels(255**2 / jpeg),
-                light=brightness[0] / np.mean(brightness[1:]),
-                core_s=core_s,
-            )
+        light, pair = lights.by_view[number], references[number]
+        error, jpeg = mean_square_errors(light, pair, views.noisy().response, metered, number)
+        place = worst_place(light, pair, views.job.response, metered)
+        brightness = [float((each @ LUMINANCE).mean()) for each in (light, *pair)]
+        row = Row(
+            case=case.name,
+            floor=case.spec(size).look.floor.material,
+            method=lights.method,
+            worst_block_db=decibels(max(place.mean_square, 0.01) / jpeg),
+            estimated_db=round(float(np.mean(errors.relative_dB)), 2) if errors else None,
+            limit_db=round(errors.limit_dB, 2) if errors else None,
+            excess_db=decibels(max(error, 0.01) / jpeg),
+            psnr_db=decibels(255**2 / max(error, 0.01)),
+            jpeg_psnr_db=decibels(255**2 / jpeg),
+            light=brightness[0] / np.mean(brightness[1:]),
+            core_s=round(lights.core_s, 2),
+            set_up_s=round(lights.set_up_s, 1),
         )
+        rows.append((row, place))
     return rows
 
 
-def chosen_lights(
-    views: Views, numbers: list[int], options: argparse.Namespace
-) -> tuple[dict[int, FloatImage], Decision, float]:
-    """Return the light of the views as a long run renders them, what it chose, and the core-seconds of a view."""
+def chosen_lights(views: Views, numbers: list[int], options: argparse.Namespace) -> Lights:
+    """Return the light of the views as a long run renders them, with what it chose."""
     width_px, height_px = options.size
     hybrid = hybrid_samples(Render(width_px=width_px, height_px=height_px))
     noisy = views.noisy()
-    job = replace(noisy, sampling=replace(noisy.sampling, probe=True, hybrid=hybrid))
-    with Painter("painter.py", job, {"kind": "chosen"}, options.threads, sys.executable) as painter:
+    chooses = options.method == "auto"
+    job = replace(noisy, sampling=replace(noisy.sampling, probe=chooses, hybrid=hybrid))
+    settings = {"kind": "chosen"} if chooses else {"kind": "ours", "hybrid": asdict(hybrid)}
+    with Painter("painter.py", job, settings, options.threads, sys.executable) as painter:
         cost = painter.paint(numbers)
-        return {n: painter.light(n) for n in numbers}, painter.decision(), cost.core_s / len(numbers)
+        decision = painter.decision() if chooses else None
+        by_view = {number: painter.light(number) for number in numbers}
+        return Lights(by_view, decision, cost.core_s / len(numbers), painter.set_up.core_s)
 
 
 def reference_lights(
@@ -109,14 +143,11 @@ def reference_lights(
 ) -> Mapping[int, tuple[FloatImage, FloatImage]]:
     """Return two images of the light of each view, with other random numbers."""
     job = replace(job, sampling=replace(job.sampling, paths=LIGHT_PATHS["complete"], device=device))
-    gains = {view.number: np.array(view.light_gain, np.float32) for view in job.frames}
-    halves = []
-    for seed in SEEDS:
-        settings = {"kind": "passes", "samples": options.samples, "seed": seed}
-        with Painter("painter.py", job, settings, options.threads, sys.executable) as painter:
-            painter.paint(numbers)
-            halves.append({number: painter.light(number)[0] * gains[number] for number in numbers})
-    return {number: (halves[0][number], halves[1][number]) for number in numbers}
+    settings = {"kind": "references", "samples": options.samples, "seeds": SEEDS}
+    with Painter("painter.py", job, settings, options.threads, sys.executable) as painter:
+        painter.paint(numbers)
+        pairs = {number: painter.light(number) for number in numbers}
+    return {number: (first, second) for number, (first, second) in pairs.items()}
 
 
 def decibels(ratio: float) -> float:
@@ -131,6 +162,7 @@ def print_summary(rows: list[Row]) -> None:
     print(f"error relative to JPEG: median {middle:+.1f} dB, lowest tenth {low:+.1f}, highest tenth {high:+.1f}")
     worst = max(rows, key=lambda row: row.excess_db)
     print(f"worst {worst.excess_db:+.1f} dB: {worst.case}, {worst.floor}, {worst.method}")
+    print(f"chosen for: {dict(Counter(row.method for row in rows))} images")
 
 
 def main() -> None:
@@ -141,25 +173,34 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=1024, help="of each reference")
     parser.add_argument("--size", nargs=2, type=int, default=[320, 240], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--method", choices=["auto", "hybrid"], default="auto")
     parser.add_argument("--device", choices=["cpu", "auto", "gpu"], default="cpu", help="of the references")
     parser.add_argument("--seed", type=int, default=secrets.randbelow(2**31), help="of the draws; default: a new one")
     parser.add_argument("--out", type=Path, help="JSON file of the rows")
+    parser.add_argument("--sheet", type=Path, help="PNG file of the places with the largest errors")
     options = parser.parse_args()
     print(f"seed {options.seed}", flush=True)
     device = device_for(options.device)
     rows: list[Row] = []
+    places: dict[str, WorstPlace] = {}
     for case in random_cases(options.looks, options.draws, options.seed):
-        rows += (of_case := rows_of(case, options, device))
+        pairs = rows_of(case, options, device)
+        rows += (of_case := [row for row, _ in pairs])
+        places |= {f"{row.case} {number} {row.method}": place for number, (row, place) in enumerate(pairs, 1)}
         excess = ", ".join(f"{row.excess_db:+.1f}" for row in of_case)
+        blocks = ", ".join(f"{row.worst_block_db:+.1f}" for row in of_case)
         one = of_case[0]
         print(
-            f"{case.name:12} {one.floor:13} {one.method:11} estimated {one.estimated_db:+.1f} dB, seen {excess} dB;"
-            f" JPEG {one.jpeg_psnr_db:.1f} dB; light {one.light:.3f}; {one.core_s:.1f} core-s",
+            f"{case.name:12} {one.floor:13} {one.method:11} estimated {one.estimated_db} dB, limit {one.limit_db},"
+            f" seen {excess} dB; worst squares {blocks} dB; JPEG {one.jpeg_psnr_db:.1f} dB;"
+            f" light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}",
             flush=True,
         )
         if options.out:
             text = json.dumps({"seed": options.seed, "rows": [asdict(row) for row in rows]}, indent=1)
             options.out.write_text(text + "\n")
+        if options.sheet:
+            cv2.imwrite(str(options.sheet), sheet(places))
     print_summary(rows)
 
 

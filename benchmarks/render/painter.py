@@ -3,8 +3,8 @@
     python painter.py JOB SETTINGS FOLDER THREADS
 
 Settings: {"kind": "ours", "sampling": fields of `TracingSettings`, "hybrid": fields of `HybridSamples` or null},
-{"kind": "plain", "cycles": properties of Cycles}, {"kind": "passes", "samples": N, "seed": N}, or {"kind": "chosen"},
-which leaves the settings to the measurement of a long run.
+{"kind": "plain", "cycles": properties of Cycles}, {"kind": "passes", "samples": N, "seed": N}, {"kind": "references",
+"samples": N, "seeds": [N, N]}, or {"kind": "chosen"}, which leaves the settings to the measurement of a long run.
 """
 
 import sys
@@ -112,7 +112,25 @@ def _passes(request: PaintRequest) -> Paint:
     return paint
 
 
-_KINDS = {"ours": _ours, "chosen": _chosen, "plain": _plain, "passes": _passes}
+def _references(request: PaintRequest) -> Paint:
+    """(2, H, W, 3): two images of the light without a denoiser, with other random numbers."""
+    from blender_scenes.blender_side import engine  # noqa: PLC0415 - it imports bpy
+
+    samples, seeds = request.settings["samples"], request.settings["seeds"]
+    size = engine.FrameTracer(request.job, request.threads, request.folder).size
+    views = {view.number: view for view in request.job.frames}
+
+    def light(view: FrameView, seed: int) -> np.ndarray:
+        traced = engine.traced_light(view, size, seed=seed, samples=samples, denoise=False)
+        return traced * np.array(view.light_gain, np.float32)
+
+    def paint(numbers: Sequence[int], _warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
+        return {number: np.stack([light(views[number], seed) for seed in seeds]) for number in numbers}
+
+    return paint
+
+
+_KINDS = {"ours": _ours, "chosen": _chosen, "plain": _plain, "passes": _passes, "references": _references}
 
 
 def _split(channels: dict[str, np.ndarray]) -> np.ndarray:

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from blender_scenes.blender_side.crops import CropProbe
 from blender_scenes.blender_side.engine import FrameTracer, metered_light
+from blender_scenes.blender_side.measured_images import Probe
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.probe import PROBE, decide, read_decision, to_json
 from sensors.camera.response import median_luminance
@@ -30,16 +30,14 @@ def tracer_for(  # noqa: PLR0917 - what a measurement takes
     """
     if not job.sampling.probe:
         return FrameTracer(job, threads, scratch)
-    metered, probe = median_luminance(metered_light(job)), None
+    metered = median_luminance(metered_light(job))
     decision = read_decision(images, job_sha256)
     if decision is None:
-        probe = CropProbe(job, threads, scratch, metered, on_step)
+        probe = Probe(job, threads, scratch, metered, on_step)
         measured = decide(job_sha256, job.sampling.hybrid, probe.errors)
         decision = read_decision(images, job_sha256)
         if decision is None:
-            decision = measured
-            write_file(images.with_name(PROBE), to_json(decision))
-    chosen = replace(job, sampling=decision.applied(job.sampling))
-    if chosen.sampling.hybrid and probe is not None and probe.hybrid is not None:
-        return probe.hybrid
-    return FrameTracer(chosen, threads, scratch, metered)
+            write_file(images.with_name(PROBE), to_json(measured))
+        if decision is None or decision == measured:
+            return probe.tracer  # that of the candidate that was measured last, which is the one chosen
+    return FrameTracer(replace(job, sampling=decision.applied(job.sampling)), threads, scratch, metered)

@@ -1,6 +1,5 @@
 """Cycles: all settings on which a pixel depends, and the linear light of a view."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -10,7 +9,7 @@ from blender_scenes.blender_side import gpus
 from blender_scenes.blender_side.hybrid.images import HybridRenderer
 from blender_scenes.blender_side.matt_colors import measure_matt_colors
 from blender_scenes.blender_side.placing import open_shutter, place
-from blender_scenes.blender_side.rendering import Part, rendered, show_part
+from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import TracingSettings
 from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
@@ -128,7 +127,8 @@ class FrameTracer:
         cycles.sample_clamp_indirect = limit
         cycles.denoising_prefilter, cycles.denoising_quality = job.sampling.prefilter, job.sampling.denoise_quality
         camera = pinhole_image(job.camera).camera
-        self._size = camera.width_px, camera.height_px
+        self.size = camera.width_px, camera.height_px
+        """Width and height of the pinhole image."""
         self._hybrid = HybridRenderer(job, threads, scratch) if job.sampling.hybrid else None
 
     def light(self, view: FrameView) -> np.ndarray:
@@ -137,26 +137,15 @@ class FrameTracer:
         light = self.pinhole_light(view)
         return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
 
-    def pinhole_light(self, view: FrameView, parts: Sequence[Part] = ()) -> np.ndarray:
-        """Return the linear light (H, W, 3) of a view before it passes the lens.
-
-        If some `parts` are named, hybrid rendering makes only these; at their borders they may differ.
-        """
+    def pinhole_light(self, view: FrameView) -> np.ndarray:
+        """Return the linear light (H, W, 3) of a view before it passes the lens."""
         job = self._job
         seed = noise_seed(job.sampling.seed, "frame", view.number)
         if self._hybrid is not None:
-            light = self._hybrid.light(view, seed, self._mask(parts) if parts else None)
+            light = self._hybrid.light(view, seed)
         else:
-            light = traced_light(
-                view, self._size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise
-            )
+            light = traced_light(view, self.size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise)
         return light * np.array(view.light_gain, np.float32)
-
-    def _mask(self, parts: Sequence[Part]) -> np.ndarray:
-        mask = np.zeros(self._size[::-1], bool)
-        for part in parts:
-            part.cut(mask)[...] = True
-        return mask
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
@@ -176,30 +165,19 @@ def noise_seed(seed: int, *path: str | int) -> int:
     return int(stream(seed, "path tracing", *path).integers(2**31))
 
 
-def traced_light(
-    view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool, part: Part | None = None
-) -> np.ndarray:
-    """Return the linear light (H, W, 3) of a view or of a part of its image; errors are those of `rendered`."""
-    channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise, part=part)
+def traced_light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
+    """Return the linear light (H, W, 3) of a view; errors are those of `rendered`."""
+    channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise)
     return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)
 
 
 def traced(
-    view: FrameView,
-    size: tuple[int, int],
-    pixel_bytes: int,
-    *,
-    seed: int,
-    samples: int,
-    denoise: bool,
-    part: Part | None = None,
+    view: FrameView, size: tuple[int, int], pixel_bytes: int, *, seed: int, samples: int, denoise: bool
 ) -> dict[str, np.ndarray]:
     """Return the channels (H, W) of a rendered view by name; for `pixel_bytes` and errors see `rendered`."""
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
-    scene.render.use_border = scene.render.use_crop_to_border = part is not None
-    if part is not None:
-        show_part(scene.render, part, size)
+    scene.render.use_border = scene.render.use_crop_to_border = False
     scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
     place(view)
     return rendered(scene, pixel_bytes)

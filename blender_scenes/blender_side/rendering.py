@@ -22,18 +22,6 @@ class Part:
     width_px: int
     height_px: int
 
-    def grown(self, by_px: int, size: tuple[int, int]) -> "Part":
-        """Return the rectangle with so many pixels more on each side, as far as an image of that size has them."""
-        left, top = max(self.left_px - by_px, 0), max(self.top_px - by_px, 0)
-        right = min(self.left_px + self.width_px + by_px, size[0])
-        bottom = min(self.top_px + self.height_px + by_px, size[1])
-        return Part(left, top, right - left, bottom - top)
-
-    def cut(self, pixels: np.ndarray, within: "Part | None" = None) -> np.ndarray:
-        """Return this part of the pixels of an image, or of those of a larger part."""
-        left, top = (within.left_px, within.top_px) if within else (0, 0)
-        return pixels[self.top_px - top :, self.left_px - left :][: self.height_px, : self.width_px]
-
 
 def show_part(render: bpy.types.RenderSettings, part: Part, size: tuple[int, int]) -> None:
     """Limit a rendering to a part of an image of that width and height."""

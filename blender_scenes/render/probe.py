@@ -1,14 +1,15 @@
-"""Choice of the cheapest rendering of a run whose error is no larger than that of JPEG, from measurements on crops.
+"""Choice of the cheapest rendering of a run whose errors are no larger than those of JPEG, from a few of its images.
 
 Some looks need many more samples than others, and hybrid rendering is accurate enough under some looks only. So the
-Blender process measures a few crops of a run (`blender_side/crops.py`), and this module decides. The measurement
-depends on the job alone, so all processes that share a run decide alike.
+Blender process measures a few images of a run (`blender_side/measured_images.py`), and this module decides. The
+measurement depends on the job alone, so all processes that share a run decide alike.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from pydantic import TypeAdapter
@@ -19,13 +20,18 @@ from symolo.dataset.documents.rendering_record import ImageErrorRecord
 
 PROBE = "probe.json"
 """File beside the folder of the images, with the decision."""
-PROBE_VIEWS = 4
-_MARGIN = 10 ** (-0.5 / 10)
-"""Maximum ratio of the mean square errors of a rendering and of JPEG, over all crops."""
-_WORST = 10 ** (1 / 10)
-"""Maximum of the same ratio in one view."""
+_IMAGES_PER_VIEW, MIN_VIEWS, _MAX_VIEWS = 50, 4, 8
+"""Length of a run for each image that is measured, and limits of their number."""
+_SPREAD_DB, _SPREAD_WEIGHT = 1.0, 4
+"""Standard deviation [dB] from image to image that is assumed beforehand, with the weight of so many images: that of
+four images alone is too uncertain. The worst of five views was 0.6 to 2.0 dB below the mean under three looks (table
+"Five views" of docs/rendering_measurements.md), 1.1 dB on average, and 1.2 standard deviations are expected."""
+_QUANTILE = 1.85
+"""95 % quantile of Student's t: 1.89 to 1.80 for the 7 to 11 degrees of freedom of four to eight images."""
 _MIN_MEAN_SQUARE = 0.01
 """Lower limit of a stated error, which the noise of the estimate may make negative."""
+_MIN_RATIO = 0.1
+"""Lower limit of the ratio to JPEG's error: it makes no difference how much smaller an error is, or how uncertain."""
 
 
 @dataclass(frozen=True)
@@ -41,67 +47,107 @@ LADDER = tuple(TracedSamples(samples) for samples in (2, 4, 8, 16, 32, 64))
 """Candidates of full rendering by their cost."""
 
 
+Candidate = HybridSamples | TracedSamples
+
+
 @dataclass(frozen=True)
-class CropErrors:
-    """Mean square errors of each view that was probed, in squares of grey values of 8 bits."""
+class ImageErrors:
+    """Mean square errors of each image that was measured, in squares of grey values of 8 bits."""
 
     rendering: tuple[float, ...]
     jpeg: tuple[float, ...]
-    """Error that JPEG adds to the same crops, which have the noise of the camera."""
+    """Error that JPEG adds to the same images, which have the noise of the camera."""
+
+    @classmethod
+    def of(cls, errors: Iterable[tuple[float, float]]) -> Self:
+        """Return the errors of images, each with that of its JPEG."""
+        rendering, jpeg = zip(*errors, strict=True)
+        return cls(rendering, jpeg)
+
+    @classmethod
+    def until_refused(cls, errors: Iterable[tuple[float, float]]) -> Self:
+        """Return the errors up to the first image that is worse than its JPEG, with which a candidate is refused."""
+        taken = []
+        for error, jpeg in errors:
+            taken.append((error, jpeg))
+            if _ratio(error, jpeg) > 1:
+                break
+        return cls.of(taken)
 
     @property
-    def ratio(self) -> float:
-        return _ratio(sum(self.rendering), sum(self.jpeg))
+    def relative_dB(self) -> tuple[float, ...]:
+        """Return the error of each image relative to that of JPEG; negative where it is smaller."""
+        ratios = (_ratio(error, jpeg) for error, jpeg in zip(self.rendering, self.jpeg, strict=True))
+        return tuple(10 * math.log10(ratio) for ratio in ratios)
 
     @property
-    def worst_ratio(self) -> float:
-        return max(_ratio(error, jpeg) for error, jpeg in zip(self.rendering, self.jpeg, strict=True))
+    def limit_dB(self) -> float:
+        """Return the error relative to JPEG's that a further image of the run exceeds with a probability of 5 %.
+
+        It is the upper prediction limit for one more value of a normal distribution (Hahn and Meeker, Statistical
+        Intervals, 1991, chapter 4), whose standard deviation is partly assumed beforehand; and never less than the
+        largest error that was measured.
+        """
+        relative_dB, count = np.array(self.relative_dB), len(self.rendering)
+        squares = _SPREAD_WEIGHT * _SPREAD_DB**2 + np.sum((relative_dB - relative_dB.mean()) ** 2)
+        variance = squares / (_SPREAD_WEIGHT + count - 1)
+        predicted_dB = relative_dB.mean() + _QUANTILE * math.sqrt(variance * (1 + 1 / count))
+        return float(max(predicted_dB, relative_dB.max()))
 
     def record(self) -> ImageErrorRecord:
         """Return the facts for metadata.json."""
         return ImageErrorRecord(
-            views=len(self.rendering), psnr_db=_psnr_dB(self.rendering), jpeg_psnr_db=_psnr_dB(self.jpeg)
+            views=len(self.rendering),
+            psnr_db=_psnr_dB(self.rendering),
+            jpeg_psnr_db=_psnr_dB(self.jpeg),
+            relative_limit_db=round(self.limit_dB, 1),
         )
 
     @property
     def excess(self) -> float:
-        """Ratio of the error to the largest one that is accepted."""
-        return max(self.ratio / _MARGIN, self.worst_ratio / _WORST)
+        """Return the ratio of the error to the largest one that is accepted."""
+        return 10 ** (self.limit_dB / 10)
 
 
 @dataclass(frozen=True)
 class Decision:
-    """The rendering of a run, with its error on the crops."""
+    """The rendering of a run, with its errors."""
 
     job_sha256: str
     hybrid: HybridSamples | None
     full: TracedSamples | None
     """One of the two is None."""
-    errors: CropErrors
+    errors: ImageErrors
 
     def applied(self, sampling: TracingSettings) -> TracingSettings:
         """Return the settings of a job with those that were chosen."""
-        if self.full is None:
-            return replace(sampling, hybrid=self.hybrid, probe=False)
-        chosen = self.full
-        return replace(
-            sampling,
-            samples=chosen.samples,
-            prefilter=chosen.prefilter,
-            denoise_quality=chosen.denoise_quality,
-            hybrid=None,
-            probe=False,
-        )
+        chosen = self.full or self.hybrid
+        return sampling if chosen is None else with_candidate(sampling, chosen)
+
+
+def with_candidate(sampling: TracingSettings, candidate: Candidate) -> TracingSettings:
+    """Return the settings of a job whose images are rendered as a candidate says."""
+    if isinstance(candidate, HybridSamples):
+        return replace(sampling, hybrid=candidate, probe=False)
+    return replace(
+        sampling,
+        samples=candidate.samples,
+        prefilter=candidate.prefilter,
+        denoise_quality=candidate.denoise_quality,
+        hybrid=None,
+        probe=False,
+    )
 
 
 def probed_numbers(images: int) -> list[int]:
-    """Return the indices of the images of a run of that length on whose crops errors are measured."""
-    return np.unique(((np.arange(PROBE_VIEWS) + 0.5) / PROBE_VIEWS * images).astype(int)).tolist()
+    """Return the indices of the images of a run of that length in which errors are measured."""
+    views = min(max(images // _IMAGES_PER_VIEW, MIN_VIEWS), _MAX_VIEWS)
+    return np.unique(((np.arange(views) + 0.5) / views * images).astype(int)).tolist()
 
 
 def _ratio(rendering: float, jpeg: float) -> float:
     """Return the ratio of two mean squares; JPEG has no error where an image is black, as beside a fisheye's circle."""
-    return max(rendering, 0.0) / max(jpeg, _MIN_MEAN_SQUARE)
+    return max(rendering / max(jpeg, _MIN_MEAN_SQUARE), _MIN_RATIO)
 
 
 def _psnr_dB(mean_squares: tuple[float, ...]) -> float:
@@ -136,7 +182,7 @@ def is_decided(sampling: TracingSettings, images: Path, job_sha256: str) -> bool
 def decide(
     job_sha256: str,
     hybrid: HybridSamples | None,
-    measure: Callable[[HybridSamples | TracedSamples], CropErrors],
+    measure: Callable[[Candidate], ImageErrors],
 ) -> Decision:
     """Return the cheapest rendering with a small error; if no error is small, the rendering with the most samples.
 

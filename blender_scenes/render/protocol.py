@@ -30,7 +30,7 @@ class Ready(Message):
 
 
 class ProbeStep(Message):
-    """A crop is rendered from which the renderer chooses its settings."""
+    """An image is rendered from which the renderer chooses its settings."""
 
     kind: Literal["probe"] = "probe"
 

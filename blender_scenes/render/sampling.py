@@ -78,8 +78,8 @@ _HYBRID_WIDTH_PX = 320
 MIN_PROBED_IMAGES, MIN_HYBRID_IMAGES = 50, 100
 """Numbers of images from which on a run pays for the measurement of errors, and for the maps of hybrid rendering."""
 MIN_PROBED_PIXELS = MIN_PROBED_IMAGES * 320 * 240
-"""Number of pixels of all images of a run from which on it pays: a measurement costs the same for images of any size.
-"""
+"""Number of pixels of all images of a run from which on it pays: where images are small, starting Blender and building
+the scene are most of the cost, and fewer pixels make the measurement less exact."""
 
 _SIZE_PX = 640 * 480
 _MAX_TIMES = 2.0

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from blender_scenes.render.probe import LADDER
+from blender_scenes.render.probe import LADDER, probed_numbers
 from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from configs.posterior.schema import LoadedPosterior
 from configs.schema.scenario import RunSpec
@@ -31,10 +31,11 @@ BYTES_PER_PIXEL = 0.2
 """Size [byte] of a pixel of a JPEG image of quality 92."""
 HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
 """Time [s] on one core for an image from hybrid rendering, and for each of its pixels; with its share of the maps."""
-PROBE_S = 40.0
-"""Time [s] on one core for the choice of method and samples of a run."""
 _USUAL = LADDER[1]
 """Full rendering that is assumed for runs that choose, and for which hybrid rendering is no candidate."""
+PROBED_SAMPLES = 30
+"""Samples of a pixel of each image from which a run chooses method and samples: two references of 8, and candidates
+with 2 and 8, whose denoiser takes the time of two each."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Time [s] on one core for all annotations of a pixel."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
@@ -163,7 +164,7 @@ class ScenarioPlan:
         if not all(_is_hybrid(each) for each in probed):
             costs.append(f"{_USUAL.samples} samples per pixel where a run chooses, ")
         if probed:
-            costs.append(f"{PROBE_S:g} s for the choice of a run, ")
+            costs.append(f"{PROBED_SAMPLES} samples per pixel in each image that a run measures, ")
         full = [run.sampling for run in self._all if not _is_hybrid(run.sampling)]
         if full:
             prefilters = {_USUAL.prefilter if each.probe else each.prefilter for each in full if each.denoise}
@@ -217,6 +218,8 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
     traced = pinhole.width_px * pinhole.height_px
     sampled = tracing_settings(render, spec.seed, images=images)
     image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
+    measured = len(probed_numbers(images)) if sampled.probe else 0
+    choice_s = measured * traced * PROBED_SAMPLES * RENDER_SAMPLE_S
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=f"{spec.key} {camera.name}".rstrip(),
@@ -230,5 +233,5 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
         quality=render.quality,
         sampling=sampled,
         margin=traced / pixels,
-        render_core_s=RENDER_START_S + (PROBE_S if sampled.probe else 0.0) + images * image_s + annotation_s,
+        render_core_s=RENDER_START_S + choice_s + images * image_s + annotation_s,
     )

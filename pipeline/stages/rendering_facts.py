@@ -34,8 +34,9 @@ def rendering_facts(
     if decision is None or error is None or decision.errors.excess <= 1:
         return record, ()
     text = (
-        f"the images have larger errors than JPEG adds, by an estimate on crops (PSNR {error.psnr_db:.1f} dB; JPEG"
-        f" {error.jpeg_psnr_db:.1f} dB): render.quality=high makes them more exact"
+        f"some images may have larger errors than JPEG adds, by an estimate (PSNR {error.psnr_db:.1f} dB; JPEG"
+        f" {error.jpeg_psnr_db:.1f} dB; one image of twenty may be {decision.errors.limit_dB:.1f} dB worse than JPEG):"
+        " render.quality=high makes them more exact"
     )
     return record, (text,)
 

@@ -345,7 +345,7 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
     """The corner's ray, r of r (1 - 0.3 r^2 + 0.1 r^4) = 0.882, goes the furthest; of assumptions only those made."""
     lens = ("robot.camera.distortion.k1=-0.3", "robot.camera.distortion.k2=0.1")
     plain, behind, annotated = (
-        ScenarioPlan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
+        ScenarioPlan.of([draw_run(load_scenario("symolo", ("render.method=full", *settings)), "CW", 1)], 1)
         for settings in ((), lens, ("render.annotations=[depth]",))
     )
     (own,), (wider,) = plain.runs, behind.runs
@@ -378,6 +378,8 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
     parts = planned()
     assert "from hybrid rendering" in parts.text()
     assert parts.render_s < plain.render_s / 2
+    # In 4 of 201 images, a choice takes two references of 8 samples, besides its candidates.
+    assert parts.render_s - planned("render.method=hybrid").render_s > 2 * 8 * traced_s * 4 / 201
     assert (
         "quality    draft, 9 samples"
         in symolo("plan", "smoke", "--set=render.quality=draft", "--set=render.samples=9").out

@@ -119,17 +119,13 @@ class HybridRenderer:
         self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MAX_BYTES)
         self._relief = TiledMap(_RELIEF, self._relief_tile, _MAX_BYTES)
 
-    def light(self, view: FrameView, seed: int, where: np.ndarray | None = None) -> FloatImage:
-        """Return the linear light (H, W, 3) of the pinhole image of a view.
-
-        With a mask `where` (H, W), the floor is black elsewhere, and needs no maps there.
-        """
+    def light(self, view: FrameView, seed: int) -> FloatImage:
+        """Return the linear light (H, W, 3) of the pinhole image of a view."""
         moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
         # Other random numbers than the light has, or their errors would add up.
         seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
-        needed = cover[..., 0] > 0 if where is None else (cover[..., 0] > 0) & where
-        floor, seen[_ROUGHNESS] = np.split(self._floor(view, needed), [3], axis=-1)
+        floor, seen[_ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
         near = self._near_light(moved, still, seen)
         share, traced = near[..., :3], near[..., 3:]
         end = self._far_end(cover)

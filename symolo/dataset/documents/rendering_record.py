@@ -29,14 +29,17 @@ class LightPathsRecord(Record):
 
 
 class ImageErrorRecord(Record):
-    """Error of the images, estimated on crops of a few of them, against references without a denoiser."""
+    """Error of the images, estimated on a few of them, against references without a denoiser."""
 
     views: int = Field(ge=1)
-    """Number of images of which crops were measured."""
+    """Number of images that were measured."""
     psnr_db: float
-    """PSNR of the crops [dB], without camera noise and JPEG."""
+    """PSNR of these images [dB], without camera noise and JPEG."""
     jpeg_psnr_db: float
-    """PSNR [dB] of JPEG for the same crops with camera noise, the scale of `render.quality: standard`."""
+    """PSNR [dB] of JPEG for the same images with camera noise, the scale of `render.quality: standard`."""
+    relative_limit_db: float | None = None
+    """Error relative to that of JPEG [dB] that an image of the run exceeds with a probability of 5 %, by the estimate;
+    None in releases that did not state it."""
 
 
 class RenderingRecord(Record):

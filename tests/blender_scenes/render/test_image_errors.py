@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.render.crop_errors import mean_square_errors
+from blender_scenes.render.image_errors import mean_square_errors
 from configs.schema.appearance.look import CameraLook
 from sensors.camera.response import CameraResponse
 

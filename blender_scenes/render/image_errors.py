@@ -1,0 +1,43 @@
+"""Mean square error of an image, from two references whose noise is independent, and that of its JPEG."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from sensors.camera.response import CameraResponse, develop_part, encode_jpeg
+from symolo.core.arrays import FloatImage
+
+
+def mean_square_errors(
+    light: FloatImage, references: tuple[FloatImage, FloatImage], response: CameraResponse, metered: float, number: int
+) -> tuple[float, float]:
+    """Return the mean square errors of an image and of its JPEG, in squares of grey values of 8 bits.
+
+    The first may be negative where the error is small.
+
+    Args:
+        light: Linear light (H, W, 3) of the image, before the lens bends it.
+        references: The same with other random numbers and without a denoiser.
+        response: Response of the camera; only JPEG's error depends on its noise.
+        metered: Median luminance of the run.
+        number: Number of the frame, for the noise of the camera.
+    """
+    noisy = (develop_part(light, response, metered, number) + 0.5).astype(np.uint8)
+    data = np.frombuffer(encode_jpeg(noisy, response.jpeg_quality), np.uint8)
+    decoded = cv2.cvtColor(cv2.imdecode(data, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+    apart = decoded.astype(np.float32) - noisy
+    error = np.mean(square_errors(light, references, response, metered), dtype=np.float64)
+    return float(error), float(np.mean(apart**2, dtype=np.float64))
+
+
+def square_errors(
+    light: FloatImage, references: tuple[FloatImage, FloatImage], response: CameraResponse, metered: float
+) -> FloatImage:
+    """Return the square error (H, W, 3) of each grey value, for means over many of them; arguments as above.
+
+    It is the product of the differences from both references, whose noise cancels in a mean.
+    """
+    without_noise = replace(response, shot_noise=0.0, read_noise=0.0)
+    image, first, second = (develop_part(each, without_noise, metered, None) for each in (light, *references))
+    return (image - first) * (image - second)
