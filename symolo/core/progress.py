@@ -8,6 +8,8 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import Protocol
 
 SECONDS_BETWEEN_LINES = 10.0
+MIN_SHARE = 0.02
+"""Share of a stage that must be done before the time left is estimated from it."""
 
 
 class StageReport(Protocol):
@@ -68,8 +70,8 @@ class _Lines:
         if now - self._last < SECONDS_BETWEEN_LINES or self.done >= self._total:
             return
         self._last = now
-        left = (now - self.started) * (self._total / self.done - 1) if self.done else float("inf")
-        eta = f", about {seconds(left)} left" if left < float("inf") else ""
+        left = time_left(now - self.started, self.done / self._total)
+        eta = f", about {left} left" if left else ""
         self.say(f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{eta}")
 
 
@@ -86,25 +88,24 @@ class BarReport:
 
     @contextmanager
     def stage(self, name: str, total: float, unit: str) -> Iterator[StageReport]:
-        from rich.progress import (  # noqa: PLC0415 - see above
-            BarColumn,
-            Progress,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - see above
 
         columns = (
             TextColumn(f"{name:9}"),
             BarColumn(),
             TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {_counted(unit, total)}"),
             TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
+            TextColumn("{task.fields[left]}"),
         )
         with Progress(*columns, console=self._console) as progress:
-            task = progress.add_task(name, total=total)
-            yield _Bar(lambda done: progress.update(task, completed=done), self.say)
+            task = progress.add_task(name, total=total, left="")
+            started = time.monotonic()
+
+            def show(done: float) -> None:
+                left = time_left(time.monotonic() - started, done / total if total else 1.0)
+                progress.update(task, completed=done, left=left and f"about {left} left")
+
+            yield _Bar(show, self.say)
 
 
 class _Bar:
@@ -120,6 +121,18 @@ class _Bar:
 def _counted(unit: str, total: float) -> str:
     """Return a unit such as `runs` for a total: `1 of 1 run`, `0 of 2 runs`."""
     return unit.removesuffix("s") if total == 1 else unit
+
+
+def time_left(since_s: float, share: float) -> str:
+    """Return the time left if the rest of a stage is as fast as its beginning; empty if too little or all is done.
+
+    The time from the start counts, and not the speed of the last parts: until the first part a stage may need long.
+
+    Args:
+        since_s: Time since the stage began.
+        share: Share of the stage that is done.
+    """
+    return seconds(since_s * (1.0 / share - 1.0)) if MIN_SHARE <= share < 1.0 else ""
 
 
 def seconds(duration_s: float) -> str:

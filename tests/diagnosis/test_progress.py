@@ -2,7 +2,7 @@
 
 import pytest
 
-from diagnosis.progress import USUAL_PREDICTIONS, DiagnosisProgress, Phase
+from diagnosis.progress import USUAL_ROBOTS_OF, DiagnosisProgress, Phase
 
 
 def test_the_share_grows_from_phase_to_phase_and_stays_below_one():
@@ -11,15 +11,15 @@ def test_the_share_grows_from_phase_to_phase_and_stays_below_one():
     for phase in Phase:
         progress.begin(phase)
         assert shares[-1] == pytest.approx(phase.value / 100)
-        for _ in range(10 * USUAL_PREDICTIONS):
-            progress.predicted()
+        for _ in range(100):
+            progress.predicted(50)
     assert shares == sorted(shares)
     assert shares[-1] < 1.0
 
 
-def test_a_phase_is_half_done_after_the_usual_number_of_predictions():
+def test_a_phase_is_half_done_after_the_usual_number_of_robots():
     shares: list[float] = []
     progress = DiagnosisProgress(shares.append)
-    for _ in range(USUAL_PREDICTIONS):
-        progress.predicted()
+    for _ in range(2):
+        progress.predicted(USUAL_ROBOTS_OF[Phase.SELECTION] // 2)
     assert shares[-1] == pytest.approx(Phase.STRUCTURE.value / 200)

@@ -78,8 +78,8 @@ class Evidence:
         """(N,), number of independent samples that a sample is worth."""
         self.known: dict[Hashable, object] = {}
         """Results that were computed before (`diagnosis.inference.evidence.remembered`)."""
-        self.on_predicted: Callable[[], None] = _nothing
-        """Called before each prediction, which is nearly all the work of a fit."""
+        self.on_predicted: Callable[[int], None] = _nothing
+        """Called with the number of robots before each prediction, which is nearly all the work of a fit."""
 
     @cached_property
     def resolution(self) -> Array:
@@ -132,7 +132,7 @@ class Evidence:
 
     def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
-        self.on_predicted()
+        self.on_predicted(len(robots))
         mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
         by_tolerances = np.zeros(len(robots))
         first = 0
@@ -151,5 +151,5 @@ class Evidence:
         return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd), by_tolerances)
 
 
-def _nothing() -> None:
+def _nothing(_robots: int) -> None:
     """Do nothing."""

@@ -37,13 +37,15 @@ _DRIVE = {
     "omega_right_rad_s": ("speed_r", "rad/s", Role.READING),
 }
 """Channel -> column of side/wheels.csv, unit, role."""
-_VOLTAGES = {"u_left_V": "mean_voltage_l", "u_right_V": "mean_voltage_r"}
-"""Channel -> column. A row of the column is the mean since the row before; a row of the channel is the mean until the
-next row."""
+_VOLTAGES = {"u_left_V": ("mean_voltage_l", "voltage_l"), "u_right_V": ("mean_voltage_r", "voltage_r")}
+"""Channel -> columns. A row of the first column is the mean since the row before; a row of the channel is the mean
+until the next row. A row of the second column is the last voltage before it."""
 _NOTE = (
-    "a voltage is the mean from its row to the next, between which the wheel loop changes it; it drives a motor to the "
-    "same place as the loop does but for its ripple"
+    "a voltage is the mean from its row to the next, between which the wheel loop changes it; it is taken to change "
+    "evenly to its last value in the row"
 )
+UPDATES = 5
+"""Updates of the wheel loop in a row, at the rates of the shipped scenarios."""
 HELD_OUT_EACH = 4
 """Every 4th run is held out; of fewer than 4 runs, the last quarter of each."""
 
@@ -162,12 +164,32 @@ def _trial(run: _DatasetRun) -> Trial:
         Channel.logged(TimeSeries(name, unit, t_s, wheels[:, WHEELS.header.index(column)].copy()), role)
         for name, (column, unit, role) in _DRIVE.items()
     ]
-    for name, column in _VOLTAGES.items():
-        mean_V = np.append(wheels[1:, WHEELS.header.index(column)], np.nan)
-        drive.append(Channel.logged(TimeSeries(name, "V", t_s, mean_V), Role.INPUT))
+    held = []
+    for name, columns in _VOLTAGES.items():
+        mean_V, last_V = (wheels[1:, WHEELS.header.index(column)] for column in columns)
+        drive.append(Channel.logged(TimeSeries(name, "V", t_s, np.append(mean_V, np.nan)), Role.INPUT))
+        held.append(_held(name, t_s, mean_V, last_V))
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
-    return trial_of(run_name(run.folder), rows, (*drive, *seen))
+    return replace(trial_of(run_name(run.folder), rows, (*drive, *seen)), held=tuple(held))
+
+
+def _held(name: str, t_s: Array, mean_V: Array, last_V: Array) -> TimeSeries:
+    """Return the voltages of the updates of the wheel loop, with the mean and the last one of each row.
+
+    Between rows they are not logged. Steps of equal size are the simplest curve with both: by a mean alone the motor
+    would turn too early in a row in which its voltage rises, which looks like a delay.
+
+    Args:
+        name: Channel.
+        t_s: (n,), times of the rows.
+        mean_V: (n - 1,), mean voltage of each row.
+        last_V: (n - 1,), last voltage of each row.
+    """
+    number = np.arange(UPDATES)
+    times = t_s[:-1, None] + np.diff(t_s)[:, None] * number / UPDATES
+    volts = mean_V[:, None] + (last_V - mean_V)[:, None] * (2.0 * number / (UPDATES - 1) - 1.0)
+    return TimeSeries(name, "V", times.ravel(), volts.ravel())
 
 
 def _imported_trial(run: _DatasetRun) -> Trial:
