@@ -1,31 +1,37 @@
-"""Make cases, or grade answers."""
+"""Make cases, grade answers, or state what could be seen in cases."""
 
 import argparse
 from pathlib import Path
 
-from benchmarks.diagnosis.independent_cases import judge
+from benchmarks.diagnosis.independent_cases import bound, judge
 from benchmarks.diagnosis.independent_cases.case import KINDS, make_cases
 from benchmarks.diagnosis.independent_cases.files import write_case, write_truth
 
 
 def main() -> None:
-    """Make cases with --kind and --out, or grade answers with --truth and --answers."""
+    """Make cases with --kind and --out, grade answers with --truth and --answers, or state the bound with --truth."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kind", choices=sorted(KINDS))
     parser.add_argument("--cases", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, help="folder of the cases and of truth.json")
-    parser.add_argument("--truth", type=Path, help="truth.json that answers are graded against")
+    parser.add_argument(
+        "--truth",
+        type=Path,
+        help="truth.json of the cases; alone, for the share of effects that an ideal test would see",
+    )
     parser.add_argument("--answers", type=Path, help="folder of the answers")
     args = parser.parse_args()
     if args.truth and args.answers:
         judge.run(args.truth, args.answers)
+    elif args.truth:
+        bound.run(args.truth)
     elif args.kind and args.out:
         for files, truth in make_cases(args.kind, args.cases, args.seed):
             write_case(args.out / truth["case"], files)
             write_truth(args.out / "truth.json", truth)
     else:
-        parser.error("give --kind and --out to make cases, or --truth and --answers to grade answers")
+        parser.error("give --kind and --out to make cases, --truth and --answers to grade answers, or --truth alone")
 
 
 if __name__ == "__main__":

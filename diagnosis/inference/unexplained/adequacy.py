@@ -22,7 +22,7 @@ from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, bases, standing_out
 from diagnosis.inference.unexplained.outlier_clusters import cluster
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import ROW_TIME
+from diagnosis.predictors.base import ROW_TIME, Covariate
 from symolo.core.arrays import Array
 
 LEVEL = 0.001
@@ -46,6 +46,11 @@ next. It is reported as unexplained, but does not speak against effects that do 
 OUTLIERS_IN_A_ROW = 8
 """Number of successive rows up to which outliers may come from the logger. They are reported as unexplained, but do not
 speak against effects, which act in all rows. GAP_FORMAT has runs of up to six; a run is found with a few rows more."""
+MAX_RUNS = 2
+"""Number of runs of outliers that may lie near each other in time by chance. A run is one event in the logger, and not
+as many as it has outliers."""
+APART = 2
+"""Distance in rows beyond which two outliers are of different runs."""
 SESSION = ("row", "session_time_s", "sweep", "trial")
 """Covariates that tell when a row was taken; `t_s` too, where a quantity has no time since the session began."""
 
@@ -196,15 +201,26 @@ def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterato
             basis=column,
             size=float(np.sqrt(squares / evidence.weight[place][rows].sum())),
             is_over_time=False,
-            longest_run=run_of_outliers(found.rows),
+            longest_run=run_of_outliers(found.rows, MAX_RUNS if is_clock(covariate) else 1),
         )
 
 
-def run_of_outliers(rows: Mask) -> int:
-    """Return the number of rows from the first to the last of some rows, if a logger can cause it; else 0."""
+def is_clock(covariate: Covariate) -> bool:
+    """Return whether a covariate tells only when a row was taken."""
+    return covariate.name in SESSION or covariate.name == ROW_TIME
+
+
+def run_of_outliers(rows: Mask, max_runs: int = 1) -> int:
+    """Return the number of rows of the longest run of some rows, if a logger can cause them; else 0.
+
+    Args:
+        rows: (n,), rows that stand out.
+        max_runs: Number of runs in which a logger can cause them.
+    """
     places = np.flatnonzero(rows)
-    length = int(places[-1] - places[0]) + 1
-    return length if length <= OUTLIERS_IN_A_ROW else 0
+    runs = [places] if max_runs == 1 else np.split(places, 1 + np.flatnonzero(np.diff(places) > APART))
+    length = max(int(run[-1] - run[0]) + 1 for run in runs)
+    return length if len(runs) <= max_runs and length <= OUTLIERS_IN_A_ROW else 0
 
 
 class _Tangents:

@@ -40,6 +40,9 @@ SCANNED_ROWS = 24
 """Rows from which waves are tested."""
 WAVES_IN_RANGE = (1.5, 40.0)
 """Smallest and largest number of waves within the range of a covariate."""
+MIN_ROWS_PER_WAVE = 2.0
+"""Least mean number of distinct values in a wave, as at the Nyquist frequency; values of a bench are mostly uneven, and
+then show even shorter waves."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +215,7 @@ def _waves(values: Array, known: Mask) -> Iterator[Basis]:
     reach = float(np.ptp(values[known]))
     if np.count_nonzero(known) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
         return
-    counts = np.arange(WAVES_IN_RANGE[0], min(WAVES_IN_RANGE[1], distinct / 3.0), 0.5)
+    counts = np.arange(WAVES_IN_RANGE[0], min(WAVES_IN_RANGE[1], distinct / MIN_ROWS_PER_WAVE), 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
         columns = _where(known, np.stack([np.cos(angle), np.sin(angle)], axis=1))

@@ -5,7 +5,7 @@ import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import fits
-from diagnosis.inference.unexplained.adequacy import adequacy
+from diagnosis.inference.unexplained.adequacy import adequacy, run_of_outliers
 from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.predictors.base import Predicted
 
@@ -126,3 +126,20 @@ def test_outliers_in_a_row_are_reported_and_withdraw_no_effect_that_acts_in_all_
         assert not left.is_adequate
         assert left.leaves_only_outliers == is_kept
         assert survivors(evidence, base, fit, left) == ([hidden] if is_kept else [])
+
+
+@pytest.mark.parametrize(
+    ("places", "max_runs", "longest"),
+    [
+        ([10, 11, 12, 17, 18], 2, 3),
+        ([10, 11, 12, 17, 18], 1, 0),
+        ([10, 11, 12, 16], 1, 7),
+        ([10, 20, 30], 2, 0),
+        ([*range(10, 21), 30], 2, 0),
+    ],
+)
+def test_two_runs_of_a_logger_may_lie_near_each_other_in_time(places, max_runs, longest):
+    """Three runs, a run of more than eight rows, or two runs along another covariate than time, have another cause."""
+    rows = np.zeros(60, dtype=bool)
+    rows[places] = True
+    assert run_of_outliers(rows, max_runs) == longest
