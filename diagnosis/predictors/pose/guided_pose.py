@@ -59,11 +59,22 @@ class GuidedPoses:
         """(n, 3), what the wheels do not say."""
         self.is_right: Mask = ~(wrong | _wrong(self._drift[:, :2], trial, is_logged, noise.xy_m))
         """(n,), rows whose logged pose is near those around."""
+        self._known: tuple[bytes, Array] = (b"", pose)
 
     def at(self, delay_s: float | Array) -> Array:
-        """Return the poses (..., n, 3) a delay before the times of their rows; delays as of `earlier`."""
-        path = earlier(self._path, self._t_s, self._trials, delay_s)
-        return path + self._smoothed(self._drift, self.is_right, delay_s)
+        """Return the poses (..., n, 3) a delay before the times of their rows; delays as of `earlier`.
+
+        Most robots have the delay of the one before, so its poses are remembered.
+        """
+        key = np.asarray(delay_s).tobytes()
+        if np.ndim(delay_s) > 1 or key != self._known[0]:
+            path = earlier(self._path, self._t_s, self._trials, delay_s)
+            poses = path + self._smoothed(self._drift, self.is_right, delay_s)
+            poses.flags.writeable = False
+            if np.ndim(delay_s) > 1:
+                return poses
+            self._known = key, poses
+        return self._known[1]
 
     def _smoothed(self, values: Array, trusted: Mask, delay_s: float | Array) -> Array:
         return smoothed_earlier(values, self._t_s, self._trials, delay_s, trusted)
