@@ -12,7 +12,8 @@ from symolo.publishing.about import Author
 from symolo.publishing.dataset import PackedFile, Published
 
 DESCRIPTOR, SCENARIO, CARD = "ro-crate-metadata.json", "scenario.yaml", "README.md"
-_CONTEXT = "https://w3id.org/ro/crate/1.1/context"
+_CONTEXT = ("https://w3id.org/ro/crate/1.1/context", {"sha256": "http://schema.org/sha256"})
+"""The context of RO-Crate 1.1 has the terms of schema.org 10, which did not have sha256 yet."""
 _CRATE = "https://w3id.org/ro/crate/1.1"
 _WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
 _PROFILES = {
@@ -27,7 +28,7 @@ _ADDRESS = "https://pypi.org/project/{}/"
 
 def ro_crate(data: Published) -> dict[str, Any]:
     """Return the content of the file."""
-    return {"@context": _CONTEXT, "@graph": list(_entities(data))}
+    return {"@context": list(_CONTEXT), "@graph": list(_entities(data))}
 
 
 def _entities(data: Published) -> Iterator[dict[str, Any]]:
