@@ -48,7 +48,9 @@ MIN_ROWS = 12
 def with_law(diagnosis: Diagnosis) -> Diagnosis:
     """Return a diagnosis with the search for a law, if it leaves anything open; names and conclusion stay."""
     if diagnosis.conclusion not in OPEN:
-        return diagnosis
+        return replace(
+            diagnosis, discovery=Discovery(None, "the diagnosis leaves nothing open, so that none is needed")
+        )
     best, reason, scan = _best(diagnosis)
     if best is None:
         return replace(diagnosis, discovery=Discovery(None, reason))
@@ -93,7 +95,9 @@ def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
     reasons = [_refusal(evidence, fit, each, scan.chance) for each in every]
     accepted = [each for each, reason in zip(every, reasons, strict=True) if not reason]
     if not accepted:
-        reason = f"{every[0].form.words}: {reasons[0]}" if every else "no covariate of a slot varies"
+        reason = "no covariate of a slot varies"
+        if every:
+            reason = f"the best form, {every[0].form.words}, is refused, since {reasons[0]}"
         return None, reason, LawSearch(scan.chance, len(tried))
     best, *others = accepted
     rivals = tuple((each.form.words, best.score - each.score) for each in others if best.score - each.score < AS_GOOD)

@@ -92,9 +92,10 @@ def smooth(place: LawPlace, c: SlotCovariate) -> LawForm | None:
         CURVE,
         (c.name,),
         f"a smooth change of {place.noun} over the {c.words}",
-        f"sum(value * curve for value, curve in zip(({values}), curves({{{c.name}}}), strict=True))",
+        f"sum(value * curve for value, curve in zip(values, curves({{{c.name}}}), strict=True))",
         numbers,
         (tuple(0.0 for _ in numbers),),
+        shorthand=f"values = ({values})",
         constants=(
             f"KNOTS = np.array([{listed}])",
             f'"""Where the numbers are the change, {c.words}."""',

@@ -13,7 +13,7 @@ def sentences(discovery: Discovery | None) -> Iterator[str]:
         return
     law = discovery.law
     if law is None:
-        yield f"No law describes it. The best one that was tried is refused: {discovery.reason}."
+        yield f"No law is proposed: {discovery.reason}."
         return
     yield f"{_structure(law)}. A law describes the data and names no cause; its file is {law.file}."
     yield f"Its numbers are {_numbers(law)}."
@@ -30,9 +30,9 @@ def entries(discovery: Discovery | None) -> Iterator[tuple[str, str]]:
         return
     law = discovery.law
     if law is None:
-        yield "no law", f"the best one that was tried is refused: {discovery.reason}"
+        yield "no law", discovery.reason
         return
-    yield "law", f"{_structure(law)}: {law.file}"
+    yield "curve" if law.is_curve else "law", f"{_structure(law)}: {law.file}"
     for name, value in law.values.items():
         yield f"  {name}", with_error(value, law.std[name], "+-")
     yield "  evidence", _evidence(law)
@@ -96,6 +96,8 @@ def _evidence(law: DiscoveredLaw) -> str:
             f", where the error falls from {law.gain.before:.3g} to {law.gain.after:.3g} sigma, a gain of "
             f"{gain_text(law.gain)}"
         )
+        if law.gain.low <= 0.0:
+            text += ", so that the held-out rows alone do not show it"
     as_good = round(law.chance * (SIGN_DRAWS + 1)) - 1
     return (
         f"{text}. It is the best of {law.forms_tried} forms; with random signs of the residuals, some form does as "

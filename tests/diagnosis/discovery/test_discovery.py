@@ -104,6 +104,8 @@ def test_the_law_extends_the_model_and_names_nothing(diagnosis_of):
 def test_where_nothing_is_hidden_no_law_is_invented(diagnosis_of):
     diagnosis = diagnosis_of("nothing")
     assert diagnosis.law is None
+    assert diagnosis.conclusion is CaseVerdict.EXPLAINED
+    assert diagnosis.discovery.reason == "the diagnosis leaves nothing open, so that none is needed"
     assert diagnosis.extended.effects.get(diagnosis_of("power").law.effect.kind) is None
 
 
