@@ -31,7 +31,7 @@ COARSE = (0.003, 0.1)
 """Smallest and largest coarse step of a range [m] that is tried."""
 COARSE_STEPS = 300
 """Sizes of a coarse step between them that are tried."""
-MOST = 9e4
+MAX_NUMBER = 9e4
 """Largest bound of a number; an effect file has none beyond 1e5."""
 MIN_DISTINCT = 5
 """Smallest number of different values of a covariate along which a law can be told."""
@@ -117,7 +117,7 @@ def _size(place: LawPlace, word: str, meaning: str) -> LawNumber:
 def _at(c: SlotCovariate, word: str, meaning: str, start: float) -> LawNumber:
     """Return a place along a covariate, with bounds a range beyond the data on each side."""
     span = c.high - c.low
-    high = min(c.high + span, MOST)
+    high = min(c.high + span, MAX_NUMBER)
     return LawNumber(_named(word, c.unit), c.unit, f"{meaning}, {c.words}", start, max(0.0, c.low - span), high)
 
 
@@ -179,7 +179,7 @@ def _wave(place: LawPlace, c: SlotCovariate) -> LawForm:
     span, distinct = c.high - c.low, len(np.unique(c.values))
     lengths = (span / np.geomspace(CYCLES[0], min(CYCLES[1], distinct / 2.5), TRIED_CYCLES)).tolist()
     swing, unit = _size(place, "swing", "Amplitude"), c.unit
-    shortest, longest = 0.3 * min(lengths), min(3.0 * span, MOST)
+    shortest, longest = 0.3 * min(lengths), min(3.0 * span, MAX_NUMBER)
     length = LawNumber(_named("length", unit), unit, "Length of a wave", lengths[len(lengths) // 2], shortest, longest)
     phase = LawNumber("phase_rad", "rad", f"Phase at {c.words} = 0", 1.0, -6.3, 6.3, is_angle=True)
     return LawForm(
@@ -227,7 +227,7 @@ def _powers(place: LawPlace, c: SlotCovariate, times: SlotCovariate | None) -> I
     )
     halves = [part * span for part in HALVES]
     meaning = f"Where half of the change at infinity is reached, {c.words}"
-    half = LawNumber(_named("half", c.unit), c.unit, meaning, halves[1], 1e-3 * span, min(2.0 * span, MOST))
+    half = LawNumber(_named("half", c.unit), c.unit, meaning, halves[1], 1e-3 * span, min(2.0 * span, MAX_NUMBER))
     yield LawForm(
         place,
         "saturation",
@@ -306,7 +306,7 @@ def _of_instrument(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         is_result=True,
     )
     name = _named("top", c.unit)
-    top = LawNumber(name, c.unit, f"Largest reading, {c.words}", edges[-1], 1e-3 * c.high, MOST, MOST)
+    top = LawNumber(name, c.unit, f"Largest reading, {c.words}", edges[-1], 1e-3 * c.high, MAX_NUMBER, MAX_NUMBER)
     yield LawForm(
         place,
         "limit",

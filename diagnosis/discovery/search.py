@@ -21,7 +21,7 @@ from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 
 PROMISING = 7
-"""LawNumber of forms that are fitted in full, by each of two linear rankings."""
+"""Number of forms that are fitted in full, by each of two linear rankings."""
 STARTS = 2
 """Values of a form from which fits begin."""
 SIGN_DRAWS = 199
