@@ -10,7 +10,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import CaseKind
 from symolo.core.arrays import Array
 
-LEAST_SPREAD = 1e-6
+MIN_SPREAD = 1e-6
 """Range of a covariate, relative to its size, up to which it is constant."""
 
 
@@ -43,7 +43,7 @@ class SlotCovariate:
 
     @property
     def varies(self) -> bool:
-        return len(self.values) > 0 and self.high - self.low > LEAST_SPREAD * max(abs(self.low), abs(self.high))
+        return len(self.values) > 0 and self.high - self.low > MIN_SPREAD * max(abs(self.low), abs(self.high))
 
 
 @dataclass(frozen=True)
@@ -109,16 +109,16 @@ def _range(evidence: Evidence) -> LawPlace:
     )
     return LawPlace(
         Slot.RANGE,
-        "range",
-        "the range",
-        "reading_m",
-        "reading_m: Array, view: RangeView",
-        "m",
-        "m",
-        read.visible,
-        {each.name: each for each in covariates if each is not None and each.varies},
-        (_VIEW,),
-        ("Setup.RANGE_BENCH",),
+        prefix="range",
+        noun="the range",
+        first="reading_m",
+        arguments="reading_m: Array, view: RangeView",
+        unit="m",
+        suffix="m",
+        size=read.visible,
+        covariates={each.name: each for each in covariates if each is not None and each.varies},
+        imports=(_VIEW,),
+        setups=("Setup.RANGE_BENCH",),
     )
 
 
@@ -137,20 +137,20 @@ def _of_motor(evidence: Evidence, torque_constant_N_m_A: float) -> list[LawPlace
             made.append(
                 LawPlace(
                     Slot.FRICTION,
-                    "friction",
-                    "friction",
-                    "friction_N_m",
-                    "friction_N_m: Array, motion: ShaftMotion",
-                    "N m",
-                    "N_m",
-                    size * read.visible,
-                    {each.name: each for each in (speed, time) if each is not None and each.varies},
-                    (_MOTION,),
-                    ("Setup.MOTOR_BENCH", "Setup.DRIVE"),
+                    prefix="friction",
+                    noun="friction",
+                    first="friction_N_m",
+                    arguments="friction_N_m: Array, motion: ShaftMotion",
+                    unit="N m",
+                    suffix="N_m",
+                    size=size * read.visible,
+                    covariates={each.name: each for each in (speed, time) if each is not None and each.varies},
+                    imports=(_MOTION,),
+                    setups=("Setup.MOTOR_BENCH", "Setup.DRIVE"),
                 )
             )
         is_current = channel == "current_A"
-        own = read.covariate(
+        reading = read.covariate(
             channel,
             "current" if is_current else "speed",
             "current [A]" if is_current else "speed [rad/s]",
@@ -159,21 +159,21 @@ def _of_motor(evidence: Evidence, torque_constant_N_m_A: float) -> list[LawPlace
             f"np.abs({channel})" if is_current else "np.abs(speed_rad_s)",
             is_size=True,
         )
-        if own is None or not own.varies:
+        if reading is None or not reading.varies:
             continue
         made.append(
             LawPlace(
                 Slot.CURRENT_READING if is_current else Slot.SPEED_READING,
-                "current_reading" if is_current else "speed_reading",
-                "the reading of the current" if is_current else "the reading of the speed",
-                "current_A" if is_current else "speed_rad_s",
-                "current_A: Array" if is_current else "speed_rad_s: Array",
-                own.unit,
-                own.suffix,
-                read.visible,
-                {own.name: own},
-                (),
-                ("Setup.MOTOR_BENCH", "Setup.DRIVE") if is_current else ("Setup.MOTOR_BENCH",),
+                prefix="current_reading" if is_current else "speed_reading",
+                noun="the reading of the current" if is_current else "the reading of the speed",
+                first="current_A" if is_current else "speed_rad_s",
+                arguments="current_A: Array" if is_current else "speed_rad_s: Array",
+                unit=reading.unit,
+                suffix=reading.suffix,
+                size=read.visible,
+                covariates={reading.name: reading},
+                imports=(),
+                setups=("Setup.MOTOR_BENCH", "Setup.DRIVE") if is_current else ("Setup.MOTOR_BENCH",),
                 is_odd=True,
             )
         )
