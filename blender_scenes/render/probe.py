@@ -9,10 +9,10 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 from pydantic import TypeAdapter
+from typing_extensions import Self
 
 from blender_scenes.render.sampling import HybridSamples, TracingSettings
 from symolo.core.files.plain_files import FileKind, read_file
