@@ -172,12 +172,17 @@ def _distance(
     largest = _largest_changes(diagnosis, named)
     distances: list[Array] = []
     values: dict[str, list[Array]] = {}
-    for observed, predicted in zip(inputs.observed, inputs.stage.predict([diagnosis.extended, without]), strict=True):
+    predictions = inputs.stage.predict([diagnosis.extended, without])
+    readings = {
+        observed.name: predicted.mean[0] for observed, predicted in zip(inputs.observed, predictions, strict=True)
+    }
+    for observed, predicted in zip(inputs.observed, predictions, strict=True):
         size = f"{SIZE} in {observed.name}"
         if (most := largest.get(observed.name, 0.0)) > 0.0:
             seen[size] = (0.0, most)
         change = np.nan_to_num(np.abs(predicted.mean[0] - predicted.mean[1]))
-        present = [(name, of_rows) for name, of_rows in (*conditions(observed), (size, change)) if name in seen]
+        covariates = (*conditions(observed, readings), (size, change))
+        present = [(name, of_rows) for name, of_rows in covariates if name in seen]
         distance = np.zeros(len(observed.values))
         for name, of_rows in present:
             values.setdefault(name, []).append(of_rows)

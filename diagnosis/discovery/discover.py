@@ -23,7 +23,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import gain
-from diagnosis.inference.naming.seen_range import SeenRange, conditions, seen_ranges
+from diagnosis.inference.naming.seen_range import SeenRange, conditions, predicted_readings, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.refusal import is_at_bound
 from diagnosis.inference.rivals import AS_GOOD
@@ -80,7 +80,8 @@ def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
     measurement, evidence, fit = diagnosis.measurement, diagnosis.evidence, diagnosis.fit
     where = () if measurement.cases else places(measurement.kind, evidence, fit.robot.motor.torque_constant_N_m_A)
     if not where:
-        return None, f"no slot is searched for data of kind {measurement.kind}", LawSearch(1.0, 0)
+        reason = f"laws are looked for on benches of motors and range sensors, not in data of kind {measurement.kind}"
+        return None, reason, LawSearch(1.0, 0)
     if np.count_nonzero(evidence.fit) < MIN_ROWS:
         return None, f"fewer than {MIN_ROWS} samples to fit", LawSearch(1.0, 0)
     materials = _materials(measurement)
@@ -164,8 +165,10 @@ def _ranges(diagnosis: Diagnosis, fit: HypothesisFit, form: LawForm) -> Iterator
     """Yield the range of each condition; that of the law's own ones has all rows, since any of them shows the law."""
     evidence = diagnosis.evidence
     usable, data = evidence.fit | evidence.heldout, dict[str, Array]()
+    readings = predicted_readings(evidence, fit)
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        data |= {name: values[usable[place] & np.isfinite(values)] for name, values in conditions(observed)}
+        covariates = conditions(observed, readings)
+        data |= {name: values[usable[place] & np.isfinite(values)] for name, values in covariates}
     for seen in seen_ranges(evidence, diagnosis.selection.nominal, fit, form.candidate):
         if seen.covariate in form.covariates:
             values = data[seen.covariate]

@@ -161,7 +161,7 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     peak = _size(place, "peak", "Change at the middle")
     middle = _at(c, "middle", "Where it is largest", edges[len(edges) // 2])
     widths = [share * span for share in WIDTHS]
-    meaning = "Distance from the middle at which 39 % are left"
+    meaning = "Distance from the middle at which 41 % are left"
     width = LawNumber(_named("width", c.unit), c.unit, meaning, widths[1], 0.005 * span, 2.0 * span)
     yield LawForm(
         place,

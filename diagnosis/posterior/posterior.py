@@ -26,7 +26,7 @@ from diagnosis.extended_robot import (
     simulated,
 )
 from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.naming.seen_range import conditions, seen_ranges
+from diagnosis.inference.naming.seen_range import conditions, predicted_readings, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import AS_GOOD, SOMETHING_ELSE, relative_weight
 from diagnosis.posterior.robot_numbers import RobotNumbers, robot_numbers
@@ -184,9 +184,9 @@ def _ranges(diagnosis: Diagnosis, fit: HypothesisFit, config: RobotConfig) -> It
 def _measured(diagnosis: Diagnosis) -> Iterator[dict[str, Any]]:
     """Yield the range of each covariate over all samples that were used."""
     evidence, ranges = diagnosis.measured, dict[str, tuple[float, float]]()
-    usable = evidence.fit | evidence.heldout
+    usable, readings = evidence.fit | evidence.heldout, predicted_readings(evidence, diagnosis.fit)
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        for name, values in conditions(observed):
+        for name, values in conditions(observed, readings):
             inside = values[usable[place] & np.isfinite(values)]
             if len(inside):
                 low, high = ranges.get(name, (np.inf, -np.inf))

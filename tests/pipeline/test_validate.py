@@ -114,7 +114,7 @@ BAD = {
     "too few readings": (["range-sensor", "--out", "OUT", "--readings", "9"], "--readings"),
     "no folder of scans": (["range-sensor", "--out", "OUT", "--scan", "nowhere"], "--scan nowhere: no such folder"),
     "empty folder of scans": (["range-sensor", "--out", "OUT", "--scan", "HERE/empty"], "holds no .csv file"),
-    "folder of scans is a file": (["range-sensor", "--out", "OUT", "--scan", "HERE/near.yaml"], "no such folder"),
+    "folder of scans is a file": (["range-sensor", "--out", "OUT", "--scan", "HERE/near.yaml"], "not a folder"),
     "no folder of recordings": (["range-sensor", "--out", "OUT", "--static", "nowhere"], "--static nowhere"),
     "recording cut off": (["range-sensor", "--out", "OUT", "--static", "HERE/cut"], "row 1003: column d: got ''"),
     "seed below zero": (["line-sensor", "--out", "OUT", "--seed", "-1"], "--seed"),

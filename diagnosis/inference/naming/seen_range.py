@@ -1,10 +1,12 @@
 """The range in which an effect was seen: where its law is an observation, and not an extrapolation.
 
 A law that fits slow arcs may be wrong in fast ones. Every named effect therefore carries the range of each covariate
-over the rows in which it matters. Held-out rows count as well, since no effect is named that they contradict.
+over the rows in which it matters. Held-out rows count as well, since no effect is named that they contradict. A
+condition that is a reading too, such as the speed of a motor, is what the model with the effect predicts: that of the
+nominal model may be far from it, and a reading has noise.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,9 +52,10 @@ def seen_ranges(
     rows = evidence.fit | evidence.heldout
     change = change_by(evidence.with_rows(fit=rows), nominal, fit, effect)
     matters = (np.abs(change) > MATTERS) | (rows & (spread > 0.0))
+    readings = predicted_readings(evidence, fit)
     ranges: dict[str, SeenRange] = {}
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        for name, values in conditions(observed):
+        for name, values in conditions(observed, readings):
             inside = values[matters[place] & np.isfinite(values)]
             if not len(inside):
                 continue
@@ -62,11 +65,25 @@ def seen_ranges(
     return tuple(ranges.values())
 
 
-def conditions(observed: Observed) -> Iterator[tuple[str, Array]]:
+def predicted_readings(evidence: Evidence, fit: HypothesisFit) -> dict[str, Array]:
+    """Return the predictions (n,) of each observed quantity by a fit."""
+    mean = evidence.predicted([fit.robot]).moved(fit.local_change).mean[0]
+    return {observed.name: mean[place] for observed, place in zip(evidence.observed, evidence.places, strict=True)}
+
+
+def conditions(observed: Observed, readings: Mapping[str, Array]) -> Iterator[tuple[str, Array]]:
+    """Yield the name and the values (n,) of each condition of an observed quantity.
+
+    Args:
+        observed: The quantity.
+        readings: Predictions (n,) by the name of a reading. They replace those of the nominal model, which may be far
+            from them.
+    """
     for covariate in observed.covariates:
         is_number = covariate.shape is CovariateShape.SMOOTH and covariate.second is None
         if is_number and covariate.as_rate is not None:
             name, duration_s = covariate.as_rate
             yield name, covariate.values / duration_s
         elif is_number and covariate.name not in _ORDER_OF_ROWS:
-            yield covariate.name, covariate.values
+            reading = readings.get(covariate.name, covariate.values)
+            yield covariate.name, reading if len(reading) == len(covariate.values) else covariate.values

@@ -16,6 +16,7 @@ from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.refusal import is_of_noise
 from diagnosis.inference.selection import TOLL
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
+from diagnosis.inference.unexplained.own_effects import is_same_as_own
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
@@ -63,6 +64,8 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     if best is None or best[0] >= named + TOLL * numbers:
         return None
     squares, moment, columns = best
+    if is_same_as_own(nominal, fit, columns):
+        return None
     # A jump that leaves structure of its own is only another substitute.
     if not adequacy(evidence, nominal, columns).is_adequate:
         return None

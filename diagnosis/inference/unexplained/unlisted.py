@@ -23,6 +23,7 @@ from diagnosis.inference.projection import orthonormal
 from diagnosis.inference.selection import TOLL, without
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
+from diagnosis.inference.unexplained.own_effects import is_same_as_own
 from symolo.core.arrays import Array
 
 MAX_SAMPLES = 2000
@@ -103,10 +104,11 @@ def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, r
 def advantage(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> float:
     """Return by how much the best form beside a base explains more than the effects by which a fit goes beyond it.
 
-    Log-likelihoods of fitted and held-out rows add up. Each number has the toll of the selection.
+    Log-likelihoods of fitted and held-out rows add up. Each number has the toll of the selection. A form that is the
+    same error as effects of the user's own is no rival of them.
     """
     form = best_form(evidence, base)
-    if form is None:
+    if form is None or is_same_as_own(base, fit, form.column[:, None]):
         return -np.inf
     numbers = len(fit.x) - len(base.x)
     by_effects = base.cost - fit.cost - TOLL * numbers + float((base.costs - fit.costs)[evidence.heldout].sum())

@@ -28,16 +28,33 @@ noise: {polynomial_mm: [1.0, 0.0, 0.0, 0.0], polynomial_origin_m: 0.1}
 """
 ROWS = 80
 LAWS = {
-    "threshold": lambda _lux, time: np.where(time > 90.0, 0.02, 0.0),
-    "saturation": lambda lux, _time: 0.03 * lux / (lux + 400.0),
-    "power": lambda lux, _time: 0.03 * (lux / 4000.0) ** 3,
-    "nothing": lambda _lux, _time: 0.0,
+    "threshold": lambda _distance, _lux, time: np.where(time > 90.0, 0.02, 0.0),
+    "saturation": lambda _distance, lux, _time: 0.03 * lux / (lux + 400.0),
+    "power": lambda _distance, lux, _time: 0.03 * (lux / 4000.0) ** 3,
+    "bump": lambda distance, _lux, _time: -0.04 * np.exp(-(((distance - 0.5) / 0.15) ** 2)),
+    "nothing": lambda _distance, _lux, _time: 0.0,
 }
-"""Error [m] of a reading, by light [lux] and time [s]."""
+"""Error [m] of a reading, by distance [m], light [lux] and time [s]."""
 EXPECTED = {
     "threshold": ("range_step_over_time", {"step_m": 0.02}),
     "saturation": ("range_saturation_over_light", {"most_m": 0.03, "half_lux": 400.0}),
 }
+
+
+def bench(folder, name, seed=7):
+    """Return a bench with one law."""
+    noise = np.random.Generator(np.random.PCG64(seed))
+    distance = noise.uniform(0.1, 1.0, ROWS).round(3)
+    lux = np.exp(noise.uniform(np.log(20.0), np.log(4000.0), ROWS)).round(1)
+    time = 2.0 * np.arange(ROWS)
+    reading = distance + LAWS[name](distance, lux, time) + 0.001 * noise.standard_normal(ROWS)
+    lines = ["row,split,t_s,distance_m,material,incidence_rad,temperature_C,ambient_lux,reading_m"]
+    for row, (t, d, light, value) in enumerate(zip(time, distance, lux, reading, strict=True)):
+        split = "holdout" if row % 4 == 3 else "fit"
+        lines.append(f"{row + 1},{split},{t},{d},,,,{light},{value:.4f}")
+    (folder / "nominal.yaml").write_text(NOMINAL)
+    (folder / "data.csv").write_text("\n".join(lines) + "\n")
+    return read_measurement(folder, IMPORTERS)
 
 
 @pytest.fixture(scope="module")
@@ -47,20 +64,7 @@ def diagnosis_of(tmp_path_factory):
 
     def of(name):
         if name not in made:
-            noise = np.random.Generator(np.random.PCG64(7))
-            distance = noise.uniform(0.1, 1.0, ROWS).round(3)
-            lux = np.exp(noise.uniform(np.log(20.0), np.log(4000.0), ROWS)).round(1)
-            time = 2.0 * np.arange(ROWS)
-            reading = distance + LAWS[name](lux, time) + 0.001 * noise.standard_normal(ROWS)
-            lines = ["row,split,t_s,distance_m,material,incidence_rad,temperature_C,ambient_lux,reading_m"]
-            for row, (t, d, light, value) in enumerate(zip(time, distance, lux, reading, strict=True)):
-                split = "holdout" if row % 4 == 3 else "fit"
-                lines.append(f"{row + 1},{split},{t},{d},,,,{light},{value:.4f}")
-            folder = tmp_path_factory.mktemp("benches") / name
-            folder.mkdir()
-            (folder / "nominal.yaml").write_text(NOMINAL)
-            (folder / "data.csv").write_text("\n".join(lines) + "\n")
-            made[name] = with_law(diagnose(read_measurement(folder, IMPORTERS)))
+            made[name] = with_law(diagnose(bench(tmp_path_factory.mktemp(name), name)))
         return made[name]
 
     return of
@@ -129,6 +133,19 @@ def test_the_files_hold_the_law_as_an_effect_that_keeps_the_rules(diagnosis_of, 
     assert robot["effects"][diagnosis.law.name] == pytest.approx(values, rel=1e-5)
     assert "A law describes the data and names no cause" in contents["report.html"].decode()
     assert all(isfinite(value) for value in values.values())
+
+
+def test_a_further_bench_confirms_the_law_although_the_exact_curve_has_another_shape(diagnosis_of, tmp_path):
+    """The hidden error is a Gaussian, and the law is not."""
+    law = diagnosis_of("bump").law
+    assert law.name == "range_bump_over_distance"
+    with law.registered():
+        again = diagnose(bench(tmp_path, "bump", seed=8))
+    (named,) = again.named
+    assert named.effect.name == law.name
+    assert again.conclusion is CaseVerdict.NAMED
+    for number, value in law.values.items():
+        assert abs(named.values[number] - value) < 3.0 * np.hypot(named.std[number], law.std[number]), number
 
 
 def test_together_and_discover_are_refused(tmp_path, capsys):

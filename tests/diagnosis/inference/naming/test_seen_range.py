@@ -20,3 +20,14 @@ def test_the_range_is_that_of_the_rows_in_which_the_effect_matters(evidence_of, 
     assert seen.covariate == "x"
     assert seen.low == np.ceil(0.1 * 0.01 * nominal.noise.levels[0] / (held - 1.0) / 0.01) * 0.01
     assert seen.high == 3.0
+
+
+def test_the_range_of_a_reading_is_what_the_model_with_the_effect_predicts(evidence_of, hypothesis, effect):
+    """The nominal model predicts a current of x, and the robot with a gain of 2 reads 2 x."""
+    x = np.linspace(1.0, 3.0, 121)
+    evidence = evidence_of(x, 2.0 * x, heldout=20, current_A=x)
+    model = hypothesis.with_effect(effect("current_sensor_gain"))
+    nominal, fit = fits(evidence, [(hypothesis, hypothesis.null()), (model, model.null())])
+    ranges = {seen.covariate: (seen.low, seen.high) for seen in seen_ranges(evidence, nominal, fit, model.effects[0])}
+    assert ranges["x"] == (1.0, 3.0)
+    np.testing.assert_allclose(ranges["current_A"], (2.0, 6.0), rtol=0.01)
