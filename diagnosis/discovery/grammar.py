@@ -34,12 +34,12 @@ COARSE_STEPS = 300
 MAX_NUMBER = 9e4
 """Largest bound of a number; an effect file has none beyond 1e5."""
 MIN_DISTINCT = 5
-"""Smallest number of different values of a covariate along which a law can be told."""
+"""Smallest number of different values of a covariate along which a law is looked for."""
 MIN_WAVES = 12
 """Smallest number of different values along which waves are tried."""
 FROM_ZERO = 0.3
-"""Smallest value of a covariate relative to the largest, from which the data cannot tell a power from a straight line.
-"""
+"""Smallest value of a covariate relative to the largest, from which the data cannot show that a power is no straight
+line."""
 KNOTS, MIN_KNOTS = 5, 3
 """Knots of a smooth curve, and the smallest number of them."""
 CURVE = "curve"
@@ -204,15 +204,15 @@ def _powers(place: LawPlace, c: SlotCovariate, times: SlotCovariate | None) -> I
         unit, size, names = _per(place.unit, times.unit), size / float(np.median(times.values)), (c.name, times.name)
         factor, words = f" * {{{times.name}}}", f"{words}, in proportion to the {times.words}"
     share = f", as a share of the {times.words}" if times else ""
-    most = LawNumber.amplitude(_named("most", unit), unit, size, f"Change at {c.words} = {end}{share}")
+    largest = LawNumber.amplitude(_named("largest", unit), unit, size, f"Change at {c.words} = {end}{share}")
     if times is not None or not _is_shipped_line(place, c):
         yield LawForm(
             place,
             "line",
             names,
             f"a straight line of {place.noun} {words}",
-            f"self.{most.name} * {x} / {end}{factor}",
-            (most,),
+            f"self.{largest.name} * {x} / {end}{factor}",
+            (largest,),
             ((size,),),
         )
     exponent = LawNumber("exponent", "1", "Exponent of the power", EXPONENTS[1], 0.2, 8.0)
@@ -221,8 +221,8 @@ def _powers(place: LawPlace, c: SlotCovariate, times: SlotCovariate | None) -> I
         "power",
         names,
         f"a power law of {place.noun} {words}",
-        f"self.{most.name} * ({x} / {end}) ** self.exponent{factor}",
-        (most, exponent),
+        f"self.{largest.name} * ({x} / {end}) ** self.exponent{factor}",
+        (largest, exponent),
         tuple((size, at) for at in EXPONENTS),
     )
     halves = [part * span for part in HALVES]
@@ -233,8 +233,8 @@ def _powers(place: LawPlace, c: SlotCovariate, times: SlotCovariate | None) -> I
         "saturation",
         names,
         f"a change of {place.noun} that saturates {words}",
-        f"self.{most.name} * {x} / ({x} + self.{half.name}){factor}",
-        (replace(most, meaning=f"Change at infinite {c.words}{share}"), half),
+        f"self.{largest.name} * {x} / ({x} + self.{half.name}){factor}",
+        (replace(largest, meaning=f"Change at infinite {c.words}{share}"), half),
         tuple((size, at) for at in halves),
     )
 
@@ -247,16 +247,16 @@ def _is_shipped_line(place: LawPlace, c: SlotCovariate) -> bool:
 
 def _oblique(place: LawPlace, c: SlotCovariate, material: str) -> LawForm:
     """Return an error with the square of the sine of the angle of incidence."""
-    most = replace(_size(place, "most", "Change at a right angle"), start=4.0 * place.size)
+    largest = replace(_size(place, "largest", "Change at a right angle"), start=4.0 * place.size)
     of = f" on {material}" if material else ""
     return LawForm(
         place,
         "sine_squared",
         (c.name,),
         f"an error of {place.noun} with the square of the sine of the {c.words}{of}",
-        f"self.{most.name} * np.sin({{{c.name}}}) ** 2",
-        (most,),
-        ((most.start,),),
+        f"self.{largest.name} * np.sin({{{c.name}}}) ** 2",
+        (largest,),
+        ((largest.start,),),
         material=material,
     )
 

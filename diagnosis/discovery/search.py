@@ -1,8 +1,8 @@
 """The search: every form is tried at all its values by one linear test, and the best ones are fitted in full.
 
 The linear test is the score test of `inference.scan`, with both signs of a size. Whether its best result is more than
-chance is told by the same test of residuals whose signs were drawn at random: chance has the same outliers and the same
-number of forms to choose from, and no law (Westfall and Young, Resampling-Based Multiple Testing, 1993).
+chance follows from the same test of residuals whose signs were drawn at random: chance has the same outliers and the
+same number of forms to choose from, and no law (Westfall and Young, Resampling-Based Multiple Testing, 1993).
 """
 
 from collections.abc import Sequence

@@ -37,7 +37,7 @@ LAWS = {
 """Error [m] of a reading, by distance [m], light [lux] and time [s]."""
 EXPECTED = {
     "threshold": ("range_step_over_time", {"step_m": 0.02}),
-    "saturation": ("range_saturation_over_light", {"most_m": 0.03, "half_lux": 400.0}),
+    "saturation": ("range_saturation_over_light", {"largest_m": 0.03, "half_lux": 400.0}),
 }
 
 
@@ -93,14 +93,14 @@ def test_a_power_law_has_its_exponent(diagnosis_of):
     assert law.name == "range_power_over_light"
     assert abs(law.values["exponent"] - 3.0) < 3.0 * law.std["exponent"] < 1.0
     largest = law.form.place.covariates["ambient_lux"].high
-    assert abs(law.values["most_m"] - 0.03 * (largest / 4000.0) ** 3) < 3.0 * law.std["most_m"]
+    assert abs(law.values["largest_m"] - 0.03 * (largest / 4000.0) ** 3) < 3.0 * law.std["largest_m"]
 
 
 def test_the_law_extends_the_model_and_names_nothing(diagnosis_of):
     diagnosis = diagnosis_of("saturation")
     assert diagnosis.named == ()
     assert diagnosis.conclusion is CaseVerdict.UNEXPLAINED
-    assert diagnosis.extended.effects.get(diagnosis.law.effect.kind).most_m == diagnosis.law.values["most_m"]
+    assert diagnosis.extended.effects.get(diagnosis.law.effect.kind).largest_m == diagnosis.law.values["largest_m"]
     assert diagnosis.gain.after < 1.1
     assert diagnosis.calibrated.after > 2.0
 
