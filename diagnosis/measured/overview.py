@@ -9,6 +9,7 @@ from diagnosis.measured.channel import Channel, Mask, Role, SampleQuality
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.noise import noise_of_repeats
 from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing, usable
+from diagnosis.measured.sweep_noise import noise_of_equal_voltages
 from symolo.core.arrays import Array
 from symolo.core.progress import plural
 
@@ -284,10 +285,7 @@ def _noise(measurement: Measurement, name: str) -> NoiseSummary:
 
 def _steady_repeats(measurement: Measurement, name: str) -> NoiseSummary:
     """Return the noise of readings at the same voltage in several sweeps of one motor."""
-    trials = measurement.trials
-    values = np.concatenate([usable(trial[name]) for trial in trials])
-    conditions = [(trial.part, voltage) for trial in trials for voltage in trial["u_cmd_V"].values.round(6).tolist()]
-    noise = noise_of_repeats(values, conditions)
+    noise = noise_of_equal_voltages(measurement, name)
     if not noise:
         return NoiseSummary("-")
     return NoiseSummary(f"{noise.sd:.2g} of {noise.rows} repeats", float(noise.sd), repeats=noise.rows)

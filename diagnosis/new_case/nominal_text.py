@@ -10,6 +10,7 @@ import numpy as np
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.screening import noise_of
+from diagnosis.measured.sweep_noise import noise_of_sweeps
 from diagnosis.new_case.estimates import contradictions, motor_of, pose_by_ticks, speed_noise, wheels_of
 from diagnosis.new_case.known_numbers import has
 from diagnosis.predictors.rows import good_values
@@ -101,18 +102,22 @@ def _motor_bench(measurement: Measurement, known: dict[str, float]) -> Iterator[
         steps = np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])
         yield f"sample_rate_Hz: {1.0 / usual(steps):.6g}"
     yield "noise:  # standard deviations; a factor of two off does no harm"
-    for name, low, high in (("current_A", 1e-3, 0.1), ("omega_rad_s", 0.02, 1.0)):
-        yield f"  {name}: {_noise(measurement, name, low, high):.3g}  # estimated from this log"
+    for name, low, usual_sd, high in (("current_A", 1e-3, 5e-3, 0.1), ("omega_rad_s", 0.02, 0.06, 1.0)):
+        sd = _noise(measurement, name)
+        comment = "a usual value, since there are too few rows" if sd is None else "estimated from this log"
+        yield f"  {name}: {np.clip(sd or usual_sd, low, high):.3g}  # {comment}"
     if is_step:
         yield "  lag1_correlation: 0.0"
 
 
-def _noise(measurement: Measurement, name: str, low: float, high: float) -> float:
-    """Return the usual noise of a channel within bounds; the lower bound for a bench, whose rows are no time series."""
-    noises = [noise_of(channel) for channel in measurement.across(name)]
+def _noise(measurement: Measurement, name: str) -> float | None:
+    """Return the standard deviation of a channel's noise; None if it cannot be estimated."""
+    if measurement.kind is CaseKind.MOTOR_STEADY:
+        noises = [noise_of_sweeps(measurement, name)]
+    else:
+        noises = [noise_of(channel) for channel in measurement.across(name)]
     sds = [noise.sd for noise in noises if noise is not None and noise.sd > 0.0]
-    is_series = measurement.kind is not CaseKind.MOTOR_STEADY
-    return float(np.clip(np.median(sds), low, high)) if sds and is_series else low
+    return float(np.median(sds)) if sds else None
 
 
 def _range_bench(measurement: Measurement, _known: dict[str, float]) -> Iterator[str]:

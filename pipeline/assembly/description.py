@@ -40,7 +40,7 @@ def _head(metadata: Metadata) -> str:
     is_imported = any(run.is_imported for run in metadata.runs)
     kind = "dataset of recorded trajectories" if is_imported else "synthetic dataset"
     motion = "The motion is that of logs" if is_imported else "The motion is simulated with PyBullet"
-    images = "; the pictures are path-traced with Blender Cycles at its poses"
+    images = "; the images are path-traced with Blender Cycles at its poses"
     if not any(run.images for run in metadata.runs):
         of_log = any(run.cameras for run in metadata.runs)
         images = ", and so are the images of its cameras" if of_log else ", and there are no images"
@@ -54,10 +54,10 @@ def _head(metadata: Metadata) -> str:
 
 def _layout(metadata: Metadata) -> str:
     rates = metadata.runs[0].rates
-    rows, images = "one row for each pose", "camera pictures, numbered from 1"
+    rows, images = "one row for each pose", "camera images, numbered from 1"
     if rates:
         rows = f"one row every {1000 / rates.control_hz:g} ms ({rates.control_hz} Hz)"
-        images = f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz:g} Hz), numbered from 1"
+        images = f"camera images every {1000 / rates.camera_hz:g} ms ({rates.camera_hz:g} Hz), numbered from 1"
         if period_beside_rows_s(rates) is not None:
             images += ", also between rows; their times are in side/camera.csv"
     of_images = (
@@ -109,7 +109,7 @@ def _annotations(metadata: Metadata) -> str:
     return (
         f"## annotations/\n\nWhat is known exactly of each image, through the middle of each pixel and at the shutter's"
         f" time; of glass the pane itself. `{DOCUMENT}` holds categories, instances, camera and images, and all that is"
-        f" no picture.\n\n{markdown_table(('annotation', 'encoding'), rows)}"
+        f" no image.\n\n{markdown_table(('annotation', 'encoding'), rows)}"
     )
 
 
@@ -213,7 +213,7 @@ def _checks() -> str:
     return (
         "## Checking\n\n"
         "    sha256sum -c tagmanifest-sha256.txt manifest-sha256.txt    # every file as it was released\n"
-        "    symolo verify .                     # the same; structure, columns, ranges, rates, pictures; extra files"
+        "    symolo verify .                     # the same; structure, columns, ranges, rates, images; extra files"
     )
 
 

@@ -1,6 +1,6 @@
 """Localisation baselines on a release: one file for each method, and this table."""
 
-from pipeline.baselines import ekf, odometry, particles, regressor
+from pipeline.baselines import ekf, odometry, particles, retrieval
 from pipeline.baselines.base import Method
 from pipeline.baselines.further_sensors import gyro_ekf, lidar_matching, stereo_matching
 
@@ -8,7 +8,7 @@ METHODS: tuple[Method, ...] = (
     odometry.METHOD,
     ekf.METHOD,
     particles.METHOD,
-    regressor.METHOD,
+    retrieval.METHOD,
     gyro_ekf.METHOD,
     lidar_matching.METHOD,
     stereo_matching.METHOD,

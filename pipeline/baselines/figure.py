@@ -18,7 +18,7 @@ _STYLES = {
     "odometry": (VERMILION, "--"),
     "ekf": (BLUE, "-"),
     "particles": (GREEN, "-."),
-    "pictures": (ORANGE, ""),
+    "retrieval": (ORANGE, ""),
     "ekf_imu": (SKY, "-"),
     "lidar": (PURPLE, "-"),
     "stereo": (GREY, "-"),

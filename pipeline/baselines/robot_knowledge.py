@@ -26,7 +26,7 @@ from symolo.dataset.tables.side_tables import TOF, WHEELS
 Pixels = NDArray[np.uint8]
 
 THUMBNAIL = (24, 32)
-"""Height and width [px] of the small image that the regressor reads."""
+"""Height and width [px] of the small image that the method `retrieval` reads."""
 NO_FURTHER = FurtherReadings()
 MAP_SD_M = 0.003
 """Standard deviation of the position of tape, walls and obstacles against the map."""

@@ -44,7 +44,7 @@ def source_line(like: LoadedPosterior | None) -> str:
     if like is None:
         return ""
     names = ", ".join(f"{each.name} {100.0 * each.weight:.3g} %" for each in like.hypotheses)
-    return f"like {like.source}: {names}; something else {100.0 * like.something_else:.2g} %"
+    return f"like {like.source}: {names}; something else {100.0 * like.something_else:.3g} %"
 
 
 def demand_lines(like: LoadedPosterior | None, specs: Sequence[RunSpec]) -> tuple[str, ...]:

@@ -245,7 +245,7 @@ def baselines(
         typer.Option(
             "--methods",
             metavar="NAMES",
-            help="Some of odometry,ekf,particles,pictures,ekf_imu,lidar,stereo; by default all that the data allow.",
+            help="Some of odometry,ekf,particles,retrieval,ekf_imu,lidar,stereo; by default all that the data allow.",
         ),
     ] = None,
     runs: Runs = None,

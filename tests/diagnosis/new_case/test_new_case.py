@@ -287,6 +287,34 @@ def test_logs_with_strange_values_are_read_or_refused(columns, tmp_path, monkeyp
     assert "Traceback" not in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("sweeps", [1, 2])
+def test_the_noise_of_a_motor_in_steady_states_is_estimated(sweeps, init):
+    """The motor obeys u = R i + K w and K i = B w + Tc, where it turns; below that, it stands still and i = u / R."""
+    rng = np.random.Generator(np.random.PCG64(8))
+    u = np.concatenate([np.linspace(0.0, 5.0, 41)[:: 1 if sweep % 2 == 0 else -1] for sweep in range(sweeps)])
+    turning = u > R * TC / K
+    w = np.where(turning, (u - R * TC / K) / SLOPE, 0.0)
+    columns = {
+        "sweep": np.repeat(np.arange(sweeps), 41),
+        "motor_V": u,
+        "current_A": np.where(turning, (TC + B * w) / K, u / R) + rng.normal(0, 0.012, len(u)),
+        "speed [rad/s]": w + np.where(turning, rng.normal(0, 0.15, len(u)), 0.0),
+    }
+    code, out, err, nominal = init(columns)
+    assert (code, err) == (0, ""), out
+    # Thirty to forty degrees of freedom: a standard error of 12 %.
+    assert nominal["noise"]["current_A"] == pytest.approx(0.012, rel=0.35)
+    assert nominal["noise"]["omega_rad_s"] == pytest.approx(0.15, rel=0.35)
+
+
+def test_the_noise_of_a_few_rows_of_a_bench_is_a_usual_value(init, tmp_path):
+    columns = {"motor_V": [1, 2, 3, 4], "current_A": [0.1, 0.11, 0.13, 0.14], "speed [rad/s]": [2, 5, 8, 11]}
+    code, out, err, nominal = init(columns)
+    assert (code, err) == (0, ""), out
+    assert nominal["noise"] == {"current_A": 0.005, "omega_rad_s": 0.06}
+    assert (tmp_path / "run" / "nominal.yaml").read_text().count("a usual value, since there are too few rows") == 2
+
+
 def test_a_folder_in_use_stays_as_it_is(init, columns, tmp_path):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "note.txt").write_text("mine")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symolo as reader
-from pipeline.baselines import odometry, regressor
+from pipeline.baselines import odometry, retrieval
 from pipeline.baselines.compare import compare, why_not
 from pipeline.baselines.output import table
 from pipeline.baselines.runs import open_runs
@@ -14,7 +14,7 @@ from pipeline.cli import main
 from symolo.core.progress import LineReport
 
 EXACT = np.full(3, 0.001)
-METHODS = ["odometry", "ekf", "particles", "pictures"]
+METHODS = ["odometry", "ekf", "particles", "retrieval"]
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_without_rendered_images_that_method_is_left_out_with_the_reason(symolo,
     assert ended.code == 0
     assert "| CCW/test_1 | odometry |" in ended.out
     assert "| median | ekf |" in ended.out
-    refused = symolo("baselines", tmp_path / "driven", "--out", tmp_path / "other", "--methods", "pictures")
+    refused = symolo("baselines", tmp_path / "driven", "--out", tmp_path / "other", "--methods", "retrieval")
     assert refused.code == 2
     assert "no images" in refused.err
     assert not (tmp_path / "other").exists()
@@ -68,14 +68,14 @@ def test_without_rendered_images_that_method_is_left_out_with_the_reason(symolo,
 
 def test_a_release_of_one_run_has_nothing_to_learn_from(dataset):
     first = open_runs(dataset)[0]
-    assert "one run only" in why_not(regressor.METHOD, [first])
+    assert "one run only" in why_not(retrieval.METHOD, [first])
     assert not why_not(odometry.METHOD, [first])
     printed = table(
-        compare([odometry.METHOD, regressor.METHOD], [first], [first], start_sd=EXACT, seed=1, report=LineReport())
+        compare([odometry.METHOD, retrieval.METHOD], [first], [first], start_sd=EXACT, seed=1, report=LineReport())
     )
-    assert "- pictures: left out, there is one run only" in printed
+    assert "- retrieval: left out, there is one run only" in printed
     assert "| CW/test_1 | odometry |" in printed
-    assert not why_not(regressor.METHOD, [first, first])
+    assert not why_not(retrieval.METHOD, [first, first])
 
 
 @pytest.mark.parametrize(

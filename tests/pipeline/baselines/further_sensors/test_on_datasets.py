@@ -79,7 +79,7 @@ def test_a_release_without_the_sensors_leaves_the_methods_out_with_a_sentence(sy
     assert "no IMU" in missing["ekf_imu"]
     assert "no lidar" in missing["lidar"]
     assert "stereo pair" in missing["stereo"]
-    assert not any(missing[name] for name in ("odometry", "ekf", "particles", "pictures"))
+    assert not any(missing[name] for name in ("odometry", "ekf", "particles", "retrieval"))
     ended = symolo("baselines", dataset, "--out", tmp_path / "out", "--methods", "lidar")
     assert ended.code == 2
     assert "--methods lidar: the robot has no lidar" in ended.err

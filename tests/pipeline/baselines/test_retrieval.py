@@ -1,11 +1,11 @@
-"""Retrieval on painted pictures, of which it is known which places look alike."""
+"""Retrieval on painted images, of which it is known which places look alike."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from pipeline.baselines.base import TrainingRun
-from pipeline.baselines.regressor import METHOD
+from pipeline.baselines.retrieval import METHOD
 from pipeline.baselines.robot_knowledge import RunImages, Start
 
 COUNT = 40
@@ -16,12 +16,12 @@ def painted(positions, brightness, seed):
     """A tilted edge whose place and slope tell the position, under another light and with noise."""
     rng = np.random.Generator(np.random.PCG64(seed))
     row, column = np.mgrid[0:48, 0:64]
-    pictures = []
+    images = []
     for position in positions:
         above = (row - 24 + (column - 32) * 0.5 * (position - 1.5)) > 10 * (position - 1.5)
         grey = brightness * np.where(above, 0.8, 0.4) + 0.005 * rng.standard_normal(row.shape)
-        pictures.append(np.repeat(np.clip(255 * grey, 0, 255).astype(np.uint8)[..., None], 3, axis=2))
-    return RunImages(np.arange(len(positions)), lambda index: pictures[index])
+        images.append(np.repeat(np.clip(255 * grey, 0, 255).astype(np.uint8)[..., None], 3, axis=2))
+    return RunImages(np.arange(len(positions)), lambda index: images[index])
 
 
 def lesson(seed, brightness, looks_like=lambda x: x):
@@ -29,9 +29,9 @@ def lesson(seed, brightness, looks_like=lambda x: x):
     return TrainingRun(painted(looks_like(x), brightness, seed), np.column_stack([x, 0.5 * x, 0.1 * x]))
 
 
-def asked(before_a_wall, pictures):
+def asked(before_a_wall, images):
     start = Start(np.zeros(3), np.ones(3))
-    return replace(before_a_wall(np.zeros((COUNT, 2)), np.full(COUNT, np.nan), start), images=pictures)
+    return replace(before_a_wall(np.zeros((COUNT, 2)), np.full(COUNT, np.nan), start), images=images)
 
 
 def test_under_another_light_a_place_is_found_again(before_a_wall):
