@@ -17,6 +17,7 @@ from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor import HeldWheel
 from physics.drivetrain.motor_arrays import HeldDrive
 from physics.drivetrain.wheel_loop import voltage_limit_V
+from physics.drivetrain.wheel_slip import WheelSlip
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.body_motion import BodyMotion
 from physics.robot.model import RobotModel, through
@@ -52,7 +53,8 @@ class KinematicTwin:
         InputError: The robot has play in its gears.
     """
 
-    def __init__(self, model: RobotModel, step_s: float = 0.005) -> None:
+    def __init__(self, model: RobotModel, step_s: float = 0.005, rng: np.random.Generator | None = None) -> None:
+        """Prepare drives in steps of a duration [s]; without random numbers, no wheel slips at random."""
         model.require_rigid_gears("the twin")
         self._step_s = step_s
         self._limit_V = voltage_limit_V(model.config.power)
@@ -64,6 +66,8 @@ class KinematicTwin:
         self._delay_steps = round(model.input_delay_s / step_s)
         self._counting = model.functions(Slot.COUNTING)
         self._rolling = model.functions(Slot.ROLLING)
+        self._slip = WheelSlip(model, rng)
+        self._radius_m = np.array([model.geometry.right_radius_m, model.geometry.left_radius_m])
         self._creep = model.functions(Slot.CREEP)
         self._ground = model.functions(Slot.GROUND)
         self._counts_per_rad = model.counts_per_revolution / (2.0 * pi)
@@ -159,6 +163,8 @@ class KinematicTwin:
         if self._rolling:
             angle_rad = np.cumsum(turned_rad, axis=0) - 0.5 * turned_rad
             turned_rad = turned_rad * through(self._rolling, np.ones_like(turned_rad), angle_rad, turned_rad)
+        if self._slip:
+            turned_rad = turned_rad * np.array([self._slip.travelled(step) for step in self._radius_m * turned_rad])
         travel = turned_rad @ self._body.to_twist.T
         forward_m, turn_rad = travel[..., 0], travel[..., 1]
         ones = np.ones_like(turn_rad)

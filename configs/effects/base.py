@@ -55,6 +55,9 @@ class Slot(TextEnum):
     ROLLING = "rolling"
     """travel of both wheels as a share of radius * turn (..., 2), wheel angles in the middle of the turn [rad], turns
     [rad] -> share."""
+    SLIP = "slip"
+    """random share of the travels of both wheels (2,), travel [m] since the wheels had it (2,), standard normal
+    deviates (2,) -> share."""
     CREEP = "creep"
     """movement over the floor besides rolling, x, y [m] in W (..., 2), mean size of the wheels' travels [m] (..., 1) ->
     movement."""
@@ -100,6 +103,10 @@ class Slot(TextEnum):
     """reflectances (..., 8) as read without noise -> the same."""
     LINE_LIMIT = "line limit"
     """readings (..., 8) with their noise -> readings."""
+
+
+RANDOM_SLOTS = frozenset({Slot.RANGE_WANDER, Slot.SLIP})
+"""Slots of random effects, which no prediction has."""
 
 
 class Setup(TextEnum):

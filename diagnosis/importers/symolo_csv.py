@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from configs.effects.base import Slot
+from configs.effects.base import RANDOM_SLOTS, Slot
 from diagnosis.importers.base import Importer
 from diagnosis.importers.cases.case import case_folder, recognises, scale_note
 from diagnosis.importers.cases.log_column import LogColumn
@@ -31,12 +31,10 @@ TEN_ROWS = 10
 MIN_TURN_RAD = 1.0
 """Turn of a log, from which its columns theta and w can be compared."""
 
-IGNORED = frozenset({Slot.RANGE_WANDER})
-"""Slots of effects that no prediction has: a wandering error is random."""
 IGNORED_BY_TWIST: Mapping[str, frozenset[Slot]] = MappingProxyType(
     {"odometry": frozenset({Slot.ROLLING, Slot.ENCODER, Slot.COUNTING}), "truth": frozenset({Slot.CREEP})}
 )
-"""The same for effects between the speeds and the poses, by the meaning of v and w."""
+"""Slots between the speeds and the poses whose effects no prediction has, by the meaning of v and w."""
 
 _PLACE, _TURN, _SPEED = Reach(-50.0, 50.0), Reach(-1e4, 1e4), Reach(-50.0, 50.0)
 _RANGE, _REFLECTANCE = Reach(-0.1, 50.0), Reach(-0.5, 1.5)
@@ -110,7 +108,7 @@ def _nominal(folder: Path) -> NominalLog:
     nominal = read_nominal(folder / NOMINAL)
     if not isinstance(nominal, NominalLog):
         raise InputError("kind", where=str(folder / NOMINAL), got=nominal.kind, allowed=CaseKind.SYMOLO_CSV.value)
-    ignored = [effect.name for effect in nominal.robot.effects.in_slots(IGNORED | IGNORED_BY_TWIST[nominal.twist])]
+    ignored = [effect.name for effect in nominal.robot.effects.in_slots(RANDOM_SLOTS | IGNORED_BY_TWIST[nominal.twist])]
     if ignored:
         raise together(
             [

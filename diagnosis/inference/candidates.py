@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from configs.effects.base import Effect, Setup, Slot
+from configs.effects.base import RANDOM_SLOTS, Effect, Setup
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
@@ -47,8 +47,8 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     several = {
         (effect, choices): CandidateEffect.on_top_of(hypothesis.nominal, effect, choices)
         for effect in EFFECTS.classes()
-        # An error that wanders is random and moves no prediction; see `diagnosis.inference.unexplained.wander`.
-        if not setups.isdisjoint(effect.setups) and effect.slot is not Slot.RANGE_WANDER
+        # What is random moves no prediction; see `inference.unexplained.wander` and `posterior.slip`.
+        if not setups.isdisjoint(effect.setups) and effect.slot not in RANDOM_SLOTS
         for choices in _choices(effect, measurement)
     }
     effects = [effect for effect in several.values() if effect is not None]

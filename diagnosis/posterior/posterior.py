@@ -29,6 +29,7 @@ from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.naming.seen_range import conditions, predicted_readings, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import AS_GOOD, SOMETHING_ELSE, relative_weight
+from diagnosis.posterior.random_slip import RandomSlipEstimate, random_slip
 from diagnosis.posterior.robot_numbers import RobotNumbers, robot_numbers
 from symolo.core.arrays import Array
 from symolo.core.yaml.tree import FieldPath, dotted
@@ -72,6 +73,7 @@ def posterior_text(diagnosis: Diagnosis) -> str:
 def _content(diagnosis: Diagnosis) -> dict[str, Any]:
     fits, shares = weighted_fits(diagnosis)
     order = np.argsort(-shares, kind="stable").tolist()
+    slip = random_slip(diagnosis)
     measurement, structure = diagnosis.measurement, diagnosis.unexplained
     content: dict[str, Any] = {
         "version": VERSION,
@@ -79,7 +81,7 @@ def _content(diagnosis: Diagnosis) -> dict[str, Any]:
         "robot": diagnosis.carrier.name,
         "something_else": _short(_something_else(diagnosis)),
         "unexplained": f"{structure.channel} over {structure.covariate}" if structure else "",
-        "hypotheses": [_hypothesis(diagnosis, fits[k], float(shares[k])) for k in order],
+        "hypotheses": [_hypothesis(diagnosis, fits[k], float(shares[k]), slip) for k in order],
         "measured": list(_measured(diagnosis)),
         "noise": list(_noise(diagnosis)),
     }
@@ -108,13 +110,17 @@ def _effect_fields(hypothesis: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]
     yield from (each for each in fields if each["field"].startswith("effects."))
 
 
-def _hypothesis(diagnosis: Diagnosis, fit: HypothesisFit, weight: float) -> dict[str, Any]:
+def _hypothesis(
+    diagnosis: Diagnosis, fit: HypothesisFit, weight: float, slip: RandomSlipEstimate | None
+) -> dict[str, Any]:
     """Return one hypothesis as plain data."""
     is_named = fit is diagnosis.fit
     config, left_out, _ = simulated(diagnosis.extended if is_named else fit.robot, fit.hypothesis.effects)
     config, _ = rounded(config, diagnosis.nominal)
     numbers = robot_numbers(fit, config)
     config = _with_room(config, numbers)
+    if slip is not None:
+        numbers = slip.beside(numbers)
     effects = [effect.name for effect in fit.hypothesis.effects]
     if is_named and diagnosis.wander is not None:
         effects.append(diagnosis.wander.effect.name)

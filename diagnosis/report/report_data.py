@@ -21,6 +21,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.prediction_error import UnseenPrediction, predictions
 from diagnosis.report.sentences.own_effects import TriedEffect, tried_effects
+from diagnosis.report.sentences.random_slip import random_slip_sentences
 from diagnosis.report.sentences.rows import row_sentences
 from diagnosis.report.sentences.run_ends import run_ends
 from diagnosis.report.sentences.sessions import session_sentences
@@ -74,7 +75,7 @@ class ReportData:
     """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN if not usable. The wandering
     error of a range sensor is in them, as in the gains."""
     row_sentences: tuple[str, ...] = ()
-    """Sentences about single rows of a bench, or sessions and whole runs of a drive."""
+    """Sentences about single rows of a bench, or sessions, slip and whole runs of a drive."""
     engines: EngineComparison | None = None
     """Errors with PyBullet; None if not requested."""
     dataset: DatasetComparison | None = None
@@ -121,7 +122,12 @@ def report_data(
         by_group=tuple(_by_group(diagnosis)),
         by_case=tuple(_by_case(diagnosis)),
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
-        row_sentences=(*row_sentences(diagnosis), *session_sentences(diagnosis.fit), *run_ends(diagnosis)),
+        row_sentences=(
+            *row_sentences(diagnosis),
+            *session_sentences(diagnosis.fit),
+            *random_slip_sentences(diagnosis),
+            *run_ends(diagnosis),
+        ),
         means=(means[0], means[1], means[2]),
         z=(z[0], z[1], z[2]),
         engines=compare_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,

@@ -28,6 +28,7 @@ from physics.robot.model import RobotModel
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import PlanarPose
+from symolo.core.random_streams import stream
 
 LIFT_M = 0.1
 REACTION_PERIOD_S = 0.002
@@ -39,12 +40,29 @@ heavy rotor would shake a light body."""
 class BulletSimulation:
     """A PyBullet client, of which one process may have several. Close it, or use it as a context manager."""
 
-    def __init__(self, robot: RobotConfig, arena: Arena, start: PlanarPose, rates: Rates) -> None:
+    def __init__(
+        self,
+        robot: RobotConfig,
+        arena: Arena,
+        start: PlanarPose,
+        rates: Rates,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        """Build the world.
+
+        Args:
+            robot: The robot.
+            arena: The arena.
+            start: Pose of the robot at time 0.
+            rates: Rates of physics and wheel loop.
+            rng: Random numbers for slip of the wheels; a fixed stream if none is given.
+        """
         self._rates = rates
         self._steps = 0
         model = RobotModel.from_config(robot)
         self._motors = model.motors
-        self._effects = WheelsWithEffects(model, rates.physics_hz) if needs_every_step(model) else None
+        rng = stream(0, "wheels") if rng is None else rng
+        self._effects = WheelsWithEffects(model, rates.physics_hz, rng) if needs_every_step(model) else None
         self._limit_V = voltage_limit_V(robot.power)
         self._rad_to_counts = model.counts_per_revolution / (2.0 * pi)
         self._loops = tuple(

@@ -12,6 +12,7 @@ import pybullet
 
 from configs.effects.base import Slot
 from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.wheel_slip import WheelSlip
 from physics.robot.model import RobotModel, through
 from symolo.core.arrays import Array
 
@@ -20,13 +21,14 @@ REST_RAD_S = 1e-4
 
 
 class WheelsWithEffects:
-    def __init__(self, model: RobotModel, physics_hz: int) -> None:
+    def __init__(self, model: RobotModel, physics_hz: int, rng: np.random.Generator) -> None:
         model.require_rigid_gears("PyBullet")
         self._driveline = Driveline.of_robot(model)
         self._period_s = 1.0 / physics_hz
         self._delay_steps = round(model.input_delay_s * physics_hz)
         self._counting = model.functions(Slot.COUNTING)
         self._rolling = model.functions(Slot.ROLLING)
+        self._slip = WheelSlip(model, rng)
         self._creep = model.functions(Slot.CREEP)
         self._ground = model.functions(Slot.GROUND)
         self._geometry = model.geometry
@@ -81,7 +83,7 @@ class WheelsWithEffects:
     @property
     def slides(self) -> bool:
         """Whether the body moves otherwise than by the rolling of round wheels."""
-        return bool(self._rolling or self._creep)
+        return bool(self._rolling or self._slip or self._creep)
 
     def slid(self, yaw_rad: float) -> tuple[float, float]:
         """Return forward speed [m/s] and yaw rate [rad/s] of the body that its wheels in the engine do not have."""
@@ -93,7 +95,7 @@ class WheelsWithEffects:
 
         Bullet's contacts hold a round wheel that rolls without any slip, so that a force cannot do this.
         """
-        if not (self._ground or self._rolling or self._creep):
+        if not (self._ground or self._rolling or self._slip or self._creep):
             return
         round_right_m_s = self._geometry.right_radius_m * speeds_rad_s[0]
         round_left_m_s = self._geometry.left_radius_m * speeds_rad_s[1]
@@ -101,6 +103,9 @@ class WheelsWithEffects:
         if self._rolling and self._angles is not None:
             turned = speeds_rad_s * self._period_s
             share = through(self._rolling, np.ones(2), self._angles + 0.5 * turned, turned)
+            right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
+        if self._slip:
+            share = self._slip.travelled(self._period_s * np.array([right_m_s, left_m_s]))
             right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
         yaw_rate = (right_m_s - left_m_s) / self._geometry.track_m
         self.yaw_share = float(through(self._ground, 1.0, 0.5 * (right_m_s + left_m_s), yaw_rate))
@@ -147,5 +152,5 @@ def needs_every_step(model: RobotModel) -> bool:
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT)
     slots += (Slot.FRICTION, Slot.SHAFT_TORQUE, Slot.COMMAND_DELAY, Slot.COUNTING)
     # The gearbox cannot act at all; it is listed so that its play is refused.
-    slots += (Slot.ROLLING, Slot.CREEP, Slot.GROUND, Slot.GEARBOX)
+    slots += (Slot.ROLLING, Slot.SLIP, Slot.CREEP, Slot.GROUND, Slot.GEARBOX)
     return any(model.functions(slot) for slot in slots)

@@ -24,6 +24,7 @@ EFFECTS = (
     "wheel_radius_asymmetry",
     "wheelbase_scale",
     "wheel_eccentricity",
+    "random_slip",
     "floor_slope",
     "turn_slip",
     "encoder_ticks_scale",

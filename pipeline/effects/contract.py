@@ -124,7 +124,7 @@ def _units(trial: EffectTrial) -> None:
 
 def spelled(unit: str) -> tuple[str, ...]:
     """Return a unit as the end of a name: `m/K` is `m_per_K` or `m_K`, `1/min` is `per_minute`."""
-    words = unit.replace("1/min", "1/minute").replace(" ", "_")
+    words = unit.replace("1/min", "1/minute").replace("sqrt(m)", "sqrt_m").replace(" ", "_")
     return tuple(dict.fromkeys(words.replace("1/", "per_").replace("/", sign) for sign in ("_per_", "_")))
 
 

@@ -95,7 +95,8 @@ class Probe:
         """Return the readings of a drive without an engine that turns the other way in its second half."""
         model = RobotModel.from_config(robot)
         voltages = np.repeat([VOLTAGES_V, LATER_V], 30, axis=0)[:, None]
-        run = KinematicTwin(model, 0.01).drive(voltages, np.zeros((1, 3)))
+        rng = np.random.Generator(np.random.PCG64(0))
+        run = KinematicTwin(model, 0.01, rng).drive(voltages, np.zeros((1, 3)))
         sensed = self._sensed(robot, ReplayedWorld(run, 0, self.arena, PHYSICS_HZ))
         return {**sensed, "current_A": run.current_A, "true_pose": run.pose}
 

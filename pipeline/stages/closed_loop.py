@@ -29,7 +29,8 @@ class ClosedLoop:
     def __init__(self, spec: RunSpec) -> None:
         self.arena = Arena.from_config(spec.arena)
         start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
-        self.world = BulletSimulation(spec.robot, self.arena, start, spec.rates)
+        rng = stream(spec.seed, spec.route, spec.run, "wheels")
+        self.world = BulletSimulation(spec.robot, self.arena, start, spec.rates, rng)
         try:
             self._fit_out(spec, start)
         except BaseException:

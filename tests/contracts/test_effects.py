@@ -66,6 +66,7 @@ CANONICAL = {
     "encoder_ticks_scale": "scale",
     "encoder_missed_ticks": "side, fraction, threshold_rad_s",
     "wheel_eccentricity": "side, amplitude, phase_rad",
+    "random_slip": "slip_m_sqrt_m, length_m",
     "floor_slope": "gradient, direction_rad",
     "turn_slip": "coefficient_s2_m",
     "line_lateral_offset": "offset_m",
@@ -88,7 +89,7 @@ CANONICAL = {
 
 UNITS = {"N m": "N_m", "rad/s": "rad_s", "N m s2/rad2": "N_m_s2_rad2", "V": "V", "ohm": "ohm", "1/min": "per_minute"}
 UNITS |= {"s": "s", "A": "A", "rad": "rad", "m": "m", "m/K": "m_per_K", "1/m2": "per_m2", "1/klux": "per_klux"}
-UNITS |= {"s2/m": "s2_m", "m/rad": "m_per_rad", "H": "H", "Hz": "Hz"}
+UNITS |= {"s2/m": "s2_m", "m/sqrt(m)": "m_sqrt_m", "m/rad": "m_per_rad", "H": "H", "Hz": "Hz"}
 PROBE = Probe()
 CASES = [pytest.param(trial, id=trial.name) for effect in BY_NAME.values() for trial in trials(effect, PROBE)]
 

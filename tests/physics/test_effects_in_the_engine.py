@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from configs.schema.scenario import Rates
+from physics.bullet.simulation import BulletSimulation
 from physics.effects.actuator_lag import ActuatorLag
 from physics.effects.battery_decline import BatteryDecline
 from physics.effects.bridge_coast import BridgeCoast
@@ -19,6 +21,7 @@ from physics.effects.friction_warmup import FrictionWarmup
 from physics.effects.gear_backlash import GearBacklash
 from physics.effects.input_delay import InputDelay
 from physics.effects.quadratic_drag import QuadraticDrag
+from physics.effects.random_slip import RandomSlip
 from physics.effects.rotor_inertia_scale import RotorInertiaScale
 from physics.effects.stribeck_friction import StribeckFriction
 from physics.effects.supply_sag import SupplySag
@@ -251,6 +254,27 @@ class TestDriving:
         before = simulation.pose()[2]
         simulation.advance(2)
         assert simulation.twist()[1] == pytest.approx((simulation.pose()[2] - before) / 0.002, abs=0.02)
+
+    def test_random_slip_turns_the_body_as_far_as_its_wheels_slip(self, robot, open_floor):
+        """Over s = 0.1 m, far beyond its length, the heading error has the standard deviation q sqrt(2 s) / b."""
+        slipping = robot.with_effect(RandomSlip(slip_m_sqrt_m=0.01, length_m=0.002))
+        radius_m, track_m = 0.5 * robot.drive.wheel_diameter_m, robot.drive.track_m
+        errors = {}
+        for run, seed, end_m in (("first", 1, 2.0), ("again", 1, 0.3), ("another", 2, 2.0)):
+            rng = np.random.Generator(np.random.PCG64(seed))
+            with BulletSimulation(slipping, open_floor, (0.0, 0.0, 0.0), Rates(), rng) as simulation:
+                simulation.set_voltages(3.0, 3.0)
+                error, way_m = [], [0.0]
+                while way_m[-1] < end_m:
+                    simulation.advance(20)
+                    right, left = travelled(simulation)
+                    error.append(simulation.pose()[2] - radius_m * (right - left) / track_m)
+                    way_m.append(0.5 * radius_m * (right + left))
+            errors[run] = np.interp(np.arange(0.1, end_m, 0.1), way_m[1:], error)
+        np.testing.assert_array_equal(errors["first"][:2], errors["again"][:2])
+        changes = np.concatenate([np.diff(errors["first"]), np.diff(errors["another"])])
+        # 36 changes: a standard error of 12 %.
+        assert np.sqrt(np.mean(changes**2)) == pytest.approx(0.01 * math.sqrt(0.2) / track_m, rel=0.35)
 
     @pytest.mark.parametrize("voltages", [(2.0, 2.0), (2.0, -2.0)])
     def test_on_a_slope_a_robot_creeps_downhill_whatever_its_heading(self, simulate_with, robot, voltages):

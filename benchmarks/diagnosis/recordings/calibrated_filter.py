@@ -2,18 +2,17 @@
 
     python benchmarks/diagnosis/recordings/calibrated_filter.py FOLDER
 
-The robot of OptiOdom logs (FOLDER: counts of two wheels and poses of a motion capture) is diagnosed on every
-second session of each kind of path, and posterior.yaml is made from it. The other sessions are judged: an extended
-Kalman filter predicts the pose from the first one and the counts alone, and its error is compared with its covariance.
+The robot of OptiOdom logs (FOLDER: counts of two wheels and poses of a motion capture) is diagnosed on every second
+session of each kind of path, and posterior.yaml is made from it. The other sessions are judged, and then the other way
+round: an extended Kalman filter predicts the pose from the first one and the counts alone, and its error is compared
+with its covariance.
 
 The filter has the mean and the covariance of radius, difference of radii and track as unknown constants of a robot
 (`pipeline.baselines.motion`). They come from 400 robots of a dataset:
 
-    posterior     drawn together from posterior.yaml, as `--like` does
-    and noise     the same, with a random error of the wheels as large as the noise of posterior.yaml allows, which
-                  contains the noise of the cameras
-    and slip      the same, with the random error for which NEES is 1 in the fitted runs; no dataset has it
-    independent   the same standard deviations without the correlations
+    posterior     drawn together from posterior.yaml, as `--like` does, with the random slip of the wheels
+    usual slip    the same robots with the slip that other filters of symolo assume
+    independent   as posterior, without the correlations
     point         the fitted robot alone
     uniform       uniform within +-1.73 usual tolerances around the drawing, so with the tolerance as standard deviation
     fleet         the shipped robot `fleet`, whose wheels are those of the drawing
@@ -26,7 +25,6 @@ ends of the runs.
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import exp, log
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -54,7 +52,6 @@ USUAL = np.array([WHEEL_SHARE, PAIR_SHARE, TRACK_SHARE])
 START_SD = np.array([5e-4, 5e-4, 5e-3])
 """Standard deviations of the first pose, from one frame of the cameras; the heading may be mounted askew [m, rad]."""
 FROM_M = 1.0
-BISECTIONS = 8
 STEPS = 5
 """Rows of 50 ms that the filter takes at once."""
 
@@ -82,22 +79,29 @@ def main() -> None:
     parser.add_argument("recordings", type=Path)
     settings = parser.parse_args()
     measurement = IMPORTER.read(settings.recordings)
-    fitted, judged = _halves(measurement)
-    diagnosis = diagnose(replace(measurement, trials=fitted))
+    halves = _halves(measurement)
+    for fitted, judged in (halves, halves[::-1]):
+        _compare(replace(measurement, trials=fitted), judged)
+
+
+def _compare(fitted: Measurement, judged: Sequence[Trial]) -> None:
+    """Fit a robot to some runs, judge the filters on others, and print a table."""
+    diagnosis = diagnose(fitted)
     with TemporaryDirectory() as folder:
         (Path(folder) / FILE).write_text(posterior_text(diagnosis))
         loaded = load_scenario("smoke", [f"like={folder}"])
-    print(f"{len(fitted)} runs of {len({t.session for t in fitted})} sessions to fit, ", end="")
+    print(f"{len(fitted.trials)} runs of {len({t.session for t in fitted.trials})} sessions to fit, ", end="")
     print(f"{len(judged)} runs of {len({t.session for t in judged})} sessions to judge")
     print(f"named: {', '.join(diagnosis.names) or 'no effect'}")
-    print(f"{'robots':14s} {'slip':>5s} {'NEES':>6s} {'inside 95 %':>12s} {'rms at the ends [mm]':>21s}")
-    for name, robots in _datasets(loaded, fitted):
+    print(f"{'robots':14s} {'slip [mm]':>9s} {'NEES':>6s} {'inside 95 %':>12s} {'rms at the ends [mm]':>21s}")
+    for name, robots in _datasets(loaded):
         results = [_judged(trial, robots) for trial in judged]
         squared = np.concatenate([result.squared for result in results])
         inside = (squared <= chi2.ppf(0.95, 3)).mean()
         ends_mm = 1e3 * np.sqrt(np.mean([result.end_m**2 for result in results]))
         slip = f"{1e3 * robots.slip_m_sqrt_m:.2f}"
-        print(f"{name:14s} {slip:>5s} {squared.mean() / 3.0:6.2f} {100.0 * inside:10.1f} % {ends_mm:21.1f}", flush=True)
+        print(f"{name:14s} {slip:>9s} {squared.mean() / 3.0:6.2f} {100.0 * inside:10.1f} % {ends_mm:21.1f}", flush=True)
+    print()
 
 
 def _halves(measurement: Measurement) -> tuple[tuple[Trial, ...], tuple[Trial, ...]]:
@@ -111,50 +115,38 @@ def _halves(measurement: Measurement) -> tuple[tuple[Trial, ...], tuple[Trial, .
     return parts[0], parts[1]
 
 
-def _datasets(loaded: LoadedScenario, fitted: Sequence[Trial]) -> Iterator[tuple[str, Robots]]:
+def _datasets(loaded: LoadedScenario) -> Iterator[tuple[str, Robots]]:
     like, single = loaded.like, loaded.single_routes["CW"]
     assert like is not None  # noqa: S101 - named above
     root, values = single.root, {path: item.ends()[0] for path, item in single.placed.items()}
-    shares = []
+    robots, slips = [], []
     for number in range(ROBOTS):
         hypothesis = drawn_hypothesis(like, stream(1, "hypothesis", number))
-        robot = drawn_robot(root, hypothesis, values, stream(1, "robot", number))
-        shares.append(_shares(robot.on(root)))
-    mean, covariance = np.mean(shares, axis=0), np.cov(np.array(shares).T)
-    yield "posterior", Robots(mean, covariance)
-    noise = {each.channel: each.sd for each in like.noise}
-    window_m = next(each.high for each in like.measured if each.covariate == "v_m_s") * 0.5
-    slip = noise["pose_dtheta_rad"] * TRACK_M / np.sqrt(2.0 * window_m)
-    yield "and noise", Robots(mean, covariance, float(slip))
-    yield "and slip", _with_slip(Robots(mean, covariance), fitted)
-    yield "independent", Robots(mean, covariance * np.eye(3))
-    yield "point", Robots(_shares(mean_robot(like.hypotheses[0]).on(root)), np.zeros((3, 3)))
+        robot = drawn_robot(root, hypothesis, values, stream(1, "robot", number)).on(root)
+        robots.append(_shares(robot))
+        slips.append(_number(robot, "effects.random_slip.slip_m_sqrt_m", 0.0))
+    mean, covariance, slip = np.mean(robots, axis=0), np.cov(np.array(robots).T), float(np.mean(slips))
+    yield "posterior", Robots(mean, covariance, slip)
+    yield "usual slip", Robots(mean, covariance)
+    yield "independent", Robots(mean, covariance * np.eye(3), slip)
+    point = mean_robot(like.hypotheses[0]).on(root)
+    yield "point", Robots(_shares(point), np.zeros((3, 3)), _number(point, "effects.random_slip.slip_m_sqrt_m", 0.0))
     yield "uniform", Robots(np.zeros(3), np.eye(3) * USUAL**2)
     yield "fleet", Robots(np.zeros(3), np.zeros((3, 3)))
 
 
-def _with_slip(robots: Robots, fitted: Sequence[Trial]) -> Robots:
-    """Return the robots with the random error of the wheels for which NEES is 1 in some runs, by bisection."""
-    low, high = log(1e-4), log(1e-2)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        tried = replace(robots, slip_m_sqrt_m=exp(middle))
-        nees = np.concatenate([_judged(trial, tried).squared for trial in fitted]).mean() / 3.0
-        low, high = (middle, high) if nees > 1.0 else (low, middle)
-    return replace(robots, slip_m_sqrt_m=exp(0.5 * (low + high)))
-
-
 def _shares(root: Node) -> Array:
     """Return by how much radius, difference of radii and track of a robot differ from the drawing, as shares."""
+    scale = _number(root, "effects.wheel_radius_scale.scale") / _number(root, "effects.encoder_ticks_scale.scale")
+    radius = _number(root, "drive.wheel_diameter_m", 0.0) * scale / WHEEL_DIAMETER_M
+    track = _number(root, "drive.track_m", 0.0) * _number(root, "effects.wheelbase_scale.scale") / TRACK_M
+    # The filter has the right wheel less the left one, and the effect has the left one less the right one.
+    return np.array([radius - 1.0, -_number(root, "effects.wheel_radius_asymmetry.asymmetry", 0.0), track - 1.0])
 
-    def number(path: str, absent: float) -> float:
-        value = root.plain_at(("robot", *path.split(".")))
-        return absent if value is None else float(value)
 
-    scale = number("effects.wheel_radius_scale.scale", 1.0) / number("effects.encoder_ticks_scale.scale", 1.0)
-    radius = number("drive.wheel_diameter_m", 0.0) * scale / WHEEL_DIAMETER_M
-    track = number("drive.track_m", 0.0) * number("effects.wheelbase_scale.scale", 1.0) / TRACK_M
-    return np.array([radius - 1.0, number("effects.wheel_radius_asymmetry.asymmetry", 0.0), track - 1.0])
+def _number(root: Node, path: str, absent: float = 1.0) -> float:
+    value = root.plain_at(("robot", *path.split(".")))
+    return absent if value is None else float(value)
 
 
 def _judged(trial: Trial, robots: Robots) -> Judged:

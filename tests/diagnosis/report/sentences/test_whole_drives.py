@@ -1,4 +1,4 @@
-"""With the made drives of test_whole_runs, whose wheels are known."""
+"""Drives whose wheels are known, made by test_whole_runs: the ends of their runs, and their random slip."""
 
 import importlib.util
 from dataclasses import replace
@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.diagnose import diagnose
+from diagnosis.posterior.random_slip import random_slip
+from diagnosis.report.sentences.random_slip import random_slip_sentences
 from diagnosis.report.sentences.run_ends import run_ends
 
 
@@ -32,3 +34,14 @@ def test_the_extended_robot_of_known_wheels_ends_nearer_than_the_nominal_one(mad
     before, after = (float(sentence.split(" mm and ")[k].split()[-1]) for k in (0, 1))
     assert "rms of 2 runs" in sentence
     assert after < 0.5 * before
+
+
+def test_wheels_that_slip_at_random_have_the_planted_slip(made):
+    """Each wheel slips by 3 mrad * 40 mm in each of the 400 rows of the first metre: 2.4 mm / sqrt(m)."""
+    diagnosis = diagnose(made.measured(runs=16, slip_rad=3e-3))
+    slip = random_slip(diagnosis)
+    assert abs(np.log(slip.slip_m_sqrt_m / 2.4e-3)) < 3.0 * slip.sd_log
+    # 16 squares: a standard error of 18 %.
+    assert 0.09 < slip.sd_log < 0.36
+    (sentence,) = random_slip_sentences(diagnosis)
+    assert f"{1e3 * slip.slip_m_sqrt_m:.1f}" in sentence
