@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pipeline.baselines import METHODS
 from pipeline.baselines.base import Estimate, Method
 from pipeline.baselines.errors import Errors, errors_of
+from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M
 from pipeline.baselines.runs import LoggedRun
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
@@ -31,6 +32,8 @@ class BaselineComparison:
     """Reason by name for each method that cannot be used on these runs."""
     start_sd: Array
     """(3,), x [m], y [m], yaw [rad]: standard deviation of the error of the start."""
+    slip_m_sqrt_m: float
+    """Standard deviation [m] that methods assume for the random error of a wheel's distance after 1 m."""
     seed: int
 
 
@@ -65,6 +68,7 @@ def compare(
     everything: Sequence[LoggedRun],
     *,
     start_sd: Array,
+    slip_m_sqrt_m: float = SLIP_M_SQRT_M,
     seed: int,
     report: Report,
 ) -> BaselineComparison:
@@ -75,7 +79,7 @@ def compare(
     results = {}
     with report.stage("baselines", len(runs) * len(usable), "estimates") as stage:
         for run in runs:
-            knowledge = run.knowledge(start_sd, stream(seed, run.name, "start"))
+            knowledge = run.knowledge(start_sd, stream(seed, run.name, "start"), slip_m_sqrt_m)
             others = [lesson for name, lesson in lessons.items() if name != run.name]
             for method in usable:
                 rng = stream(seed, run.name, method.name)
@@ -83,4 +87,4 @@ def compare(
                 errors = errors_of(estimate, knowledge.t_s, run.truth)
                 results[run.name, method.name] = MethodResult(estimate, errors)
                 stage.update("all", len(results))
-    return BaselineComparison(usable, tuple(runs), results, left_out, start_sd, seed)
+    return BaselineComparison(usable, tuple(runs), results, left_out, start_sd, slip_m_sqrt_m, seed)

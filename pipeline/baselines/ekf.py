@@ -12,7 +12,7 @@ from math import exp
 import numpy as np
 
 from pipeline.baselines.base import Estimate, Method, TrainingRun
-from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m, slip_sd_m
+from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m
 from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from sensors.ranging.tof import log_error_m
@@ -54,7 +54,7 @@ def updated(state: Array, covariance: Array, row: Array, innovation: float, vari
 class KalmanFilter:
     def __init__(self, knowledge: RobotKnowledge, further_sd: Array | None = None) -> None:
         """Begin at the start, with further states (K,) of these standard deviations, which do not change by moving."""
-        self._motion = WheelMotion(knowledge.drawing.odometry)
+        self._motion = WheelMotion.of(knowledge)
         self._ranges = RangeModel(knowledge, RAYS)
         state, covariance = initial_state(knowledge.start)
         more = np.zeros(0) if further_sd is None else further_sd
@@ -68,7 +68,7 @@ class KalmanFilter:
         by_state, by_rolled = np.eye(len(self.state)), np.zeros((len(self.state), 2))
         by_state[OFFSET:ALL, OFFSET:ALL] *= remaining
         by_state[:STATES, :STATES], by_rolled[:STATES] = self._motion.jacobians(self.state[:STATES], rolled_m)
-        noise = (by_rolled * slip_sd_m(rolled_m) ** 2) @ by_rolled.T
+        noise = (by_rolled * self._motion.slip_sd_m(rolled_m) ** 2) @ by_rolled.T
         noise[OFFSET:ALL, OFFSET:ALL] += (1.0 - remaining**2) * LASTING_SD_M**2 * np.eye(3)
         self.covariance = by_state @ self.covariance @ by_state.T + noise
         moved = self._motion.moved(self.state[:STATES], rolled_m)

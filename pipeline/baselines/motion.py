@@ -10,17 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.usual_tolerances import PAIR_SHARE, TRACK_SHARE, WHEEL_SHARE
-from pipeline.baselines.robot_knowledge import RobotKnowledge, Start
+from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, RobotKnowledge, Start
 from sensors.wheels.odometry import Odometry
 from symolo.core.arrays import Array
 
 STATES = 6
 SHARES_SD = np.array([WHEEL_SHARE, PAIR_SHARE, TRACK_SHARE])
 """Standard deviations (3,) of the shares between robots of one drawing; the diagnosis assumes the same."""
-SLIP_M_SQRT_M = 3e-4
-"""Standard deviation [m] of the random error of the distance that a wheel rolls, after 1 m. The variance grows with the
-distance (Chong and Kleeman, "Accurate odometry and error modelling for a mobile robot", ICRA 1997). 0.3 mm is usual for
-rubber on a clean floor."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +24,17 @@ class WheelMotion:
     """The step from one row to the next and its uncertainty."""
 
     odometry: Odometry
+    slip_m_sqrt_m: float = SLIP_M_SQRT_M
+    """Standard deviation [m] of the random error of the distance that a wheel rolls, after 1 m."""
+
+    @classmethod
+    def of(cls, knowledge: RobotKnowledge) -> "WheelMotion":
+        """Return the motion of a robot by its drawing."""
+        return cls(knowledge.drawing.odometry, knowledge.slip_m_sqrt_m)
+
+    def slip_sd_m(self, rolled_m: Array) -> Array:
+        """Return the standard deviation [m] of rolled distances, in the same shape."""
+        return self.slip_m_sqrt_m * np.sqrt(np.abs(rolled_m))
 
     def moved(self, state: Array, rolled_m: Array) -> Array:
         """Return the states (..., 6) after the wheels have rolled the distances (..., 2) by the drawing, right and
@@ -75,11 +82,6 @@ def rolled_distances_m(knowledge: RobotKnowledge) -> Array:
     """Return the distances (N, 2) [m] that the right and left wheel rolled since the row before, 0 at the first row."""
     steps = np.diff(knowledge.counts, axis=0, prepend=knowledge.counts[:1])
     return steps * knowledge.drawing.odometry.metres_per_count
-
-
-def slip_sd_m(rolled_m: Array) -> Array:
-    """Return the standard deviation [m] of rolled distances, in the same shape."""
-    return SLIP_M_SQRT_M * np.sqrt(np.abs(rolled_m))
 
 
 def initial_state(start: Start) -> tuple[Array, Array]:

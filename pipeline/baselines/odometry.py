@@ -5,17 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.baselines.base import Estimate, Method, TrainingRun
-from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m, slip_sd_m
+from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 
 
 def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    motion = WheelMotion(knowledge.drawing.odometry)
+    motion = WheelMotion.of(knowledge)
     state, covariance = initial_state(knowledge.start)
     poses, covariances = [], []
     for rolled_m in rolled_distances_m(knowledge):
         by_state, by_rolled = motion.jacobians(state, rolled_m)
-        covariance = by_state @ covariance @ by_state.T + (by_rolled * slip_sd_m(rolled_m) ** 2) @ by_rolled.T
+        covariance = by_state @ covariance @ by_state.T + (by_rolled * motion.slip_sd_m(rolled_m) ** 2) @ by_rolled.T
         state = motion.moved(state, rolled_m)
         poses.append(state[:3])
         covariances.append(covariance[:3, :3])

@@ -108,6 +108,7 @@ def numbers(compared: BaselineComparison) -> bytes:
                 for run in compared.runs
             },
             "seed": compared.seed,
+            "slip_m_sqrt_m": compared.slip_m_sqrt_m,
             "start_sd": {"x_m": compared.start_sd[0], "y_m": compared.start_sd[1], "yaw_rad": compared.start_sd[2]},
         }
     )

@@ -16,7 +16,7 @@ from scipy.special import logsumexp
 
 from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.line_model import LineModel
-from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m, slip_sd_m
+from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m
 from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
@@ -59,7 +59,7 @@ def scattered(particles: Array, rng: np.random.Generator) -> Array:
 class _ParticleFilter:
     def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator) -> None:
         self._rng = rng
-        self._motion = WheelMotion(knowledge.drawing.odometry)
+        self._motion = WheelMotion.of(knowledge)
         self._ranges = RangeModel(knowledge, RAYS)
         self._line = LineModel(knowledge)
         self._longest_m = knowledge.drawing.longest_range_m
@@ -70,7 +70,7 @@ class _ParticleFilter:
         self._seen_from = self.particles[:, :3]
 
     def predict(self, rolled_m: Array, duration_s: float) -> None:
-        noise = slip_sd_m(rolled_m) * self._rng.standard_normal((PARTICLES, 2))
+        noise = self._motion.slip_sd_m(rolled_m) * self._rng.standard_normal((PARTICLES, 2))
         before, self.particles = self.particles, self._motion.moved(self.particles, rolled_m + noise)
         self._duration_s = duration_s
         earlier = self._ranges.age_s / duration_s if duration_s > 0.0 else 0.0

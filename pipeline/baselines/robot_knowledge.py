@@ -28,6 +28,10 @@ Pixels = NDArray[np.uint8]
 THUMBNAIL = (24, 32)
 """Height and width [px] of the small image that the method `retrieval` reads."""
 NO_FURTHER = FurtherReadings()
+SLIP_M_SQRT_M = 3e-4
+"""Standard deviation [m] of the random error of a wheel's travel after 1 m, if none is given. The variance
+grows with the distance (Chong and Kleeman, "Accurate odometry and error modelling for a mobile robot", ICRA 1997). This
+is usual for rubber on a clean floor."""
 MAP_SD_M = 0.003
 """Standard deviation of the position of tape, walls and obstacles against the map."""
 
@@ -127,6 +131,8 @@ class RobotKnowledge:
     images: RunImages | None
     further: FurtherReadings = NO_FURTHER
     """Readings of the sensors of `robot.sensors`."""
+    slip_m_sqrt_m: float = SLIP_M_SQRT_M
+    """Standard deviation [m] of the random error of the distance that a wheel rolls, after 1 m."""
 
     @classmethod
     def of(
@@ -139,6 +145,7 @@ class RobotKnowledge:
         start: Start,
         images: RunImages | None,
         further: FurtherReadings = NO_FURTHER,
+        slip_m_sqrt_m: float = SLIP_M_SQRT_M,
     ) -> "RobotKnowledge":
         """Return the knowledge in data.csv, side/wheels.csv and side/tof.csv without their columns of true values."""
         arena = Arena.from_config(spec.arena)
@@ -157,6 +164,7 @@ class RobotKnowledge:
             map=replace(arena, boxes=standing, floor_reflectance=1.0, line=line),
             images=images,
             further=further,
+            slip_m_sqrt_m=slip_m_sqrt_m,
         )
 
     def __len__(self) -> int:

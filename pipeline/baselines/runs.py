@@ -12,7 +12,7 @@ from configs.schema.scenario import RunSpec
 from pipeline.baselines.base import TrainingRun
 from pipeline.baselines.further_sensors.readings import FurtherReadings
 from pipeline.baselines.further_sensors.stereo_log import StereoLog
-from pipeline.baselines.robot_knowledge import NO_FURTHER, RobotKnowledge, RunImages, Start
+from pipeline.baselines.robot_knowledge import NO_FURTHER, SLIP_M_SQRT_M, RobotKnowledge, RunImages, Start
 from pipeline.run_folder.stored_runs import (
     read_simulated,
     run_name,
@@ -56,7 +56,9 @@ class LoggedRun:
         """(N, 3), x [m], y [m], yaw [rad] in W."""
         return self.rows.pose
 
-    def knowledge(self, start_sd: Array, rng: np.random.Generator) -> RobotKnowledge:
+    def knowledge(
+        self, start_sd: Array, rng: np.random.Generator, slip_m_sqrt_m: float = SLIP_M_SQRT_M
+    ) -> RobotKnowledge:
         """Return the knowledge of its robot, whose start has an error of these standard deviations (3,)."""
         start = Start(self.truth[0] + start_sd * rng.standard_normal(3), start_sd)
         return RobotKnowledge.of(
@@ -67,6 +69,7 @@ class LoggedRun:
             start=start,
             images=self.images,
             further=self.further,
+            slip_m_sqrt_m=slip_m_sqrt_m,
         )
 
     def lesson(self) -> TrainingRun | None:

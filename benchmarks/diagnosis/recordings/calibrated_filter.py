@@ -40,7 +40,8 @@ from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, IMPORTER,
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.posterior.posterior import posterior_text
 from diagnosis.usual_tolerances import PAIR_SHARE, TRACK_SHARE, WHEEL_SHARE
-from pipeline.baselines.motion import SLIP_M_SQRT_M, WheelMotion
+from pipeline.baselines.motion import WheelMotion
+from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M
 from sensors.wheels.odometry import Odometry
 from symolo.core.random_streams import stream
 from symolo.core.yaml.tree import Node
@@ -155,7 +156,7 @@ def _judged(trial: Trial, robots: Robots) -> Judged:
     pose = np.stack([logged[name] for name in ("x_m", "y_m", "theta_rad")], axis=1)
     counts = np.stack([logged[f"enc_{side}_ticks"] for side in ("right", "left")], axis=1)
     odometry = Odometry(np.pi * WHEEL_DIAMETER_M / ENCODER_TICKS_PER_REVOLUTION, TRACK_M)
-    motion, state = WheelMotion(odometry), np.concatenate([pose[0], robots.mean])
+    motion, state = WheelMotion(odometry, robots.slip_m_sqrt_m), np.concatenate([pose[0], robots.mean])
     covariance = np.zeros((6, 6))
     covariance[:3, :3], covariance[3:, 3:] = np.diag(START_SD**2), robots.covariance
     rows = np.arange(0, len(pose), STEPS)
@@ -163,7 +164,7 @@ def _judged(trial: Trial, robots: Robots) -> Judged:
     squared, travelled = [], 0.0
     for row, rolled_m in zip(rows[1:], rolled, strict=True):
         by_state, by_rolled = motion.jacobians(state, rolled_m)
-        noise = (by_rolled * robots.slip_m_sqrt_m**2 * np.abs(rolled_m)) @ by_rolled.T
+        noise = (by_rolled * motion.slip_sd_m(rolled_m) ** 2) @ by_rolled.T
         covariance = by_state @ covariance @ by_state.T + noise
         state = motion.moved(state, rolled_m)
         travelled += float(np.abs(rolled_m).mean())

@@ -16,7 +16,7 @@ from physics.arena.rays import RayScene
 from pipeline.baselines.base import Estimate
 from pipeline.baselines.ekf import GATE
 from pipeline.baselines.further_sensors.scans import MatchedScan, ScanLog
-from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m, slip_sd_m
+from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m
 from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import rotations_about_z
@@ -62,7 +62,7 @@ class _Residuals:
 
 class ScanFilter:
     def __init__(self, knowledge: RobotKnowledge, log: ScanLog, scan_period_s: float) -> None:
-        self._motion = WheelMotion(knowledge.drawing.odometry)
+        self._motion = WheelMotion.of(knowledge)
         self._scene = RayScene(knowledge.map)
         state, covariance = initial_state(knowledge.start)
         self.state = np.append(state, 0.0)
@@ -73,7 +73,7 @@ class ScanFilter:
     def predict(self, rolled_m: Array) -> None:
         by_state, by_rolled = np.eye(len(self.state)), np.zeros((len(self.state), 2))
         by_state[:STATES, :STATES], by_rolled[:STATES] = self._motion.jacobians(self.state[:STATES], rolled_m)
-        noise = (by_rolled * slip_sd_m(rolled_m) ** 2) @ by_rolled.T
+        noise = (by_rolled * self._motion.slip_sd_m(rolled_m) ** 2) @ by_rolled.T
         self.covariance = by_state @ self.covariance @ by_state.T + noise
         self.state[:STATES] = self._motion.moved(self.state[:STATES], rolled_m)
 

@@ -257,6 +257,16 @@ def baselines(
         float,
         typer.Option(min=0.01, max=90, metavar="DEG", help="Standard deviation of the error of the start direction."),
     ] = 0.1,
+    slip_mm: Annotated[
+        float,
+        typer.Option(
+            min=0.001,
+            max=100,
+            metavar="MM",
+            help="Random error of the distance that a wheel rolls, after 1 m, which the methods assume. "
+            "posterior.yaml of a calibrated dataset has that of its robots as random_slip.",
+        ),
+    ] = 0.3,
     seed: Seed = 1,
 ) -> None:
     """Localise the robot with odometry, a Kalman filter, a particle filter and images, and measure the errors.
@@ -285,7 +295,13 @@ def baselines(
             raise InputError(f"--methods {method.name}: {why}", where=str(folder))
     start_sd = np.array([start_sd_cm / 100, start_sd_cm / 100, radians(start_sd_deg)])
     compared = compare(
-        chosen_methods, chosen(everything, runs), everything, start_sd=start_sd, seed=seed, report=report_here()
+        chosen_methods,
+        chosen(everything, runs),
+        everything,
+        start_sd=start_sd,
+        slip_m_sqrt_m=slip_mm / 1000,
+        seed=seed,
+        report=report_here(),
     )
     write(compared, out)
     typer.echo(table(compared) + f"\n{out}")

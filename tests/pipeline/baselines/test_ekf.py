@@ -6,9 +6,9 @@ from scipy.stats import chi2
 
 from pipeline.baselines.ekf import LASTING_S, METHOD, updated
 from pipeline.baselines.errors import nees
-from pipeline.baselines.motion import SHARES_SD, SLIP_M_SQRT_M, WheelMotion
+from pipeline.baselines.motion import SHARES_SD, WheelMotion
 from pipeline.baselines.range_model import LASTING_SD_M
-from pipeline.baselines.robot_knowledge import Start
+from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, Start
 from sensors.wheels.odometry import Odometry
 
 ROWS, WAY_M = 15, 0.004

@@ -42,3 +42,15 @@ def test_jacobians_are_those_of_differences():
     for column, move in zip(by_ways.T, np.eye(2) * step, strict=True):
         change = (MOTION.moved(state, ways + move) - MOTION.moved(state, ways - move)) / (2 * step)
         assert column == pytest.approx(change, abs=1e-9)
+
+
+def test_random_slip_makes_way_and_heading_uncertain_with_the_root_of_the_distance():
+    """After a straight way s: variances q^2 s / 2 along it, and 2 q^2 s / b^2 of the heading."""
+    motion, covariance, state = WheelMotion(ODOMETRY, 1.6e-3), np.zeros((6, 6)), np.zeros(6)
+    for _ in range(400):
+        rolled_m = np.array([0.01, 0.01])
+        by_state, by_rolled = motion.jacobians(state, rolled_m)
+        covariance = by_state @ covariance @ by_state.T + (by_rolled * motion.slip_sd_m(rolled_m) ** 2) @ by_rolled.T
+        state = motion.moved(state, rolled_m)
+    assert covariance[0, 0] == pytest.approx(1.6e-3**2 * 4.0 / 2.0)
+    assert covariance[2, 2] == pytest.approx(2.0 * 1.6e-3**2 * 4.0 / 0.14**2)

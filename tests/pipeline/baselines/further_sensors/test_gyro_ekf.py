@@ -10,8 +10,8 @@ from pipeline.baselines.errors import nees
 from pipeline.baselines.further_sensors.gyro_ekf import BIAS, METHOD, GyroFilter
 from pipeline.baselines.further_sensors.imu_log import ImuLog
 from pipeline.baselines.further_sensors.readings import FurtherReadings
-from pipeline.baselines.motion import SHARES_SD, SLIP_M_SQRT_M, WheelMotion
-from pipeline.baselines.robot_knowledge import Start
+from pipeline.baselines.motion import SHARES_SD, WheelMotion
+from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, Start
 from sensors.inertial.imu import Accelerometer, Gyroscope, ImuSettings
 from sensors.inertial.inertial_errors import ErrorSizes
 from sensors.wheels.odometry import Odometry
