@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from configs.effects.base import Slot
 from physics.arena.rays import RayHits, RayScene
 from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.motion import voltage_trend
 from physics.drivetrain.motor import HeldWheel
 from physics.drivetrain.motor_arrays import HeldDrive
 from physics.drivetrain.wheel_loop import voltage_limit_V
@@ -89,19 +90,20 @@ class KinematicTwin:
         commands = np.concatenate([late, commands[: steps - len(late)]])
         voltage, speed, turned = (np.zeros((steps + 1, lanes, 2)) for _ in range(3))
         voltage[1:] = self._voltages(commands)
+        heat = self._heat(voltage[1:])
         time_s = np.arange(-1, steps)[:, None, None] * self._step_s
         supply = np.broadcast_to(self._driveline.supply_V(time_s), time_s.shape)
         if self._driveline.is_bare and lanes <= MAX_SCALAR_TRIALS:
             for lane in range(lanes):
                 speed[1:, lane], turned[1:, lane] = self._turned_alone(voltage[1:, lane])
         else:
-            speed[1:], turned[1:] = self._turned_together(voltage[1:], supply[1:])
+            speed[1:], turned[1:] = self._turned_together(voltage[1:], supply[1:], voltage_trend(commands), heat)
         counted = np.cumsum(through(self._counting, turned, self._step_s), axis=0)
         return TwinRun(
             t_s=np.arange(steps + 1) * self._step_s,
             pose=self._path(starts, turned),
             wheel_speed_rad_s=speed,
-            current_A=self._driveline.current_A(voltage, speed, supply),
+            current_A=self._driveline.current_A(voltage, speed, supply, self._driveline.winding(time_s, heat)),
             counts=np.floor(counted * self._counts_per_rad + 0.5).astype(np.int64),
         )
 
@@ -115,7 +117,17 @@ class KinematicTwin:
             held, voltage_V[k] = self._driveline.voltage_V(held, command_V, float(time_s[k]), self._step_s)
         return voltage_V
 
-    def _turned_together(self, voltage_V: Array, supply_V: Array) -> tuple[Array, Array]:
+    def _heat(self, voltage_V: Array) -> Array:
+        """Return the share by which heat has raised the resistance before the first step and after each, (T + 1, ...).
+
+        Without such an effect it is one number for all steps.
+        """
+        heats: list[float | Array] = [0.0]
+        for volts in voltage_V if self._driveline.heats else ():
+            heats.append(self._driveline.heat_after(heats[-1], volts, self._step_s))
+        return np.stack(np.broadcast_arrays(*heats)) if len(heats) > 1 else np.zeros((1, 1, 1))
+
+    def _turned_together(self, voltage_V: Array, supply_V: Array, trend: Array, heat: Array) -> tuple[Array, Array]:
         """Return speeds after each step and angles turned in it, (T, N, 2) each, at the supply's voltages (T, 1, 1).
 
         The coupling between the wheels uses the acceleration of the previous step.
@@ -124,8 +136,10 @@ class KinematicTwin:
         speeds, turned = np.zeros_like(voltage_V), np.zeros_like(voltage_V)
         speed = acceleration = angle = np.zeros(voltage_V.shape[1:])
         for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
-            torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed, supply_V[k])
-            friction = driveline.friction_N_m(torque, speed, k * self._step_s)
+            time_s = k * self._step_s
+            winding = driveline.winding(time_s, heat[k] if driveline.heats else 0.0)
+            torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed, supply_V[k], winding)
+            friction = driveline.friction_N_m(torque, speed, time_s, trend[k])
             # The body couples the wheels: the acceleration of each one loads the other.
             torque = torque - acceleration @ self._coupling
             load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])

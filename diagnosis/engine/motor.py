@@ -16,7 +16,7 @@ from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
-from diagnosis.predictors.rows import joined
+from diagnosis.predictors.rows import joined, session_time_s
 from sensors.wheels.instruments import read_current_A, read_settled_speed_rad_s, read_speed_rad_s
 from symolo.core.arrays import Array
 
@@ -55,7 +55,9 @@ class MotorOnBench(EngineStage):
             amperes, rad_s = _turned(robot, np.array([volts]), duration_s)
             rows = heldout & (voltage_V == volts)
             current[rows], speed[rows] = amperes[-1], rad_s[-1]
-        return read_current_A(robot.effects, current), read_settled_speed_rad_s(robot.effects, speed)
+        since_on_s = session_time_s(self._measurement)
+        read_speed = read_settled_speed_rad_s(robot.effects, speed, since_on_s)
+        return read_current_A(robot.effects, current, since_on_s), read_speed
 
     def _of_steps(self, robot: RobotConfig) -> tuple[Array, Array]:
         """Return current [A] and speed [rad/s] against time, (n,) each."""
@@ -69,8 +71,9 @@ class MotorOnBench(EngineStage):
                 current[:, k], speed[:, k] = _turned(robot, voltage_V[1:, k], grid.period_s)
         t_s = grid.period_s * np.arange(len(voltage_V))
         known = np.isfinite(speed[0])
-        speed[:, known] = read_speed_rad_s(robot.effects, t_s, speed[:, known])
-        return grid.of_rows(read_current_A(robot.effects, current)), grid.of_rows(speed)
+        since_on_s = t_s[:, None] + grid.begins_s
+        speed[:, known] = read_speed_rad_s(robot.effects, t_s, speed[:, known], since_on_s[:, known])
+        return grid.of_rows(read_current_A(robot.effects, current, since_on_s)), grid.of_rows(speed)
 
 
 def _turned(robot: RobotConfig, voltage_V: Array, row_s: float) -> tuple[Array, Array]:

@@ -74,6 +74,7 @@ class MotorStep:
         current, speed = np.empty((len(robots), rows)), np.empty((len(robots), rows))
         trials = self._voltage_V.shape[1]
         t_s = self._grid.period_s * np.arange(len(self._voltage_V))
+        since_on_s = t_s[:, None, None] + self._grid.begins_s
         for group in alike(robots):
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2, times=trials))
@@ -82,8 +83,8 @@ class MotorStep:
             # Robots that differ only in their instruments share one motion.
             motions = (x if x.ndim > self._voltage_V.ndim else x[:, None] for x in moving)
             amperes, rad_s = (np.concatenate([np.zeros_like(x[:1]), x]) for x in motions)
-            current[group] = self._grid.of_rows(read_current_A(effects, amperes))
-            speed[group] = self._grid.of_rows(read_speed_rad_s(effects, t_s, rad_s))
+            current[group] = self._grid.of_rows(read_current_A(effects, amperes, since_on_s))
+            speed[group] = self._grid.of_rows(read_speed_rad_s(effects, t_s, rad_s, since_on_s))
         return current, speed
 
     def _responses(

@@ -34,6 +34,9 @@ class WheelsWithEffects:
         self._geometry = model.geometry
         self._coming: deque[tuple[int, Array]] = deque()
         self._command_V = self._held_V = self._voltage_V = np.zeros(2)
+        self._trend = np.ones(2)
+        self._heat: float | Array = 0.0
+        self._winding = self._driveline.winding(0.0, self._heat)
         self._supply_V = self._driveline.full_supply_V
         self._angles: Array | None = None
         self._friction_N_m = self._wanted_friction_N_m = self._driveline.coulomb_N_m
@@ -50,17 +53,22 @@ class WheelsWithEffects:
     def torques_N_m(self, step: int, angles_rad: Array, speeds_rad_s: Array) -> list[float]:
         """Return the driving torques, right and left [N m], for this step; call `friction_to_set` after it."""
         while self._coming and self._coming[0][0] <= step:
-            self._command_V = self._coming.popleft()[1]
+            command_V = self._coming.popleft()[1]
+            grown_V = np.abs(command_V) - np.abs(self._command_V)
+            self._trend = np.where(grown_V == 0.0, self._trend, np.sign(grown_V))
+            self._command_V = command_V
         self._count(angles_rad)
         driveline, time_s = self._driveline, step * self._period_s
         self._held_V, voltage_V = driveline.voltage_V(self._held_V, self._command_V, time_s, self._period_s)
         self._voltage_V, self._supply_V = voltage_V, driveline.supply_V(time_s)
-        extra = driveline.extra_torque_N_m(voltage_V, speeds_rad_s, self._supply_V)
+        self._winding = driveline.winding(time_s, self._heat)
+        self._heat = driveline.heat_after(self._heat, voltage_V, self._period_s)
+        extra = driveline.extra_torque_N_m(voltage_V, speeds_rad_s, self._supply_V, self._winding)
         torque = driveline.stall_torque_N_m(voltage_V) + extra
         torque = driveline.shaft_torque_N_m(torque, angles_rad, speeds_rad_s * self._period_s)
         # The solver leaves a tiny speed on a wheel that sticks; its sign must not decide the direction of friction.
         at_rest = np.where(np.abs(speeds_rad_s) < REST_RAD_S, 0.0, speeds_rad_s)
-        self._wanted_friction_N_m = driveline.friction_N_m(torque, at_rest, time_s)
+        self._wanted_friction_N_m = driveline.friction_N_m(torque, at_rest, time_s, self._trend)
         return torque.tolist()
 
     def friction_to_set(self) -> list[float] | None:
@@ -77,7 +85,8 @@ class WheelsWithEffects:
         self._angles = angles_rad
 
     def currents_A(self, speeds_rad_s: Array) -> tuple[float, float]:
-        right, left = self._driveline.current_A(self._voltage_V, speeds_rad_s, self._supply_V).tolist()
+        current_A = self._driveline.current_A(self._voltage_V, speeds_rad_s, self._supply_V, self._winding)
+        right, left = current_A.tolist()
         return right, left
 
     @property
@@ -150,6 +159,7 @@ def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float]
 def needs_every_step(model: RobotModel) -> bool:
     """Return whether an effect of this robot acts at every step, beyond numbers that the engine receives once."""
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT)
+    slots += (Slot.RESISTANCE, Slot.TORQUE_CONSTANT, Slot.WINDING_HEAT)
     slots += (Slot.FRICTION, Slot.SHAFT_TORQUE, Slot.COMMAND_DELAY, Slot.COUNTING)
     # The gearbox cannot act at all; it is listed so that its play is refused.
     slots += (Slot.ROLLING, Slot.SLIP, Slot.CREEP, Slot.GROUND, Slot.GEARBOX)

@@ -6,6 +6,7 @@ treat that part exactly; effects add an extra torque, which is exactly zero wher
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +21,16 @@ _GAUSS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES, WEIGHTS = (0.5 * (1.0 + _GAUSS)).tolist(), (0.5 * _GAUSS_WEIGHTS).tolist()
 """Nodes and weights of Gauss's rule on 0 to 1, for the mean of a lagging voltage."""
 MIN_INERTIA_KG_M2 = 1e-12
+MIN_WARM = 0.05
+"""Smallest factor of heat on a resistance, whatever a law says beyond the voltages at which it was seen."""
+
+
+@dataclass(frozen=True)
+class Winding:
+    """The windings of motors at one time; arrays of wheels."""
+
+    resistance_ohm: Array
+    torque_constant_N_m_A: Array
 
 
 class Driveline:
@@ -39,6 +50,9 @@ class Driveline:
         self._conduction = model.functions(Slot.CONDUCTION)
         self._bridge = model.functions(Slot.BRIDGE)
         self._supply = model.functions(Slot.SUPPLY)
+        self._resistance = model.functions(Slot.RESISTANCE)
+        self._constant = model.functions(Slot.TORQUE_CONSTANT)
+        self._heating = model.functions(Slot.WINDING_HEAT)
         self._limit = model.functions(Slot.CURRENT_LIMIT)
         self._friction = model.functions(Slot.FRICTION)
         self._shaft_torque = model.functions(Slot.SHAFT_TORQUE)
@@ -61,7 +75,13 @@ class Driveline:
     @property
     def adds_torque(self) -> bool:
         """Whether effects can change the torque of the bare windings."""
-        return bool(self._conduction or self._bridge or self._supply or self._limit)
+        in_circuit = self._conduction or self._bridge or self._supply or self._limit
+        return bool(in_circuit or self._resistance or self._constant or self._heating)
+
+    @property
+    def heats(self) -> bool:
+        """Whether the resistance depends on the past voltage."""
+        return bool(self._heating)
 
     @property
     def may_coast(self) -> bool:
@@ -116,35 +136,57 @@ class Driveline:
             weights = weights + left
         return lag(held_V, command_V, duration_s), command_V + weighed / weights
 
-    def current_A(self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array) -> Array:
+    def winding(self, time_s: float | Array, heat: float | Array) -> Winding:
+        """Return the windings at a time.
+
+        Args:
+            time_s: Time since the motors were first switched on.
+            heat: Share by which heat has raised the resistance (`heat_after`).
+        """
+        resistance = through(self._resistance, self.resistance_ohm, time_s)
+        resistance = resistance * np.maximum(1.0 + heat, MIN_WARM) if self._heating else resistance
+        return Winding(resistance, through(self._constant, self.torque_constant_N_m_A, time_s))
+
+    def heat_after(self, heat: float | Array, voltage_V: Array, duration_s: float | Array) -> float | Array:
+        """Return the share by which heat has raised the resistance after a period at constant voltage."""
+        return through(self._heating, heat, voltage_V, duration_s)
+
+    def current_A(self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array, winding: Winding) -> Array:
         """Return the winding currents.
 
         Args:
             voltage_V: Mean voltages that the bridge would give from a supply without load, duty * supply.
             speed_rad_s: Speeds.
             supply_V: Voltage of that supply at this time.
+            winding: The windings at this time.
         """
-        back_emf_V = self.torque_constant_N_m_A * speed_rad_s
+        back_emf_V = winding.torque_constant_N_m_A * speed_rad_s
         emf_V = voltage_V - back_emf_V
         if not (self._conduction or self._supply):
-            return through(self._limit, through(self._bridge, emf_V) / self.resistance_ohm)
+            return through(self._limit, through(self._bridge, emf_V) / winding.resistance_ohm)
         # An empty battery switches nothing.
         duty = np.divide(voltage_V, supply_V, out=np.zeros_like(emf_V), where=np.asarray(supply_V) > 0.0)
-        chopper = Chopper(supply_V, duty, self.resistance_ohm, back_emf_V)
+        chopper = Chopper(supply_V, duty, winding.resistance_ohm, back_emf_V)
 
         def driving_V(emf_V: Array) -> Array:
             return through(self._bridge, through(self._conduction, emf_V, chopper))
 
-        bridge = Bridge(supply_V, duty, self.resistance_ohm, driving_V)
+        bridge = Bridge(supply_V, duty, winding.resistance_ohm, driving_V)
         current_A = self._supply[0](emf_V, bridge) if self._supply else bridge.current_A(emf_V)
         return through(self._limit, current_A)
 
-    def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array) -> Array:
+    def extra_torque_N_m(
+        self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array, winding: Winding
+    ) -> Array:
         """Return the torque that effects add to that of the bare winding; arguments are those of `current_A`."""
         if not self.adds_torque:
             return np.zeros_like(speed_rad_s)
         bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
-        return self.torque_constant_N_m_A * (self.current_A(voltage_V, speed_rad_s, supply_V) - bare_A)
+        current_A = self.current_A(voltage_V, speed_rad_s, supply_V, winding)
+        extra = self.torque_constant_N_m_A * (current_A - bare_A)
+        if not self._constant:
+            return extra
+        return extra + (winding.torque_constant_N_m_A - self.torque_constant_N_m_A) * current_A
 
     def stall_torque_N_m(self, voltage_V: Array) -> Array:
         """Return the torque of the bare windings at rest."""
@@ -160,15 +202,21 @@ class Driveline:
         """
         return through(self._shaft_torque, torque_N_m, angle_rad, turned_rad)
 
-    def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array) -> Array:
+    def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array, trend: float | Array) -> Array:
         """Return the dry friction against the motion; at rest the largest torque that it can hold.
 
         Without an effect on friction this is the motors' constant, to be broadcast.
+
+        Args:
+            torque_N_m: Torque without friction.
+            speed_rad_s: Speeds.
+            time_s: Time since the motors were first switched on.
+            trend: Whether the size of the commanded voltage last grew (`voltage_trend`).
         """
         if not self._friction:
             return self.coulomb_N_m
         direction = np.sign(np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
-        motion = ShaftMotion(direction, speed_rad_s, time_s)
+        motion = ShaftMotion(direction, speed_rad_s, time_s, trend)
         return through(self._friction, self.coulomb_N_m, motion)
 
 

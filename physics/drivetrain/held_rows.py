@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.motion import voltage_trend
 from symolo.core.arrays import Array
 
 LAST_S = 5e-4
@@ -26,6 +27,10 @@ class HeldPart:
     begin_s: Array
     """Beginning of the period, since the motors were first switched on."""
     duration_s: float | Array
+    trend: float | Array
+    """Whether the size of the commanded voltage last grew (+1) or fell (-1)."""
+    heat: float | Array
+    """Share by which heat has raised the resistance of the windings, at the beginning."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,8 @@ class HeldRow:
     """Voltage at the end of the row."""
     supply_V: float | Array
     """Voltage of the supply without load, at the beginning of the row."""
+    last_heat: float | Array
+    """Share by which heat has raised the resistance at the end of the row."""
 
 
 @dataclass(frozen=True)
@@ -53,13 +60,23 @@ def joined_parts(parts: Iterable[HeldPart]) -> Iterator[HeldPart]:
     for part in parts:
         if whole is None:
             whole = part
-        elif np.array_equal(part.voltage_V, whole.voltage_V) and np.array_equal(part.supply_V, whole.supply_V):
+        elif _is_like(part, whole):
             whole = replace(whole, duration_s=whole.duration_s + part.duration_s)
         else:
             yield whole
             whole = part
     if whole is not None:
         yield whole
+
+
+def _is_like(part: HeldPart, before: HeldPart) -> bool:
+    """Return whether a period goes on as the one before it."""
+    pairs = ((p, b) for p, b in zip(_conditions(part), _conditions(before), strict=True))
+    return all(np.array_equal(p, b) for p, b in pairs)
+
+
+def _conditions(part: HeldPart) -> tuple[float | Array, ...]:
+    return part.voltage_V, part.supply_V, part.trend, part.heat
 
 
 def held_rows(
@@ -86,13 +103,20 @@ def held_rows(
     is_cut = np.any(rest_s > 0.0) & np.any(old_V != new_V, axis=(1, 2, 3))
     before_V = _held_before(driveline, new_V, old_V, durations, is_cut)
     last_V, mean_V = (driveline.of_battery_V(volts, begin) for volts in driveline.lagged_V(before_V, new_V, row_s))
-    by_row = [list(_without_robots(values)) for values in (mean_V, begin, last_V, before_V, old_V, new_V)]
-    for cut, mean, since, last, before, old, new in zip(is_cut.tolist(), *by_row, strict=True):
+    new_trend, old_trend = voltage_trend(new_V), np.ones_like(new_V)
+    old_trend[1:] = new_trend[:-1]
+    values = (mean_V, begin, last_V, before_V, old_V, new_V, old_trend, new_trend)
+    by_row = [list(_without_robots(each)) for each in values]
+    heat: float | Array = 0.0
+    for cut, mean, since, last, before, old, new, trend_before, trend in zip(is_cut.tolist(), *by_row, strict=True):
         if cut:
-            yield _cut_row(driveline, before, (old, new), since, durations)
+            row = _cut_row(driveline, before, (old, new), since, durations, (trend_before, trend), heat)
         else:
             supply = driveline.supply_V(since)
-            yield HeldRow((HeldPart(mean, supply, since, row_s),), last, supply)
+            heat_after = driveline.heat_after(heat, mean, row_s)
+            row = HeldRow((HeldPart(mean, supply, since, row_s, trend, heat),), last, supply, heat_after)
+        heat = row.last_heat
+        yield row
 
 
 def _held_before(
@@ -109,24 +133,28 @@ def _held_before(
     return np.stack(np.broadcast_arrays(*states_V))
 
 
-def _cut_row(
-    driveline: Driveline, held_V: Array, command_V: tuple[Array, Array], begin_s: Array, durations: _Durations
+def _cut_row(  # noqa: PLR0917 - the motors, and all that changes within the row
+    driveline: Driveline,
+    held_V: Array,
+    command_V: tuple[Array, Array],
+    begin_s: Array,
+    durations: _Durations,
+    trends: tuple[Array, Array],
+    heat: float | Array,
 ) -> HeldRow:
-    """Return a row in which the command of the previous row is followed by its own."""
+    """Return a row in which the command of the previous row is followed by its own; `heat` is that at its beginning."""
     old_V, new_V = command_V
     old_last_V, old_mean_V = driveline.lagged_V(held_V, old_V, durations.before_s)
     held_V, mean_V = driveline.lagged_V(old_last_V, new_V, durations.after_s)
     # A mean over the end of the row in place of its last value, so that it changes smoothly with the delay.
     last_V = held_V + np.clip(1.0 - durations.after_s / LAST_S, 0.0, 1.0) * (old_last_V - held_V)
-    parts = ((old_mean_V, begin_s, durations.before_s), (mean_V, begin_s + durations.before_s, durations.after_s))
-    return HeldRow(
-        tuple(
-            HeldPart(driveline.of_battery_V(volts, time), driveline.supply_V(time), time, duration)
-            for volts, time, duration in parts
-        ),
-        driveline.of_battery_V(last_V, begin_s),
-        driveline.supply_V(begin_s),
-    )
+    periods = ((old_mean_V, begin_s, durations.before_s), (mean_V, begin_s + durations.before_s, durations.after_s))
+    parts = []
+    for (volts, time, duration), trend in zip(periods, trends, strict=True):
+        voltage_V = driveline.of_battery_V(volts, time)
+        parts.append(HeldPart(voltage_V, driveline.supply_V(time), time, duration, trend, heat))
+        heat = driveline.heat_after(heat, voltage_V, duration)
+    return HeldRow(tuple(parts), driveline.of_battery_V(last_V, begin_s), driveline.supply_V(begin_s), heat)
 
 
 def _without_robots(values: Array) -> Array:

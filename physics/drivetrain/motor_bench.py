@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import held_rows
+from physics.drivetrain.motion import voltage_trend
 from physics.drivetrain.shaft import ShaftState, shaft_of
 from physics.robot.model import RobotModel
 from symolo.core.arrays import Array
@@ -25,8 +26,38 @@ TURNING = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 """Shares of the highest speed at which a motor may turn although it would not start."""
 
 
+@dataclass(frozen=True)
+class Past:
+    """What rows of steady states remember of the rows before them."""
+
+    trend: Array
+    """(N, 1), whether the size of the voltage last grew (+1) or fell (-1)."""
+    heat: Array
+    """(N, 1), or (M, N, 1) for M robots: share by which heat has raised the resistance."""
+
+    @classmethod
+    def of(cls, model: RobotModel, voltage_V: Array, time_s: Array) -> "Past":
+        """Return that of rows (N,), each of which holds until the next one in time; unknown voltages count as 0 V."""
+        driveline = Driveline.of_bench(model)
+        order = np.argsort(time_s, kind="stable")
+        back = np.argsort(order, kind="stable")
+        trend = voltage_trend(voltage_V[order])[back][:, None]
+        if not driveline.heats:
+            return cls(trend, np.zeros_like(trend))
+        heats = [np.zeros((1, 1))]
+        held_V, lasts_s = np.nan_to_num(voltage_V)[order], np.diff(time_s[order])
+        for volts, duration_s in zip(held_V[:-1, None, None], lasts_s.tolist(), strict=True):
+            heats.append(np.asarray(driveline.heat_after(heats[-1], volts, duration_s)))
+        heat = np.concatenate([np.broadcast_to(each, heats[-1].shape) for each in heats], axis=-2)
+        return cls(trend, heat[..., back, :])
+
+    def of_rows(self, rows: NDArray[np.bool_]) -> "Past":
+        """Return that of some of the rows."""
+        return Past(self.trend[rows], self.heat[..., rows, :])
+
+
 def steady_states(
-    model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None = None
+    model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None = None, past: Past | None = None
 ) -> tuple[Array, Array]:
     """Return current [A] and speed [rad/s], (N,) or (M, N) each, reached from rest at constant voltages.
 
@@ -35,11 +66,12 @@ def steady_states(
         voltage_V: (N,), constant voltages.
         time_s: (N,), time since the motor was first switched on.
         supply_V: (N,), voltage of the supply; that of the robot by default.
+        past: What the rows remember; by default these are all rows.
 
     Raises:
         ValueError: A voltage is not a finite number.
     """
-    bench = _SteadyBench(model, voltage_V, time_s, supply_V)
+    bench = _SteadyBench(model, voltage_V, time_s, supply_V, past)
     speed = bench.speed_rad_s(bench.surplus_at_rest_N_m > 0.0)
     return bench.current_A(speed)[..., 0], speed[..., 0]
 
@@ -55,8 +87,13 @@ class SeenStates:
     """Torque at rest beyond the friction that holds, as a share of this friction: above 0 the motor starts."""
 
 
-def seen_steady_states(
-    model: RobotModel, voltage_V: Array, time_s: Array, turns: NDArray[np.bool_], supply_V: Array | None = None
+def seen_steady_states(  # noqa: PLR0917 - what the rows depend on
+    model: RobotModel,
+    voltage_V: Array,
+    time_s: Array,
+    turns: NDArray[np.bool_],
+    supply_V: Array | None = None,
+    past: Past | None = None,
 ) -> SeenStates:
     """Return the steady states if the motor turns in some rows and stands still in the others.
 
@@ -69,11 +106,12 @@ def seen_steady_states(
         time_s: (N,), time since the motor was first switched on.
         turns: (N,), whether the motor turns.
         supply_V: (N,), voltage of the supply; that of the robot by default.
+        past: What the rows remember; by default these are all rows.
 
     Raises:
         ValueError: A voltage is not a finite number.
     """
-    bench = _SteadyBench(model, voltage_V, time_s, supply_V)
+    bench = _SteadyBench(model, voltage_V, time_s, supply_V, past)
     speed = bench.speed_rad_s(turns[:, None])
     surplus = bench.surplus_at_rest_N_m / np.maximum(bench.hold_N_m, MIN_FRICTION_N_M)
     return SeenStates(bench.current_A(speed)[..., 0], speed[..., 0], surplus[..., 0])
@@ -82,12 +120,17 @@ def seen_steady_states(
 class _SteadyBench:
     """A motor at constant voltages (N, 1)."""
 
-    def __init__(self, model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None) -> None:
+    def __init__(
+        self, model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None, past: Past | None
+    ) -> None:
         require_finite(voltage_V, "voltage_V", ("trial",))
         self._driveline = Driveline.of_bench(model)
         if supply_V is not None:
             self._driveline.full_supply_V = supply_V[:, None]
         self._time_s = time_s[:, None]
+        past = Past.of(model, voltage_V, time_s) if past is None else past
+        self._trend = past.trend
+        self._winding = self._driveline.winding(self._time_s, past.heat)
         command = voltage_V[:, None]
         _, self._voltage_V = self._driveline.voltage_V(command, command, self._time_s, np.inf)
         self._no_load_V = self._driveline.supply_V(self._time_s)
@@ -99,13 +142,13 @@ class _SteadyBench:
         """Torque at rest beyond that friction."""
 
     def current_A(self, speed_rad_s: Array) -> Array:
-        return self._driveline.current_A(self._voltage_V, speed_rad_s, self._no_load_V)
+        return self._driveline.current_A(self._voltage_V, speed_rad_s, self._no_load_V, self._winding)
 
     def speed_rad_s(self, turns: NDArray[np.bool_]) -> Array:
         """Return the steady speeds where the motor turns, and 0 elsewhere."""
-        top = np.abs(self._voltage_V) / self._driveline.torque_constant_N_m_A
+        top = np.abs(self._voltage_V) / self._winding.torque_constant_N_m_A
         if self._driveline.may_coast:
-            no_load = self._no_load_V / self._driveline.torque_constant_N_m_A
+            no_load = self._no_load_V / self._winding.torque_constant_N_m_A
             top = np.where(self._surplus_N_m(top) > 0.0, no_load, top)
         low, at_low = np.zeros_like(top), self.surplus_at_rest_N_m
         starts = at_low > 0.0
@@ -128,10 +171,10 @@ class _SteadyBench:
         return low, at_low
 
     def _drive_N_m(self, speed_rad_s: Array) -> Array:
-        return self._driveline.torque_constant_N_m_A * self.current_A(speed_rad_s)
+        return self._winding.torque_constant_N_m_A * self.current_A(speed_rad_s)
 
     def _friction_N_m(self, drive_N_m: Array, speed_rad_s: Array) -> Array:
-        return self._driveline.friction_N_m(drive_N_m, speed_rad_s, self._time_s)
+        return self._driveline.friction_N_m(drive_N_m, speed_rad_s, self._time_s, self._trend)
 
     def _surplus_N_m(self, size_rad_s: Array) -> Array:
         """Return the torque that accelerates the motor at a speed in the direction of its voltage."""
@@ -190,13 +233,16 @@ def step_responses(
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
     rest = np.zeros((voltage_V.shape[1], 1))
     state = ShaftState.at_rest(rest.shape)
-    voltages, supplies, speeds = [], [], []
+    voltages, supplies, heats, speeds = [], [], [], []
     for row in held_rows(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin):
         for part in row.parts:
             state = shaft.moved(part, state)
         voltages.append(row.last_V)
         supplies.append(np.broadcast_to(row.supply_V, np.broadcast_shapes(np.shape(row.supply_V), rest.shape)))
+        heats.append(np.broadcast_to(row.last_heat, np.broadcast_shapes(np.shape(row.last_heat), rest.shape)))
         speeds.append(state.sides.motor_rad_s)
-    voltage, supply, speed = (np.stack(np.broadcast_arrays(*rows)) for rows in (voltages, supplies, speeds))
-    voltage, supply = (rows[:, None] if rows.ndim < speed.ndim else rows for rows in (voltage, supply))
-    return driveline.current_A(voltage, speed, supply)[..., 0], speed[..., 0]
+    series = (voltages, supplies, heats, speeds)
+    voltage, supply, heat, speed = (np.stack(np.broadcast_arrays(*rows)) for rows in series)
+    voltage, supply, heat = (rows[:, None] if rows.ndim < speed.ndim else rows for rows in (voltage, supply, heat))
+    ends_s = begin + row_s * np.arange(1, len(speed) + 1).reshape(-1, *(1,) * (speed.ndim - 1))
+    return driveline.current_A(voltage, speed, supply, driveline.winding(ends_s, heat))[..., 0], speed[..., 0]

@@ -7,6 +7,7 @@ identical to the bit.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -87,7 +88,7 @@ class RigidWheels:
         fine_speed, fine_angle = speed_rad_s, np.zeros(())
         duration_s = part.duration_s / PARTS
         for k in range(PARTS):
-            quarter = HeldPart(part.voltage_V, part.supply_V, part.begin_s + k * duration_s, duration_s)
+            quarter = replace(part, begin_s=part.begin_s + k * duration_s, duration_s=duration_s)
             at_angle = angle_rad + fine_angle if self._driveline.needs_angle else angle_rad
             fine_speed, further = self._with_effects(quarter, stall, (fine_speed, at_angle), depth - 1)
             fine_angle = fine_angle + further
@@ -100,7 +101,8 @@ class RigidWheels:
         driveline = self._driveline
         torque = stall
         if driveline.adds_torque:
-            torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed_rad_s, part.supply_V)
+            winding = driveline.winding(time_s, part.heat)
+            torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed_rad_s, part.supply_V, winding)
         torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)
         torque = driveline.shaft_torque_N_m(torque, *turn)
-        return torque, driveline.friction_N_m(torque, speed_rad_s, time_s)
+        return torque, driveline.friction_N_m(torque, speed_rad_s, time_s, part.trend)

@@ -81,11 +81,12 @@ class PlayingShaft:
         speed = sides.motor_rad_s
         torque = driveline.stall_torque_N_m(part.voltage_V)
         if driveline.adds_torque:
-            torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed, part.supply_V)
+            winding = driveline.winding(time_s, part.heat)
+            torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed, part.supply_V, winding)
         torque = driveline.shaft_torque_N_m(torque, state.angle_rad, duration_s * speed)
-        friction = driveline.friction_N_m(torque, speed, time_s)
+        friction = driveline.friction_N_m(torque, speed, time_s, part.trend)
         share = self._config.motor_side_friction_fraction
-        load_friction = (1.0 - share) * driveline.friction_N_m(torque, sides.load_rad_s, time_s)
+        load_friction = (1.0 - share) * driveline.friction_N_m(torque, sides.load_rad_s, time_s, part.trend)
         motor_side = Load(torque, self._dampings[0], share * friction, self._inertias[0])
         load_side = Load(np.zeros_like(torque), self._dampings[1], load_friction, self._inertias[1])
         for play in self._play:

@@ -11,8 +11,21 @@ from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 
 UNPHYSICAL = frozenset({"name", "description"})
-CURVED = frozenset({Slot.CONDUCTION, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION, Slot.SHAFT_TORQUE})
-"""Slots in which an effect makes torque or friction of a motor other than a straight line of its speed."""
+CURVED = frozenset(
+    {
+        Slot.CONDUCTION,
+        Slot.BRIDGE,
+        Slot.SUPPLY,
+        Slot.RESISTANCE,
+        Slot.TORQUE_CONSTANT,
+        Slot.WINDING_HEAT,
+        Slot.CURRENT_LIMIT,
+        Slot.FRICTION,
+        Slot.SHAFT_TORQUE,
+    }
+)
+"""Slots in which an effect makes torque or friction of a motor other than the bare motor's straight line of its speed.
+"""
 APART = ({Slot.GEARBOX}, {Slot.CONDUCTION}, {Slot.SHAFT_TORQUE}, CURVED)
 """Slots of effects that need a computation of their own."""
 

@@ -20,7 +20,10 @@ from sensors.wheels.instruments import read_current_A, read_settled_speed_rad_s,
 from symolo.arena.geometry import Arena, Box, Line, Straight
 from symolo.core.arrays import Array
 
-DRIVEN = "drive: 0.6 s with 2.8 V and 2.2 V (in the twin then 1 V and 3 V), over a line, towards a wall at 0.75 m"
+DRIVEN = (
+    "drive: 0.6 s with 2.8 V and 2.2 V, less than before (in the twin then 1 V and 3 V), over a line, towards a wall "
+    "at 0.75 m"
+)
 ON_MOTOR = (
     "motor bench: +3 V and then -3 V for 0.1 s each, steady states at -2 V, 0.3 V and 4 V, and those of a fast motor "
     "from 3 mV to 6 V within an hour"
@@ -32,8 +35,8 @@ AT_TARGETS = (
 ABOUT = (DRIVEN, ON_MOTOR, AT_TARGETS)
 """The experiments in words, for a user whose effect changes none of their readings."""
 PHYSICS_HZ, TICK_STEPS, TICKS = 1000, 50, 12
-VOLTAGES_V, LATER_V = (2.8, 2.2), (1.0, 3.0)
-"""Right and left; the later ones only in the twin."""
+BEFORE_V, VOLTAGES_V, LATER_V = (3.0, 2.4), (2.8, 2.2), (1.0, 3.0)
+"""Right and left; the first ones for no time and only in PyBullet, the later ones only in the twin."""
 STEADY_V = (-2.0, 0.3, 4.0)
 FAST = {"torque_constant_N_m_A": 0.06, "coulomb_friction_N_m": 1e-4, "viscous_friction_N_m_s_rad": 1e-7}
 """Motor of the second bench, which turns at up to 100 rad/s. A law may act at high speed only, or at low current."""
@@ -84,10 +87,11 @@ class Probe:
         from physics.bullet.simulation import BulletSimulation  # noqa: PLC0415 - loads PyBullet
 
         with BulletSimulation(robot, self.arena, (0.0, 0.0, 0.0), Rates()) as world:
+            world.set_voltages(*BEFORE_V)
             world.set_voltages(*VOLTAGES_V)
             sensed = self._sensed(robot, world)
             speeds = np.array([(0.0, 0.0), world.wheel_speeds()])
-            current = read_current_A(robot.effects, np.array(world.currents()))
+            current = read_current_A(robot.effects, np.array(world.currents()), np.array(world.time_s))
             speed = read_speed_rad_s(robot.effects, np.arange(2) * 0.05, speeds)
             return {**sensed, "current_A": current, "speed_rad_s": speed}
 
@@ -111,16 +115,20 @@ class Probe:
         model = RobotModel.from_config(robot)
         reversal = np.repeat([3.0, -3.0], 20)[:, None]
         current, speed = step_responses(model, reversal, 0.005)
-        steady_current, steady_speed = steady_states(model, np.array(STEADY_V), np.array([1.0, 2.0, 3.0]))
+        first_s = np.array([1.0, 2.0, 3.0])
+        steady_current, steady_speed = steady_states(model, np.array(STEADY_V), first_s)
+        steady_s = np.append(first_s, LADDER_S)
         t_s = 0.005 * np.arange(1, 41)
         fast = RobotModel.from_config(robot.with_section("motor", FAST))
         fast_current, fast_speed = steady_states(fast, LADDER_V, LADDER_S)
         mean_m, sd_m = _before_targets(robot)
         return {
-            "step_current_A": read_current_A(robot.effects, current),
+            "step_current_A": read_current_A(robot.effects, current, t_s[:, None]),
             "step_speed_rad_s": read_speed_rad_s(robot.effects, t_s, speed),
-            "steady_current_A": read_current_A(robot.effects, np.append(steady_current, fast_current)),
-            "steady_speed_rad_s": np.append(steady_speed, read_settled_speed_rad_s(robot.effects, fast_speed)),
+            "steady_current_A": read_current_A(robot.effects, np.append(steady_current, fast_current), steady_s),
+            "steady_speed_rad_s": np.append(
+                steady_speed, read_settled_speed_rad_s(robot.effects, fast_speed, LADDER_S)
+            ),
             "range_m": mean_m,
             "range_sd_m": sd_m,
         }
@@ -144,6 +152,7 @@ def _before_targets(robot: RobotConfig) -> tuple[Array, Array]:
     materials = ("white_board", "black_board", "wood", "paper")
     view = RangeView(
         distance_m=distance_m,
+        previous_distance_m=np.append(distance_m[0], distance_m[:-1]),
         incidence_rad=0.2 * (row % 5),
         tilt_forward_rad=0.2 * (row % 5) * np.where(row % 2, 1.0, -1.0),
         tilt_sideways_rad=0.1 * (row % 3 - 1.0),

@@ -133,7 +133,7 @@ class _Recorder:
         t_s = np.arange(len(stacked["state"])) / self._spec.rates.control_hz
         trajectory = Trajectory(t_s, stacked["pose"], stacked["twist"], stacked["state"])
         stacked["wheel_speed_rad_s"] = read_speed_rad_s(effects, t_s, stacked["wheel_speed_rad_s"])
-        stacked["current_A"] = read_current_A(effects, stacked["current_A"])
+        stacked["current_A"] = read_current_A(effects, stacked["current_A"], t_s[:, None])
         stacked["image"] = image_column(np.rint(1000 * t_s).astype(np.int64), self._spec.rates)
         self._units["image"] = "1"
         in_trajectory = {"pose", "twist", "state"}

@@ -16,6 +16,9 @@ class RangeView:
     """One value per reading; in an array of sensors they are along the last axis."""
 
     distance_m: Array
+    previous_distance_m: Array
+    """Distance at the sensor's reading before, on a bench that of the row before; the present one at the first reading,
+    and in the diagnosis of a drive or a scan, where it is not known."""
     incidence_rad: Array
     """Angle between the sensor's axis and the normal of the surface."""
     tilt_forward_rad: Array

@@ -103,6 +103,7 @@ class RangeDevices:
         self._offset_and_sd_m = np.stack([offset_m, sd_m])
         self._reflectance = np.array([arena.floor_reflectance] + [s.reflectance for s in surfaces])
         self._materials = np.array(["floor"] + [box.surface for box in arena.boxes])
+        self._previous_m: Array | None = None
         self._last = [(config.no_target_m, NO_TARGET)] * self._count
 
     def sample(self, world: World) -> Array:
@@ -116,6 +117,7 @@ class RangeDevices:
         reading = true_range + offset + config.error_scale * log_error_m(true_range)
         if self._effects.need_view:
             reading, sd = self._effects.seen(reading, sd, self._view(world, true_range, light))
+            self._previous_m = true_range
         if self._wandering:
             reading = reading + self._wandered(world.time_s)
         noise = sd * self._rng.standard_normal(self._count)
@@ -189,6 +191,7 @@ class RangeDevices:
         seen = self._materials[surface]
         return RangeView(
             distance_m=distance_m,
+            previous_distance_m=distance_m if self._previous_m is None else self._previous_m,
             incidence_rad=np.arccos(np.minimum(-axial, 1.0)),
             tilt_forward_rad=np.arctan2(up, -axial),
             tilt_sideways_rad=np.arctan2(left, -axial),

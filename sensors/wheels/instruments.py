@@ -11,25 +11,39 @@ from physics.robot.model import through
 from symolo.core.arrays import Array
 
 
-def read_current_A(effects: RobotEffects, current_A: Array) -> Array:
-    """Return the readings of currents, of the same shape."""
-    return through(effects.functions(Slot.CURRENT_READING), current_A)
+def read_current_A(effects: RobotEffects, current_A: Array, since_on_s: Array) -> Array:
+    """Return the readings of currents, of the same shape, at times since power-on, which broadcast to it."""
+    gain = through(effects.functions(Slot.CURRENT_GAIN), np.ones(()), since_on_s)
+    return through(effects.functions(Slot.CURRENT_READING), gain * current_A)
 
 
-def read_settled_speed_rad_s(effects: RobotEffects, speed_rad_s: Array) -> Array:
-    """Return the readings of speeds that have long been constant, so that lag and delay do not matter; same shape."""
-    return through(effects.functions(Slot.SPEED_READING), speed_rad_s)
+def read_settled_speed_rad_s(effects: RobotEffects, speed_rad_s: Array, since_on_s: Array) -> Array:
+    """Return the readings of speeds that have long been constant, so that lag and delay do not matter; same shape.
+
+    Times since power-on broadcast to that shape.
+    """
+    gain = through(effects.functions(Slot.SPEED_GAIN), np.ones(()), since_on_s)
+    return through(effects.functions(Slot.SPEED_READING), gain * speed_rad_s)
 
 
-def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array) -> Array:
+def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, since_on_s: Array | None = None) -> Array:
     """Return the readings (N, ...) at the times (N,) of the true speeds, which are linear between these times.
 
     Wheels are at rest until time 0. A log may begin later; that of the motor bench begins one row later.
+
+    Args:
+        effects: The robot's effects.
+        t_s: (N,), times since the start of the trials.
+        speed_rad_s: (N, ...), true speeds.
+        since_on_s: Times since power-on, which broadcast to the speeds; those since the start by default.
     """
+    if since_on_s is None:
+        since_on_s = t_s.reshape(-1, *(1,) * (speed_rad_s.ndim - 1))
     if t_s[0] > 0.0:
         at_rest = np.zeros_like(speed_rad_s[:1])
-        return read_speed_rad_s(effects, np.append(0.0, t_s), np.concatenate([at_rest, speed_rad_s]))[1:]
-    reading = read_settled_speed_rad_s(effects, speed_rad_s)
+        since_on_s = np.concatenate([since_on_s[:1], since_on_s])
+        return read_speed_rad_s(effects, np.append(0.0, t_s), np.concatenate([at_rest, speed_rad_s]), since_on_s)[1:]
+    reading = read_settled_speed_rad_s(effects, speed_rad_s, since_on_s)
     for low_pass in effects.functions(Slot.SPEED_FILTER):
         rows = [reading[0]]
         for before, row, duration_s in zip(reading[:-1], reading[1:], np.diff(t_s).tolist(), strict=True):

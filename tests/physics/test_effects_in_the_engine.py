@@ -1,10 +1,13 @@
 """Motor and drive effects in PyBullet, against closed forms."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from configs.effects.base import Slot
+from configs.effects.registry import EFFECTS
 from configs.schema.scenario import Rates
 from physics.bullet.simulation import BulletSimulation
 from physics.effects.actuator_lag import ActuatorLag
@@ -34,6 +37,7 @@ from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.effects.winding_resistance_scale import WindingResistanceScale
+from pipeline.effects.template import template
 from symolo.core.errors import InputError
 
 TICKS = 3840
@@ -87,6 +91,24 @@ class TestMotorsOffLoad:
         b, tc = viscous * nominal.viscous_friction_N_m_s_rad, coulomb * nominal.coulomb_friction_N_m
         speed = (k * voltage / r - math.copysign(tc, voltage)) / (k**2 / r + b)
         assert settled(voltage, effect) == pytest.approx(((voltage - k * speed) / r, speed), rel=2e-4)
+
+    def test_windings_that_change(self, simulate_with, robot):
+        """A warm winding, an old magnet and a loose plug after some seconds, each with the law of its template."""
+        slots = {Slot.WINDING_HEAT: 0.02, Slot.TORQUE_CONSTANT: 0.01, Slot.RESISTANCE: 0.01}
+        kinds = [EFFECTS.executed(Path("law.py"), template(f"law{k}", slot).encode()) for k, slot in enumerate(slots)]
+        laws = [
+            kind.start().model_copy(update={next(iter(kind.parameters())): value})
+            for kind, value in zip(kinds, slots.values(), strict=True)
+        ]
+        simulation = simulate_with(*laws, lifted=True)
+        simulation.set_voltages(4.0, 4.0)
+        simulation.advance(400)
+        m, t = robot.motor, simulation.time_s
+        r = m.winding_resistance_ohm * (1.0 + 0.02 * 16.0 * -math.expm1(-t / 60.0)) * (1.0 + 0.01 * t)
+        k = m.torque_constant_N_m_A / (1.0 + 0.01 * t)
+        speed = (k * 4.0 / r - m.coulomb_friction_N_m) / (k**2 / r + m.viscous_friction_N_m_s_rad)
+        assert simulation.wheel_speeds()[0] == pytest.approx(speed, rel=3e-3)
+        assert simulation.currents()[0] == pytest.approx((4.0 - k * speed) / r, rel=1e-2)
 
     @pytest.mark.parametrize("sign", [1.0, -1.0])
     def test_bridge_supply_and_friction(self, settled, robot, sign):

@@ -42,6 +42,7 @@ from symolo.dataset.codes import TofStatus
 DISTANCE_M = np.array([0.05, 0.18, 0.6])
 VIEW = RangeView(
     distance_m=DISTANCE_M,
+    previous_distance_m=DISTANCE_M,
     incidence_rad=np.array([0.0, math.pi / 6, math.pi / 4]),
     tilt_forward_rad=np.array([0.0, -0.5, 0.1]),
     tilt_sideways_rad=np.array([0.0, 0.1, -0.7]),
@@ -284,9 +285,9 @@ class TestInstruments:
 
     def test_current_is_amplified_and_shifted(self):
         effects = RobotEffects().with_effect(CurrentSensorGain(gain=1.1))
-        np.testing.assert_allclose(read_current_A(effects, np.array([0.0, 2.0])), [0.0, 2.2])
+        np.testing.assert_allclose(read_current_A(effects, np.array([0.0, 2.0]), np.zeros(2)), [0.0, 2.2])
         effects = RobotEffects().with_effect(CurrentSensorOffset(offset_A=0.03))
-        np.testing.assert_allclose(read_current_A(effects, np.array([0.0, 2.0])), [0.03, 2.03])
+        np.testing.assert_allclose(read_current_A(effects, np.array([0.0, 2.0]), np.zeros(2)), [0.03, 2.03])
 
     def test_speed_is_scaled(self):
         effects = RobotEffects().with_effect(SpeedScale(scale=0.9))

@@ -180,6 +180,8 @@ class Ranges(ABC):
             sight, effects, tof = self._sight(several), stacked_effects(several, axes=2), stacked(several, axes=2).tof
             view = RangeView(
                 distance_m=sight.distance_m,
+                # Rows repeat a reading until the next one, and those that do not count have no distance.
+                previous_distance_m=sight.distance_m,
                 incidence_rad=sight.incidence_rad,
                 tilt_forward_rad=sight.tilt_forward_rad,
                 tilt_sideways_rad=sight.tilt_sideways_rad,

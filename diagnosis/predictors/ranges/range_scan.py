@@ -81,6 +81,8 @@ class RangeScan:
             level = np.zeros_like(off_m)
             view = RangeView(
                 distance_m=range_m,
+                # The order of the places is not that of a fit, which moves them.
+                previous_distance_m=range_m,
                 incidence_rad=incidence_rad,
                 tilt_forward_rad=level,
                 tilt_sideways_rad=level,

@@ -55,6 +55,7 @@ class TofBenchStage:
         self._bare_sd_m = _noise_sd_m(measurement, self._distance_m)
         names = tuple(dict.fromkeys((*known, *sorted(set(materials)))))
         previous_m = joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
+        self._previous_distance_m = np.where(np.isfinite(previous_m), previous_m, distance_m)
         covariates = (
             Covariate("distance_m", self._distance_m),
             Covariate(
@@ -90,6 +91,7 @@ class TofBenchStage:
             tof = stacked(several, axes=1).tof
             view = RangeView(
                 distance_m=self._distance_m,
+                previous_distance_m=self._previous_distance_m,
                 incidence_rad=self._incidence_rad,
                 # A bench does not log the axis of its tilts, so either may be the one.
                 tilt_forward_rad=self._tilt_rad,

@@ -36,7 +36,7 @@ class Bench:
     def predict(self, robots):
         constants = [RobotModel.from_config(robot).motors.right.torque_constant_N_m_A for robot in robots]
         rows = [
-            read_current_A(robot.effects, self.x * constant / self.nominal_constant)
+            read_current_A(robot.effects, self.x * constant / self.nominal_constant, np.zeros(()))
             for robot, constant in zip(robots, constants, strict=True)
         ]
         return (Predicted(np.array(rows), self.observed[0].sd),)

@@ -250,7 +250,7 @@ class TestCoastingBridgeAtAHalfEmptyBattery:
         line = Driveline.of_robot(RobotModel.from_config(several))
         held = np.full((1, 2), SUPPLY_V)
         _, voltage = line.voltage_V(held, held, 300.0, 0.01)
-        current = line.current_A(voltage, np.zeros((1, 2)), line.supply_V(300.0))
+        current = line.current_A(voltage, np.zeros((1, 2)), line.supply_V(300.0), line.winding(300.0, 0.0))
         np.testing.assert_allclose(current, 0.5 * SUPPLY_V / (R + 2.0 * 0.8), rtol=1e-12)
 
     def test_an_empty_battery_drives_nothing(self, model):
@@ -303,7 +303,7 @@ class TestSupplyOfTwoMotors:
         line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(SupplySag(source_resistance_ohm=0.8))))
         for volts, speeds in (((5.0, 4.0), (2.0, 1.0)), ((5.0, -3.0), (0.0, 3.0)), ((1.0, 5.0), (9.0, 2.0))):
             u, w = np.array([volts]), np.array([speeds])
-            current = line.current_A(u, w, SUPPLY_V)
+            current = line.current_A(u, w, SUPPLY_V, line.winding(0.0, 0.0))
             duty = u / SUPPLY_V
             at_bridge = SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))
             np.testing.assert_allclose(duty * at_bridge - K * w, R * current, atol=1e-12)
@@ -314,7 +314,7 @@ class TestSupplyOfTwoMotors:
         several = (SupplySag(source_resistance_ohm=0.8), BridgeVoltageDrop(drop_V=0.3))
         line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(several[0]).with_effect(several[1])))
         u, w = np.array([[5.0, left_V]]), np.array([[2.0, 8.5]])
-        current = line.current_A(u, w, SUPPLY_V)
+        current = line.current_A(u, w, SUPPLY_V, line.winding(0.0, 0.0))
         duty = u / SUPPLY_V
         e = duty * (SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))) - K * w
         np.testing.assert_allclose(R * current, np.sign(e) * np.maximum(np.abs(e) - 0.3, 0.0), atol=1e-12)
@@ -323,7 +323,8 @@ class TestSupplyOfTwoMotors:
         """Both motors plugged at full speed into 5 ohm: all that is left is their own voltage over the windings."""
         line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(SupplySag(source_resistance_ohm=5.0))))
         w = np.array([[-18.0, -18.0]])
-        np.testing.assert_allclose(line.current_A(np.array([[6.0, 6.0]]), w, SUPPLY_V), -K * w / R, rtol=1e-12)
+        current = line.current_A(np.array([[6.0, 6.0]]), w, SUPPLY_V, line.winding(0.0, 0.0))
+        np.testing.assert_allclose(current, -K * w / R, rtol=1e-12)
 
 
 class TestStepResponses:
