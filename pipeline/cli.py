@@ -21,7 +21,7 @@ from pipeline.commands.make.import_logs import import_logs
 from pipeline.commands.make.model import model
 from pipeline.commands.make.preview import preview
 from pipeline.commands.make.rerender import rerender
-from pipeline.commands.measured import case, explanation, validate
+from pipeline.commands.measured import case, explanation, look, validate
 from pipeline.commands.measured.next_trial import next_trial
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import extra_lacking
@@ -94,6 +94,7 @@ def command_line() -> typer.Typer:
             app.command(NAMES.get(command), help=_joined(command), rich_help_panel=panel)(command)
     for name, group, panel in (
         ("case", case, "Explain measured data"),
+        ("look", look, "Explain measured data"),
         ("effect", effect, "Make data"),
         ("robot", robot, "Make data"),
         ("arena", arena, "Make data"),

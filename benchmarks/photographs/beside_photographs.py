@@ -11,10 +11,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from line_frames import Kind, frames
-from photograph_figures import ImageFigures, medians
+from line_frames import ROWS, Kind, frames
 from photographs import photographs
 
+from diagnosis.photographs.image_figures import ImageFigures, medians
 from symolo.pages.sheet import Cell, in_columns, save
 
 SCENES = range(2000, 2008)
@@ -56,7 +56,9 @@ def main() -> None:
     for name, kind in {"as shipped": SHIPPED, "set like them": ALIKE}.items():
         rendered = frames(kind, SCENES, 1, options.folder / name.replace(" ", "_"), options.threads)
         rows[name] = list(zip(rendered.images, rendered.x_px, strict=True))
-    figures = {name: [ImageFigures.of(image, x_px) for image, x_px in labelled] for name, labelled in rows.items()}
+    figures = {
+        name: [ImageFigures.of(image, x_px, ROWS) for image, x_px in labelled] for name, labelled in rows.items()
+    }
     print(f"{'median (smallest to largest)':26}" + "".join(f"{name:>26}" for name in figures))
     table = {name: medians(values) for name, values in figures.items()}
     for figure in table["photograph"]:

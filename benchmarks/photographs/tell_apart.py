@@ -17,10 +17,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from line_frames import Array, Kind, frames
-from photograph_figures import ImageFigures, medians
+from line_frames import ROWS, Array, Kind, frames
 from photographs import photographs
 
+from diagnosis.photographs.image_figures import ImageFigures, medians
 from symolo.core.random_streams import stream
 from symolo.pages.sheet import Cell, in_columns, save
 
@@ -61,13 +61,13 @@ def main() -> None:
     options = parser.parse_args()
     real = photographs(options.photographs, branch=False)
     scenes = range(FIRST_SCENE, FIRST_SCENE + options.scenes)
-    of_photographs = [ImageFigures.of(image, x_px) for image, x_px in zip(real.images, real.x_px, strict=True)]
+    of_photographs = [ImageFigures.of(image, x_px, ROWS) for image, x_px in zip(real.images, real.x_px, strict=True)]
     unseen = of_photographs[1::2]
     result = {"photographs, fitted": medians(of_photographs[::2]), "photographs, unseen": medians(unseen)}
     areas, shown = {}, [(name, image) for name, image in zip(real.names, real.images, strict=True)]
     for name, kind in {"lab before": BEFORE, "lab": AFTER}.items():
         rendered = frames(kind, scenes, 1, options.folder / name.replace(" ", "_"), options.threads)
-        figures = [ImageFigures.of(*one) for one in zip(rendered.images, rendered.x_px, strict=True)]
+        figures = [ImageFigures.of(*one, ROWS) for one in zip(rendered.images, rendered.x_px, strict=True)]
         result[name] = medians(figures)
         areas[name] = {
             "all figures": area(of_photographs, figures),

@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 
-from sensors.camera.response import CameraResponse, develop_part, encode_jpeg
+from sensors.camera.response import CameraResponse, compressed, develop_part
 from symolo.core.arrays import FloatImage
 
 
@@ -24,9 +23,7 @@ def mean_square_errors(
         number: Number of the frame, for the noise of the camera.
     """
     noisy = (develop_part(light, response, metered, number) + 0.5).astype(np.uint8)
-    data = np.frombuffer(encode_jpeg(noisy, response.jpeg_quality), np.uint8)
-    decoded = cv2.cvtColor(cv2.imdecode(data, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
-    apart = decoded.astype(np.float32) - noisy
+    apart = compressed(noisy, response.jpeg_quality).astype(np.float32) - noisy
     error = np.mean(square_errors(light, references, response, metered), dtype=np.float64)
     return float(error), float(np.mean(apart**2, dtype=np.float64))
 

@@ -193,6 +193,12 @@ def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
     return data.tobytes()
 
 
+def compressed(pixels: NDArray[np.uint8], quality: int) -> NDArray[np.uint8]:
+    """Return RGB pixels (H, W, 3) as they are after compression as JPEG."""
+    data = np.frombuffer(encode_jpeg(pixels, quality), np.uint8)
+    return np.asarray(cv2.cvtColor(cv2.imdecode(data, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB), np.uint8)
+
+
 def _through_glass(light: FloatImage, response: CameraResponse) -> FloatImage:
     light = defocused(blurred(light, response.lens_blur_px), response.defocus_px)
     return veiled(gathered(light, response.pixel_px), response.veiling_glare)

@@ -30,10 +30,10 @@ READERS |= {"copyfile", "copy2", "copytree", "copyfileobj", "readlines", "FileIO
 DECODERS = {"imread", "imdecode", "imdecodemulti", "imreadmulti"}
 DECODING = {
     "symolo/core/files/image_decoder_child.py",
-    "blender_scenes/render/image_errors.py",
     "blender_scenes/render/frame_files.py",
     "pipeline/preview/engines.py",
     "sensors/camera/exposure_guard.py",
+    "sensors/camera/response.py",
 }
 """The child that decodes images of strangers, and what decodes images that symolo has just made."""
 OF_MODULES = {
@@ -54,7 +54,6 @@ OPENERS = ("open", "fdopen")
 JUSTIFIED = {
     ("pipeline/preview/engines.py", "imdecode"): "what Blender has just made, as scratch",
     ("blender_scenes/render/frame_files.py", "imdecode"): "what was just encoded",
-    ("blender_scenes/render/image_errors.py", "imdecode"): "what was just encoded",
     ("blender_scenes/blender_side/rendering.py", "read_bytes"): "the picture that Blender has just made, as scratch",
     ("pipeline/commands/datasets/sign.py", "read_text"): "a passphrase, which a shell may give by a pipe",
     ("pipeline/doctor.py", "read_text"): "the lock of our packages, and /proc",

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from line_frames import ROWS, Array
 from numpy.typing import NDArray
+
+from symolo.core.arrays import Array
 
 _BEYOND_PX = 4
 """Floor counts from so far beyond an edge."""
@@ -49,30 +50,39 @@ class ImageFigures:
     """Standard deviation of the line's edge, row by row and square to the edge, from a smooth curve along nine rows."""
 
     @classmethod
-    def of(cls, image: NDArray[np.uint8], x_px: Array) -> "ImageFigures":
-        """Of a image (H, W, 3), blue first, with its line at `x_px` in the rows `ROWS`, NaN where unknown."""
+    def of(
+        cls, image: NDArray[np.uint8], x_px: Array, rows_px: Sequence[float], *, is_dark: bool = True
+    ) -> "ImageFigures":
+        """Return the figures of an image.
+
+        Args:
+            image: (H, W, 3), blue first.
+            x_px: (R,), middle of the line in each row, NaN where it is unknown.
+            rows_px: (R,), rows; 0 is the middle of the first one.
+            is_dark: Whether the line is darker than the floor.
+        """
         grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float64)
-        known = np.isfinite(x_px)
-        slope = np.polyfit(np.array(ROWS)[known], x_px[known], 1)[0] if known.sum() > 1 else 0.0
-        steps = [s for row, x in zip(ROWS, x_px, strict=True) if np.isfinite(x) for s in _steps(grey, row, x)]
+        # With a light line, the edges are measured in the negative.
+        signed = grey if is_dark else 255 - grey
+        steps, across = _all_steps(signed, x_px, rows_px), _across(x_px, rows_px)
         smooth = cv2.GaussianBlur(grey, (0, 0), _MOTTLING_PX)
-        floor, line = _floor(grey), _line(grey)
-        noise = np.abs(cv2.filter2D(grey, -1, _LAPLACIAN)[1:-1, 1:-1]).mean() * np.sqrt(np.pi / 2) / 6
+        floor, line = floor_mask(signed), line_mask(signed)
+        noise = np.abs(laplacian(grey)).mean()
         frequency, power = _spectrum(grey)
         within = (frequency > 0.03) & (frequency < 0.4)
         top, low = image.max(axis=2).astype(float), image.min(axis=2).astype(float)
         return cls(
-            edge_px=float(np.median([s.width_px for s in steps]) * np.cos(np.arctan(slope))) if steps else np.nan,
+            edge_px=_edge_px(steps) * across,
             noise=float(noise),
             mottling_percent=float(100 * smooth[floor].std() / smooth[floor].mean()),
             line_spread=float(grey[line].std()) if line.any() else np.nan,
-            contrast=float(np.median([(s.floor - s.line) / (s.floor + s.line) for s in steps])) if steps else np.nan,
+            contrast=float(np.median([_contrast(s, is_dark=is_dark) for s in steps])) if steps else np.nan,
             saturation_percent=float(100 * ((top - low) / np.maximum(top, 1)).mean()),
             black=float(np.quantile(grey, 0.01)),
             white=float(np.quantile(grey, 0.99)),
             spectrum_slope=_fitted_slope(frequency[within], power[within]),
             high_frequency_percent=float(100 * power[frequency > 0.25].sum() / power[frequency > 0].sum()),
-            jaggedness_px=_jaggedness(grey, x_px, steps) * float(np.cos(np.arctan(slope))),
+            jaggedness_px=_jaggedness(signed, x_px, rows_px, steps) * across,
         )
 
 
@@ -81,6 +91,27 @@ class _Step:
     line: float
     floor: float
     width_px: float
+
+
+def edge_px(signed: Array, x_px: Array, rows_px: Sequence[float]) -> float:
+    """Return `ImageFigures.edge_px` of grey values (H, W) in which the line is dark; NaN where no edge is measured."""
+    return _edge_px(_all_steps(signed, x_px, rows_px)) * _across(x_px, rows_px)
+
+
+def _edge_px(steps: Sequence[_Step]) -> float:
+    """Return the median width along the rows."""
+    return float(np.median([s.width_px for s in steps])) if steps else np.nan
+
+
+def _across(x_px: Array, rows_px: Sequence[float]) -> float:
+    """Return the ratio of a distance square to the line to the one along a row."""
+    known = np.isfinite(x_px)
+    slope = np.polyfit(np.array(rows_px)[known], x_px[known], 1)[0] if known.sum() > 1 else 0.0
+    return float(np.cos(np.arctan(slope)))
+
+
+def _all_steps(grey: Array, x_px: Array, rows_px: Sequence[float]) -> list[_Step]:
+    return [s for row, x in zip(rows_px, x_px, strict=True) if np.isfinite(x) for s in _steps(grey, row, x)]
 
 
 def _steps(grey: Array, row: float, x: float) -> list[_Step]:
@@ -101,6 +132,12 @@ def _steps(grey: Array, row: float, x: float) -> list[_Step]:
         low, high = (_first_above(near, inner + share * (floor - inner)) for share in (0.1, 0.9))
         steps.append(_Step(line, floor, high - low))
     return steps
+
+
+def _contrast(step: _Step, *, is_dark: bool) -> float:
+    """Return (floor - line) / (floor + line), positive for light lines too."""
+    difference = step.floor - step.line
+    return difference / (step.floor + step.line if is_dark else 510 - step.floor - step.line)
 
 
 def _first_above(profile: Array, level: float) -> float:
@@ -127,12 +164,12 @@ def _fitted_slope(frequency: Array, power: Array) -> float:
     return float(np.polyfit(middles, levels, 1)[0])
 
 
-def _jaggedness(grey: Array, x_px: Array, steps: Sequence[_Step]) -> float:
+def _jaggedness(grey: Array, x_px: Array, rows_px: Sequence[float], steps: Sequence[_Step]) -> float:
     known = np.isfinite(x_px)
     if known.sum() < 2 or not steps:
         return np.nan
     half = float(np.median([0.5 * (s.line + s.floor) for s in steps]))
-    at = np.array(ROWS)[known]
+    at = np.array(rows_px)[known]
     rows = np.arange(int(at.min()), int(at.max()) + 2)
     middles = np.rint(np.interp(rows, at, x_px[known])).astype(int)
     spreads = []
@@ -149,13 +186,18 @@ def _jaggedness(grey: Array, x_px: Array, steps: Sequence[_Step]) -> float:
     return float(np.median(spreads))
 
 
-def _floor(grey: Array) -> NDArray[np.bool_]:
-    """Pixels well off whatever is dark."""
+def laplacian(grey: Array) -> Array:
+    """Return values (H - 2, W - 2) whose mean magnitude is the standard deviation of independent noise (Immerkaer)."""
+    return cv2.filter2D(grey, -1, _LAPLACIAN)[1:-1, 1:-1] * np.sqrt(np.pi / 2) / 6
+
+
+def floor_mask(grey: Array) -> NDArray[np.bool_]:
+    """Return the pixels (H, W) that are well off whatever is dark."""
     return cv2.erode(_bright(grey), np.ones((15, 15), np.uint8)).astype(bool)
 
 
-def _line(grey: Array) -> NDArray[np.bool_]:
-    """Pixels well within what is dark."""
+def line_mask(grey: Array) -> NDArray[np.bool_]:
+    """Return the pixels (H, W) that are well within what is dark."""
     return cv2.erode(1 - _bright(grey), np.ones((9, 9), np.uint8)).astype(bool)
 
 

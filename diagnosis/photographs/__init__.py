@@ -1,0 +1,1 @@
+"""A look from photographs of a floor with a line, of which nobody knows the poses."""

@@ -1,0 +1,204 @@
+"""A look with the camera, the colours and the light of photographs, and the file that scenarios take."""
+
+import colorsys
+import shlex
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import get_args
+
+import numpy as np
+import yaml
+
+from configs.schema.appearance.floors import FloorName
+from configs.schema.appearance.paint import Paint
+from diagnosis.photographs.camera_fit import FittedCamera
+from diagnosis.photographs.measures import PhotographMeasures, light_of, median_light, median_of, vignetting
+from sensors.camera.colour import LUMINANCE
+from symolo.core.arrays import Array
+from symolo.core.distributions import Scalar
+from symolo.core.progress import plural
+
+USUAL_FLOOR_REFLECTANCE = 0.45
+"""Reflectance of a grey floor. An image shows only its product with light and exposure, so it is an assumption."""
+PAINTED_FLOORS: tuple[FloorName, ...] = tuple(name for name in get_args(FloorName) if name != "image")
+"""Materials of floors whose colour is a paint."""
+LARGEST_REFLECTANCE = 0.85
+SMALLEST_REFLECTANCE = 0.01
+_MIN_STOPS = 0.02
+"""Smallest difference between the exposures of photographs that the look varies."""
+
+Value = Scalar | dict[str, list[float]]
+
+
+@dataclass(frozen=True)
+class LookSetting:
+    """A setting of the look with the reason for its value."""
+
+    path: tuple[str, ...]
+    value: Value
+    source: str
+    """What set the value; empty if nothing needs to be said."""
+
+
+@dataclass(frozen=True)
+class FittedLook:
+    """A look that was fitted to photographs."""
+
+    name: str
+    base: str
+    """Look that has all other settings, as a file names it."""
+    photographs: tuple[PhotographMeasures, ...]
+    camera: FittedCamera
+    floor: FloorName
+    floor_reflectance: float
+    reflectance_is_assumed: bool
+
+    @property
+    def settings(self) -> tuple[LookSetting, ...]:
+        """All settings in the order of the file."""
+        return (*self._surfaces(), *self._camera())
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Return width and height of the photographs."""
+        place = self.photographs[0].place
+        height, width = place.shape
+        return (height, width) if place.is_turned else (width, height)
+
+    def settings_to_use(self, file: str) -> str:
+        """Return the options of a command that makes images with this look."""
+        width, height = self.size_px
+        return f"--set {shlex.quote(f'look={file}')} --set render.width_px={width} --set render.height_px={height}"
+
+    def _surfaces(self) -> Iterator[LookSetting]:
+        saturation = self.camera.look.saturation
+        assumed = "assumed; --floor-reflectance sets it" if self.reflectance_is_assumed else "as given"
+        yield LookSetting(("floor", "material"), self.floor, "as chosen by --floor")
+        colour = f"colour of the floor, R G B {_levels(self.camera.measures.floor_rgb)}"
+        paint = paint_of(self.camera.floor_light, self.floor_reflectance, saturation)
+        yield from _paint(("floor", self.floor, "paint"), paint, assumed, colour)
+        yield LookSetting(("line",), "tape", "")
+        share = float(self.camera.line_light @ LUMINANCE / (self.camera.floor_light @ LUMINANCE))
+        ratios = np.array([self._line_share(photograph) for photograph in self.photographs])
+        ratios *= share / np.median(ratios)
+        paint = paint_of(self.camera.line_light, share * self.floor_reflectance, saturation)
+        spread = f"{ratios.min():.3f} to {ratios.max():.3f}"
+        reflects = f"the line returns {share:.3f} of the light of the floor ({spread}); gloss and dust are part of it"
+        colour = f"colour of the line, R G B {_levels(self.camera.measures.line_rgb)}"
+        yield from _paint(("tape", "paint"), paint, reflects, colour)
+
+    def _camera(self) -> Iterator[LookSetting]:
+        look, reasons = self.camera.look, self._reasons()
+        yield LookSetting(("camera", "name"), self.name, "")
+        yield LookSetting(("camera", "description"), f"Camera of {plural(len(self.photographs), 'photograph')}", "")
+        for field, value in look.model_dump(mode="json", exclude={"name", "description"}).items():
+            if field == "compensation_ev":
+                yield LookSetting(("camera", field), *self._compensation())
+            else:
+                number = round(value, 5) if isinstance(value, float) else value
+                yield LookSetting(("camera", field), number, reasons.get(field, f"as in {self.base}"))
+
+    def _reasons(self) -> dict[str, str]:
+        """Return what set each field of the camera that the photographs decide."""
+        contrast = self.camera.look.contrast
+        each = self.photographs
+        lost = [vignetting([photograph], contrast) for photograph in each]
+        noise = _spread(each, lambda p: p.floor_noise), _spread(each, lambda p: p.line_noise)
+        return {
+            "brightness": "median light of a photograph, without its vignetting",
+            "vignetting": f"fall of the light towards the corners of the floor: {min(lost):.2f} to {max(lost):.2f}",
+            "lens_blur_px": f"width of the line's edge, 10 to 90 %: {_spread(each, lambda p: p.edge_px)} px",
+            "sharpening": f"overshoot beside the line's edge: {_spread(each, lambda p: 100 * p.overshoot)} %",
+            "shot_noise": f"noise on the floor: {noise[0]} grey values",
+            "read_noise": f"noise on the line: {noise[1]} grey values",
+            "exposure_time_s": "photographs do not separate motion from the blur of the lens",
+            "defocus_share": "part of lens_blur_px",
+            "white_balance_adaption": "the floor then has its colour of the photographs",
+        }
+
+    def _compensation(self) -> tuple[Value, str]:
+        contrast, lost = self.camera.look.contrast, self.camera.look.vignetting
+        lights = [median_light(photograph, contrast, lost) for photograph in self.photographs]
+        stops = np.log2(np.array(lights) / self.camera.look.brightness)
+        low, high = float(stops.min()), float(stops.max())
+        source = "from the darkest to the brightest photograph"
+        if high - low < _MIN_STOPS:
+            return 0.0, source
+        return {"uniform": [round(low, 3), round(high, 3)]}, source
+
+    def _line_share(self, photograph: PhotographMeasures) -> float:
+        """Return the light of the line as a share of that of the floor, without regard to vignetting and glare."""
+        line, floor = (
+            light_of(rgb, self.camera.look.contrast) @ LUMINANCE for rgb in (photograph.line_rgb, photograph.floor_rgb)
+        )
+        return float(line / floor)
+
+    def text(self) -> str:
+        """Return the file of the look."""
+        width, height = self.size_px
+        lines = [
+            f"# Look of {plural(len(self.photographs), 'photograph')}: {', '.join(p.name for p in self.photographs)}.",
+            f"# Blur and noise are those of images of {width} x {height} px.",
+            "# Each comment names what set the value: median over the photographs, smallest to largest.",
+            f"extends: {_scalar(self.base)}",
+            f"name: {self.name}",
+            f"description: Floor, line and camera of {plural(len(self.photographs), 'photograph')}",
+        ]
+        before: tuple[str, ...] = ()
+        for setting in self.settings:
+            *parents, key = setting.path
+            shared = _common(before, tuple(parents))
+            lines += [f"{'  ' * depth}{parents[depth]}:" for depth in range(shared, len(parents))]
+            comment = f"  # {setting.source}" if setting.source else ""
+            lines.append(f"{'  ' * len(parents)}{key}: {_scalar(setting.value)}{comment}")
+            before = tuple(parents)
+        return "\n".join(lines) + "\n"
+
+
+def paint_of(light: Array, reflectance: float, saturation: float) -> Paint:
+    """Return the paint that has the colour of `light` in an image of a camera with this `saturation`.
+
+    Args:
+        light: (3,), linear.
+        reflectance: Luminous reflectance, brought into the bounds of a paint.
+        saturation: Factor of the camera on the saturation of colours; with 0, the paint is grey.
+    """
+    grey = float(light @ LUMINANCE)
+    rgb = np.clip(grey + (light - grey) / saturation, 0, None) if saturation > 0 else np.full(3, grey)
+    hue, depth, _ = colorsys.rgb_to_hsv(*(rgb / max(float(rgb.max()), 1e-9)).tolist())
+    within = min(max(reflectance, SMALLEST_REFLECTANCE), 0.95)
+    return Paint(reflectance=round(within, 4), hue_deg=round(360 * hue, 1), saturation=round(depth, 4))
+
+
+def floor_reflectance_for(camera: FittedCamera) -> float:
+    """Return the usual reflectance of a floor, or a smaller one if the line would be too bright."""
+    share = float(camera.line_light @ LUMINANCE / (camera.floor_light @ LUMINANCE))
+    return round(min(USUAL_FLOOR_REFLECTANCE, LARGEST_REFLECTANCE / share), 4)
+
+
+def _paint(path: tuple[str, ...], paint: Paint, reflects: str, colour: str) -> Iterator[LookSetting]:
+    yield LookSetting((*path, "reflectance"), paint.reflectance, reflects)
+    yield LookSetting((*path, "hue_deg"), paint.hue_deg, colour)
+    yield LookSetting((*path, "saturation"), paint.saturation, "")
+
+
+def _spread(photographs: Sequence[PhotographMeasures], value: Callable[[PhotographMeasures], float]) -> str:
+    values = [value(photograph) for photograph in photographs]
+    return f"{median_of(photographs, value):.2f} ({np.nanmin(values):.2f} to {np.nanmax(values):.2f})"
+
+
+def _levels(rgb: Array) -> str:
+    return " ".join(f"{level:.0f}" for level in rgb)
+
+
+def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
+    """Return the number of leading keys that two paths share."""
+    number = 0
+    while number < min(len(one), len(other)) and one[number] == other[number]:
+        number += 1
+    return number
+
+
+def _scalar(value: Value) -> str:
+    """Return a value as YAML on one line."""
+    return yaml.safe_dump(value, default_flow_style=True, width=10_000).removesuffix("...\n").strip()

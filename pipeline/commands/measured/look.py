@@ -1,0 +1,111 @@
+"""Commands for looks: `symolo look from`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.options import DryRun, NewFolder, checked_inputs, read_input
+from symolo.core.errors import FaultList, InputError, nearest
+from symolo.core.files.plain_files import FileKind
+
+HELP = "Make a look, with floor, line, light and camera, from photographs of your own."
+
+
+def from_(
+    photographs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="PHOTO...", callback=checked_inputs, help="3 to 30 photographs of one size, as PNG or JPEG."
+        ),
+    ],
+    *,
+    out: NewFolder,
+    base: Annotated[
+        str,
+        typer.Option(
+            "--base",
+            metavar="LOOK",
+            help="Look with all settings that photographs do not show, such as the room and the noise reduction of "
+            "the camera: name of a shipped one, or a YAML file.",
+        ),
+    ] = "lab",
+    floor: Annotated[
+        str, typer.Option("--floor", metavar="MATERIAL", help="Material of the floor, such as linoleum or carpet.")
+    ] = "concrete",
+    floor_reflectance: Annotated[
+        float | None,
+        typer.Option(
+            "--floor-reflectance",
+            min=0.02,
+            max=0.95,
+            metavar="R",
+            help="Share of the light that the floor reflects; by default 0.45, or less where the line is lighter than "
+            "the floor. Photographs show only the ratio of line and floor.",
+        ),
+    ] = None,
+    width_px: Annotated[
+        int | None,
+        typer.Option(
+            "--width-px",
+            min=64,
+            max=4096,
+            metavar="PX",
+            help="Width to which the photographs are reduced: that of the images of your dataset. By default they keep "
+            "their size, up to 640 px.",
+        ),
+    ] = None,
+    dry_run: DryRun = False,
+) -> None:
+    """Make a look from photographs of your own floor, line and camera; no poses are needed.
+
+    Take the photographs with the camera of the robot, from where it drives. The line must cross the image, with floor
+    on both sides; it may be dark or light. Different places of the floor are best.
+
+    The command finds the line in each photograph and measures the width of its edge, the noise on floor and line, the
+    fall of the light towards the corners, levels and colours. It then looks for the settings with which the camera
+    model makes an image with the same measures: blur, sharpening, shot and read noise, vignetting, exposure, and the
+    colours of floor and line. Nothing is rendered.
+
+    Files in OUT:
+
+    - look.yaml: the look; comments say what set each value, and how much it varies over the photographs
+
+    - report.html: the photographs, the figures and the settings
+
+    Example: symolo look from photos/*.jpg --out my_look
+
+    Then: symolo release smoke --set look=my_look/look.yaml --out data
+
+    docs/own_look.md explains what photographs can tell, and what they cannot.
+    """
+    from diagnosis.photographs.fitted_look import PAINTED_FLOORS
+    from diagnosis.photographs.report import figure_rows, table_lines
+    from pipeline.own_look.fit import LOOK, PAGE, base_camera, fit_look, write_look
+    from pipeline.own_look.photographs import read_photographs
+    from symolo.core.files.new_folder import check_new
+
+    if floor not in PAINTED_FLOORS:
+        allowed = ", ".join(PAINTED_FLOORS)
+        raise InputError("--floor", got=floor, allowed=allowed, nearest=nearest(floor, PAINTED_FLOORS))
+    if not dry_run:
+        check_new(out)
+    base_camera(base)
+    faults, files = FaultList(), list[tuple[Path, bytes]]()
+    for path in photographs:
+        with faults.noted():
+            files.append((path, read_input(path, FileKind.IMAGE)))
+    faults.check()
+    read = read_photographs(files, width_px)
+    look = fit_look(read, out, base, floor, floor_reflectance)
+    for line in (*read.notes, *table_lines(figure_rows(look))):
+        typer.echo(line)
+    if dry_run:
+        typer.echo(look.text())
+        return
+    write_look(look, read, out)
+    typer.echo(f"\n{out / LOOK}, {out / PAGE}\n")
+    typer.echo(f"symolo release smoke {look.settings_to_use(str(out / LOOK))} --out data")
+
+
+COMMANDS = (from_,)

@@ -1,0 +1,1 @@
+"""A look fitted to photographs of a user: reading, fit, and the files."""

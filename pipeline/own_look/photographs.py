@@ -1,0 +1,101 @@
+"""Photographs that a user names, read for the fit of a look."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from diagnosis.photographs.line_place import MIN_WIDTH_PX, BgrImage, find_lines
+from diagnosis.photographs.measures import PhotographMeasures
+from symolo.core.errors import FaultList, InputError
+from symolo.core.progress import plural
+from symolo.dataset.pixels import decoded_bytes
+
+MIN_PHOTOGRAPHS, MAX_PHOTOGRAPHS = 3, 30
+MIN_SIDE_PX = 64
+LARGEST_WIDTH_PX = 640
+"""Width to which larger photographs are reduced, if no width is chosen."""
+
+
+@dataclass(frozen=True)
+class LookPhotographs:
+    """Photographs with their measures."""
+
+    measured: tuple[PhotographMeasures, ...]
+    notes: tuple[str, ...]
+    """What was changed or left out, one sentence each."""
+
+
+def read_photographs(files: Sequence[tuple[Path, bytes]], width_px: int | None) -> LookPhotographs:
+    """Decode and measure photographs.
+
+    Args:
+        files: Path and content of each file.
+        width_px: Width to which all are reduced; None for that of the photographs, up to `LARGEST_WIDTH_PX`.
+
+    Raises:
+        InputError: A file is no image, photographs have different sizes, or too few of them show a line.
+    """
+    if not MIN_PHOTOGRAPHS <= len(files) <= MAX_PHOTOGRAPHS:
+        raise InputError("PHOTO...", got=plural(len(files), "file"), allowed=f"{MIN_PHOTOGRAPHS} to {MAX_PHOTOGRAPHS}")
+    images, notes = _images(files, width_px)
+    places = find_lines(images)
+    measured = []
+    for (path, _), place in zip(files, places, strict=True):
+        measures = None if place is None else PhotographMeasures.of(path.name, place)
+        if measures is None:
+            problem = "no line" if place is None else "too little floor beside the line"
+            notes.append(f"{path}: not used, because it shows {problem}")
+        else:
+            measured.append(measures)
+    if len(measured) < MIN_PHOTOGRAPHS:
+        raise InputError(
+            f"a line with floor on both sides is visible in {plural(len(measured), 'photograph')} of {len(files)}",
+            where="PHOTO...",
+            allowed=f"at least {MIN_PHOTOGRAPHS}",
+            cure="photograph the line so that it crosses the image, is between "
+            f"{MIN_WIDTH_PX:.0f} pixels and 45 % of the image wide, and differs clearly from the floor",
+        )
+    return LookPhotographs(tuple(measured), tuple(notes))
+
+
+def _images(files: Sequence[tuple[Path, bytes]], width_px: int | None) -> tuple[list[BgrImage], list[str]]:
+    """Return the images in one size, and what was changed."""
+    faults, images = FaultList(), dict[Path, BgrImage]()
+    seen: dict[str, Path] = {}
+    for path, data in files:
+        with faults.noted():
+            same = seen.setdefault(hashlib.sha256(data).hexdigest(), path)
+            if same is not path:
+                raise InputError(f"is the same image as {same}", where=str(path), cure="name each photograph once")
+            images[path] = _image(path, data)
+    faults.check()
+    height, width = next(iter(images.values())).shape[:2]
+    for path, image in images.items():
+        with faults.noted():
+            if image.shape[:2] != (height, width):
+                got, allowed = f"{image.shape[1]} x {image.shape[0]} px", f"{width} x {height} px, as the first one"
+                cure = "use photographs of one camera"
+                raise InputError("size", where=str(path), got=got, allowed=allowed, cure=cure)
+    faults.check()
+    if width_px is not None and width_px > width:
+        raise InputError("--width-px", got=width_px, allowed=f"up to {width}, the width of the photographs")
+    to_px = width_px or min(width, LARGEST_WIDTH_PX)
+    if to_px == width:
+        return list(images.values()), []
+    size = to_px, round(height * to_px / width)
+    reduced = [np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8) for image in images.values()]
+    return reduced, [f"photographs of {width} x {height} px are reduced to {size[0]} x {size[1]} px"]
+
+
+def _image(path: Path, data: bytes) -> BgrImage:
+    image = decoded_bytes(data, in_colour=True)
+    if image is None:
+        raise InputError("is no complete image", where=str(path), cure="save it again as PNG or JPEG")
+    if min(image.shape[:2]) < MIN_SIDE_PX:
+        got = f"{image.shape[1]} x {image.shape[0]} px"
+        raise InputError("size", where=str(path), got=got, allowed=f"at least {MIN_SIDE_PX} px on each side")
+    return image.astype(np.uint8, copy=False)
