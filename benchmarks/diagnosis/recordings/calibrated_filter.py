@@ -80,7 +80,7 @@ def main() -> None:
     parser.add_argument("recordings", type=Path)
     settings = parser.parse_args()
     measurement = IMPORTER.read(settings.recordings)
-    halves = _halves(measurement)
+    halves = halves_of(measurement)
     for fitted, judged in (halves, halves[::-1]):
         _compare(replace(measurement, trials=fitted), judged)
 
@@ -95,7 +95,7 @@ def _compare(fitted: Measurement, judged: Sequence[Trial]) -> None:
     print(f"{len(judged)} runs of {len({t.session for t in judged})} sessions to judge")
     print(f"named: {', '.join(diagnosis.names) or 'no effect'}")
     print(f"{'robots':14s} {'slip [mm]':>9s} {'NEES':>6s} {'inside 95 %':>12s} {'rms at the ends [mm]':>21s}")
-    for name, robots in _datasets(loaded):
+    for name, robots in datasets(loaded):
         results = [_judged(trial, robots) for trial in judged]
         squared = np.concatenate([result.squared for result in results])
         inside = (squared <= chi2.ppf(0.95, 3)).mean()
@@ -105,7 +105,7 @@ def _compare(fitted: Measurement, judged: Sequence[Trial]) -> None:
     print()
 
 
-def _halves(measurement: Measurement) -> tuple[tuple[Trial, ...], tuple[Trial, ...]]:
+def halves_of(measurement: Measurement) -> tuple[tuple[Trial, ...], tuple[Trial, ...]]:
     """Return the runs of every second session of each kind of path, and those of the others."""
     sessions: dict[str, list[str]] = {}
     for trial in measurement.trials:
@@ -116,7 +116,8 @@ def _halves(measurement: Measurement) -> tuple[tuple[Trial, ...], tuple[Trial, .
     return parts[0], parts[1]
 
 
-def _datasets(loaded: LoadedScenario) -> Iterator[tuple[str, Robots]]:
+def datasets(loaded: LoadedScenario) -> Iterator[tuple[str, Robots]]:
+    """Yield each dataset with what it says of its robots."""
     like, single = loaded.like, loaded.single_routes["CW"]
     assert like is not None  # noqa: S101 - named above
     root, values = single.root, {path: item.ends()[0] for path, item in single.placed.items()}
