@@ -7,11 +7,14 @@ product of the differences from two references of complete light paths, with ind
 denoiser, beside the error that JPEG adds to the image with the noise of its camera.
 
     python benchmarks/render/fresh_draws.py [--draws 30] [--looks classroom lab] [--judged 3] [--samples 1024]
-        [--size 320 240] [--method auto] [--device cpu] [--seed N] [--out draws.json] [--sheet worst.png]
+        [--size 320 240] [--method auto] [--device cpu] [--seed N] [--beside FOLDER] [--out draws.json]
+        [--sheet worst.png]
 
-`--method hybrid` judges hybrid rendering, whatever a run would choose. `--sheet` shows the place with the largest error
-of each image, four times as large, beside the same place of the reference. `--device gpu` traces the references on a
-graphics card; the images that are judged come from the processor.
+`--method hybrid` judges hybrid rendering, whatever a run would choose. `--beside` judges another version of the
+renderer as well, in the same views and with the same references; it takes the folder of its sources, such as `git
+worktree add` makes. `--sheet` shows the place with the largest error of each image, four times as large, beside the
+same place of the reference. `--device gpu` traces the references on a graphics card; the images that are judged come
+from the processor.
 """
 
 import argparse
@@ -22,11 +25,12 @@ import sys
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import cv2
 import numpy as np
-from painters import Painter
+from painters import CHECKOUT, Painter
 from views import LOOKS, RandomCase, Views, random_cases
 from worst_places import WorstPlace, sheet, worst_place
 
@@ -52,6 +56,8 @@ class Row:
     """One view that was not probed."""
 
     case: str
+    version: str
+    """`this`, or `beside` for the sources of `--beside`."""
     floor: str
     method: str
     """Hybrid, or the number of samples."""
@@ -95,18 +101,20 @@ def rows_of(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -
     views = case.views(MIN_VIEWS + options.judged, size)
     probed = probed_numbers(len(views.job.frames))
     judged = [view.number for place, view in enumerate(views.job.frames) if place not in probed]
-    lights = chosen_lights(views, judged, options)
-    errors = lights.decision and lights.decision.errors
+    by_version = {name: chosen_lights(views, judged, options, at) for name, at in options.versions.items()}
     references = reference_lights(views.job, judged, options, device)
     metered = median_luminance(np.concatenate([light.reshape(-1, 3) for pair in references.values() for light in pair]))
     rows = []
-    for number in judged:
+    for version, number in product(by_version, judged):
+        lights = by_version[version]
+        errors = lights.decision and lights.decision.errors
         light, pair = lights.by_view[number], references[number]
         error, jpeg = mean_square_errors(light, pair, views.noisy().response, metered, number)
         place = worst_place(light, pair, views.job.response, metered)
         brightness = [float((each @ LUMINANCE).mean()) for each in (light, *pair)]
         row = Row(
             case=case.name,
+            version=version,
             floor=case.spec(size).look.floor.material,
             method=lights.method,
             worst_block_db=decibels(max(place.mean_square, 0.01) / jpeg),
@@ -115,7 +123,7 @@ def rows_of(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -
             excess_db=decibels(max(error, 0.01) / jpeg),
             psnr_db=decibels(255**2 / max(error, 0.01)),
             jpeg_psnr_db=decibels(255**2 / jpeg),
-            light=brightness[0] / np.mean(brightness[1:]),
+            light=brightness[0] / float(np.mean(brightness[1:])),
             core_s=round(lights.core_s, 2),
             set_up_s=round(lights.set_up_s, 1),
         )
@@ -123,15 +131,15 @@ def rows_of(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -
     return rows
 
 
-def chosen_lights(views: Views, numbers: list[int], options: argparse.Namespace) -> Lights:
-    """Return the light of the views as a long run renders them, with what it chose."""
+def chosen_lights(views: Views, numbers: list[int], options: argparse.Namespace, checkout: Path) -> Lights:
+    """Return the light of the views as a long run of a version renders them, with what it chose."""
     width_px, height_px = options.size
     hybrid = hybrid_samples(Render(width_px=width_px, height_px=height_px))
     noisy = views.noisy()
     chooses = options.method == "auto"
     job = replace(noisy, sampling=replace(noisy.sampling, probe=chooses, hybrid=hybrid))
     settings = {"kind": "chosen"} if chooses else {"kind": "ours", "hybrid": asdict(hybrid)}
-    with Painter("painter.py", job, settings, options.threads, sys.executable) as painter:
+    with Painter("painter.py", job, settings, options.threads, sys.executable, checkout=checkout) as painter:
         cost = painter.paint(numbers)
         decision = painter.decision() if chooses else None
         by_view = {number: painter.light(number) for number in numbers}
@@ -154,13 +162,27 @@ def decibels(ratio: float) -> float:
     return round(float(10 * np.log10(max(ratio, 1e-9))), 2)
 
 
+def print_case(rows: list[Row]) -> None:
+    excess = ", ".join(f"{row.excess_db:+.1f}" for row in rows)
+    blocks = ", ".join(f"{row.worst_block_db:+.1f}" for row in rows)
+    one = rows[0]
+    print(
+        f"{one.case:12} {one.version} {one.floor:13} {one.method:11} estimated {one.estimated_db} dB,"
+        f" limit {one.limit_db}, seen {excess} dB; worst squares {blocks} dB; JPEG {one.jpeg_psnr_db:.1f} dB;"
+        f" light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}",
+        flush=True,
+    )
+
+
 def print_summary(rows: list[Row]) -> None:
     excess = np.array([row.excess_db for row in rows])
     kept, near = np.count_nonzero(excess <= 0), np.count_nonzero(excess <= LARGEST_EXCESS_DB)
     low, middle, high = np.quantile(excess, [0.1, 0.5, 0.9])
-    print(f"\n{len(rows)} images: no worse than JPEG {kept}, at most {LARGEST_EXCESS_DB:g} dB worse {near}")
+    print(f"\n{rows[0].version}: {len(rows)} images")
+    print(f"no worse than JPEG {kept}, at most {LARGEST_EXCESS_DB:g} dB worse {near}")
     print(f"error relative to JPEG: median {middle:+.1f} dB, lowest tenth {low:+.1f}, highest tenth {high:+.1f}")
     worst = max(rows, key=lambda row: row.excess_db)
+    print(f"square with the largest error: median {np.median([row.worst_block_db for row in rows]):+.1f} dB")
     print(f"worst {worst.excess_db:+.1f} dB: {worst.case}, {worst.floor}, {worst.method}")
     print(f"chosen for: {dict(Counter(row.method for row in rows))} images")
 
@@ -176,32 +198,30 @@ def main() -> None:
     parser.add_argument("--method", choices=["auto", "hybrid"], default="auto")
     parser.add_argument("--device", choices=["cpu", "auto", "gpu"], default="cpu", help="of the references")
     parser.add_argument("--seed", type=int, default=secrets.randbelow(2**31), help="of the draws; default: a new one")
+    parser.add_argument("--beside", type=Path, help="sources of another version, which is judged as well")
     parser.add_argument("--out", type=Path, help="JSON file of the rows")
     parser.add_argument("--sheet", type=Path, help="PNG file of the places with the largest errors")
     options = parser.parse_args()
     print(f"seed {options.seed}", flush=True)
     device = device_for(options.device)
+    options.versions = {"this": CHECKOUT} | ({"beside": options.beside.resolve()} if options.beside else {})
     rows: list[Row] = []
     places: dict[str, WorstPlace] = {}
     for case in random_cases(options.looks, options.draws, options.seed):
         pairs = rows_of(case, options, device)
-        rows += (of_case := [row for row, _ in pairs])
-        places |= {f"{row.case} {number} {row.method}": place for number, (row, place) in enumerate(pairs, 1)}
-        excess = ", ".join(f"{row.excess_db:+.1f}" for row in of_case)
-        blocks = ", ".join(f"{row.worst_block_db:+.1f}" for row in of_case)
-        one = of_case[0]
-        print(
-            f"{case.name:12} {one.floor:13} {one.method:11} estimated {one.estimated_db} dB, limit {one.limit_db},"
-            f" seen {excess} dB; worst squares {blocks} dB; JPEG {one.jpeg_psnr_db:.1f} dB;"
-            f" light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}",
-            flush=True,
-        )
+        rows += [row for row, _ in pairs]
+        numbers = [1 + place % options.judged for place in range(len(pairs))]
+        named = zip(numbers, pairs, strict=True)
+        places |= {f"{row.case} {number} {row.method} {row.version}": place for number, (row, place) in named}
+        for version in options.versions:
+            print_case([row for row, _ in pairs if row.version == version])
         if options.out:
             text = json.dumps({"seed": options.seed, "rows": [asdict(row) for row in rows]}, indent=1)
             options.out.write_text(text + "\n")
         if options.sheet:
             cv2.imwrite(str(options.sheet), sheet(places))
-    print_summary(rows)
+    for version in options.versions:
+        print_summary([row for row in rows if row.version == version])
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from blender_scenes.render.probe import Decision, read_decision
 from blender_scenes.render.surroundings import without_blender_settings
 
 _HERE = Path(__file__).parent
+CHECKOUT = _HERE.parents[1]
 _LOG_LINES = 15
 
 
@@ -34,14 +35,25 @@ class Painter:
         ChildProcessError: It died; with the last lines of its log.
     """
 
-    def __init__(self, script: str, job: RenderJob, settings: dict[str, Any], threads: int, python: str) -> None:
+    def __init__(
+        self,
+        script: str,
+        job: RenderJob,
+        settings: dict[str, Any],
+        threads: int,
+        python: str,
+        *,
+        checkout: Path = CHECKOUT,
+    ) -> None:
+        """Start it; `checkout` is the folder of the version that renders."""
         self._folder = tempfile.TemporaryDirectory(prefix="symolo-painter-")
         folder = Path(self._folder.name)
         self._log = (folder / "log").open("w+b")
         (folder / "job.json").write_text(job.to_json())
-        command = [python, str(_HERE / script), str(folder / "job.json"), json.dumps(settings)]
+        program = checkout / _HERE.relative_to(CHECKOUT) / script
+        command = [python, str(program), str(folder / "job.json"), json.dumps(settings)]
         environment = {**without_blender_settings(os.environ), "TMPDIR": str(folder)}
-        environment["PYTHONPATH"] = str(_HERE.parents[1])
+        environment["PYTHONPATH"] = str(checkout)
         self._child = subprocess.Popen(
             [*command, str(folder), str(threads)],
             stdin=subprocess.PIPE,

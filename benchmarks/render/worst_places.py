@@ -9,7 +9,7 @@ from blender_scenes.render.image_errors import square_errors
 from sensors.camera.response import CameraResponse, develop_part
 from symolo.core.arrays import FloatImage
 
-BLOCK_PX = 16
+BLOCK_PX = 8
 """Side of the squares whose mean error is compared."""
 _CROP_PX = 64, 48
 """Width and height of what is shown around the worst square."""
