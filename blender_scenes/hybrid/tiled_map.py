@@ -175,37 +175,6 @@ def _copy_common(patch: MapPatch, texels: FloatImage, first: NDArray[np.int64]) 
     texels[to_y : to_y + rows, to_x : to_x + columns] = patch.texels[y : y + rows, x : x + columns]
 
 
-def without_holes(light: FloatImage, level: FloatImage) -> FloatImage:
-    """Return light (N, N, K) on a floor with the holes below obstacles filled from around them.
-
-    The floor beside a box would be too dark otherwise, because texels at the border of a hole are half below the box.
-
-    Args:
-        light: Light on a floor that may be tilted, and dark where it faces away from the light.
-        level: Light on a level floor, which is dark only below obstacles.
-    """
-    # A level floor has some light everywhere but below an obstacle, whose inside is closed.
-    free = (level.sum(axis=-1) > 0).astype(np.float32)[..., None]
-    if free.all() or not free.any():
-        return light
-    return np.where(free > 0, light, _spread(light * free, free)).astype(np.float32)
-
-
-def _spread(weighted: FloatImage, weight: FloatImage) -> FloatImage:
-    """Return weighted values (N, N, K) divided by their weight, filled by means of larger squares where it is 0."""
-    if weight.all() or min(weight.shape[:2]) == 1:
-        return weighted / np.maximum(weight, 1e-9)
-    # Push-pull: means of half the resolution fill what they can, and the rest comes from even coarser ones.
-    height, width = weight.shape[:2]
-    half = (width + 1) // 2, (height + 1) // 2
-    small, small_weight = (
-        cv2.resize(a, half, interpolation=cv2.INTER_AREA).astype(np.float32) for a in (weighted, weight)
-    )
-    small_weight = small_weight.reshape(*small.shape[:2], 1)
-    far = cv2.resize(_spread(small, small_weight), (width, height), interpolation=cv2.INTER_LINEAR)
-    return np.where(weight > 0, weighted / np.maximum(weight, 1e-9), far).astype(np.float32)
-
-
 def normals(height_m: FloatImage, surfaces: FloatImage, texel_m: float) -> FloatImage:
     """Return unit normals (N-2, N-2, 3) of a relief (N, N) of several `surfaces` (N, N); flat where two meet."""
     slopes = []

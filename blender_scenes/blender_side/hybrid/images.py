@@ -15,10 +15,12 @@ import numpy as np
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
 from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, Passes, lies_on_the_floor
 from blender_scenes.hybrid.denoiser import Denoiser
+from blender_scenes.hybrid.floor_light import without_noise
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
+from blender_scenes.hybrid.footprints import Footprints
 from blender_scenes.hybrid.guided_filter import local_lines
 from blender_scenes.hybrid.lowest_row import EdgesInSight
-from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals, without_holes
+from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
 from blender_scenes.hybrid.upsampling import reduced, upsampled
 from blender_scenes.render.job import RenderJob
 from blender_scenes.scene.description import LightPanel, Mesh
@@ -98,6 +100,8 @@ class HybridRenderer:
         self._few, self._many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
         floor = [mesh for mesh in job.scene.meshes if lies_on_the_floor(mesh.name)]
         things = [mesh for mesh in job.scene.meshes if not lies_on_the_floor(mesh.name)]
+        clear = {surface.name for surface in job.scene.surfaces if surface.transmission}
+        self._footprints = Footprints([mesh for mesh in things if not clear & set(mesh.face_surface)])
         things += [_outline(panel) for panel in job.scene.panels if panel.seen]
         self._edges = EdgesInSight(camera, things, job.scene.moving, job.scene.robot_in_sight)
         ground = np.concatenate([np.array(mesh.vertices)[:, :2] for mesh in floor])
@@ -182,7 +186,8 @@ class HybridRenderer:
         Transmission is the share of light that passes the floor's coat to the base and back.
         """
         normal, roughness = (reduced(seen[name], times) for name in ("Normal", _ROUGHNESS))
-        is_floor = (reduced(seen[COVER][..., :1], times) > _WHOLLY).astype(np.float32)
+        cover = reduced(seen[COVER][..., :1], times)
+        is_floor = (cover > _WHOLLY).astype(np.float32)
         light = passes["DiffDir"] + passes["DiffInd"]
         # A visible lamp is part of the surfaces; for the denoiser of the light it would be a firefly.
         rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light - _shine(passes), 0)
@@ -191,8 +196,10 @@ class HybridRenderer:
         both = np.concatenate([rest, let_in], axis=-1)
         flat = np.concatenate([0 * both, both], axis=-1)
         # Gloss follows the roughness of the floor, which the final image has at full resolution: lines over the
-        # roughness carry it there. Other surfaces keep their values (slope 0).
-        lines = np.where(is_floor > 0, local_lines(both, roughness, is_floor), flat)
+        # roughness carry it there. Other surfaces keep their values (slope 0). Where a pixel shows floor and other
+        # things, its transmission is that of the floor around it: its own contains the colour of the other things.
+        of_floor = np.concatenate([np.broadcast_to(is_floor, rest.shape), cover > 0] * 2, axis=-1)
+        lines = np.where(of_floor > 0, local_lines(both, roughness, is_floor), flat)
         return np.concatenate([self._denoised(light, normal), lines, roughness], axis=-1)
 
     def _far_end(self, cover: FloatImage) -> float:
@@ -270,7 +277,7 @@ class HybridRenderer:
 
     def _irradiance_tile(self, tile: Tile) -> FloatImage:
         light = self._light_on(tile, "irradiance", _UP)
-        return self._evened_out(light, light)
+        return without_noise(light, self._free(tile, light), self._denoised)
 
     def _relief_tile(self, tile: Tile) -> FloatImage:
         """Return (N, N, 6): the relative change of light on the floor per lean of its normal along x, and along y.
@@ -282,8 +289,9 @@ class HybridRenderer:
         cosine, sine = float(np.cos(_TILT_RAD)), float(np.sin(_TILT_RAD))
         tilts = (sine, 0.0, cosine), (-sine, 0.0, cosine), (0.0, sine, cosine), (0.0, -sine, cosine)
         level, *tilted = (self._light_on(tile, "relief", facing) for facing in (_UP, *tilts))
-        up = np.maximum(self._evened_out(level, level), _MIN_LIGHT)
-        east, west, north, south = (self._evened_out(light, level) / up for light in tilted)
+        free = self._free(tile, level)
+        up = np.maximum(without_noise(level, free, self._denoised), _MIN_LIGHT)
+        east, west, north, south = (without_noise(light, free, self._denoised) / up for light in tilted)
         leans = [(east - west) / (2 * sine), (north - south) / (2 * sine)]
         return np.clip(np.concatenate(leans, axis=-1), -_MAX_LEAN, _MAX_LEAN)
 
@@ -293,10 +301,10 @@ class HybridRenderer:
         seed = int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
         return self._scenes.irradiance(tile, _IRRADIANCE_SAMPLES, seed, facing)
 
-    def _evened_out(self, light: FloatImage, level: FloatImage) -> FloatImage:
-        """Return light without noise and without the holes, which the light on a level floor shows."""
-        filled = without_holes(light, level)
-        return self._denoised(filled, np.broadcast_to(np.array(_UP, np.float32), filled.shape))
+    def _free(self, tile: Tile, level: FloatImage) -> FloatImage:
+        """Return the share (N, N, 1) of texels that is not inside of bodies, where a level floor is dark."""
+        lit = level.sum(axis=-1, keepdims=True) > 0
+        return np.where(lit, 1 - self._footprints.covered(tile), 0).astype(np.float32)
 
 
 def _times(size: tuple[int, int], width_px: int) -> int:

@@ -186,7 +186,9 @@ def images(lights_of) -> dict[str, np.ndarray]:
 def shared(lights_of) -> dict[str, np.ndarray]:
     """(N, H, W, 3) hybrid images, most of whose light has half as many pixels each way, the upper rows' as many."""
     still = _job(_scene(BOX), [*STILL, _at(4, (0.35, 0.1, 0.5))], HYBRID)
-    rolling = _job(_scene(BOX), [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], HYBRID, ROLLING)
+    # As many samples as the light of the whole image has, with which it is compared.
+    as_many = replace(HYBRID, far=HYBRID.near)
+    rolling = _job(_scene(BOX), [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], as_many, ROLLING)
     orders = {
         "still": (still, 2, [1, 2, 3, 4]),
         "one thread": (still, 1, [4, 3, 1, 2]),

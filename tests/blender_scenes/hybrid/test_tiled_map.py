@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals, without_holes
+from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
 
 TEXEL_M = 0.01
 PLAIN = Tiling(texel_m=TEXEL_M, levels=3, core=16)
@@ -198,60 +198,6 @@ def test_where_no_tile_was_requested_the_value_is_nan_and_not_the_nearest_colour
     beyond = np.array([[[0.5, 0.05], [0.05, -0.5], [0.05, 0.05]]])
     assert np.isnan(patch.at(beyond)[0, :2]).all()
     assert np.isfinite(patch.at(beyond)[0, 2]).all()
-
-
-def _lit(side: int = 24) -> np.ndarray:
-    rng = np.random.default_rng(5)
-    return (1 + 0.2 * rng.random((side, side, 3))).astype(np.float32)
-
-
-@pytest.mark.parametrize(
-    "hole", [(slice(5, 12), slice(8, 20)), (slice(0, 9), slice(0, 24)), (slice(20, 24), slice(20, 24))]
-)
-def test_a_hole_takes_its_light_from_around_it_and_all_else_keeps_its_own(hole):
-    whole = _lit()
-    light = whole.copy()
-    light[hole] = 0
-    found = without_holes(light, light)
-    kept = np.ones(light.shape[:2], bool)
-    kept[hole] = False
-    np.testing.assert_array_equal(found[kept], light[kept])
-    for channel in range(3):
-        around = light[kept][:, channel]
-        assert around.min() <= found[hole][..., channel].min()
-        assert found[hole][..., channel].max() <= around.max()
-
-
-def test_a_hole_between_dark_and_bright_is_dark_on_one_side_and_bright_on_the_other():
-    light = np.ones((32, 32, 3), np.float32)
-    light[:, 20:] = 5.0
-    light[:, 12:20] = 0.0
-    row = without_holes(light, light)[16, :, 0]
-    assert row[12] < 2
-    assert row[19] > 4
-    assert (np.diff(row) >= -1e-6).all()
-
-
-def test_a_texel_that_is_dark_in_one_colour_alone_is_no_hole():
-    light = _lit()
-    light[3, 3] = (0.5, 0.0, 0.0)
-    light[9, 9] = 0.0
-    np.testing.assert_array_equal(without_holes(light, light)[3, 3], light[3, 3])
-
-
-def test_a_tilted_floor_is_dark_where_it_is_turned_away_and_no_hole():
-    level = _lit()
-    light = 2 * level
-    level[5:9, 5:9] = light[5:9, 5:9] = 0
-    light[:, 12:] = 0
-    found = without_holes(light, level)
-    assert (found[:, 12:] == 0).all()
-    assert found[5:9, 5:9].min() >= 2
-
-
-@pytest.mark.parametrize("light", [np.zeros((8, 8, 3), np.float32), _lit()])
-def test_where_all_or_nothing_is_dark_nothing_changes(light):
-    np.testing.assert_array_equal(without_holes(light, light), light)
 
 
 # Relief

@@ -1,0 +1,105 @@
+"""Light on a floor in the shade: of a sunlit wall, against a full image, and at a wall's foot, in closed form."""
+
+import numpy as np
+import pytest
+
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings
+from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky, Sun
+from blender_scenes.scene.meshes import block, floor
+from blender_scenes.scene.shading import Color, Surface
+from configs.schema.appearance.look import CameraLook
+from configs.schema.robot import Camera
+from sensors.camera.response import CameraResponse
+from sensors.camera.views import FrameView
+from symolo.core.geometry.pinhole import Intrinsics, floor_points, pose_X_RC
+from symolo.core.geometry.poses import pose_X_WR
+
+CAMERA = Intrinsics(64, 48, 45.0, 45.0, 31.5, 23.5)
+MOUNTED = Camera(
+    x_m=0.05, y_m=0.0, height_above_base_m=0.25, pitch_down_deg=35.0, focal_length_mm=4.0, sensor_width_mm=5.7
+)
+X_WC = pose_X_WR(0.0, 0.0, 0.0) @ pose_X_RC(MOUNTED, base_height_m=0.0)
+HYBRID = HYBRID_QUALITIES["standard"]
+
+
+def _matt(name: str, reflectance: float) -> Surface:
+    return Surface(name, Color((reflectance,) * 3), roughness=1.0, refractive_index=1.0)
+
+
+def _job(sun: Sun, walls: tuple[Mesh, ...], panels: tuple[LightPanel, ...], hybrid: HybridSamples | None) -> RenderJob:
+    scene = Scene(
+        surfaces=(_matt("floor", FLOOR_REFLECTANCE), _matt("white", 0.7), _matt("black", 0.0)),
+        meshes=(floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "floor"), *walls),
+        robot=(),
+        panels=panels,
+        sun=sun,
+        sky=Sky("studio", 0.0, 0.2, 10.0, 1.0),
+    )
+    rows = tuple(tuple(row) for row in X_WC.tolist())
+    response = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
+    views = (FrameView(1, 0.0, (0.0, 0.0, 0.0), rows),)
+    sampling = TracingSettings(1, 256, denoise=False, hybrid=hybrid)
+    return RenderJob(RenderJob.FORMAT, scene, CAMERA, views, sampling, response)
+
+
+FLOOR_REFLECTANCE = 0.3
+ELEVATION = np.radians(25.0)
+LOW_SUN = Sun((-float(np.cos(ELEVATION)), 0.0, float(np.sin(ELEVATION))), (10.0,) * 3, 0.009)
+WALL = block("wall_A", (1.2, 0.0, 0.4), (0.05, 2.0, 0.8), "white")
+BLIND = block("wall_B", (-0.6, 0.0, 0.15), (0.05, 2.0, 0.3), "white")
+"""Its shadow lies on all of the floor in sight, the sun on the upper part of the wall."""
+
+FACE_M, THICK_M, HEIGHT_M = 0.451, 0.012, 0.15
+"""Face of a thin wall before the camera, its thickness, which is that of one or two texels, and its height."""
+THIN = block("wall", (FACE_M + 0.5 * THICK_M, 0.0, 0.5 * HEIGHT_M), (THICK_M, 6.0, HEIGHT_M), "black")
+SUN_BEHIND = Sun((0.5**0.5, 0.0, 0.5**0.5), (20.0,) * 3, 0.009)
+HALF_M, ABOVE_M = 15.0, 3.0
+PANEL = (0.0, 0.0, ABOVE_M), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 2 * HALF_M, 2 * HALF_M, (1.0, 1.0, 1.0)
+"""A panel above the floor that is nearly an even sky."""
+
+
+@pytest.fixture(scope="module")
+def images(lights_of) -> dict[str, np.ndarray]:
+    """(H, W): a floor with the light of a sunlit wall, by hybrid rendering and in full, and the foot of a thin wall."""
+    jobs = {
+        "hybrid": _job(LOW_SUN, (WALL, BLIND), (), HYBRID),
+        "full": _job(LOW_SUN, (WALL, BLIND), (), None),
+        "foot": _job(SUN_BEHIND, (THIN,), (LightPanel("sky", *PANEL, seen=False),), HYBRID),
+    }
+    lights = lights_of(*((job, 1, [1]) for job in jobs.values()), coarser=2)
+    return {name: light[0].mean(axis=-1) for name, light in zip(jobs, lights, strict=True)}
+
+
+@pytest.mark.parametrize("rows", [slice(14, 20), slice(30, 46)], ids=["far", "near"])
+def test_the_floor_in_the_shade_has_the_light_of_a_sunlit_wall(images, rows):
+    """The limit on the light of a path must not act on the map's white floor where it does not on the grey one."""
+    hybrid, full = (images[of][rows, 4:24].mean() for of in ("hybrid", "full"))
+    assert hybrid == pytest.approx(full, rel=0.03)
+
+
+def _light_at_the_foot(rows: np.ndarray) -> np.ndarray:
+    """Return the light of the floor in the middle column at (fractions of) rows, 0 behind the face of the thin wall.
+
+    An endless strip of even radiance L gives pi L / 2 times the difference of the sines of its ends' angles from the
+    vertical; the panel, which is not endless, gives 1.2 % less in its middle (form factor of a rectangle).
+    """
+    pixels = np.column_stack([np.full(len(rows), CAMERA.cx_px), rows])
+    away_m = FACE_M - floor_points(CAMERA, X_WC, pixels)[:, 0]
+    end, wall = HALF_M / np.hypot(HALF_M, ABOVE_M), away_m / np.hypot(away_m, HEIGHT_M)
+    return np.where(away_m > 0, FLOOR_REFLECTANCE * 0.5 * (end + wall) * 0.988, 0.0)
+
+
+def test_the_floor_at_the_foot_of_a_wall_has_the_light_of_the_sky_that_the_wall_leaves(images):
+    """Neither darker, by the floor below the wall, nor brighter, by the sunlit floor behind it."""
+    rows = np.arange(22, 29)
+    expected = _light_at_the_foot(rows.astype(float))
+    assert images["foot"][rows, 24:40].mean(axis=1) == pytest.approx(expected, rel=0.04)
+
+
+def test_pixels_that_show_wall_and_floor_have_the_light_of_their_share_of_floor(images):
+    """The wall is black, so rows above its foot sum up to the light of the floor in them, however a filter blurs it."""
+    step = 0.01
+    fine = np.arange(16 - 0.5 + 0.5 * step, 24 - 0.5, step)
+    expected = step * _light_at_the_foot(fine).sum()
+    assert images["foot"][16:24, 24:40].mean(axis=1).sum() == pytest.approx(expected, rel=0.05)
