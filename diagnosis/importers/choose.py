@@ -32,6 +32,8 @@ def _read_measurement(path: Path, importers: Sequence[Importer], name: str | Non
         raise InputError("no such file or folder", where=str(path), nearest=close, cure="name a case, a log or a table")
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise InputError("is neither file nor folder", where=str(path), cure="name a case, a log or a table")
+    if path.is_file() and not path.stat().st_size:
+        raise InputError("is empty", where=str(path), cure="record it again, or name another log")
     for importer in importers:
         if importer.name == name or (name is None and importer.recognises(path)):
             return importer.read(path)

@@ -40,6 +40,8 @@ def reader_of(path: Path, name: str | None) -> TrajectoryReader:
         raise InputError("--format", got=name, allowed=", ".join(names), nearest=nearest(name, names))
     if not (path.is_file() or path.is_dir()):
         raise InputError("no such file or folder", where=str(path), cure="name a log")
+    if path.is_file() and not path.stat().st_size:
+        raise InputError("is empty", where=str(path), cure="record it again, or name another log")
     for reader in READERS:
         if reader.name == name or (name is None and reader.recognises(path)):
             return reader

@@ -127,12 +127,14 @@ BAD = {
     "no such importer": (["table-1", "--importer", "papre"], "did you mean paper"),
     "wrong importer": (["table-1", "--importer", "motor_step"], "there is no nominal.yaml"),
     "a picture": (["picture.png"], "is not measured data"),
+    "an empty file": (["empty.csv"], "empty.csv: is empty; record it again"),
 }
 
 
 @pytest.mark.parametrize("kind", BAD)
 def test_bad_input_is_one_line(kind, symolo, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty.csv").touch()
     (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\x00\x00\xff\xfe")
     arguments, said = BAD[kind]
     ended = symolo("inspect", *arguments)

@@ -268,6 +268,7 @@ def test_a_data_csv_in_other_units_than_its_own_is_refused(change, what, cure, t
         (["run.csv", "--format", "tumm"], "--format: got 'tumm'"),
         (["run.csv", "--route", "../x"], "--route: got '../x', allowed: letters"),
         (["run.csv", "other.csv"], "other.csv: has other columns than the first log"),
+        (["empty.csv"], "empty.csv: is empty; record it again"),
         (["noise.bin"], "noise.bin: is not a log of a known form; allowed: bag: "),
         (["run.csv", "--out", "dataset"], "holds files that symolo did not make"),
     ],
@@ -277,6 +278,7 @@ def test_a_wrong_argument_is_one_clear_line(arguments, message, tmp_path, monkey
     (tmp_path / "run.csv").write_text(table("t_s,x_m,y_m,theta_rad", T_S, *PLACE.T, YAW))
     (tmp_path / "other.csv").write_text(table("t_s,x_m,y_m,theta_rad,v_m_s", T_S, *PLACE.T, YAW, T_S))
     (tmp_path / "noise.bin").write_bytes(bytes(range(256)))
+    (tmp_path / "empty.csv").touch()
     (tmp_path / "dataset").mkdir()
     (tmp_path / "dataset/notes.txt").write_text("mine")
     out = () if "--out" in arguments else ("--out", "data")
