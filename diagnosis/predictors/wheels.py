@@ -18,31 +18,20 @@ from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
-from physics.robot.stack import alike, stacked
+from physics.robot.stack import CURVED, alike, stacked
 from symolo.core.arrays import Array
 
 SIDES = ("left", "right")
 PARTS = ("motor", "power", "encoder")
-SLOTS = frozenset(
-    {
-        Slot.MOTORS,
-        Slot.COMMAND_DELAY,
-        Slot.ACTUATOR,
-        Slot.BATTERY,
-        Slot.CONDUCTION,
-        Slot.BRIDGE,
-        Slot.SUPPLY,
-        Slot.RESISTANCE,
-        Slot.TORQUE_CONSTANT,
-        Slot.WINDING_HEAT,
-        Slot.CURRENT_LIMIT,
-        Slot.FRICTION,
-        Slot.SHAFT_TORQUE,
-        Slot.GEARBOX,
-        Slot.ENCODER,
-        Slot.COUNTING,
-    }
-)
+SLOTS = CURVED | {
+    Slot.MOTORS,
+    Slot.COMMAND_DELAY,
+    Slot.ACTUATOR,
+    Slot.BATTERY,
+    Slot.GEARBOX,
+    Slot.ENCODER,
+    Slot.COUNTING,
+}
 """Slots of the effects between the voltages and the counts."""
 UNSTATED_RAD_S = 0.05
 """Noise if it is not stated."""
