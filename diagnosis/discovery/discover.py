@@ -54,6 +54,10 @@ def with_law(diagnosis: Diagnosis) -> Diagnosis:
     best, reason, scan = _best(diagnosis)
     if best is None:
         return replace(diagnosis, discovery=Discovery(None, reason))
+    in_hand = EFFECTS.files.get(best.form.name)
+    if in_hand is not None and in_hand.member not in {each.kind for each in diagnosis.fit.hypothesis.effects}:
+        reason = f"the best form, {best.form.words}, is that of {in_hand.path.name}, which is given and is not named"
+        return replace(diagnosis, discovery=Discovery(None, reason))
     evidence, measured, nominal = diagnosis.evidence, diagnosis.measured, diagnosis.selection.nominal
     law, fit = _law(diagnosis, best, scan)
     return replace(
@@ -78,9 +82,10 @@ class LawSearch:
 def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
     """Return the best form that is accepted, why there is none, and what it was chosen from."""
     measurement, evidence, fit = diagnosis.measurement, diagnosis.evidence, diagnosis.fit
-    where = () if measurement.cases else places(measurement.kind, evidence, fit.robot.motor.torque_constant_N_m_A)
+    where = () if measurement.cases else places(measurement.kind, evidence, fit.robot.motor)
     if not where:
-        reason = f"laws are looked for on benches of motors and range sensors, not in data of kind {measurement.kind}"
+        searched = "benches of motors and range sensors and in scans"
+        reason = f"laws are looked for on {searched}, not in data of kind {measurement.kind}"
         return None, reason, LawSearch(1.0, 0)
     if np.count_nonzero(evidence.fit) < MIN_ROWS:
         return None, f"fewer than {MIN_ROWS} samples to fit", LawSearch(1.0, 0)
@@ -111,7 +116,7 @@ def _curves(where: Sequence[LawPlace]) -> list[LawForm]:
         curve
         for place in where
         for covariate in place.covariates.values()
-        if can_have_law(covariate) and (curve := smooth(place, covariate)) is not None
+        if not place.is_factor and can_have_law(covariate) and (curve := smooth(place, covariate)) is not None
     ]
 
 

@@ -20,6 +20,8 @@ FILE = Path("law.py")
 """Path in messages about a text that is not written yet."""
 DIGITS = 6
 """Digits of a number in the file."""
+MIN_FACTOR = 0.05
+"""Smallest factor on a quantity, whatever a law adds to it."""
 REACH = 50.0
 """Bound of a number of either sign, relative to its start."""
 
@@ -134,6 +136,8 @@ class LawForm:
         if self.material:
             expression = f"self.share(view) * {expression}"
         result = expression if self.is_result else f"{place.first} + {expression}"
+        if place.is_factor:
+            result = f"{place.first} * np.maximum(1.0 + {expression}, {MIN_FACTOR})"
         if place.is_odd:
             size = expression if self.is_result else f"np.maximum(np.abs({place.first}) + {expression}, 0.0)"
             result = f"np.copysign({size}, {place.first})"
@@ -145,6 +149,8 @@ class LawForm:
             f"{covariate.words} from {covariate.low:.3g} to {covariate.high:.3g}" for covariate in along
         )
         effect = "Effect, " if not self.material else ""
+        numeric = ["import numpy as np"] if "np." in "".join((result, shorthand, *self.constants)) else []
+        numeric += ["from scipy.interpolate import CubicSpline"] if self.constants else []
         lines = [
             f'"""{self.words[0].upper()}{self.words[1:]}.',
             *(["", *notes] if notes else []),
@@ -152,9 +158,7 @@ class LawForm:
             "",
             "from typing import Annotated",
             "",
-            "import numpy as np",
-            *(["from scipy.interpolate import CubicSpline"] if self.constants else []),
-            "",
+            *([*numeric, ""] if numeric else []),
             f"from configs.effects.base import {effect}Setup, Slot",
             "from configs.effects.parameter import Parameter",
             *sorted(imports),
@@ -189,3 +193,23 @@ def rounded(value: float) -> float:
 def _text(value: float) -> str:
     value = rounded(value)
     return repr(float(value)) if np.isfinite(value) else "0.0"
+
+
+def sized(place: LawPlace, word: str, meaning: str) -> LawNumber:
+    """Return a number of either sign in the unit of the slot."""
+    return LawNumber.amplitude(with_unit(word, place.unit), place.unit, place.size, meaning)
+
+
+def with_unit(word: str, unit: str) -> str:
+    """Return the name of a number, which ends in its unit."""
+    if unit == "1":
+        return word
+    unit = unit.replace(" ", "_").replace("rad/s", "rad_s").replace("1/", "per_")
+    return f"{word}_{unit.replace('/', '_per_')}"
+
+
+def unit_per(unit: str, other: str) -> str:
+    """Return the unit of a slope."""
+    if unit == other:
+        return "1"
+    return f"{unit} s/rad" if other == "rad/s" else f"{unit}/{other}"

@@ -11,7 +11,8 @@ from itertools import product
 import numpy as np
 
 from configs.effects.base import Slot
-from diagnosis.discovery.form import LawForm, LawNumber
+from diagnosis.discovery.form import LawForm, LawNumber, sized, unit_per, with_unit
+from diagnosis.discovery.past import of_past
 from diagnosis.discovery.place import LawPlace, SlotCovariate
 from symolo.core.arrays import Array
 
@@ -22,6 +23,8 @@ WIDTHS = (0.03, 0.06, 0.12, 0.25)
 EXPONENTS = (0.5, 2.0, 3.0)
 HALVES = (0.05, 0.2, 0.6)
 """Values of a covariate at which a saturation is half of its end, as shares of its range."""
+OF_FACTOR = frozenset({"step", "rise"})
+"""Shapes with an edge that a factor may have."""
 CYCLES = (1.0, 40.0)
 """Smallest and largest number of waves within the range of a covariate."""
 TRIED_CYCLES = 96
@@ -54,19 +57,11 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
         materials: Names of the materials of a range bench, each of which may have an error of its own.
     """
     several = [each for each in place.covariates.values() if can_have_law(each)]
+    yield from of_past(place)
     for covariate in several:
-        yield from _along(place, covariate)
+        yield from _of_factor(place, covariate) if place.is_factor else _along(place, covariate)
     if place.slot is Slot.RANGE:
-        distance = place.covariates.get("distance_m")
-        for covariate in several:
-            if distance is not None and covariate is not distance:
-                yield from _powers(place, covariate, distance)
-        incidence = place.covariates.get("incidence_rad")
-        if incidence is not None:
-            for material in ("", *(materials if len(materials) > 1 else ())):
-                yield _oblique(place, incidence, material)
-        if distance is not None:
-            yield from _of_reading(place, distance)
+        yield from _of_range(place, several, materials)
     if place.is_odd:
         (own,) = place.covariates.values()
         yield from _of_instrument(place, own)
@@ -74,7 +69,7 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
 
 def can_have_law(c: SlotCovariate) -> bool:
     """Return whether a covariate has enough different values, none of them negative, for a law along it."""
-    return c.low >= 0.0 and len(np.unique(c.values)) >= MIN_DISTINCT
+    return not c.is_past and c.low >= 0.0 and len(np.unique(c.values)) >= MIN_DISTINCT
 
 
 def smooth(place: LawPlace, c: SlotCovariate) -> LawForm | None:
@@ -83,7 +78,7 @@ def smooth(place: LawPlace, c: SlotCovariate) -> LawForm | None:
     if len(knots) < MIN_KNOTS:
         return None
     numbers = tuple(
-        _size(place, f"at_{k}", f"Change at {c.words} = {knot:.4g}") for k, knot in enumerate(knots.tolist(), 1)
+        sized(place, f"at_{k}", f"Change at {c.words} = {knot:.4g}") for k, knot in enumerate(knots.tolist(), 1)
     )
     listed = ", ".join(f"{knot:.6g}" for knot in knots.tolist())
     values = ", ".join(f"self.{number.name}" for number in numbers)
@@ -109,16 +104,11 @@ def smooth(place: LawPlace, c: SlotCovariate) -> LawForm | None:
     )
 
 
-def _size(place: LawPlace, word: str, meaning: str) -> LawNumber:
-    """Return a number of either sign in the unit of the slot."""
-    return LawNumber.amplitude(_named(word, place.unit), place.unit, place.size, meaning)
-
-
 def _at(c: SlotCovariate, word: str, meaning: str, start: float) -> LawNumber:
     """Return a place along a covariate, with bounds a range beyond the data on each side."""
     span = c.high - c.low
     high = min(c.high + span, MAX_NUMBER)
-    return LawNumber(_named(word, c.unit), c.unit, f"{meaning}, {c.words}", start, max(0.0, c.low - span), high)
+    return LawNumber(with_unit(word, c.unit), c.unit, f"{meaning}, {c.words}", start, max(0.0, c.low - span), high)
 
 
 def _along(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
@@ -129,10 +119,29 @@ def _along(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         yield _wave(place, c)
 
 
+def _of_factor(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+    """Yield the forms of a factor, which jumps, drifts or settles."""
+    yield from (form for form in _edged(place, c) if form.shape in OF_FACTOR)
+    yield from _powers(place, c, None)
+
+
+def _of_range(place: LawPlace, several: Sequence[SlotCovariate], materials: Sequence[str]) -> Iterator[LawForm]:
+    """Yield the forms that only a range has."""
+    distance, incidence = (place.covariates.get(name) for name in ("distance_m", "incidence_rad"))
+    for covariate in several:
+        if distance is not None and covariate is not distance:
+            yield from _powers(place, covariate, distance)
+    if incidence is not None:
+        for material in ("", *(materials if len(materials) > 1 else ())):
+            yield _oblique(place, incidence, material)
+    if distance is not None:
+        yield from _of_reading(place, distance)
+
+
 def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield steps, straight lines that begin somewhere, and bumps."""
     x, edges, span, noun = "{" + c.name + "}", _edges(c.values), c.high - c.low, place.noun
-    step = _size(place, "step", "Change beyond the edge")
+    step = sized(place, "step", "Change beyond the edge")
     edge = _at(c, "edge", "Where it begins", edges[len(edges) // 2])
     yield LawForm(
         place,
@@ -143,8 +152,8 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         (step, edge),
         tuple((place.size, at) for at in edges),
     )
-    unit = _per(place.unit, c.unit)
-    slope = LawNumber.amplitude(_named("slope", unit), unit, 4.0 * place.size / span, "Slope beyond the edge")
+    unit = unit_per(place.unit, c.unit)
+    slope = LawNumber.amplitude(with_unit("slope", unit), unit, 4.0 * place.size / span, "Slope beyond the edge")
     for shape, side, argument in (
         ("rise", "above", f"{x} - self.{edge.name}"),
         ("fall", "below", f"self.{edge.name} - {x}"),
@@ -158,11 +167,11 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
             (slope, edge),
             tuple((slope.start, at) for at in edges),
         )
-    peak = _size(place, "peak", "Change at the middle")
+    peak = sized(place, "peak", "Change at the middle")
     middle = _at(c, "middle", "Where it is largest", edges[len(edges) // 2])
     widths = [share * span for share in WIDTHS]
     meaning = "Distance from the middle at which 41 % are left"
-    width = LawNumber(_named("width", c.unit), c.unit, meaning, widths[1], 0.005 * span, 2.0 * span)
+    width = LawNumber(with_unit("width", c.unit), c.unit, meaning, widths[1], 0.005 * span, 2.0 * span)
     yield LawForm(
         place,
         "bump",
@@ -178,9 +187,11 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
 def _wave(place: LawPlace, c: SlotCovariate) -> LawForm:
     span, distinct = c.high - c.low, len(np.unique(c.values))
     lengths = (span / np.geomspace(CYCLES[0], min(CYCLES[1], distinct / 2.5), TRIED_CYCLES)).tolist()
-    swing, unit = _size(place, "swing", "Amplitude"), c.unit
+    swing, unit = sized(place, "swing", "Amplitude"), c.unit
     shortest, longest = 0.3 * min(lengths), min(3.0 * span, MAX_NUMBER)
-    length = LawNumber(_named("length", unit), unit, "Length of a wave", lengths[len(lengths) // 2], shortest, longest)
+    length = LawNumber(
+        with_unit("length", unit), unit, "Length of a wave", lengths[len(lengths) // 2], shortest, longest
+    )
     phase = LawNumber("phase_rad", "rad", f"Phase at {c.words} = 0", 1.0, -6.3, 6.3, is_angle=True)
     return LawForm(
         place,
@@ -201,10 +212,14 @@ def _powers(place: LawPlace, c: SlotCovariate, times: SlotCovariate | None) -> I
     unit, size, names = place.unit, place.size, (c.name,)
     factor, words = "", f"over the {c.words}"
     if times is not None:
-        unit, size, names = _per(place.unit, times.unit), size / float(np.median(times.values)), (c.name, times.name)
+        unit, size, names = (
+            unit_per(place.unit, times.unit),
+            size / float(np.median(times.values)),
+            (c.name, times.name),
+        )
         factor, words = f" * {{{times.name}}}", f"{words}, in proportion to the {times.words}"
     share = f", as a share of the {times.words}" if times else ""
-    largest = LawNumber.amplitude(_named("largest", unit), unit, size, f"Change at {c.words} = {end}{share}")
+    largest = LawNumber.amplitude(with_unit("largest", unit), unit, size, f"Change at {c.words} = {end}{share}")
     if times is not None or not _is_shipped_line(place, c):
         yield LawForm(
             place,
@@ -227,7 +242,7 @@ def _powers(place: LawPlace, c: SlotCovariate, times: SlotCovariate | None) -> I
     )
     halves = [part * span for part in HALVES]
     meaning = f"Where half of the change at infinity is reached, {c.words}"
-    half = LawNumber(_named("half", c.unit), c.unit, meaning, halves[1], 1e-3 * span, min(2.0 * span, MAX_NUMBER))
+    half = LawNumber(with_unit("half", c.unit), c.unit, meaning, halves[1], 1e-3 * span, min(2.0 * span, MAX_NUMBER))
     yield LawForm(
         place,
         "saturation",
@@ -247,7 +262,7 @@ def _is_shipped_line(place: LawPlace, c: SlotCovariate) -> bool:
 
 def _oblique(place: LawPlace, c: SlotCovariate, material: str) -> LawForm:
     """Return an error with the square of the sine of the angle of incidence."""
-    largest = replace(_size(place, "largest", "Change at a right angle"), start=4.0 * place.size)
+    largest = replace(sized(place, "largest", "Change at a right angle"), start=4.0 * place.size)
     of = f" on {material}" if material else ""
     return LawForm(
         place,
@@ -293,7 +308,7 @@ def _of_reading(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
 def _of_instrument(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield what an instrument may do to small and large readings: a dead zone, and an end of its range."""
     x, edges = "{" + c.name + "}", _edges(c.values)
-    name, words = _named("below", c.unit), f"Smaller readings are zero, {c.words}"
+    name, words = with_unit("below", c.unit), f"Smaller readings are zero, {c.words}"
     below = LawNumber(name, c.unit, words, edges[len(edges) // 4], 0.0, 2.0 * c.high, 0.0)
     yield LawForm(
         place,
@@ -305,7 +320,7 @@ def _of_instrument(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         tuple((at,) for at in edges),
         is_result=True,
     )
-    name = _named("top", c.unit)
+    name = with_unit("top", c.unit)
     top = LawNumber(name, c.unit, f"Largest reading, {c.words}", edges[-1], 1e-3 * c.high, MAX_NUMBER, MAX_NUMBER)
     yield LawForm(
         place,
@@ -324,17 +339,3 @@ def _edges(values: Array) -> list[float]:
     unique = np.unique(values)
     between = 0.5 * (unique[1:] + unique[:-1])
     return np.unique(np.quantile(between, np.linspace(0.0, 1.0, EDGES), method="nearest")).tolist()
-
-
-def _named(word: str, unit: str) -> str:
-    """Return the name of a number, which ends in its unit."""
-    if unit == "1":
-        return word
-    return f"{word}_{unit.replace(' ', '_').replace('rad/s', 'rad_s').replace('/', '_per_')}"
-
-
-def _per(unit: str, other: str) -> str:
-    """Return the unit of a slope."""
-    if unit == other:
-        return "1"
-    return f"{unit} s/rad" if other == "rad/s" else f"{unit}/{other}"

@@ -15,6 +15,7 @@ from diagnosis.report.answer import answer
 from diagnosis.report.page import page
 from diagnosis.report.plots.coverage import coverage_plot
 from diagnosis.report.plots.gain import gain_plot
+from diagnosis.report.plots.law import law_plot
 from diagnosis.report.plots.misfit import misfit_plot
 from diagnosis.report.plots.path import path_plot
 from diagnosis.report.plots.predictive import predictive_plot
@@ -88,6 +89,8 @@ def _plots(data: ReportData) -> dict[str, bytes]:
         plots["against"] = coverage_plot(data.dataset)
     for prediction in data.unseen:
         plots[prediction.file.removesuffix(".csv")] = unseen_plot(prediction)
+    if diagnosis.law is not None:
+        plots["law"] = law_plot(data, diagnosis.law)
     if diagnosis.unexplained is not None:
         plots["unexplained"] = unexplained_plot(data, diagnosis.unexplained)
     return plots

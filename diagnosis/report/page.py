@@ -24,7 +24,8 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
     Args:
         data: Everything that is shown.
         plots: PNG by name: one for each observed quantity, `gain` if rows are held out, `unexplained` if anything is
-            unexplained, `against` if a dataset is compared, `path` of a drive that was simulated with PyBullet.
+            unexplained, `law` if there is one, `against` if a dataset is compared, `path` of a drive that was simulated
+            with PyBullet.
     """
     diagnosis = data.diagnosis
     covariates = {structure.observed: quantities.along(structure.covariate) for structure in data.structures}

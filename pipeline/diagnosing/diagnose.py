@@ -1,11 +1,13 @@
 """Cases of measured data diagnosed side by side, each into a folder of its own, whatever the number of workers."""
 
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
 from configs.draw import draw_robot
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.cases.blind import read_blind
@@ -23,6 +25,7 @@ from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Progress
 from symolo.core.child_process import Failed, Finished
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, remove_file, write_file
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
 
@@ -178,11 +181,27 @@ def diagnose_into(
 
         diagnosis = with_law(diagnosis)
     contents = files(diagnosis, pybullet=settings.pybullet, release=release, unseen=unseen, progress=progress)
+    old_law = list(_law_file(folder))
     made_from = MadeFrom.of(path, settings).model_dump_json(indent=2, exclude_defaults=True) + "\n"
     contents = {**contents, MADE_FROM: made_from.encode()}
     make_folder(folder / PLOTS)
-    for old in (folder / TRACEBACK, *(folder / PLOTS).iterdir()):
+    for old in (folder / TRACEBACK, *old_law, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in contents:
             remove_file(old)
     for name, data in contents.items():
         write_file(folder / name, data)
+
+
+def _law_file(folder: Path) -> Iterator[Path]:
+    """Yield the file of the law that an earlier diagnosis into a folder found, unless it is an effect of this one."""
+    path = folder / "answer.json"
+    if not path.exists():
+        return
+    try:
+        answer = json.loads(read_file(path, FileKind.DOCUMENT))
+        file = folder / Path(answer["discovery"]["file"]).name
+    except (InputError, ValueError, KeyError, TypeError):
+        return  # no answer of a diagnosis, or one without a law
+    loaded = {effect.path.resolve() for effect in EFFECTS.files.values()}
+    if file.suffix == ".py" and file.exists() and file.resolve() not in loaded:
+        yield file

@@ -47,4 +47,6 @@ def _effects(answer: dict[str, Any]) -> str:
     if answer["unexplained"]:
         where = answer.get("unexplained_where")
         names.append(f"UNEXPLAINED {where['channel']} along {where['covariate']}" if where else "UNEXPLAINED")
+    law = answer.get("discovery", {}).get("law")
+    names += [f"law {law}"] if law else []
     return ", ".join(names) or "nothing"

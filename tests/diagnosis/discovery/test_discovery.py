@@ -1,21 +1,31 @@
 """Laws that are hidden in benches by their closed form, and found with the numbers that were hidden."""
 
 import json
+from dataclasses import replace
 from math import isfinite
 
 import numpy as np
 import pytest
 import yaml
 
+from configs.effects.base import Slot
 from configs.effects.registry import EFFECTS
+from diagnosis.case_robot import carrier_of, nominal_of
 from diagnosis.diagnose import diagnose
 from diagnosis.discovery.discover import with_law
+from diagnosis.discovery.grammar import forms
+from diagnosis.discovery.place import places
+from diagnosis.discovery.search import FittedLaw
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.report.files import files
 from pipeline.cli import main
 from pipeline.effects.check import load_to_fit
+from pipeline.effects.contract import RULES, judged
+from pipeline.effects.trial import EffectTrial
 
 NOMINAL = """kind: tof_bench
 tof:
@@ -32,12 +42,14 @@ LAWS = {
     "saturation": lambda _distance, lux, _time: 0.03 * lux / (lux + 400.0),
     "power": lambda _distance, lux, _time: 0.03 * (lux / 4000.0) ** 3,
     "bump": lambda distance, _lux, _time: -0.04 * np.exp(-(((distance - 0.5) / 0.15) ** 2)),
+    "memory": lambda distance, _lux, _time: 0.05 * np.diff(distance, prepend=distance[0]) * -1.0,
     "nothing": lambda _distance, _lux, _time: 0.0,
 }
 """Error [m] of a reading, by distance [m], light [lux] and time [s]."""
 EXPECTED = {
     "threshold": ("range_step_over_time", {"step_m": 0.02}),
     "saturation": ("range_saturation_over_light", {"largest_m": 0.03, "half_lux": 400.0}),
+    "memory": ("range_memory_over_step", {"share": 0.05}),
 }
 
 
@@ -131,8 +143,21 @@ def test_the_files_hold_the_law_as_an_effect_that_keeps_the_rules(diagnosis_of, 
     values = effect.start().model_dump()
     EFFECTS.unload(tmp_path / diagnosis.law.file)
     assert robot["effects"][diagnosis.law.name] == pytest.approx(values, rel=1e-5)
-    assert "A law describes the data and names no cause" in contents["report.html"].decode()
+    page = contents["report.html"].decode()
+    assert page.index("A law describes the data and names no cause") < page.index("What was compared")
+    assert "plots/law.png" in contents
     assert all(isfinite(value) for value in values.values())
+
+
+def test_a_law_that_is_given_is_not_written_a_second_time(diagnosis_of, monkeypatch):
+    diagnosis = diagnosis_of("saturation")
+    law = diagnosis.law
+    best = FittedLaw(law.form, diagnosis.fit, law.fall, 0.0, law.fall)
+    monkeypatch.setattr("diagnosis.discovery.discover._best", lambda _: (best, "", None))
+    with law.registered():
+        again = with_law(replace(diagnosis, fit=law.without, discovery=None))
+    assert again.law is None
+    assert again.discovery.reason.endswith(f"is that of {law.file}, which is given and is not named")
 
 
 def test_a_further_bench_confirms_the_law_although_the_exact_curve_has_another_shape(diagnosis_of, tmp_path):
@@ -146,6 +171,20 @@ def test_a_further_bench_confirms_the_law_although_the_exact_curve_has_another_s
     assert again.conclusion is CaseVerdict.NAMED
     for number, value in law.values.items():
         assert abs(named.values[number] - value) < 3.0 * np.hypot(named.std[number], law.std[number]), number
+
+
+def test_forms_of_windings_and_gains_keep_the_rules_of_a_text(motor_bench_case, tmp_path):
+    measurement = read_measurement(motor_bench_case(tmp_path / "bench", sweeps=4), IMPORTERS)
+    robot = nominal_of(measurement, carrier_of(measurement, None))
+    where = places(measurement.kind, Evidence([MotorSteady(measurement, robot)]), robot.motor)
+    places_over_time = [place for place in where if place.is_factor or place.slot is Slot.WINDING_HEAT]
+    every = [form for place in places_over_time for form in forms(place, ())]
+    prefixes = ("resistance", "torque_constant", "current_gain", "speed_gain")
+    assert {f"{prefix}_line_over_time" for prefix in prefixes} < {form.name for form in every}
+    assert "resistance_lag_over_voltage" in {form.name for form in every}
+    rules = [rule for rule in RULES if rule.name in {"texts", "bounds", "units"}]
+    for form in every:
+        assert [v.problem for v in judged(EffectTrial(form.kind), rules) if v.problem] == [], form.name
 
 
 def test_together_and_discover_are_refused(tmp_path, capsys):

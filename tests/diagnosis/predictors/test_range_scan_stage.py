@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
+from configs.effects.base import Slot
 from configs.loader import load_section
 from diagnosis.diagnose import diagnose
+from diagnosis.discovery.discover import with_law
 from diagnosis.importers.vl53l0x_scan import IMPORTER
 from diagnosis.validation.range_sensor.recordings.ball_scene import BallScene
 from diagnosis.validation.range_sensor.stand import HEIGHT_M
+from sensors.effects.range_signal_weighting import RangeSignalWeighting
 from sensors.ranging.tof import ray_pattern
 from symolo.core.errors import InputError
 
@@ -55,6 +58,15 @@ def test_light_that_falls_with_the_square_is_named_with_its_exponent(scanned):
     assert effect["name"] == "range_signal_weighting"
     assert effect["parameters"]["exponent"] == pytest.approx(2.0, abs=0.3)
     assert answer["heldout_gain"] > 0.3
+
+
+@pytest.mark.long
+def test_taken_out_of_the_list_the_fall_of_the_weight_is_a_law(scanned, monkeypatch):
+    monkeypatch.setattr(RangeSignalWeighting, "setups", ())
+    law = with_law(diagnose(IMPORTER.read(scanned(2.0, 0.035)))).law
+    assert law.form.place.slot is Slot.RAY_WEIGHT
+    assert law.form.shape == "power" or any("with a power of the distance" in words for words, _ in law.rivals)
+    assert law.gain.low > 0.3
 
 
 def test_a_scan_by_the_sensors_own_weights_has_no_cause(scanned):

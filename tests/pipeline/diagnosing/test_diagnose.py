@@ -7,6 +7,8 @@ import pytest
 
 from configs.loader import load_scenario
 from diagnosis.progress import Phase
+from pipeline.diagnosing.diagnose import NamedCase
+from pipeline.diagnosing.table import diagnosis_table
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
 from pipeline.work.worker_main import diagnose_case, do
 from symolo.core.errors import RunFailed
@@ -45,6 +47,10 @@ def test_a_bad_case_is_named_and_the_others_are_finished_as_if_alone(symolo, ben
     assert lines[3].endswith("nothing")
     assert not (many / "broken").exists()
 
+    # The law of an earlier diagnosis into the folder goes with its answer.
+    (one / ".stages").mkdir(parents=True)
+    (one / "answer.json").write_text('{"discovery": {"law": "range_old", "file": "range_old.py"}}')
+    (one / "range_old.py").write_text("# a law")
     alone = symolo("diagnose", benches / "weak", "--out", one, "--explain")
     assert alone.code == 0
     assert bytes_of(one) == bytes_of(many / "weak")
@@ -76,6 +82,19 @@ def test_cases_of_one_robot_have_one_answer_with_a_gain_for_each(symolo, benches
     assert set(answer["cases"]) == {"weak", "again"}
     assert "weak+again" in (out / "summary.txt").read_text()
     load_scenario("smoke", [f"robot={out / 'extended.yaml'}"])
+
+
+def test_the_table_has_laws(tmp_path):
+    answers = {
+        "named": {"effects": [{"name": "supply_sag"}], "unexplained": True, "discovery": {"law": "friction_bump"}},
+        "none": {"effects": [], "unexplained": False, "discovery": {"law": None, "reason": "none is needed"}},
+    }
+    for name, answer in answers.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "answer.json").write_text(json.dumps(answer))
+    lines = list(diagnosis_table([NamedCase(tmp_path / name, name) for name in answers], tmp_path, ()))
+    assert lines[1].endswith("supply_sag, UNEXPLAINED, law friction_bump")
+    assert lines[2].endswith("nothing")
 
 
 BAD = {
