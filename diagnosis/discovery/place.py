@@ -30,9 +30,8 @@ class SlotCovariate:
     """The quantity in the code of an effect."""
     values: Array
     """(n,), sorted values of the rows of the fit, none of them missing."""
-    is_time: bool = False
     is_past: bool = False
-    """Whether the code has what a law remembers of it in its place, so that no other form may depend on it."""
+    """Whether only forms that depend on its past may have it, since the code sees what is kept of it."""
 
     @property
     def low(self) -> float:
@@ -77,7 +76,7 @@ _VIEW = "from sensors.ranging.range_view import RangeView"
 VISIBLE_SIGMAS = 3.0
 """Size of a visible change, in standard deviations of the noise."""
 MAX_FACTOR = 0.5
-"""Largest change of a factor that counts as hardly visible."""
+"""Largest change of a factor at which a fit starts."""
 
 
 def places(kind: CaseKind, evidence: Evidence, motor: Motor) -> tuple[LawPlace, ...]:
@@ -106,7 +105,7 @@ def _range(evidence: Evidence) -> LawPlace:
         ),
         read.covariate("temperature_C", "temperature", "temperature [C]", "C", "view.temperature_C"),
         read.covariate("ambient_lux", "light", "ambient light [lux]", "lux", "view.ambient_lux"),
-        read.covariate("t_s", "time", "time since power-on [s]", "s", "view.time_s", is_time=True),
+        read.time("view.time_s"),
         read.covariate(
             "distance_step_m",
             "step",
@@ -288,7 +287,7 @@ class _Read:
     def time(self, expression: str, *, is_past: bool = False) -> SlotCovariate | None:
         """Return the time since power-on."""
         words = "time since power-on [s]"
-        return self.covariate("t_s", "time", words, "s", expression, is_time=True, is_past=is_past)
+        return self.covariate("t_s", "time", words, "s", expression, is_past=is_past)
 
     def covariate(
         self,
@@ -299,7 +298,6 @@ class _Read:
         expression: str,
         *,
         is_size: bool = False,
-        is_time: bool = False,
         is_past: bool = False,
     ) -> SlotCovariate | None:
         """Return a covariate over the rows of the fit; None if the quantity has none of this name."""
@@ -308,4 +306,4 @@ class _Read:
             return None
         values = listed.values[self._rows & np.isfinite(listed.values)]
         sizes = np.sort(np.abs(values) if is_size else values)
-        return SlotCovariate(name, word, words, unit, expression, sizes, is_time, is_past)
+        return SlotCovariate(name, word, words, unit, expression, sizes, is_past)
