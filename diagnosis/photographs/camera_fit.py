@@ -101,11 +101,11 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
     camera = FittedCamera(look, floor, line, target)
     for _ in range(ROUNDS):
         measured = _measured(camera, *geometry)
-        camera = _corrected(replace(camera, measures=measured), target)
+        camera = corrected(replace(camera, measures=measured), target)
     return replace(camera, measures=_measured(camera, *geometry))
 
 
-def _corrected(camera: FittedCamera, target: CameraTarget) -> FittedCamera:
+def corrected(camera: FittedCamera, target: CameraTarget) -> FittedCamera:
     """Return the camera with each setting corrected by what its measure lacks."""
     look, measured = camera.look, camera.measures
     sharpening = look.sharpening + _SHARPENING_OF_OVERSHOOT * (target.overshoot - measured.overshoot)
@@ -113,7 +113,9 @@ def _corrected(camera: FittedCamera, target: CameraTarget) -> FittedCamera:
     levels = np.array([camera.floor_light @ LUMINANCE, camera.line_light @ LUMINANCE])
     pairs = ((target.floor_noise, measured.floor_noise), (target.line_noise, measured.line_noise))
     ratios = np.array([max(one, _NOISELESS) / max(other, _NOISELESS) for one, other in pairs])
-    variances = np.maximum((look.shot_noise**2 * levels + look.read_noise**2) * ratios**2, _MIN_VARIANCE)
+    # With noise reduction, the noise of an image grows about as the square of that of the sensor. A correction of the
+    # variance by the square of the ratio would then never come to rest.
+    variances = np.maximum((look.shot_noise**2 * levels + look.read_noise**2) * ratios, _MIN_VARIANCE)
     # Relative errors count, so that the small variance of the line is as exact as that of the floor.
     columns = np.column_stack([levels, np.ones(2)]) / variances[:, None]
     shot, read = np.sqrt(nnls(columns, np.ones(2))[0])

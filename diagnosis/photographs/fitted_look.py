@@ -1,17 +1,21 @@
 """A look with the camera, the colours and the light of photographs, and the file that scenarios take."""
 
 import colorsys
+import os
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
 import yaml
 
-from configs.schema.appearance.floors import FloorName
+from configs.references import shipped_names
+from configs.schema.appearance.camera_look import CameraLook
+from configs.schema.appearance.floors import FloorLook, FloorName
 from configs.schema.appearance.paint import Paint
-from diagnosis.photographs.camera_fit import FittedCamera
+from diagnosis.photographs.camera_fit import CameraTarget, FittedCamera
 from diagnosis.photographs.measures import PhotographMeasures, light_of, median_light, median_of, vignetting
 from sensors.camera.colour import LUMINANCE
 from symolo.core.arrays import Array
@@ -39,6 +43,39 @@ class LookSetting:
     source: str
     """What set the value; empty if nothing needs to be said."""
 
+    @property
+    def text(self) -> str:
+        """Return the value as YAML."""
+        return _scalar(self.value)
+
+
+VARIATION: dict[FloorName, str] = {
+    "linoleum": "marbling",
+    "ceramic_tile": "variation",
+    "parquet": "variation",
+    "concrete": "clouding",
+    "carpet": "mottling",
+    "plywood": "variation",
+    "paper_sheets": "variation",
+    "vinyl": "variation",
+}
+"""For each material the setting of how much its reflectance varies."""
+_MAX_TEXTURE = 4.0
+
+
+@dataclass(frozen=True)
+class Texture:
+    """Amounts of texture, 1 for many marks of use."""
+
+    floor: float = 0.5
+    """Amount of `floor.stains`, and of the variation of the material, which is usual at 0.5."""
+    line: float = 0.5
+    """Amount of `tape.streaks`."""
+
+    def times(self, floor: float, line: float) -> "Texture":
+        """Return the amounts multiplied by these factors."""
+        return Texture(min(self.floor * floor, _MAX_TEXTURE), min(self.line * line, 1.0))
+
 
 @dataclass(frozen=True)
 class FittedLook:
@@ -46,12 +83,16 @@ class FittedLook:
 
     name: str
     base: str
-    """Look that has all other settings, as a file names it."""
+    """Look that has all other settings: name of a shipped one, or a path."""
     photographs: tuple[PhotographMeasures, ...]
     camera: FittedCamera
     floor: FloorName
     floor_reflectance: float
     reflectance_is_assumed: bool
+    texture: Texture | None = None
+    """Texture with which rendered images are like the photographs; None for that of the base look."""
+    rendered: tuple[PhotographMeasures, ...] = ()
+    """Measures of rendered images of this look; empty if none were rendered."""
 
     @property
     def settings(self) -> tuple[LookSetting, ...]:
@@ -61,9 +102,7 @@ class FittedLook:
     @property
     def size_px(self) -> tuple[int, int]:
         """Return width and height of the photographs."""
-        place = self.photographs[0].place
-        height, width = place.shape
-        return (height, width) if place.is_turned else (width, height)
+        return self.photographs[0].place.upright_size_px
 
     def settings_to_use(self, file: str) -> str:
         """Return the options of a command that makes images with this look."""
@@ -71,12 +110,14 @@ class FittedLook:
         return f"--set {shlex.quote(f'look={file}')} --set render.width_px={width} --set render.height_px={height}"
 
     def _surfaces(self) -> Iterator[LookSetting]:
-        saturation = self.camera.look.saturation
+        saturation, photographed = self.camera.look.saturation, CameraTarget.of(self.photographs)
         assumed = "assumed; --floor-reflectance sets it" if self.reflectance_is_assumed else "as given"
         yield LookSetting(("floor", "material"), self.floor, "as chosen by --floor")
-        colour = f"colour of the floor, R G B {_levels(self.camera.measures.floor_rgb)}"
+        colour = f"colour of the floor, R G B {_levels(photographed.floor_rgb)}"
         paint = paint_of(self.camera.floor_light, self.floor_reflectance, saturation)
         yield from _paint(("floor", self.floor, "paint"), paint, assumed, colour)
+        if self.texture is not None:
+            yield from self._floor_texture(self.texture)
         yield LookSetting(("line",), "tape", "")
         share = float(self.camera.line_light @ LUMINANCE / (self.camera.floor_light @ LUMINANCE))
         ratios = np.array([self._line_share(photograph) for photograph in self.photographs])
@@ -84,14 +125,39 @@ class FittedLook:
         paint = paint_of(self.camera.line_light, share * self.floor_reflectance, saturation)
         spread = f"{ratios.min():.3f} to {ratios.max():.3f}"
         reflects = f"the line returns {share:.3f} of the light of the floor ({spread}); gloss and dust are part of it"
-        colour = f"colour of the line, R G B {_levels(self.camera.measures.line_rgb)}"
+        colour = f"colour of the line, R G B {_levels(photographed.line_rgb)}"
         yield from _paint(("tape", "paint"), paint, reflects, colour)
+        if self.texture is not None:
+            spread = _spread(self.photographs, lambda p: p.figures.line_spread)
+            streaks = self._varied(self.texture.line, 1.0, lambda p: p.figures.line_spread)
+            yield LookSetting(("tape", "streaks"), streaks, f"spread of grey values on the line: {spread}")
+
+    def _floor_texture(self, texture: Texture) -> Iterator[LookSetting]:
+        name = VARIATION[self.floor]
+        section = getattr(FloorLook(), self.floor)
+        usual, bound = getattr(section, name), 0.5 if self.floor == "paper_sheets" else 1.0
+        spread = f"mottling of the floor: {_spread(self.photographs, lambda p: p.figures.mottling_percent)} %"
+        variation = self._varied(2 * usual * texture.floor, bound, lambda p: p.figures.mottling_percent)
+        yield LookSetting(("floor", self.floor, name), variation, spread)
+        stains = self._varied(texture.floor, 1.0, lambda p: p.figures.mottling_percent)
+        yield LookSetting(("floor", "stains"), stains, "likewise")
+
+    def _varied(self, value: float, bound: float, measure: Callable[[PhotographMeasures], float]) -> Value:
+        """Return a range about a value that is as wide, relative to it, as that of the measure in the photographs."""
+        values = np.array([measure(photograph) for photograph in self.photographs])
+        low, high = value * np.nanmin(values) / np.nanmedian(values), value * np.nanmax(values) / np.nanmedian(values)
+        ends = [round(float(min(end, bound)), 3) for end in (low, high)]
+        return ends[0] if ends[0] == ends[1] else {"uniform": ends}
 
     def _camera(self) -> Iterator[LookSetting]:
         look, reasons = self.camera.look, self._reasons()
         yield LookSetting(("camera", "name"), self.name, "")
         yield LookSetting(("camera", "description"), f"Camera of {plural(len(self.photographs), 'photograph')}", "")
-        for field, value in look.model_dump(mode="json", exclude={"name", "description"}).items():
+        # All fields, also those without effect: the camera of the base look may have others.
+        for field in CameraLook.model_fields:
+            value = getattr(look, field)
+            if field in {"name", "description"}:
+                continue
             if field == "compensation_ev":
                 yield LookSetting(("camera", field), *self._compensation())
             else:
@@ -117,9 +183,11 @@ class FittedLook:
         }
 
     def _compensation(self) -> tuple[Value, str]:
-        contrast, lost = self.camera.look.contrast, self.camera.look.vignetting
-        lights = [median_light(photograph, contrast, lost) for photograph in self.photographs]
-        stops = np.log2(np.array(lights) / self.camera.look.brightness)
+        # Relative to one another: rendered images may have changed the brightness and the vignetting of the camera.
+        contrast = self.camera.look.contrast
+        lost = vignetting(self.photographs, contrast)
+        lights = np.array([median_light(photograph, contrast, lost) for photograph in self.photographs])
+        stops = np.log2(lights / np.median(lights))
         low, high = float(stops.min()), float(stops.max())
         source = "from the darkest to the brightest photograph"
         if high - low < _MIN_STOPS:
@@ -133,14 +201,15 @@ class FittedLook:
         )
         return float(line / floor)
 
-    def text(self) -> str:
-        """Return the file of the look."""
+    def text(self, folder: Path) -> str:
+        """Return the file of the look, for a place in this folder."""
+        base = self.base if self.base in shipped_names("look") else os.path.relpath(self.base, folder)
         width, height = self.size_px
         lines = [
             f"# Look of {plural(len(self.photographs), 'photograph')}: {', '.join(p.name for p in self.photographs)}.",
             f"# Blur and noise are those of images of {width} x {height} px.",
             "# Each comment names what set the value: median over the photographs, smallest to largest.",
-            f"extends: {_scalar(self.base)}",
+            f"extends: {_scalar(base)}",
             f"name: {self.name}",
             f"description: Floor, line and camera of {plural(len(self.photographs), 'photograph')}",
         ]
@@ -150,7 +219,7 @@ class FittedLook:
             shared = _common(before, tuple(parents))
             lines += [f"{'  ' * depth}{parents[depth]}:" for depth in range(shared, len(parents))]
             comment = f"  # {setting.source}" if setting.source else ""
-            lines.append(f"{'  ' * len(parents)}{key}: {_scalar(setting.value)}{comment}")
+            lines.append(f"{'  ' * len(parents)}{key}: {setting.text}{comment}")
             before = tuple(parents)
         return "\n".join(lines) + "\n"
 

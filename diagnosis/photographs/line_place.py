@@ -53,6 +53,12 @@ class LinePlace:
         height, width, _ = self.image.shape
         return height, width
 
+    @property
+    def upright_size_px(self) -> tuple[int, int]:
+        """Return width and height of the image before it was turned."""
+        height, width = self.shape
+        return (height, width) if self.is_turned else (width, height)
+
 
 @dataclass(frozen=True)
 class _Band:

@@ -10,7 +10,7 @@ from diagnosis.photographs.camera_fit import model_image
 from diagnosis.photographs.fitted_look import FittedLook
 from diagnosis.photographs.image_figures import ImageFigures, medians
 from diagnosis.photographs.line_place import BgrImage
-from diagnosis.photographs.measures import median_of
+from diagnosis.photographs.measures import PhotographMeasures, median_of
 from symolo.pages.html import render_page
 from symolo.pages.sheet import Cell, in_columns
 
@@ -36,31 +36,40 @@ _CELL_PX = 320
 
 @dataclass(frozen=True)
 class FigureRow:
-    """A figure over the photographs, and the same of the model image."""
+    """A figure over the photographs, and the same of the look."""
 
     name: str
-    median: float
-    low: float
-    high: float
-    of_model: float
+    photographs: tuple[float, float, float]
+    """Median, smallest and largest value."""
+    look: tuple[float, ...]
+    """The same of rendered images, or the value of the model image, or nothing."""
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Name, median with smallest and largest value, and the value of the model image."""
-        of_model = f"{self.of_model:.3g}" if self.name in OF_THE_CAMERA else "-"
-        return TITLES[self.name], f"{self.median:.3g} ({self.low:.3g} to {self.high:.3g})", of_model
+        """Name, value of the photographs, and value of the look."""
+        return TITLES[self.name], _with_range(self.photographs), _with_range(self.look)
 
 
 def figure_rows(look: FittedLook) -> tuple[FigureRow, ...]:
     """Return a row for each figure of photographs."""
     table = medians([photograph.figures for photograph in look.photographs])
-    _, of_model = _of_model(look)
-    return tuple(FigureRow(f.name, *table[f.name], getattr(of_model, f.name)) for f in fields(ImageFigures))
+    if look.rendered:
+        of_look: dict[str, tuple[float, ...]] = {**medians([image.figures for image in look.rendered])}
+    else:
+        _, of_model = _of_model(look)
+        of_look = {name: (getattr(of_model, name),) for name in OF_THE_CAMERA}
+    return tuple(FigureRow(f.name, table[f.name], of_look.get(f.name, ())) for f in fields(ImageFigures))
 
 
-def table_lines(rows: Sequence[FigureRow]) -> Iterator[str]:
+def _with_range(values: Sequence[float]) -> str:
+    """Return `median (smallest to largest)`, or the only value, or a dash."""
+    numbers = [f"{value:.3g}" for value in values]
+    return f"{numbers[0]} ({numbers[1]} to {numbers[2]})" if len(numbers) == 3 else (*numbers, "-")[0]
+
+
+def table_lines(look: FittedLook) -> Iterator[str]:
     """Yield the table for a terminal."""
-    head = ("figure", "photographs, median (range)", "model image")
+    head, rows = ("figure", "photographs, median (range)", _column(look)), figure_rows(look)
     widths = [max(len(row[k]) for row in (head, *(row.cells for row in rows))) + 2 for k in range(3)]
     for row in (head, *(row.cells for row in rows)):
         yield "".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
@@ -68,16 +77,17 @@ def table_lines(rows: Sequence[FigureRow]) -> Iterator[str]:
 
 def report_page(look: FittedLook, notes: Sequence[str]) -> str:
     """Return one page that needs no file beside itself."""
-    model, _ = _of_model(look)
+    images = [(image.name, _shown(image)) for image in look.rendered] or [(_column(look), _of_model(look)[0])]
     return render_page(
         "diagnosis.photographs",
         title=f"{look.name}: look of photographs",
         look=look,
         notes=notes,
-        photographs=_sheet([(p.name, _upright(p.place.image, is_turned=p.place.is_turned)) for p in look.photographs]),
-        model=_sheet([("model image", model)]),
+        photographs=_sheet([(photograph.name, _shown(photograph)) for photograph in look.photographs]),
+        images=_sheet(images),
+        column=_column(look),
         figures=[row.cells for row in figure_rows(look)],
-        settings=[(".".join(s.path), str(s.value), s.source) for s in look.settings if s.source],
+        settings=[(".".join(s.path), s.text, s.source) for s in look.settings if s.source],
     )
 
 
@@ -88,8 +98,15 @@ def _of_model(look: FittedLook) -> tuple[BgrImage, ImageFigures]:
     return place.image, ImageFigures.of(place.image, place.x_px, place.rows_px, is_dark=place.is_dark)
 
 
-def _upright(image: BgrImage, *, is_turned: bool) -> BgrImage:
-    return np.ascontiguousarray(image.transpose(1, 0, 2)) if is_turned else image
+def _column(look: FittedLook) -> str:
+    """Return the name of what is compared with the photographs."""
+    return "rendered images, median (range)" if look.rendered else "model image"
+
+
+def _shown(measured: PhotographMeasures) -> BgrImage:
+    """Return the image as it was before it was turned."""
+    image = measured.place.image
+    return np.ascontiguousarray(image.transpose(1, 0, 2)) if measured.place.is_turned else image
 
 
 def _sheet(images: Sequence[tuple[str, BgrImage]]) -> bytes:

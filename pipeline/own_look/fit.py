@@ -1,14 +1,12 @@
 """The look of photographs, and its files."""
 
 import json
-import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
 
 from configs.draw import draw_run
 from configs.loader import load_scenario, load_section
-from configs.references import shipped_names
 from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.appearance.floors import FloorName
 from diagnosis.photographs.camera_fit import fit_camera
@@ -41,7 +39,7 @@ def fit_look(
     camera = fit_camera(read.measured, base_camera(base))
     return FittedLook(
         name=re.sub(r"[^A-Za-z0-9_-]+", "_", out.absolute().name).strip("_-")[:64] or "my_look",
-        base=base if base in shipped_names("look") else os.path.relpath(Path(base).absolute(), out.absolute()),
+        base=base,
         photographs=read.measured,
         camera=camera,
         floor=floor,
@@ -61,14 +59,14 @@ def base_camera(base: str) -> CameraLook:
     return draw_run(loaded, loaded.routes[0].name, 1).look.camera
 
 
-def look_files(look: FittedLook, read: LookPhotographs) -> Mapping[str, bytes]:
-    """Return the contents of the files by name; the same bytes for the same look."""
-    return {LOOK: look.text().encode(), PAGE: report_page(look, read.notes).encode()}
+def look_files(look: FittedLook, read: LookPhotographs, out: Path) -> Mapping[str, bytes]:
+    """Return the contents of the files of the folder `out` by name; the same bytes for the same look."""
+    return {LOOK: look.text(out).encode(), PAGE: report_page(look, read.notes).encode()}
 
 
 def write_look(look: FittedLook, read: LookPhotographs, out: Path) -> None:
     """Write the files of a look into a new folder, and check that the look can be loaded."""
     with new_folder(out) as partial:
-        for name, data in look_files(look, read).items():
+        for name, data in look_files(look, read, out.absolute()).items():
             write_file(partial / name, data)
         load_section("look", str(partial / LOOK))

@@ -10,7 +10,7 @@ import numpy as np
 
 from diagnosis.photographs.line_place import MIN_WIDTH_PX, BgrImage, find_lines
 from diagnosis.photographs.measures import PhotographMeasures
-from symolo.core.errors import FaultList, InputError
+from symolo.core.errors import FaultList, InputError, one_line
 from symolo.core.progress import plural
 from symolo.dataset.pixels import decoded_bytes
 
@@ -45,10 +45,10 @@ def read_photographs(files: Sequence[tuple[Path, bytes]], width_px: int | None) 
     places = find_lines(images)
     measured = []
     for (path, _), place in zip(files, places, strict=True):
-        measures = None if place is None else PhotographMeasures.of(path.name, place)
+        measures = None if place is None else PhotographMeasures.of(one_line(path.name), place)
         if measures is None:
             problem = "no line" if place is None else "too little floor beside the line"
-            notes.append(f"{path}: not used, because it shows {problem}")
+            notes.append(f"{one_line(path.name)}: not used, because it shows {problem}")
         else:
             measured.append(measures)
     if len(measured) < MIN_PHOTOGRAPHS:

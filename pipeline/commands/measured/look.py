@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import DryRun, NewFolder, checked_inputs, read_input
+from pipeline.commands.options import DryRun, NewFolder, Workers, checked_inputs, read_input
 from symolo.core.errors import FaultList, InputError, nearest
 from symolo.core.files.plain_files import FileKind
 
@@ -55,6 +55,31 @@ def from_(
             "their size, up to 640 px.",
         ),
     ] = None,
+    render: Annotated[
+        bool,
+        typer.Option(
+            "--render/--no-render", help="Whether to correct the look by rendered images, which takes minutes."
+        ),
+    ] = True,
+    line_width_mm: Annotated[
+        float,
+        typer.Option("--line-width-mm", min=3, max=200, metavar="MM", help="Width of the line on the floor."),
+    ] = 15.0,
+    pitch_down_deg: Annotated[
+        float,
+        typer.Option(
+            "--pitch-down-deg",
+            min=20,
+            max=90,
+            metavar="DEG",
+            help="Angle of the camera below the horizon; 90 looks straight down.",
+        ),
+    ] = 90.0,
+    field_of_view_deg: Annotated[
+        float,
+        typer.Option("--field-of-view-deg", min=10, max=150, metavar="DEG", help="Horizontal field of view."),
+    ] = 60.0,
+    workers: Workers = None,
     dry_run: DryRun = False,
 ) -> None:
     """Make a look from photographs of your own floor, line and camera; no poses are needed.
@@ -65,7 +90,11 @@ def from_(
     The command finds the line in each photograph and measures the width of its edge, the noise on floor and line, the
     fall of the light towards the corners, levels and colours. It then looks for the settings with which the camera
     model makes an image with the same measures: blur, sharpening, shot and read noise, vignetting, exposure, and the
-    colours of floor and line. Nothing is rendered.
+    colours of floor and line.
+
+    Then it renders 8 to 12 small images with lines as in the photographs, measures them in the same way, and corrects
+    the settings, with the texture of floor and line, three times. Width of the line, pitch and field of view decide how
+    large the texture is in these images. With --no-render this is left out, and texture is that of the base look.
 
     Files in OUT:
 
@@ -73,17 +102,23 @@ def from_(
 
     - report.html: the photographs, the figures and the settings
 
-    Example: symolo look from photos/*.jpg --out my_look
+    Example: symolo look from photos/*.jpg --line-width-mm 19 --field-of-view-deg 53.5 --out my_look
+
+    In seconds, without rendering: symolo look from photos/*.jpg --no-render --out my_look
 
     Then: symolo release smoke --set look=my_look/look.yaml --out data
 
     docs/own_look.md explains what photographs can tell, and what they cannot.
     """
     from diagnosis.photographs.fitted_look import PAINTED_FLOORS
-    from diagnosis.photographs.report import figure_rows, table_lines
+    from diagnosis.photographs.report import table_lines
     from pipeline.own_look.fit import LOOK, PAGE, base_camera, fit_look, write_look
     from pipeline.own_look.photographs import read_photographs
+    from pipeline.own_look.refine import RenderSettings, refined
+    from pipeline.own_look.views import ViewGeometry
+    from pipeline.work.supervisor import cores
     from symolo.core.files.new_folder import check_new
+    from symolo.core.progress import report_here
 
     if floor not in PAINTED_FLOORS:
         allowed = ", ".join(PAINTED_FLOORS)
@@ -97,11 +132,16 @@ def from_(
             files.append((path, read_input(path, FileKind.IMAGE)))
     faults.check()
     read = read_photographs(files, width_px)
+    for note in read.notes:
+        typer.echo(note)
     look = fit_look(read, out, base, floor, floor_reflectance)
-    for line in (*read.notes, *table_lines(figure_rows(look))):
+    if render and not dry_run:
+        geometry = ViewGeometry(0.001 * line_width_mm, pitch_down_deg, field_of_view_deg)
+        look = refined(look, RenderSettings(geometry, workers or cores()), report_here())
+    for line in table_lines(look):
         typer.echo(line)
     if dry_run:
-        typer.echo(look.text())
+        typer.echo(look.text(out.absolute()))
         return
     write_look(look, read, out)
     typer.echo(f"\n{out / LOOK}, {out / PAGE}\n")

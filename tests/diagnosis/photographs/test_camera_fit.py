@@ -47,6 +47,11 @@ def test_the_images_have_the_noise_of_the_photographs(noisy, fitted):
     assert np.sqrt(fitted.look.shot_noise**2 * FLOOR + fitted.look.read_noise**2) > 0.012 * np.sqrt(FLOOR)
 
 
+def test_the_noise_is_right_with_a_camera_that_reduces_noise_and_has_a_colour_filter(noisy):
+    camera = PLAIN.model_copy(update={"noise_reduction": 0.025, "colour_filter": "bayer", "colour_blur_px": 1.5})
+    assert fit_camera(noisy, camera).measures.floor_noise == pytest.approx(CameraTarget.of(noisy).floor_noise, rel=0.1)
+
+
 @pytest.mark.parametrize("loss", [0.0, 0.6])
 def test_the_vignetting_is_that_of_the_lens_under_uneven_light(loss):
     """Light that falls by a third from left to right is no vignetting."""

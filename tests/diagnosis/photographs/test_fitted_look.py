@@ -3,8 +3,24 @@
 import numpy as np
 import pytest
 
-from diagnosis.photographs.fitted_look import paint_of
+from configs.schema.appearance.camera_look import CameraLook
+from diagnosis.photographs.camera_fit import CameraTarget, FittedCamera
+from diagnosis.photographs.fitted_look import FittedLook, paint_of
+from diagnosis.photographs.line_place import find_lines
+from diagnosis.photographs.measures import PhotographMeasures
 from sensors.camera.colour import paint_rgb
+from tests.known_photographs import photograph
+
+
+def test_exposures_vary_as_in_the_photographs_whatever_the_rendered_images_made_of_the_brightness():
+    """Floors of 0.35, 0.42 and 0.5 in one light are exposures of log2(0.35 / 0.42) to log2(0.5 / 0.42) stops."""
+    images = [photograph(k, floor=floor, line=floor / 7) for k, floor in enumerate((0.35, 0.42, 0.5))]
+    measured = tuple(PhotographMeasures.of("known", place) for place in find_lines(images))
+    corrected = CameraLook(contrast=1.0, brightness=0.2, vignetting=0.1)
+    camera = FittedCamera(corrected, np.full(3, 0.42), np.full(3, 0.06), CameraTarget.of(measured))
+    look = FittedLook("known", "lab", measured, camera, "concrete", 0.45, reflectance_is_assumed=True)
+    stops = next(setting.value for setting in look.settings if setting.path == ("camera", "compensation_ev"))
+    assert stops["uniform"] == pytest.approx([np.log2(0.35 / 0.42), np.log2(0.5 / 0.42)], abs=0.03)
 
 
 @pytest.mark.parametrize("saturation", [1.0, 0.6])

@@ -18,11 +18,18 @@ def photos(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def look(photos, tmp_path_factory):
-    """The folder of a look whose base has distributions in the places of numbers."""
+def base(tmp_path_factory):
+    """A look with distributions in the places of numbers, and a lens out of focus."""
+    file = tmp_path_factory.mktemp("base") / "base.yaml"
+    file.write_text("{extends: classroom, name: base, camera: {defocus_share: 0.004}}")
+    return file
+
+
+@pytest.fixture(scope="module")
+def look(photos, base, tmp_path_factory):
     out = tmp_path_factory.mktemp("look") / "my look"
-    files = sorted(map(str, photos.glob("*.png")))
-    assert main(["look", "from", *files, "--out", str(out), "--base", "classroom", "--floor", "linoleum"]) == 0
+    files, chosen = sorted(map(str, photos.glob("*.png"))), ["--base", str(base), "--floor", "linoleum"]
+    assert main(["look", "from", *files, "--out", str(out), *chosen, "--no-render"]) == 0
     return out
 
 
@@ -38,6 +45,7 @@ def test_the_look_can_be_used_and_has_the_camera_of_the_photographs(look):
     assert (drawn.name, drawn.floor.material, drawn.line) == ("my_look", "linoleum", "tape")
     assert drawn.camera.lens_blur_px == pytest.approx(1.2, rel=0.1)
     assert drawn.camera.vignetting == pytest.approx(0.3, abs=0.04)
+    assert drawn.camera.defocus_share == 0  # a part of lens_blur_px, other than in the base look
     assert drawn.tape.paint.reflectance / drawn.floor.linoleum.paint.reflectance < 2 * LINE / FLOOR
 
 
@@ -51,8 +59,8 @@ def test_the_files_say_what_set_each_value(look):
     assert page.count("data:image/png") == 2
 
 
-def test_a_dry_run_prints_the_same_look_and_writes_nothing(photos, look, tmp_path, capsys):
-    out, chosen = tmp_path / "my look", ["--base", "classroom", "--floor", "linoleum", "--dry-run"]
+def test_a_dry_run_prints_the_same_look_and_writes_nothing(photos, base, look, tmp_path, capsys):
+    out, chosen = tmp_path / "my look", ["--base", str(base), "--floor", "linoleum", "--dry-run"]
     assert main(["look", "from", *sorted(map(str, photos.glob("*.png"))), "--out", str(out), *chosen]) == 0
     assert (look / "look.yaml").read_text() in capsys.readouterr().out
     assert not out.exists()
