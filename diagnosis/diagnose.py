@@ -259,7 +259,8 @@ def diagnose(
         fit, comparisons = _best_named(evidence, fit, comparisons, library.testable, selection.pairs)
     progress.begin(Phase.TRANSFER)
     parts = groups(evidence, [trial.name for trial in measurement.trials])
-    model, withheld_names = standing(evidence, selection, NamedModel(fit, comparisons, result), library.testable, parts)
+    model = NamedModel(fit, comparisons, result)
+    model, withheld_names = standing(evidence, selection, model, library.testable, parts, measured=measured)
     fit, comparisons, result = model.fit, model.comparisons, model.result
     fit = with_shared_rounding(evidence, over_whole_runs(measurement, evidence, fit))
     alternatives = tuple(_alternatives(measurement, evidence, comparisons))

@@ -99,6 +99,11 @@ class HypothesisFit:
         """Return the cost of each sample, (N,), including held-out rows."""
         return costs_of_residuals(self.evidence, np.where(self.lost, np.inf, self.z), self.sd, self.noise)
 
+    @property
+    def whole_cost(self) -> float:
+        """Cost over the rows of the fit and the held-out rows, which are independent, with all priors."""
+        return self.cost + float(self.costs[self.evidence.heldout].sum())
+
     def root_weights(self, z: Array | None = None) -> Array:
         """Return the roots of the weights (N,) of samples in a linear test; 0 outside the rows of the fit.
 

@@ -12,8 +12,9 @@ from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.unexplained.adequacy import adequacy
+from diagnosis.inference.unexplained.adequacy import adequacy, change_by
 from sensors.effects.noise_scale import NoiseScale
+from symolo.core.arrays import Array
 
 THRESHOLD = 15.0
 """Fall of the cost from which an effect with one parameter is accepted."""
@@ -23,8 +24,9 @@ greatest fall among them is smaller where nothing is hidden."""
 PER_PARAMETER = 3.0
 """Addition to the threshold for each parameter of an effect beyond the first."""
 NEGLIGIBLE = 0.01
-"""Size relative to the start value, below which an effect does not count: a delay of a millisecond in a log with 20
-rows per second may as well be an integration error."""
+"""Size relative to the start value, below which an effect does not count in a time series: a delay of a millisecond in
+a log with 20 rows per second may as well be an integration error. The rows of a bench are states, without such errors,
+so that any size counts there that the readings show."""
 MIN_ROWS = 6.0
 """Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
 MIN_ROWS_SHARE = 0.1
@@ -43,6 +45,8 @@ NO_SLOPE = 1e-6
 """Change of the mean in sigmas that may be rounding error."""
 NEAR = 0.1
 """Distance from a bound in standard errors, up to which an amplitude counts as being at the bound."""
+CANCELLED = 0.5
+"""Ratio of the size of the sum of two changes to that of the smaller one, below which they cancel each other."""
 MAX_WORSE = 2.0
 """Largest rise of the cost of held-out rows by an accepted effect, in standard deviations of the sum."""
 
@@ -71,7 +75,7 @@ def refusal(
         threshold: Fall of the cost from which an effect with one parameter is accepted.
     """
     drop, min_drop = before.cost - after.cost, needed(effect, threshold)
-    if drop < min_drop:
+    if evident_fall(evidence, before, after) < min_drop:
         return f"the cost falls by {drop:.1f}, and {min_drop:.0f} are needed"
     if is_negligible(after, effect):
         return "the effect is smaller than the integration steps of a simulation resolve"
@@ -106,8 +110,24 @@ def refusal(
     return ""
 
 
+def evident_fall(evidence: Evidence, before: HypothesisFit, after: HypothesisFit) -> float:
+    """Return the fall of the cost by an effect, to which held-out rows that confirm it add.
+
+    Log-likelihoods of independent rows add up. They add at most what the fitted rows show themselves, since an effect
+    that hardly shows in these has no size that held-out rows could confirm. If nuisances leave their tolerances to
+    imitate an effect, they do so in held-out rows too.
+    """
+    drop = before.cost - after.cost
+    if before.prior_cost - after.prior_cost > 0.5 * drop:
+        return drop
+    heldout_fall = float(np.nansum((before.costs - after.costs)[evidence.heldout]))
+    return drop + min(max(heldout_fall, 0.0), max(drop, 0.0))
+
+
 def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
-    """Return whether all amplitudes of an effect are negligible compared with its start values."""
+    """Return whether all amplitudes of an effect in a time series are negligible compared with its start values."""
+    if not any(observed.is_series for observed in fit.evidence.observed):
+        return False
     at = fit.x[fit.hypothesis.parameters(effect)].tolist()
     sizes = [
         abs(x - c.null) / abs(c.start - c.null)
@@ -131,6 +151,21 @@ def is_at_bound(fit: HypothesisFit, effect: CandidateEffect) -> bool:
     return False
 
 
+def cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> str:
+    """Return the name of another effect of a fit that undoes what this one does; empty if there is none."""
+    others = [other for other in fit.hypothesis.effects if other != effect]
+    if not others:
+        return ""
+    change = change_by(evidence, nominal, fit, effect)
+    return next((other.name for other in others if cancel(change, change_by(evidence, nominal, fit, other))), "")
+
+
+def cancel(change: Array, other: Array) -> bool:
+    """Return whether two changes (N,) of a prediction nearly undo each other."""
+    size = min(float(np.linalg.norm(change)), float(np.linalg.norm(other)))
+    return float(np.linalg.norm(change + other)) < CANCELLED * size
+
+
 def _refusal_of_noise(evidence: Evidence, before: HypothesisFit, after: HypothesisFit, effect: CandidateEffect) -> str:
     """Return why an effect of the noise is not accepted; empty if it is."""
     if np.count_nonzero(evidence.fit) < MIN_SAMPLES_OF_NOISE:
@@ -147,8 +182,11 @@ def _is_within_statement(fit: HypothesisFit, effect: CandidateEffect) -> bool:
     if effect.kind is not NoiseScale:
         return False
     place = fit.hypothesis.parameters(effect).start
-    distance = abs(float(fit.x[place] - fit.hypothesis.null()[place]))
-    return distance - 2.0 * float(np.sqrt(fit.covariance[place, place])) < np.log(STATED_WITHIN)
+    change = float(fit.x[place] - fit.hypothesis.null()[place])
+    # A fit without the effect has a level as large as a statement allows, but none as small (`LEVELS`). So the fall of
+    # the cost is one over the statement for more noise only, and for less noise its size here must be as significant.
+    errors = 2.0 if change > 0.0 else float(np.sqrt(THRESHOLD_OF_NOISE))
+    return abs(change) - errors * float(np.sqrt(fit.covariance[place, place])) < float(np.log(STATED_WITHIN))
 
 
 def is_of_noise(fit: HypothesisFit, effect: CandidateEffect) -> bool:

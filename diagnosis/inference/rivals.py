@@ -4,7 +4,9 @@ Every promising candidate is fitted in place of the effect, with all else fitted
 AS_GOOD more cannot be distinguished by the data, and are reported. That there is no effect at all is an alternative
 too; it is as good as the effect if the fall of the cost is just the threshold for naming one. The confidence in a name
 is its weight among all alternatives, each by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and
-Multimodel Inference, 2nd ed., section 2.9), tempered. A single effect also competes with pairs of others. Causes that
+Multimodel Inference, 2nd ed., section 2.9), tempered. One or two effects also
+compete with pairs of others, and an effect of the noise with a statement that is wrong. Log-likelihoods of fitted and
+held-out rows add up. Causes that
 are in no list have the weight of the best simple form of an error (`unexplained/unlisted.py`) and a constant one.
 Temperature and constant were set on the cases `wide_a` (docs/diagnosis_evaluation.md), where 97 % of the surest names
 were right.
@@ -17,16 +19,18 @@ from math import exp
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.likelihood import LEVELS
-from diagnosis.inference.refusal import is_negligible, needed, refusal
+from diagnosis.inference.refusal import STATED_WITHIN, is_negligible, needed, refusal
 from diagnosis.inference.selection import TOLL, replaced, toll, without
 from diagnosis.inference.unexplained.unlisted import advantage
+from sensors.effects.noise_scale import NoiseScale
 
 AS_GOOD = 4.6
 """Increase of the cost up to which a rival explains the data as well: its weight is then a tenth of the name's."""
 
+STATEMENT = f"a stated noise that is wrong by a factor of {STATED_WITHIN:g}"
 FORM = "an error of simple form, whose cause is in no list,"
 SECOND = 6.0
 """Rise of the cost that counts as much as that two given effects are rarer than one: twice the logarithm of the number
@@ -48,7 +52,7 @@ class Rival:
 
     effect: CandidateEffect
     worse: float
-    """Increase of the cost over the named effect, with a toll for each parameter."""
+    """Increase of the cost over the named effect, held-out rows included, with a toll for each parameter."""
     fit: HypothesisFit
     refused: str
     """Why the rival is not accepted although it explains more; empty if it is, or if it does not explain more."""
@@ -88,7 +92,7 @@ def compare_rivals(
         fit: The fit with the effect.
         effect: The effect.
         effects: All candidates.
-        pairs: Fits with two effects each, which compete with a single one.
+        pairs: Fits with two effects each, which compete with a single one and with other pairs.
         is_whole: Whether the fit leaves no structure with an unknown cause.
     """
     rivals = []
@@ -98,10 +102,14 @@ def compare_rivals(
         if is_negligible(candidate, other):
             continue
         # Only a rival that would win must pass the tests of the selection; others are reported as they are.
-        worse = candidate.cost - fit.cost + TOLL * (len(other.coordinates) - len(effect.coordinates))
+        worse = candidate.whole_cost - fit.whole_cost + TOLL * (len(other.coordinates) - len(effect.coordinates))
         refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
         rivals.append(Rival(other, worse, candidate, refused))
-    others = [(FORM, -advantage(evidence, base, fit)), *_of_pairs(fit, effect, pairs)]
+    others = [
+        (FORM, -advantage(evidence, base, fit)),
+        *_of_pairs(fit, pairs),
+        *_of_statement(evidence, fit, effect),
+    ]
     # A noise at the end of its range is more than a wrong statement, so that something else is behind it.
     is_whole = is_whole and float(fit.noise.levels.max()) < LEVELS[1]
     else_weight = SOMETHING_ELSE if is_whole else SOMETHING_ELSE_BESIDE
@@ -113,17 +121,39 @@ def compare_rivals(
     )
 
 
-def _of_pairs(fit: HypothesisFit, effect: CandidateEffect, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
-    """Return the best two effects in place of a single one, and the rise of the cost; empty if there are none."""
-    if len(fit.hypothesis.effects) > 1:
+def _of_pairs(fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
+    """Return the best two effects in place of a single one or of both, and the rise of the cost; empty if none.
+
+    Two effects that share one with the fit are among the rivals of the other one.
+    """
+    if len(fit.hypothesis.effects) > 2:
         return []
+    kinds = {other.kind for other in fit.hypothesis.effects}
     rises = [
-        (" and ".join(other.name for other in pair.hypothesis.effects), pair.cost + toll(pair) - fit.cost - toll(fit))
+        (
+            " and ".join(other.name for other in pair.hypothesis.effects),
+            pair.whole_cost + toll(pair) - fit.whole_cost - toll(fit),
+        )
         for pair in pairs
-        if effect.kind not in {other.kind for other in pair.hypothesis.effects}
+        if kinds.isdisjoint(other.kind for other in pair.hypothesis.effects)
     ]
-    names, rise = min(rises, key=lambda pair: pair[1], default=("", np.inf))
-    return [(f"{names} together", rise + SECOND)] if rises else []
+    if not rises:
+        return []
+    names, rise = min(rises, key=lambda pair: pair[1])
+    return [(f"{names} together", rise + SECOND) if len(kinds) == 1 else (f"{names} in place of both", rise)]
+
+
+def _of_statement(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> list[tuple[str, float]]:
+    """Return the rise of the cost if the stated noise is wrong by the greatest factor that needs no effect."""
+    if effect.kind is not NoiseScale:
+        return []
+    place = fit.hypothesis.parameters(effect).start
+    null = float(fit.hypothesis.null()[place])
+    at = null + float(np.copysign(np.log(STATED_WITHIN), fit.x[place] - null))
+    x = fit.x.copy()
+    x[place] = at
+    (held,) = fits(evidence, [(fit.hypothesis.with_held(place, at), x)])
+    return [(STATEMENT, held.whole_cost - fit.whole_cost)]
 
 
 def relative_weight(rise: float) -> float:

@@ -8,17 +8,18 @@ and gear play have no slope at zero). Full fits follow only for the promising ef
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 
 from diagnosis.inference.coordinate import Coordinate
-from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect, moved
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.likelihood import sample_costs
 from diagnosis.inference.periodogram import waves
 from diagnosis.inference.projection import orthonormal
+from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
 SIZES = (1.0, 0.25, -0.25, -1.0)
@@ -36,6 +37,8 @@ MAX_MULTIPLE = 4.0
 """Multiple of the tried size up to which the change is assumed to be linear."""
 MIN_SHARE = 1e-12
 """Share of a change's square outside the fitted directions, below which it is only rounding error."""
+MIN_APART = 1e-3
+"""Square of the sine of the angle between two changes, below which a prediction of both says nothing about either."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,31 +52,83 @@ class Prospect:
     """Expected fall of the cost."""
 
 
+@dataclass(frozen=True, eq=False)
+class PairProspect:
+    """Two effects in addition to a fit."""
+
+    hypothesis: Hypothesis
+    """The fit's hypothesis with both."""
+    start: Array
+    """(P,), coordinates from which a fit may start."""
+    drop: float
+    """Expected fall of the cost."""
+
+
 def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[Prospect]:
     """Return the best prospect of each effect, the most promising first."""
-    tries = [(effect, numbers) for effect in effects for numbers in _tries(evidence, fit, effect)]
-    if not tries:
+    if not effects:
         return []
-    hypotheses = {effect: fit.hypothesis.with_effect(effect) for effect in effects}
-    starts = []
-    for effect, numbers in tries:
-        x = moved(fit.x, fit.hypothesis, hypotheses[effect])
-        x[hypotheses[effect].parameters(effect)] = numbers
-        starts.append(x)
-    robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
+    tries, predictions = _tries_of_all(evidence, fit, effects)
     costs_before = fit.costs
-    predictions = evidence.predicted(robots).moved(fit.local_change)
-    drops, sizes = _along_lines(evidence, fit, predictions.mean)
+    drops, sizes = _Lines.of(evidence, fit, predictions.mean).tops()
     best: dict[CandidateEffect, Prospect] = {}
-    for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
+    for k, (effect, numbers) in enumerate(tries):
+        hypothesis, x = _extended(fit.hypothesis, fit.x, effect, numbers)
         single = predictions.some(slice(k, k + 1))
         immediate = float((costs_before - sample_costs(evidence, single, fit.noise)[0])[evidence.fit].sum())
         prospect = Prospect(effect, x, immediate)
         if (drop := float(drops[k])) > immediate:
-            prospect = Prospect(effect, hypotheses[effect].scaled(effect, x, float(sizes[k])), drop)
+            prospect = Prospect(effect, hypothesis.scaled(effect, x, float(sizes[k])), drop)
         if effect not in best or prospect.drop > best[effect].drop:
             best[effect] = prospect
     return sorted(best.values(), key=lambda prospect: -prospect.drop)
+
+
+def scan_pairs(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[PairProspect]:
+    """Return the best prospect of every two effects together, the most promising first.
+
+    Two effects may compensate each other, so that neither explains much alone, and a search that begins with one of
+    them misses both.
+    """
+    tries, predictions = _tries_of_all(evidence, fit, effects)
+    drops, sizes, others = _Lines.of(evidence, fit, predictions.mean).tops_of_two()
+    places: dict[CandidateEffect, list[int]] = {}
+    for k, (effect, _) in enumerate(tries):
+        places.setdefault(effect, []).append(k)
+    prospects = []
+    for one, two in combinations(places, 2):
+        if one.kind is two.kind:
+            continue
+        block = drops[np.ix_(places[one], places[two])]
+        row, column = np.unravel_index(int(block.argmax()), block.shape)
+        if block[row, column] <= 0.0:
+            continue
+        first, second = places[one][row], places[two][column]
+        both, x = fit.hypothesis, fit.x
+        for k, size in ((first, sizes[first, second]), (second, others[first, second])):
+            both, x = _extended(both, x, *tries[k])
+            x = both.scaled(tries[k][0], x, float(size))
+        prospects.append(PairProspect(both, x, float(block[row, column])))
+    return sorted(prospects, key=lambda prospect: -prospect.drop)
+
+
+def _extended(
+    hypothesis: Hypothesis, x: Array, effect: CandidateEffect, numbers: Sequence[float]
+) -> tuple[Hypothesis, Array]:
+    """Return a hypothesis with one effect in addition, and its coordinates with those numbers of the effect."""
+    extended = hypothesis.with_effect(effect)
+    y = moved(x, hypothesis, extended)
+    y[extended.parameters(effect)] = numbers
+    return extended, y
+
+
+def _tries_of_all(
+    evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]
+) -> tuple[list[tuple[CandidateEffect, tuple[float, ...]]], Prediction]:
+    """Return all effects with the coordinates at which each is tried in addition to a fit, and the predictions."""
+    tries = [(effect, numbers) for effect in effects for numbers in _tries(evidence, fit, effect)]
+    extended = [_extended(fit.hypothesis, fit.x, *one) for one in tries]
+    return tries, evidence.predicted([hypothesis.robot(x) for hypothesis, x in extended]).moved(fit.local_change)
 
 
 def _tries(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> list[tuple[float, ...]]:
@@ -91,30 +146,62 @@ def _tries(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> l
     return tries
 
 
-def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[Array, Array]:
-    """Return the falls of the cost at the best multiples of changes, with all fitted parameters moving along.
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """Changes of the predictions as directions, with all fitted parameters moving along."""
 
-    Args:
-        evidence: The observations.
-        fit: The fit without the changes.
-        means: (M, N), predictions with the changes.
+    changes: Array
+    """(M, n), weighted changes in the rows of the fit."""
+    taken: Array
+    """(M, P), coordinates of their parts that the fitted parameters can explain themselves, in an orthonormal basis."""
+    along: Array
+    """(M,), inner products of the other parts with the weighted residuals."""
 
-    Returns:
-        The falls and the multiples, (M,) each.
-    """
-    root = fit.root_weights()
-    rows = np.flatnonzero(evidence.fit)
-    changes = root[rows] * ((means - evidence.values + fit.z * fit.sd) / fit.sd)[:, rows]
-    changes = np.where(np.isfinite(changes), changes, 0.0)
-    # The part of a change inside the span of the tangents is what the fitted parameters can explain themselves.
-    basis, residual = orthonormal(fit.tangents(root)), fit.weighted_residuals(fit.z, root)
-    taken = changes @ basis[rows]
-    squares = (changes**2).sum(axis=1) - (taken**2).sum(axis=1)
-    along = changes @ residual[rows] - taken @ (basis.T @ residual)
-    # A parabola along each direction: 2 along size - squares size^2, with its top at along / squares.
-    is_new = squares > MIN_SHARE * (changes**2).sum(axis=1)
-    sizes = np.clip(np.divide(along, squares, out=np.zeros_like(along), where=is_new), 0.0, MAX_MULTIPLE)
-    return np.where(is_new, 2.0 * sizes * along - sizes**2 * squares, 0.0), sizes
+    @classmethod
+    def of(cls, evidence: Evidence, fit: HypothesisFit, means: Array) -> "_Lines":
+        """Return the directions of predictions (M, N) with the changes."""
+        root = fit.root_weights()
+        rows = np.flatnonzero(evidence.fit)
+        changes = root[rows] * ((means - evidence.values + fit.z * fit.sd) / fit.sd)[:, rows]
+        changes = np.where(np.isfinite(changes), changes, 0.0)
+        # The part of a change inside the span of the tangents is what the fitted parameters can explain themselves.
+        basis, residual = orthonormal(fit.tangents(root)), fit.weighted_residuals(fit.z, root)
+        taken = changes @ basis[rows]
+        return cls(changes, taken, changes @ residual[rows] - taken @ (basis.T @ residual))
+
+    def squares(self) -> tuple[Array, Mask]:
+        """Return the squares (M,) of the parts that the fitted parameters cannot explain, and whether they exist."""
+        whole = (self.changes**2).sum(axis=1)
+        squares = whole - (self.taken**2).sum(axis=1)
+        return squares, squares > MIN_SHARE * whole
+
+    def tops(self) -> tuple[Array, Array]:
+        """Return the falls of the cost at the best multiples of each change, and the multiples, (M,) each."""
+        # A parabola along each direction: 2 along size - squares size^2, with its top at along / squares.
+        squares, is_new = self.squares()
+        sizes = np.divide(self.along, squares, out=np.zeros_like(self.along), where=is_new)
+        sizes = np.clip(sizes, 0.0, MAX_MULTIPLE)
+        return np.where(is_new, 2.0 * sizes * self.along - sizes**2 * squares, 0.0), sizes
+
+    def tops_of_two(self) -> tuple[Array, Array, Array]:
+        """Return the falls of the cost at the best multiples of every two changes, and both multiples, (M, M) each.
+
+        The fall is 0 for two changes that are hardly distinguishable, and where one of the multiples would be negative.
+        """
+        squares, is_new = self.squares()
+        inner = self.changes @ self.changes.T - self.taken @ self.taken.T
+        own, other = np.meshgrid(squares, squares, indexing="ij")
+        along, beside = np.meshgrid(self.along, self.along, indexing="ij")
+        determinant = own * other - inner**2
+        usable = (determinant > MIN_APART * own * other) & is_new[:, None] & is_new
+        divisor = np.where(usable, determinant, 1.0)
+        sizes = (other * along - inner * beside) / divisor
+        others = (own * beside - inner * along) / divisor
+        usable &= (sizes > 0.0) & (others > 0.0)
+        sizes, others = np.minimum(sizes, MAX_MULTIPLE), np.minimum(others, MAX_MULTIPLE)
+        falls = 2.0 * (sizes * along + others * beside)
+        falls -= sizes**2 * own + others**2 * other + 2.0 * sizes * others * inner
+        return np.where(usable, falls, 0.0), sizes, others
 
 
 def _tried(evidence: Evidence, effect: CandidateEffect) -> list[list[float]]:

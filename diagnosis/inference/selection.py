@@ -8,7 +8,8 @@ theory says that the threshold suffices for them, and the evidence is the benche
 (docs/diagnosis_evaluation.md). Afterwards each effect is compared with every other in its place, and
 with no effect, because the first effect may have been a substitute for two later ones. The best single effect need not
 be one of the best pair, so pairs that begin with each of the best few effects are compared with the result, too (beam
-search: Russell and Norvig, Artificial Intelligence, 4th ed., section 4.1.3).
+search: Russell and Norvig, Artificial Intelligence, 4th ed., section 4.1.3). Two effects that compensate each other
+explain little alone, so the pairs that are expected to explain most together are compared as well.
 """
 
 from collections.abc import Sequence
@@ -21,8 +22,8 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.refusal import THRESHOLD, is_of_noise, needed, refusal
-from diagnosis.inference.scan import Prospect, scan
+from diagnosis.inference.refusal import THRESHOLD, cancelled_by, evident_fall, is_of_noise, needed, refusal
+from diagnosis.inference.scan import Prospect, scan, scan_pairs
 from diagnosis.inference.unexplained.adequacy import adequacy
 
 TOLL = 6.0
@@ -105,7 +106,7 @@ def select(
     pairs: list[HypothesisFit] = []
     if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
         pairs = _pairs(evidence, base, effects)
-        pair = _best_pair(evidence, pairs, fit)
+        pair = _best_pair(evidence, base, pairs, fit)
         if pair is not fit:
             # What was tried beside the effects before says nothing about these two, so the report has only their steps.
             fit, tried = _grown(evidence, base, pair, effects)
@@ -146,7 +147,9 @@ def _entries_of(evidence: Evidence, pair: HypothesisFit) -> list[Entry]:
 
 
 def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
-    """Return the fits with two effects that begin with one of the best single effects, the best first.
+    """Return the fits with two effects that begin with one of the best single effects, and those that compensate.
+
+    They come best first.
 
     Args:
         evidence: The observations.
@@ -157,24 +160,54 @@ def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateE
     singles = ranked(_fitted(evidence, base, tuple(prospects[:BEAM]), base.cost - HOPELESS), effects)
     # Effects that these data cannot distinguish, such as an offset and a bias of the only material, fit equally well.
     distinct = {round(single.cost, 1): single for single in reversed(singles)}
-    return ranked([pair for single in distinct.values() for pair in _extended(evidence, single, effects)], effects)
+    pairs = [pair for single in distinct.values() for pair in _extended(evidence, single, effects)]
+    tried = {frozenset(pair.hypothesis.effects) for pair in pairs}
+    new = [p for p in scan_pairs(evidence, base, effects) if frozenset(p.hypothesis.effects) not in tried]
+    # Two effects that are expected to explain hardly more than a single one need no fit.
+    least = HOPELESS + (prospects[0].drop if prospects else 0.0)
+    together = [(p.hypothesis, p.start) for p in new[:BEAM] if p.drop > least]
+    return ranked([*pairs, *fits(evidence, together, base.cost - HOPELESS)], effects)
 
 
-def _best_pair(evidence: Evidence, pairs: Sequence[HypothesisFit], fit: HypothesisFit) -> HypothesisFit:
-    """Return the best pair, if it explains more than a fit with one or two effects; otherwise the fit."""
-    for pair in pairs:
-        if _is_better(pair, fit) and all(
-            not refusal(evidence, without(evidence, pair, effect), pair, effect) for effect in pair.hypothesis.effects
+def _best_pair(
+    evidence: Evidence, base: HypothesisFit, pairs: Sequence[HypothesisFit], fit: HypothesisFit
+) -> HypothesisFit:
+    """Return the best pair, if it explains more than a fit with one or two effects; otherwise the fit.
+
+    Args:
+        evidence: The observations.
+        base: The fit without effects.
+        pairs: The fits with two effects.
+        fit: The fit with the effects to compare with.
+    """
+    # Two effects that cancel each other imitate something else, so that any other two come before them.
+    rival = base if _cancels(evidence, base, fit) else fit
+    names = set(fit.hypothesis.effects)
+    # Equal pairs keep their order.
+    for pair in sorted(pairs, key=lambda each: round(each.whole_cost + toll(each), 1)):
+        if (
+            set(pair.hypothesis.effects) != names
+            and _is_better(pair, rival)
+            and all(
+                not refusal(evidence, without(evidence, pair, effect), pair, effect)
+                for effect in pair.hypothesis.effects
+            )
+            and not _cancels(evidence, base, pair)
         ):
             return pair
     return fit
 
 
+def _cancels(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> bool:
+    """Return whether two effects of a fit undo each other."""
+    return any(cancelled_by(evidence, base, fit, effect) for effect in fit.hypothesis.effects)
+
+
 def _is_better(pair: HypothesisFit, fit: HypothesisFit) -> bool:
-    """Return whether a pair of effects explains more than another pair or a single effect."""
+    """Return whether a pair of effects explains more than another pair or a single effect, held-out rows included."""
     if len(fit.hypothesis.effects) == 2:
-        return pair.cost + toll(pair) < fit.cost + toll(fit)
-    return pair.cost + _needed(pair) < fit.cost + _needed(fit)
+        return pair.whole_cost + toll(pair) < fit.whole_cost + toll(fit)
+    return pair.whole_cost + _needed(pair) < fit.whole_cost + _needed(fit)
 
 
 def _entered(
@@ -191,7 +224,7 @@ def _entered(
         if not reason:
             return tried, entries
         # The candidates come best first, so after one that is too weak hardly any can be strong enough.
-        if drop < needed(effect, threshold):
+        if drop < needed(effect, threshold) / 2.0:
             break
     return None, entries
 
@@ -219,7 +252,7 @@ def _extended(evidence: Evidence, fit: HypothesisFit, effects: Sequence[Candidat
     """Return the fits with one promising effect in addition, the best first."""
     names = {effect.kind.name for effect in fit.hypothesis.effects}
     prospects = _scanned(evidence, fit, tuple(effect for effect in effects if effect.kind.name not in names))
-    return ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects)
+    return ranked(_fitted(evidence, fit, promising(prospects), fit.cost - HOPELESS), effects)
 
 
 def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
@@ -319,7 +352,9 @@ def _pruned(evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
     while len(fit.hypothesis.effects) > 1:
         effects = fit.hypothesis.effects
         refits = [without(evidence, fit, effect) for effect in effects]
-        rises = [refit.cost - fit.cost - needed(effect) for refit, effect in zip(refits, effects, strict=True)]
+        rises = [
+            evident_fall(evidence, refit, fit) - needed(effect) for refit, effect in zip(refits, effects, strict=True)
+        ]
         least = int(np.argmin(rises))
         if rises[least] >= 0.0:
             break

@@ -1,19 +1,20 @@
 """The named model: which of the names that were selected stand by themselves."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.gain import gain_of
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.naming.transfer import Group, contradiction, supports
-from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, cancel, withheld
-from diagnosis.inference.refusal import is_at_bound, needed
+from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, withheld
+from diagnosis.inference.refusal import cancelled_by, is_at_bound, is_of_noise, needed
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.selection import Selection, without
-from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy, change_by
+from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
 from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.unlisted import advantage, with_forms
 
@@ -33,17 +34,31 @@ def standing(
     model: NamedModel,
     effects: Sequence[CandidateEffect],
     parts: Sequence[Group],
+    *,
+    measured: Evidence,
 ) -> tuple[NamedModel, tuple[WithheldName, ...]]:
     """Return the model with only those names that stand by themselves, and the names withheld.
 
     Names are withheld one at a time, the weakest first, since the others may stand without it.
+
+    Args:
+        evidence: The observations that the effects are fitted to.
+        selection: The selection.
+        model: The model with all names.
+        effects: All candidates.
+        parts: Groups of samples that are left out in turn.
+        measured: The observations as they were measured, on which gains are computed.
     """
     nominal = selection.nominal
     withheld_names: list[WithheldName] = []
     while True:
         bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
         name_evidence = [
-            _name_evidence(evidence, nominal, model, comparison, base, contradiction(each, base.cost - model.fit.cost))
+            replace(
+                _name_evidence(evidence, nominal, model, comparison, base),
+                contradicted_by=contradiction(each, base.cost - model.fit.cost),
+                gain_at_most=_gain_at_most(measured, base, model.fit, comparison.effect),
+            )
             for comparison, base, each in zip(
                 model.comparisons, bases, supports(evidence, model.fit, bases, parts), strict=True
             )
@@ -77,26 +92,28 @@ def standing(
         model = NamedModel(fit, comparisons, result)
 
 
-def _cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> str:
-    """Return the name of another effect of a fit that undoes what this one does; empty if there is none."""
-    others = [other for other in fit.hypothesis.effects if other != effect]
-    if not others:
-        return ""
-    change = change_by(evidence, nominal, fit, effect)
-    return next((other.name for other in others if cancel(change, change_by(evidence, nominal, fit, other))), "")
+def _gain_at_most(measured: Evidence, base: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> float | None:
+    """Return the upper end of the 95 % interval of the gain by an effect, with which a fit goes beyond a base.
+
+    It is None if no rows are held out, and for an effect of the noise, which predicts no reading.
+    """
+    if is_of_noise(fit, effect):
+        return None
+    gained = gain_of(measured, np.stack([each.evidence.values - each.z * each.sd for each in (base, fit)]))
+    return None if gained is None else gained.high
 
 
-def _name_evidence(  # noqa: PLR0917 - all that is known of a name
+def _name_evidence(
     evidence: Evidence,
     nominal: HypothesisFit,
     model: NamedModel,
     comparison: RivalComparison,
     base: HypothesisFit,
-    contradicted_by: str,
 ) -> NameEvidence:
-    """Return what the data say of one name of a model, which leaves an unexplained structure or none.
+    """Return what the fits say of one name of a model, which leaves an unexplained structure or none.
 
-    Beside such a structure a rival may win by taking over a part of it, so rivals count only without.
+    Beside such a structure a rival may win by taking over a part of it, so the closest rival counts only without. The
+    confidence counts in any case: nobody believes a name at 1 %.
     """
     fit, effect, has_rest = model.fit, comparison.effect, not model.result.leaves_only_outliers
     heldout_rise = float((base.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None
@@ -108,9 +125,9 @@ def _name_evidence(  # noqa: PLR0917 - all that is known of a name
         rise_of_prior=base.prior_cost - fit.prior_cost,
         heldout_rise=heldout_rise,
         is_at_bound=is_at_bound(fit, effect),
-        contradicted_by=contradicted_by,
-        cancelled_by=_cancelled_by(evidence, nominal, fit, effect),
+        contradicted_by="",
+        cancelled_by=cancelled_by(evidence, nominal, fit, effect),
         closest_rival=None if rival is None else (rival.effect.name, rival.worse),
         ahead=-np.inf if has_rest else advantage(evidence, base, fit),
-        confidence=1.0 if has_rest else comparison.confidence,
+        confidence=comparison.confidence,
     )

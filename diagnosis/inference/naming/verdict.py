@@ -10,10 +10,7 @@ is anywhere near significance. Between explanation and discovery lies what the d
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from diagnosis.inference.unexplained.unlisted import BETTER
-from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
 
 CHEAPER = 0.5
@@ -26,8 +23,6 @@ DOUBT = 0.05
 NEARLY = 10.0
 """Fall of the cost by one more effect, from which a model is no explanation; the best of some twenty reaches it by
 chance in a few cases of a hundred."""
-CANCELLED = 0.5
-"""Ratio of the size of the sum of two changes to that of the smaller one, below which they cancel each other."""
 MARGIN = 4.0
 """Fall of the cost beyond what the selection needs, from which a name stands: where tolerances and noise are not as
 stated, chance reaches a little more."""
@@ -84,6 +79,8 @@ class NameEvidence:
     ahead: float
     """Fall of the cost by which the best simple form of an error, whose cause is in no list, explains more."""
     confidence: float
+    gain_at_most: float | None = None
+    """Upper end of the 95 % interval of what the effect gains on the held-out rows; None if these cannot show it."""
 
     @property
     def heldout_rise_that_counts(self) -> float:
@@ -101,12 +98,6 @@ class WithheldName:
     reason: str
 
 
-def cancel(change: Array, other: Array) -> bool:
-    """Return whether two changes (N,) of a prediction nearly undo each other."""
-    size = min(float(np.linalg.norm(change)), float(np.linalg.norm(other)))
-    return float(np.linalg.norm(change + other)) < CANCELLED * size
-
-
 def withheld(evidence: NameEvidence) -> str:
     """Return why a name is withheld; empty if it stands."""
     if evidence.is_at_bound:
@@ -116,6 +107,8 @@ def withheld(evidence: NameEvidence) -> str:
     heldout_rise = evidence.heldout_rise_that_counts
     if heldout_rise < -CONTRADICTED:
         return "the held-out rows are predicted better without it"
+    if evidence.gain_at_most is not None and evidence.gain_at_most < 0.0:
+        return "the error of the held-out rows is smaller without it, over its whole 95 % interval"
     if evidence.contradicted_by:
         return f"it is a description and no cause: fitted to the rest, it is contradicted by {evidence.contradicted_by}"
     if evidence.closest_rival is not None and evidence.closest_rival[1] < -CHEAPER:

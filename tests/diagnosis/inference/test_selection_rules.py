@@ -11,6 +11,7 @@ from diagnosis.inference import refusal as refusals
 from diagnosis.inference import selection
 from diagnosis.inference.refusal import is_at_bound, refusal
 from diagnosis.inference.selection import Entry, Selection, rescued, select
+from sensors.effects.noise_scale import NoiseScale
 
 NO_ROWS = np.zeros(0)
 
@@ -114,6 +115,23 @@ class TestRefusal:
         reason = judged(np.where(np.arange(100) < 2, 10.0, 0.0), falls)
         assert reason == ("" if is_named else "the fall of 20.0 comes from 2.0 samples")
 
+    @pytest.mark.parametrize(
+        ("fall", "heldout", "prior_fall", "is_named"),
+        [
+            (10.0, 5.0, 0.0, True),
+            (10.0, 4.75, 0.0, False),
+            (7.25, 20.0, 0.0, False),
+            (7.5, 20.0, 0.0, True),
+            # Nuisances that leave their tolerances imitate the effect in held-out rows too.
+            (4.0, 20.0, 8.0, False),
+        ],
+    )
+    def test_held_out_rows_add_to_the_fall_as_much_as_the_fitted_rows_show(
+        self, judged, fall, heldout, prior_fall, is_named
+    ):
+        reason = judged(np.full(100, fall / 100), np.full(10, heldout / 10), prior_fall)
+        assert (not reason) is is_named
+
     @pytest.mark.parametrize(("rows", "is_named"), [(4, True), (5, False)])
     def test_held_out_rows_may_get_worse_by_two_standard_deviations(self, judged, rows, is_named):
         """Of n equal rises the sum is sqrt(n) times the root of the sum of squares."""
@@ -142,6 +160,17 @@ class TestRefusal:
     def test_noise_within_twice_the_statement_is_no_effect(self, judged):
         reason = judged(np.ones(100), noise=True, within=True)
         assert reason == "the noise may be as large as stated, within a factor of two"
+
+    @pytest.mark.parametrize(
+        ("scale", "errors", "is_within"), [(2.0, 1.9, True), (2.0, 2.1, False), (0.5, 2.9, True), (0.5, 3.1, False)]
+    )
+    def test_noise_is_beyond_the_statement_by_two_errors_or_three_for_less_noise(self, scale, errors, is_within):
+        """A level of the noise may be twice as large without the effect, but hardly smaller."""
+        effect: Any = SimpleNamespace(kind=NoiseScale)
+        change = np.log(scale) + np.copysign(0.1 * errors, scale - 1.0)
+        hypothesis = SimpleNamespace(parameters=lambda _: slice(0, 1), null=lambda: np.zeros(1))
+        fit: Any = SimpleNamespace(hypothesis=hypothesis, x=np.array([change]), covariance=np.array([[0.01]]))
+        assert refusals._is_within_statement(fit, effect) is is_within
 
     def test_an_effect_at_its_bound_is_refused(self, judged):
         assert judged(np.ones(100), at_bound_after=[A]) == "its size would exceed its bounds"
@@ -226,9 +255,9 @@ class TestSteps:
         assert Selection(fit, fit, tuple(steps[2:])).refused == tuple(steps[2:])
         assert Selection(fit, fit, tuple(steps[:2])).refused == ()
 
-    @pytest.mark.parametrize(("cost_of_b", "tried"), [(85.0, "ABC"), (85.5, "AB")])
+    @pytest.mark.parametrize(("cost_of_b", "tried"), [(92.5, "ABC"), (93.0, "AB")])
     def test_the_next_effects_are_tried_until_one_is_too_weak(self, evidence, monkeypatch, refusing, cost_of_b, tried):
-        """Of costs that fall from 100, 15 less is strong enough."""
+        """Of costs that fall from 100, half of 15 is strong enough, since held-out rows may add as much."""
         refusing(A, B)
         candidates = [fake_fit(80.0, A), fake_fit(cost_of_b, B), fake_fit(84.0, C)]
         monkeypatch.setattr(selection, "_extended", lambda *_: candidates)
@@ -278,7 +307,7 @@ class TestSteps:
             (C, 50.0, True),
         ]
         assert found.entries[2:] == ("D enters",)
-        monkeypatch.setattr(selection, "_best_pair", lambda _, __, fit: fit)
+        monkeypatch.setattr(selection, "_best_pair", lambda _, __, ___, fit: fit)
         assert select(few, base.hypothesis, ()).entries == ("A enters", "B is refused")
 
     def test_a_selection_goes_on_from_the_effects_of_an_earlier_one(self, evidence, monkeypatch):
@@ -333,13 +362,13 @@ class TestSteps:
         assert selection._entered(evidence, fake_fit(100.0, *before), ())[0] is None
         assert thresholds == [(A, threshold)]
 
-    def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_9(self, evidence, monkeypatch):
+    def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_4(self, evidence, monkeypatch):
         scanned, goals = [], []
         monkeypatch.setattr(selection, "scan", lambda _, __, effects: scanned.extend(effects) or [])
         monkeypatch.setattr(selection, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
         left = fake_effect("B")
         assert selection._extended(evidence, fake_fit(100.0, A, B), (A, left, C, D)) == []
-        assert (scanned, goals) == ([C, D], [91.0])
+        assert (scanned, goals) == ([C, D], [96.0])
 
     @pytest.mark.parametrize(("last", "rivals"), [(A, [C, D]), (NOISE, [A, C, D])])
     def test_noise_takes_the_place_of_noise_alone(self, evidence, monkeypatch, last, rivals):
@@ -400,6 +429,7 @@ class TestSteps:
             return fake_fit(costs[left], *left)
 
         monkeypatch.setattr(selection, "without", without)
+        monkeypatch.setattr(selection, "evident_fall", lambda _, before, after: before.cost - after.cost)
         # WIDE lacks 6 of what it needs and A 5; then B lacks nothing and A lacks half.
         pruned = selection._pruned(evidence, fake_fit(100.0, A, B, WIDE))
         assert pruned.hypothesis.effects == (B,)

@@ -83,6 +83,14 @@ def test_an_effect_counts_from_a_hundredth_of_the_way_from_none_to_its_start(
     assert is_negligible(at, effect(name)) is expected
 
 
+def test_any_size_counts_in_rows_that_are_states(evidence_of, fitted, effect):
+    """They have no errors of an integration."""
+    offset = effect("current_sensor_offset")
+    fit, (c,) = fitted(evidence_of(X, X), offset.name), offset.coordinates
+    states: Any = SimpleNamespace(observed=[SimpleNamespace(is_series=False)])
+    assert not is_negligible(replace(fit, evidence=states, x=np.array([0.3, c.null + 1e-4])), offset)
+
+
 @pytest.mark.parametrize(
     ("drops", "count"),
     [
@@ -177,16 +185,38 @@ def test_the_best_pair_stays_what_it_is_and_a_pair_that_is_refused_is_none(evide
     effects = [effect(name) for name in names]
     evidence = evidence_of(X, 1.4 * X + 0.05)
     best = fitted(evidence, *names)
-    assert _best_pair(evidence, _pairs(evidence, fitted(evidence), effects), best) is best
-    found = _best_pair(evidence, _pairs(evidence, fitted(evidence), effects), fitted(evidence, names[1]))
+    base = fitted(evidence)
+    assert _best_pair(evidence, base, _pairs(evidence, base, effects), best) is best
+    found = _best_pair(evidence, base, _pairs(evidence, base, effects), fitted(evidence, names[1]))
     assert {e.name for e in found.hypothesis.effects} == set(names)
     # Held-out rows without the offset refuse it, however much it explains of the others.
     n = 30
     contradicted = evidence_of(
         np.concatenate([X, X[:n]]), np.concatenate([1.4 * X + 0.05, 1.4 * X[:n] - 0.5]), heldout=n
     )
-    alone = fitted(contradicted, names[0])
-    assert _best_pair(contradicted, _pairs(contradicted, fitted(contradicted), effects), alone) is alone
+    alone, base = fitted(contradicted, names[0]), fitted(contradicted)
+    assert _best_pair(contradicted, base, _pairs(contradicted, base, effects), alone) is alone
+
+
+def test_a_pair_whose_effects_cancel_gives_way_to_any_other(evidence_of, fitted, monkeypatch):
+    names = ("current_sensor_gain", "current_sensor_offset")
+    evidence = evidence_of(X, 1.4 * X + 0.05)
+    base, alone, best = fitted(evidence), fitted(evidence, names[0]), fitted(evidence, *names)
+    monkeypatch.setattr(module, "cancelled_by", lambda _, __, fit, ___: "other" if fit is best else "")
+    assert _best_pair(evidence, base, [best], alone) is alone
+    other = fitted(evidence, "torque_constant_scale", names[1])
+    assert _best_pair(evidence, base, [best, other], alone) is other
+    assert _best_pair(evidence, base, [best, other], best) is other
+    assert _best_pair(evidence, base, [best], best) is best
+
+
+def test_of_two_pairs_held_out_rows_help_to_choose(evidence_of, fitted):
+    names = ("current_sensor_gain", "current_sensor_offset")
+    evidence = evidence_of(X, 1.4 * X + 0.05, heldout=30)
+    best = fitted(evidence, *names)
+    worse = replace(best, cost=best.cost + 1.0, z=np.where(evidence.heldout, 0.0, best.z))
+    assert not _is_better(worse, best)
+    assert _is_better(worse, replace(best, z=np.where(evidence.heldout, 1.0, best.z)))
 
 
 def test_no_pairs_are_tried_beside_three_effects(evidence_of, hypothesis, effect, monkeypatch):

@@ -15,10 +15,10 @@ from diagnosis.inference.naming.verdict import (
     CaseVerdict,
     NameEvidence,
     WithheldName,
-    cancel,
     conclusion,
     withheld,
 )
+from diagnosis.inference.refusal import cancel
 from diagnosis.inference.unexplained.unlisted import BETTER
 
 numbers = st.floats(-200.0, 200.0)
@@ -35,6 +35,7 @@ evidences = st.builds(
     closest_rival=st.none() | st.tuples(st.just("speed_scale"), numbers),
     ahead=numbers | st.just(-np.inf),
     confidence=st.floats(0.0, 1.0),
+    gain_at_most=st.none() | st.floats(-1.0, 1.0),
 )
 names = st.lists(st.sampled_from(["supply_sag", "range_offset"]), max_size=2, unique=True)
 withheld_names = st.lists(st.just(WithheldName("speed_scale", "reason")), max_size=1)
@@ -50,6 +51,7 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
     assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
     assert evidence.ahead < BETTER
     assert evidence.confidence >= MIN_WEIGHT
+    assert evidence.gain_at_most is None or evidence.gain_at_most >= 0.0
     # Held-out rows count, unless parameters bent far out of their tolerances do its work there.
     counts = evidence.heldout_rise is not None and evidence.rise_of_prior <= 0.5 * evidence.rise
     heldout_rise = evidence.heldout_rise if counts else 0.0
@@ -68,7 +70,10 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
     elif "explains the data better" in reason:
         assert evidence.closest_rival is not None
         assert evidence.closest_rival[1] < 0.0
-    if "held-out" in reason:
+    if "interval" in reason:
+        assert evidence.gain_at_most is not None
+        assert evidence.gain_at_most < 0.0
+    elif "held-out" in reason:
         assert evidence.heldout_rise is not None
         assert evidence.heldout_rise < 0.0
 
