@@ -32,8 +32,9 @@ USUAL_DIAMETER_M, USUAL_TRACK_M = 0.065, 0.14
 """Wheels of the robot of the paper."""
 REFLECTANCE: Mapping[str, float] = {"white": 0.85, "grey": 0.18, "gray": 0.18, "black": 0.05, "wood": 0.45}
 """Reflectances by a word of the material's name; 0.5 for any other."""
-_ESTIMATED = "NOT KNOWN: estimated from this log"
-_ASSUMED = "NOT KNOWN: a usual value"
+_UNKNOWN = "NOT KNOWN"
+_ESTIMATED = f"{_UNKNOWN}: estimated from this log"
+_ASSUMED = f"{_UNKNOWN}: a usual value"
 
 
 @dataclass(frozen=True)
@@ -64,13 +65,17 @@ def nominal_text(measurement: Measurement, known: Mapping[str, float]) -> str:
         CaseKind.TOF_BENCH: _range_bench,
         CaseKind.DRIVE_LOG: _drive,
     }[measurement.kind](measurement, dict(known))
+    lines = list(lines)
     head = [
         "# What a textbook simulation would use. A tolerance is the standard deviation between units, or your doubt.",
-        "# docs/measured.md explains each field. Replace what is NOT KNOWN, and narrow its tolerance: as it is, the",
-        "# tolerance is so wide that no effect can be named in its place.",
-        f"kind: {measurement.kind}",
+        "# docs/measured.md explains each field.",
     ]
-    return "\n".join([*head, *lines]) + "\n"
+    if any(_UNKNOWN in line for line in lines):
+        head += [
+            f"# Replace what is {_UNKNOWN}, and narrow its tolerance: as it is, the tolerance is so wide that no",
+            "# effect can be named in its place.",
+        ]
+    return "\n".join([*head, f"kind: {measurement.kind}", *lines]) + "\n"
 
 
 def _motor(measurement: Measurement, known: dict[str, float], names: Sequence[str], *, gear: bool) -> Iterator[str]:
@@ -85,7 +90,7 @@ def _motor(measurement: Measurement, known: dict[str, float], names: Sequence[st
             yield _Value(value, UNKNOWN_MOTOR * value, comment).line(name)
     channels = ("u_left_V", "u_right_V") if measurement.kind is CaseKind.DRIVE_LOG else ("u_cmd_V",)
     highest = max(float(np.nanmax(np.abs(good_values(measurement, name)), initial=0.1)) for name in channels)
-    supply, comment = highest, "NOT KNOWN: the highest logged voltage"
+    supply, comment = highest, f"{_UNKNOWN}: the highest logged voltage"
     if "supply_voltage_V" in known:
         supply, comment = known["supply_voltage_V"], "given"
     yield f"  supply_voltage_V: {supply:.6g}  # {comment}"

@@ -13,7 +13,7 @@ from diagnosis.inference.likelihood import LEVELS
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.refusal import needed
-from diagnosis.inference.unexplained.adequacy import Structure
+from diagnosis.inference.unexplained.adequacy import LEVEL, Structure
 from diagnosis.inference.unexplained.wander import Wander
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData
@@ -181,6 +181,18 @@ def reach(intervals: Sequence[Interval]) -> str:
     digits = max(3, 2 + ceil(log10(max(abs(widest.low), abs(widest.high)) / (widest.high - widest.low))))
     ends = f"{widest.low:.{digits}g} to {widest.high:.{digits}g}"
     return f"{percent(widest.level)} profile interval {ends}" + (", open at a bound" if widest.is_open else "")
+
+
+def nothing_left(diagnosis: Diagnosis) -> str:
+    """Return that no structure in the residuals is certain, and which one is most likely, in one or two sentences."""
+    first = next(iter(diagnosis.adequacy.structures), None)
+    if first is None or first.p >= DOUBT:
+        smallest = f" (smallest p-value of all tests: {first.p:.2g})" if first else ""
+        return f"Nothing: no covariate shows more structure in the residuals than is expected by chance{smallest}."
+    return (
+        f"Nothing is certain. The residuals of {first.observed} may depend on {along(first.covariate)} "
+        f"(p = {first.p:.2g}), but structure counts as such only if p is below {LEVEL:g}."
+    )
 
 
 def unexplained_sentence(structure: Structure) -> str:

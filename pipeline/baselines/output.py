@@ -62,7 +62,8 @@ def table(compared: BaselineComparison) -> str:
     sd = compared.start_sd
     lines = ["# Localisation baselines", "", _ABOUT]
     accuracy = f"to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation)"
-    lines += [f"The robot is put down {accuracy}.", ""]
+    slip_mm = f"{1e3 * compared.slip_m_sqrt_m:g} mm"
+    lines += [f"The robot is put down {accuracy}. Its wheels are assumed to slip by {slip_mm} at random after 1 m.", ""]
     lines += [f"- {method.name}: {method.what}" for method in compared.methods]
     lines += [f"- {name}: left out, {why}" for name, why in compared.left_out.items()]
     lines += [

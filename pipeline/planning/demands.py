@@ -40,11 +40,12 @@ class Demand:
 
 
 def source_line(like: LoadedPosterior | None) -> str:
-    """Return the measurement that the robots come from, with the weights of the hypotheses; empty without one."""
+    """Return the measurement that the robots come from, with its hypotheses and their weights; empty without one."""
     if like is None:
         return ""
     names = ", ".join(f"{each.name} {100.0 * each.weight:.3g} %" for each in like.hypotheses)
-    return f"like {like.source}: {names}; something else {100.0 * like.something_else:.3g} %"
+    none = f"{100.0 * like.something_else:.3g} %"
+    return f"like {like.source}: {names}; probability that the truth is something else {none}"
 
 
 def demand_lines(like: LoadedPosterior | None, specs: Sequence[RunSpec]) -> tuple[str, ...]:

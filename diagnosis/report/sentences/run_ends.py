@@ -25,7 +25,7 @@ def run_ends(diagnosis: Diagnosis) -> Iterator[str]:
     runs = replace(measurement, trials=held)
     yield (
         "If the last pose of a held-out run is predicted from the first one and the counts alone, its error is "
-        f"{_error(runs, diagnosis.nominal)} with the nominal robot and by {_error(runs, diagnosis.extended)} with the "
+        f"{_error(runs, diagnosis.nominal)} with the nominal robot and {_error(runs, diagnosis.extended)} with the "
         f"extended one (rms of {len(held)} runs)."
     )
     more = [effect for effect in whole.hypothesis.effects if effect not in fit.hypothesis.effects]

@@ -264,7 +264,7 @@ def baselines(
             max=100,
             metavar="MM",
             help="Random error of the distance that a wheel rolls, after 1 m, which the methods assume. "
-            "posterior.yaml of a calibrated dataset has that of its robots as random_slip.",
+            "A diagnosis of drives prints that of the measured robot.",
         ),
     ] = 0.3,
     seed: Seed = 1,

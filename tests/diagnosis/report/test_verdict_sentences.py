@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import FORM
-from diagnosis.report.verdict import certainty, no_effect, unexplained_sentence
+from diagnosis.report.verdict import certainty, no_effect, nothing_left, unexplained_sentence
 
 
 def said(confidence, *others, is_whole=True, rivals=()):
@@ -56,6 +56,23 @@ def test_a_name_beside_something_unexplained_says_so():
 def test_the_form_of_what_is_unexplained_is_said_in_words(what, text):
     structure: Any = SimpleNamespace(covariate="u_cmd_V", what=what, p=1e-5, observed="current_A")
     assert text in unexplained_sentence(structure)
+
+
+@pytest.mark.parametrize(
+    ("p", "text"),
+    [
+        (0.017, "(p = 0.017), but structure counts as such only if p is below 0.001"),
+        (
+            0.4,
+            "Nothing: no covariate shows more structure in the residuals than is expected by chance (smallest p-value",
+        ),
+        (None, "than is expected by chance."),
+    ],
+)
+def test_what_is_left_agrees_with_the_headline(p, text):
+    structures = [] if p is None else [SimpleNamespace(observed="current_A", covariate="u_cmd_V", p=p)]
+    diagnosis: Any = SimpleNamespace(adequacy=SimpleNamespace(structures=structures))
+    assert text in nothing_left(diagnosis)
 
 
 @pytest.mark.parametrize(

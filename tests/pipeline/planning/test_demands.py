@@ -58,6 +58,6 @@ def test_only_what_leaves_the_measured_range_or_was_not_measured_has_a_line(spec
 
 
 def test_the_source_of_the_robots_has_the_weight_of_each_hypothesis():
-    text = "like bench (motor_steady): no effect 75 %, sag 25 %; something else 3 %"
+    text = "like bench (motor_steady): no effect 75 %, sag 25 %; probability that the truth is something else 3 %"
     assert source_line(posterior()) == text
     assert source_line(None) == ""
