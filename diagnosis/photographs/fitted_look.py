@@ -31,6 +31,11 @@ SMALLEST_REFLECTANCE = 0.01
 _MIN_STOPS = 0.02
 """Smallest difference between the exposures of photographs that the look varies."""
 
+_LARGEST_RATIO = 2.0
+"""Ratio of the lights of the line, relative to the floor, above which photographs may show different lines."""
+_LARGEST_DIFFERENCE = 0.3
+"""The same for the difference between their vignettings."""
+
 Value = Scalar | dict[str, list[float]]
 
 
@@ -193,6 +198,19 @@ class FittedLook:
         if high - low < _MIN_STOPS:
             return 0.0, source
         return {"uniform": [round(low, 3), round(high, 3)]}, source
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Return what suggests that the photographs show different lines or light, one sentence each."""
+        shares = [self._line_share(photograph) for photograph in self.photographs]
+        lost = [vignetting([photograph], self.camera.look.contrast) for photograph in self.photographs]
+        cure = "look at the marked edges in report.html, and leave out photographs of which another line was taken"
+        doubts = []
+        if max(shares) > _LARGEST_RATIO * min(shares):
+            doubts.append(f"the line has from {min(shares):.2f} to {max(shares):.2f} of the light of the floor: {cure}")
+        if max(lost) - min(lost) > _LARGEST_DIFFERENCE:
+            doubts.append(f"the vignetting of single photographs is from {min(lost):.2f} to {max(lost):.2f}: {cure}")
+        return tuple(doubts)
 
     def _line_share(self, photograph: PhotographMeasures) -> float:
         """Return the light of the line as a share of that of the floor, without regard to vignetting and glare."""

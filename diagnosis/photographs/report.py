@@ -32,6 +32,8 @@ OF_THE_CAMERA = ("edge_px", "noise", "contrast", "jaggedness_px")
 """Figures that an image without texture has."""
 _COLUMNS = 4
 _CELL_PX = 320
+_MARK_EVERY_PX = 4
+_MARK_BGR = (0, 0, 255)
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ def report_page(look: FittedLook, notes: Sequence[str]) -> str:
         title=f"{look.name}: look of photographs",
         look=look,
         notes=notes,
-        photographs=_sheet([(photograph.name, _shown(photograph)) for photograph in look.photographs]),
+        photographs=_sheet([(photograph.name, _marked(photograph)) for photograph in look.photographs]),
         images=_sheet(images),
         column=_column(look),
         figures=[row.cells for row in figure_rows(look)],
@@ -107,6 +109,17 @@ def _shown(measured: PhotographMeasures) -> BgrImage:
     """Return the image as it was before it was turned."""
     image = measured.place.image
     return np.ascontiguousarray(image.transpose(1, 0, 2)) if measured.place.is_turned else image
+
+
+def _marked(measured: PhotographMeasures) -> BgrImage:
+    """Return the image with dots along both edges of the line, over the rows in which it was measured."""
+    image, place = _shown(measured).copy(), measured.place
+    rows = np.arange(round(place.rows_px[0]), round(place.rows_px[-1]), _MARK_EVERY_PX)
+    for side in (-0.5, 0.5):
+        edge = np.interp(rows, place.rows_px, place.x_px) + side * place.width_px
+        columns = np.clip(edge.round().astype(int), 0, place.shape[1] - 1)
+        image[(columns, rows) if place.is_turned else (rows, columns)] = _MARK_BGR
+    return image
 
 
 def _sheet(images: Sequence[tuple[str, BgrImage]]) -> bytes:

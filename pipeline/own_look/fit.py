@@ -61,7 +61,7 @@ def base_camera(base: str) -> CameraLook:
 
 def look_files(look: FittedLook, read: LookPhotographs, out: Path) -> Mapping[str, bytes]:
     """Return the contents of the files of the folder `out` by name; the same bytes for the same look."""
-    return {LOOK: look.text(out).encode(), PAGE: report_page(look, read.notes).encode()}
+    return {LOOK: look.text(out).encode(), PAGE: report_page(look, (*read.notes, *look.doubts)).encode()}
 
 
 def write_look(look: FittedLook, read: LookPhotographs, out: Path) -> None:

@@ -40,7 +40,9 @@ def read_photographs(files: Sequence[tuple[Path, bytes]], width_px: int | None) 
         InputError: A file is no image, photographs have different sizes, or too few of them show a line.
     """
     if not MIN_PHOTOGRAPHS <= len(files) <= MAX_PHOTOGRAPHS:
-        raise InputError("PHOTO...", got=plural(len(files), "file"), allowed=f"{MIN_PHOTOGRAPHS} to {MAX_PHOTOGRAPHS}")
+        allowed = f"{MIN_PHOTOGRAPHS} to {MAX_PHOTOGRAPHS}"
+        cure = "photograph more places" if len(files) < MIN_PHOTOGRAPHS else "choose some of them, of different places"
+        raise InputError("PHOTO...", got=plural(len(files), "file"), allowed=allowed, cure=cure)
     images, notes = _images(files, width_px)
     places = find_lines(images)
     measured = []
@@ -94,7 +96,8 @@ def _images(files: Sequence[tuple[Path, bytes]], width_px: int | None) -> tuple[
 def _image(path: Path, data: bytes) -> BgrImage:
     image = decoded_bytes(data, in_colour=True)
     if image is None:
-        raise InputError("is no complete image", where=str(path), cure="save it again as PNG or JPEG")
+        cure = "save it again as PNG or JPEG, with at most 64 million pixels"
+        raise InputError("is no complete image, or too large", where=str(path), cure=cure)
     if min(image.shape[:2]) < MIN_SIDE_PX:
         got = f"{image.shape[1]} x {image.shape[0]} px"
         raise InputError("size", where=str(path), got=got, allowed=f"at least {MIN_SIDE_PX} px on each side")

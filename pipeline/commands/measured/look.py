@@ -138,6 +138,8 @@ def from_(
     if render and not dry_run:
         geometry = ViewGeometry(0.001 * line_width_mm, pitch_down_deg, field_of_view_deg)
         look = refined(look, RenderSettings(geometry, workers or cores()), report_here())
+    for doubt in look.doubts:
+        typer.echo(f"warning: {doubt}")
     for line in table_lines(look):
         typer.echo(line)
     if dry_run:

@@ -33,3 +33,20 @@ def test_a_paint_has_the_colour_of_its_light_after_the_saturation_of_the_camera(
     assert grey == pytest.approx(0.5, rel=1e-3)
     seen = grey + saturation * (rgb - grey)
     assert seen / grey == pytest.approx(light / (light @ luminance), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("lights", "losses", "doubt"),
+    [
+        ((0.06, 0.07, 0.06), (0.3, 0.3, 0.3), ""),
+        ((0.03, 0.04, 0.09), (0.3, 0.3, 0.3), "the line has from 0.0"),
+        ((0.06, 0.07, 0.06), (0.0, 0.3, 0.5), "the vignetting of single photographs is from 0.0"),
+    ],
+)
+def test_photographs_of_different_lines_or_light_are_doubted(lights, losses, doubt):
+    images = [photograph(k, line=line, loss=loss) for k, (line, loss) in enumerate(zip(lights, losses, strict=True))]
+    measured = tuple(PhotographMeasures.of("known", place) for place in find_lines(images))
+    camera = FittedCamera(CameraLook(contrast=1.0), np.full(3, 0.42), np.full(3, 0.06), CameraTarget.of(measured))
+    look = FittedLook("known", "lab", measured, camera, "concrete", 0.45, reflectance_is_assumed=True)
+    assert len(look.doubts) == bool(doubt)
+    assert doubt in "".join(look.doubts)

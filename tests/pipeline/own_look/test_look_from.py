@@ -69,7 +69,7 @@ def test_a_dry_run_prints_the_same_look_and_writes_nothing(photos, base, look, t
 def test_a_file_that_is_no_image_is_refused_with_its_name(photos, tmp_path, capsys):
     (tmp_path / "notes.png").write_text("no image")
     line = refused(capsys, photos / "0.png", photos / "1.png", tmp_path / "notes.png", "--out", tmp_path / "out")
-    assert "notes.png: is no complete image" in line
+    assert "notes.png: is no complete image, or too large" in line
     assert not (tmp_path / "out").exists()
 
 
