@@ -75,7 +75,7 @@ def refusal(
         threshold: Fall of the cost from which an effect with one parameter is accepted.
     """
     drop, min_drop = before.cost - after.cost, needed(effect, threshold)
-    if evident_fall(evidence, before, after) < min_drop:
+    if drop < min_drop:
         return f"the cost falls by {drop:.1f}, and {min_drop:.0f} are needed"
     if is_negligible(after, effect):
         return "the effect is smaller than the integration steps of a simulation resolve"
@@ -108,20 +108,6 @@ def refusal(
     if rise > MAX_WORSE * float(np.sqrt((heldout_falls**2).sum())):
         return f"the cost of the held-out rows rises by {rise:.1f}"
     return ""
-
-
-def evident_fall(evidence: Evidence, before: HypothesisFit, after: HypothesisFit) -> float:
-    """Return the fall of the cost by an effect, to which held-out rows that confirm it add.
-
-    Log-likelihoods of independent rows add up. They add at most what the fitted rows show themselves, since an effect
-    that hardly shows in these has no size that held-out rows could confirm. If nuisances leave their tolerances to
-    imitate an effect, they do so in held-out rows too.
-    """
-    drop = before.cost - after.cost
-    if before.prior_cost - after.prior_cost > 0.5 * drop:
-        return drop
-    heldout_fall = float(np.nansum((before.costs - after.costs)[evidence.heldout]))
-    return drop + min(max(heldout_fall, 0.0), max(drop, 0.0))
 
 
 def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:

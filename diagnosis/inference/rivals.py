@@ -4,12 +4,11 @@ Every promising candidate is fitted in place of the effect, with all else fitted
 AS_GOOD more cannot be distinguished by the data, and are reported. That there is no effect at all is an alternative
 too; it is as good as the effect if the fall of the cost is just the threshold for naming one. The confidence in a name
 is its weight among all alternatives, each by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and
-Multimodel Inference, 2nd ed., section 2.9), tempered. One or two effects also
-compete with pairs of others, and an effect of the noise with a statement that is wrong. Log-likelihoods of fitted and
-held-out rows add up. Causes that
-are in no list have the weight of the best simple form of an error (`unexplained/unlisted.py`) and a constant one.
-Temperature and constant were set on the cases `wide_a` (docs/diagnosis_evaluation.md), where 97 % of the surest names
-were right.
+Multimodel Inference, 2nd ed., section 2.9), tempered. One or two effects also compete with pairs of others, and an
+effect of the noise with a statement that is wrong. The costs of fitted and held-out rows add up here, though not in the
+selection. Causes that are in no list have the weight of the best simple form of an error (`unexplained/unlisted.py`)
+and a constant one. Temperature and constant were set on the cases `wide_a` (docs/diagnosis_evaluation.md), where 97 %
+of the surest names were right.
 """
 
 from collections.abc import Iterable, Sequence

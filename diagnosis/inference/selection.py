@@ -22,7 +22,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.refusal import THRESHOLD, cancelled_by, evident_fall, is_of_noise, needed, refusal
+from diagnosis.inference.refusal import THRESHOLD, cancelled_by, is_of_noise, needed, refusal
 from diagnosis.inference.scan import Prospect, scan, scan_pairs
 from diagnosis.inference.unexplained.adequacy import adequacy
 
@@ -184,7 +184,7 @@ def _best_pair(
     rival = base if _cancels(evidence, base, fit) else fit
     names = set(fit.hypothesis.effects)
     # Equal pairs keep their order.
-    for pair in sorted(pairs, key=lambda each: round(each.whole_cost + toll(each), 1)):
+    for pair in sorted(pairs, key=lambda each: round(each.cost + toll(each), 1)):
         if (
             set(pair.hypothesis.effects) != names
             and _is_better(pair, rival)
@@ -204,10 +204,10 @@ def _cancels(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> boo
 
 
 def _is_better(pair: HypothesisFit, fit: HypothesisFit) -> bool:
-    """Return whether a pair of effects explains more than another pair or a single effect, held-out rows included."""
+    """Return whether a pair of effects explains more than another pair or a single effect."""
     if len(fit.hypothesis.effects) == 2:
-        return pair.whole_cost + toll(pair) < fit.whole_cost + toll(fit)
-    return pair.whole_cost + _needed(pair) < fit.whole_cost + _needed(fit)
+        return pair.cost + toll(pair) < fit.cost + toll(fit)
+    return pair.cost + _needed(pair) < fit.cost + _needed(fit)
 
 
 def _entered(
@@ -224,7 +224,7 @@ def _entered(
         if not reason:
             return tried, entries
         # The candidates come best first, so after one that is too weak hardly any can be strong enough.
-        if drop < needed(effect, threshold) / 2.0:
+        if drop < needed(effect, threshold):
             break
     return None, entries
 
@@ -252,7 +252,7 @@ def _extended(evidence: Evidence, fit: HypothesisFit, effects: Sequence[Candidat
     """Return the fits with one promising effect in addition, the best first."""
     names = {effect.kind.name for effect in fit.hypothesis.effects}
     prospects = _scanned(evidence, fit, tuple(effect for effect in effects if effect.kind.name not in names))
-    return ranked(_fitted(evidence, fit, promising(prospects), fit.cost - HOPELESS), effects)
+    return ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects)
 
 
 def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
@@ -352,9 +352,7 @@ def _pruned(evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
     while len(fit.hypothesis.effects) > 1:
         effects = fit.hypothesis.effects
         refits = [without(evidence, fit, effect) for effect in effects]
-        rises = [
-            evident_fall(evidence, refit, fit) - needed(effect) for refit, effect in zip(refits, effects, strict=True)
-        ]
+        rises = [refit.cost - fit.cost - needed(effect) for refit, effect in zip(refits, effects, strict=True)]
         least = int(np.argmin(rises))
         if rises[least] >= 0.0:
             break

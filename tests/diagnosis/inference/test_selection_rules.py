@@ -115,22 +115,10 @@ class TestRefusal:
         reason = judged(np.where(np.arange(100) < 2, 10.0, 0.0), falls)
         assert reason == ("" if is_named else "the fall of 20.0 comes from 2.0 samples")
 
-    @pytest.mark.parametrize(
-        ("fall", "heldout", "prior_fall", "is_named"),
-        [
-            (10.0, 5.0, 0.0, True),
-            (10.0, 4.75, 0.0, False),
-            (7.25, 20.0, 0.0, False),
-            (7.5, 20.0, 0.0, True),
-            # Nuisances that leave their tolerances imitate the effect in held-out rows too.
-            (4.0, 20.0, 8.0, False),
-        ],
-    )
-    def test_held_out_rows_add_to_the_fall_as_much_as_the_fitted_rows_show(
-        self, judged, fall, heldout, prior_fall, is_named
-    ):
-        reason = judged(np.full(100, fall / 100), np.full(10, heldout / 10), prior_fall)
-        assert (not reason) is is_named
+    @pytest.mark.parametrize(("fall", "is_named"), [(15.0, True), (14.9, False)])
+    def test_held_out_rows_that_confirm_an_effect_do_not_make_it_stronger(self, judged, fall, is_named):
+        """They are for the gain, which must be that of rows that chose nothing."""
+        assert (not judged(np.full(100, fall / 100), np.full(10, 2.0), 0.0)) is is_named
 
     @pytest.mark.parametrize(("rows", "is_named"), [(4, True), (5, False)])
     def test_held_out_rows_may_get_worse_by_two_standard_deviations(self, judged, rows, is_named):
@@ -255,9 +243,9 @@ class TestSteps:
         assert Selection(fit, fit, tuple(steps[2:])).refused == tuple(steps[2:])
         assert Selection(fit, fit, tuple(steps[:2])).refused == ()
 
-    @pytest.mark.parametrize(("cost_of_b", "tried"), [(92.5, "ABC"), (93.0, "AB")])
+    @pytest.mark.parametrize(("cost_of_b", "tried"), [(85.0, "ABC"), (85.5, "AB")])
     def test_the_next_effects_are_tried_until_one_is_too_weak(self, evidence, monkeypatch, refusing, cost_of_b, tried):
-        """Of costs that fall from 100, half of 15 is strong enough, since held-out rows may add as much."""
+        """Of costs that fall from 100, 15 less is strong enough."""
         refusing(A, B)
         candidates = [fake_fit(80.0, A), fake_fit(cost_of_b, B), fake_fit(84.0, C)]
         monkeypatch.setattr(selection, "_extended", lambda *_: candidates)
@@ -362,13 +350,13 @@ class TestSteps:
         assert selection._entered(evidence, fake_fit(100.0, *before), ())[0] is None
         assert thresholds == [(A, threshold)]
 
-    def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_4(self, evidence, monkeypatch):
+    def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_9(self, evidence, monkeypatch):
         scanned, goals = [], []
         monkeypatch.setattr(selection, "scan", lambda _, __, effects: scanned.extend(effects) or [])
         monkeypatch.setattr(selection, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
         left = fake_effect("B")
         assert selection._extended(evidence, fake_fit(100.0, A, B), (A, left, C, D)) == []
-        assert (scanned, goals) == ([C, D], [96.0])
+        assert (scanned, goals) == ([C, D], [91.0])
 
     @pytest.mark.parametrize(("last", "rivals"), [(A, [C, D]), (NOISE, [A, C, D])])
     def test_noise_takes_the_place_of_noise_alone(self, evidence, monkeypatch, last, rivals):
@@ -429,7 +417,6 @@ class TestSteps:
             return fake_fit(costs[left], *left)
 
         monkeypatch.setattr(selection, "without", without)
-        monkeypatch.setattr(selection, "evident_fall", lambda _, before, after: before.cost - after.cost)
         # WIDE lacks 6 of what it needs and A 5; then B lacks nothing and A lacks half.
         pruned = selection._pruned(evidence, fake_fit(100.0, A, B, WIDE))
         assert pruned.hypothesis.effects == (B,)
