@@ -39,7 +39,7 @@ def _job(sun: Sun, walls: tuple[Mesh, ...], panels: tuple[LightPanel, ...], hybr
     rows = tuple(tuple(row) for row in X_WC.tolist())
     response = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
     views = (FrameView(1, 0.0, (0.0, 0.0, 0.0), rows),)
-    sampling = TracingSettings(1, 256, denoise=False, hybrid=hybrid)
+    sampling = TracingSettings(1, 128, denoise=False, hybrid=hybrid)
     return RenderJob(RenderJob.FORMAT, scene, CAMERA, views, sampling, response)
 
 
