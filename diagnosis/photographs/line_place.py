@@ -85,9 +85,9 @@ def find_lines(images: Sequence[BgrImage]) -> tuple[LinePlace | None, ...]:
     contrast counts. All images show the same line, so it is dark in all of them or light in all of them.
     """
     best = [_best(image) for image in images]
-    total = {is_dark: sum(of[is_dark][0] for of in best if is_dark in of) for is_dark in (True, False)}
+    total = {is_dark: sum(each[is_dark][0] for each in best if is_dark in each) for is_dark in (True, False)}
     is_dark = total[True] >= total[False]
-    return tuple(of[is_dark][1] if is_dark in of else None for of in best)
+    return tuple(each[is_dark][1] if is_dark in each else None for each in best)
 
 
 def _best(image: BgrImage) -> dict[bool, tuple[float, LinePlace]]:

@@ -14,6 +14,7 @@ from math import exp, log, sqrt
 import numpy as np
 
 from diagnosis.diagnose import Diagnosis
+from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import trimmed_variance
 from diagnosis.posterior.robot_numbers import RobotNumber, RobotNumbers
@@ -97,33 +98,34 @@ def slip_of_headings(trials: Sequence[HeadingChanges], track_m: float) -> Random
 
 def _changes(diagnosis: Diagnosis, stage: Pose) -> list[HeadingChanges]:
     measurement, robot = diagnosis.measurement, diagnosis.fit.robot
-    logged = np.stack([good_values(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
-    first = np.cumsum([0, *stage.trials[:-1]])
-    error = logged[:, 2] - stage.path(robot, np.nan_to_num(logged[first]))[:, 2]
-    travel = stage.travel_m(robot)
+    logged = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
+    starts = np.cumsum([0, *stage.trials[:-1]])
+    error_rad = logged[:, 2] - stage.path(robot, np.nan_to_num(logged[starts]))[:, 2]
+    travel_m = stage.travel_m(robot)
     changes = []
-    for trial, start in zip(measurement.trials, first.tolist(), strict=True):
+    for trial, start in zip(measurement.trials, starts.tolist(), strict=True):
         rows = slice(start, start + len(trial.t_s))
-        way, off = np.cumsum(travel[rows]) - travel[start], error[rows]
-        seen = np.isfinite(off)
-        if not seen.any():
-            continue
-        begin = int(np.argmax(seen))
-        marks = np.arange(way[begin] + MARK_M, way[-1], MARK_M)
-        places = np.searchsorted(way, marks)
-        places = places[seen[places]]
-        short, here = off[WINDOW::WINDOW] - off[:-WINDOW:WINDOW], way[WINDOW::WINDOW] - way[:-WINDOW:WINDOW]
-        usable = np.isfinite(short)
-        changes.append(
-            HeadingChanges(
-                trial.session or trial.name,
-                short[usable],
-                here[usable],
-                off[places] - off[begin],
-                way[places] - way[begin],
-            )
-        )
+        if np.isfinite(error_rad[rows]).any():
+            since_start_m = np.cumsum(travel_m[rows]) - travel_m[start]
+            changes.append(_changes_of(trial.session or trial.name, since_start_m, error_rad[rows]))
     return changes
+
+
+def _changes_of(group: str, travel_m: Array, error_rad: Array) -> HeadingChanges:
+    """Return the changes of one trial, from travels and heading errors in its rows (n,); errors may be NaN."""
+    known = np.isfinite(error_rad)
+    first = int(np.argmax(known))
+    at_marks = np.searchsorted(travel_m, np.arange(travel_m[first] + MARK_M, travel_m[-1], MARK_M))
+    at_marks = at_marks[known[at_marks]]
+    short_rad, short_m = (values[WINDOW::WINDOW] - values[:-WINDOW:WINDOW] for values in (error_rad, travel_m))
+    usable = np.isfinite(short_rad)
+    return HeadingChanges(
+        group=group,
+        short_rad=short_rad[usable],
+        short_m=short_m[usable],
+        long_rad=error_rad[at_marks] - error_rad[first],
+        long_m=travel_m[at_marks] - travel_m[first],
+    )
 
 
 def _slip(trials: Sequence[HeadingChanges], track_m: float) -> float:

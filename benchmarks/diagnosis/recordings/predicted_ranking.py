@@ -161,7 +161,7 @@ def main() -> None:
     print(f"median error over {settings.runs} runs [mm]")
     print(f"{'method':34s}" + "".join(f"{name:>12s}" for name in errors))
     for k, method in enumerate(methods):
-        print(f"{method:34s}" + "".join(f"{1e3 * np.median(of[k]):12.1f}" for of in errors.values()))
+        print(f"{method:34s}" + "".join(f"{1e3 * np.median(each[k]):12.1f}" for each in errors.values()))
     for name in ("calibrated", "fleet"):
         value, low, high = _correlation(errors["recordings"], errors[name])
         print(f"Spearman's correlation of the recordings with {name}: {value:.2f} ({low:.2f} to {high:.2f})")
