@@ -54,6 +54,26 @@ def test_a_limit_in_which_the_libraries_fit_is_none(monkeypatch, capsys):
     assert f"may address {needed_mb - 1} MB, and its libraries need up to {needed_mb} MB" in capsys.readouterr().err
 
 
+BUFFERS = """
+import resource
+from pathlib import Path
+import numpy as np
+import scipy.linalg
+from pipeline.address_space import check_address_space
+resource.setrlimit(resource.RLIMIT_AS, (10**12, resource.RLIM_INFINITY))
+check_address_space()
+used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 1_000_000, resource.RLIM_INFINITY))
+print(np.linalg.inv(2.0 * np.eye(2))[0, 0], scipy.linalg.inv(4.0 * np.eye(2))[0, 0])
+"""
+
+
+def test_after_the_start_of_a_command_no_inverse_waits_for_memory_without_end():
+    """OpenBLAS asks again and again for the memory of its first call, and heeds no signal but the last one."""
+    ended = subprocess.run([sys.executable, "-c", BUFFERS], capture_output=True, text=True, timeout=60, check=True)
+    assert ended.stdout.split() == ["0.5", "0.25"]
+
+
 THREADS = """
 import resource, sys
 from pathlib import Path
