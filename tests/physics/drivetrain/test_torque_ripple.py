@@ -22,18 +22,6 @@ RIPPLES = [(0.01, 5.0, 1.0), (0.015, 12.3, -2.0), (0.005, 25.0, 0.3), (0.03, 1.0
 """Amplitude, cycles per turn and phase; the last one is stronger than the dry friction."""
 
 
-@pytest.fixture(scope="module")
-def motor(robot):
-    numbers = {
-        "winding_resistance_ohm": R,
-        "torque_constant_N_m_A": K,
-        "viscous_friction_N_m_s_rad": B,
-        "coulomb_friction_N_m": TC,
-        "rotor_inertia_kg_m2": J,
-    }
-    return robot.model_copy(update={"motor": robot.motor.model_copy(update=numbers)})
-
-
 def with_ripple(motor, ripple):
     amplitude, cycles, phase = ripple
     return motor.with_effect(TorqueRipple(amplitude_N_m=amplitude, cycles_per_turn=cycles, phase_rad=phase))

@@ -41,18 +41,6 @@ class Sticky(Effect):
 
 
 @pytest.fixture(scope="module")
-def motor(robot):
-    numbers = {
-        "winding_resistance_ohm": R,
-        "torque_constant_N_m_A": K,
-        "viscous_friction_N_m_s_rad": B,
-        "coulomb_friction_N_m": TC,
-        "rotor_inertia_kg_m2": J,
-    }
-    return robot.with_section("motor", numbers)
-
-
-@pytest.fixture(scope="module")
 def model_with(motor):
     def make(text, **numbers):
         effect = EFFECTS.executed(Path("law.py"), text.encode())
