@@ -145,17 +145,20 @@ class Family(Generic[Member]):
         """Return the member of a text that this program wrote itself, without adding it to the family.
 
         Args:
-            file: Path for messages; nothing is read from it.
+            file: Path for messages, in which the name gets an ending; nothing is read from it.
             text: Python code.
 
         Raises:
             InputError: Its class is not complete.
         """
-        module = self._executed(file, text)
+        # Pydantic takes descriptions from the lines of a file, of which Python remembers those that it saw first.
+        own = file.with_stem(f"{file.stem}_{sha256(text).hexdigest()[:8]}")
+        module = self._executed(own, text)
         try:
             return self._only_member(module, place_of)
         finally:
             del sys.modules[module.__name__]
+            linecache.cache.pop(str(own), None)
 
     @contextmanager
     def holding(self, member: type[Member], file: Path, text: bytes) -> Iterator[None]:

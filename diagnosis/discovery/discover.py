@@ -1,8 +1,8 @@
 """Discovery: a law for what the listed effects leave unexplained, or else a smooth curve, in a slot of the simulator.
 
 A law describes; it is no name. The verdict stays as it is, and the law extends the model. It is accepted if no draw of
-signs does as well (`search`), if fitted and held-out rows together show it clearly, if neither speaks against it, and
-if all named effects are still needed beside it. A form with few numbers competes with smooth curves over each
+signs does as well (`search`), if the fitted rows show it clearly, and if all named effects are still needed beside it.
+Held-out rows choose nothing; they can only refuse the best form. A form with few numbers competes with smooth curves over each
 covariate, with a toll for each number; if none is better, the best curve is the law.
 """
 
@@ -38,7 +38,7 @@ OPEN = (CaseVerdict.UNEXPLAINED, CaseVerdict.NAMED_IN_PART, CaseVerdict.UNDECIDE
 MAX_CHANCE = 0.01
 """Share of draws of signs in which chance may do as well as the best form: one of 199 at most."""
 MIN_SCORE = 15.0
-"""Smallest fall of the cost of fitted and held-out rows together, less the tolls for numbers and forms."""
+"""Smallest fall of the cost, less the tolls for numbers and forms."""
 MAX_HELDOUT_RISE = 2.0
 """Largest rise of the cost of the held-out rows. Few held-out rows may hardly show a law."""
 MIN_ROWS = 12
@@ -106,6 +106,9 @@ def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
             reason = f"the best form, {every[0].form.words}, is refused, since {reasons[0]}"
         return None, reason, LawSearch(scan.chance, len(tried))
     best, *others = accepted
+    if evidence.heldout.any() and best.heldout_fall < -MAX_HELDOUT_RISE:
+        rise = f"since the cost of the held-out rows rises by {-best.heldout_fall:.1f}"
+        return None, f"the best form, {best.form.words}, is refused, {rise}", LawSearch(scan.chance, len(tried))
     rivals = tuple((each.form.words, best.score - each.score) for each in others if best.score - each.score < AS_GOOD)
     return best, "", LawSearch(scan.chance, len(tried), rivals)
 
@@ -126,8 +129,6 @@ def _refusal(evidence: Evidence, before: HypothesisFit, tried: FittedLaw, chance
         return f"some form does as well in {100.0 * chance:.2g} % of random signs of the residuals"
     if tried.score < MIN_SCORE:
         return f"the cost falls by {tried.score:.1f} after the tolls, and {MIN_SCORE:.0f} are needed"
-    if evidence.heldout.any() and tried.heldout_fall < -MAX_HELDOUT_RISE:
-        return f"the cost of the held-out rows rises by {-tried.heldout_fall:.1f}"
     if is_at_bound(tried.fit, tried.form.candidate):
         return "a number lies at its bound"
     for effect in before.hypothesis.effects:

@@ -54,7 +54,7 @@ class FittedLaw:
     heldout_fall: float
     """Fall of the cost of the held-out rows."""
     score: float
-    """Both falls, less a toll for each number."""
+    """Fall over the rows of the fit, less a toll for each number. Held-out rows choose nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ def fitted(evidence: Evidence, fit: HypothesisFit, form: LawForm, starts: Sequen
     after = min(fits(evidence, [(hypothesis, start) for start in starts]), key=lambda each: each.cost)
     fall = fit.cost - after.cost
     heldout_fall = float((fit.costs - after.costs)[evidence.heldout].sum())
-    return FittedLaw(form, after, fall, heldout_fall, fall + heldout_fall - TOLL * form.size)
+    return FittedLaw(form, after, fall, heldout_fall, fall - TOLL * form.size)
 
 
 def null_start(fit: HypothesisFit, form: LawForm) -> Array:

@@ -4,6 +4,7 @@ import hashlib
 import json
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -267,3 +268,35 @@ def test_a_release_is_repaired_only_with_the_file(scenario, tmp_path, tiny, caps
 def test_the_schema_for_editors_takes_a_list_of_paths():
     definitions = scenario_json_schema()["$defs"]
     assert definitions["RobotConfig"]["properties"]["effect_files"]["items"]["type"] == "string"
+
+
+def _law(name, lines, meaning):
+    """Return the text of an effect whose class begins after some lines."""
+    return "\n" * lines + f'''from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
+from symolo.core.arrays import Array
+
+
+class {name}(Effect):
+    """A law of a test."""
+
+    slot = Slot.CURRENT_READING
+    cause = "a test"
+    excitation = "any voltage"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
+
+    more_A: Annotated[float, Parameter("A", null=0.0, start=0.01, low=-0.1, high=0.1)]
+    """{meaning}"""
+
+    def apply(self, current_A: Array) -> Array:
+        return current_A + self.more_A
+'''
+
+
+def test_texts_of_one_file_name_that_are_executed_in_turn_have_their_own_descriptions():
+    """Pydantic takes descriptions from the lines of a file, of which Python remembers what it saw first."""
+    for name, lines, meaning in (("Short", 0, "Of one."), ("Longer", 30, "Of another."), ("Short", 0, "Of one.")):
+        effect = EFFECTS.executed(Path("law.py"), _law(name, lines, meaning).encode())
+        assert effect.model_fields["more_A"].description == meaning

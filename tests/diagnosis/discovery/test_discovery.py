@@ -53,16 +53,18 @@ EXPECTED = {
 }
 
 
-def bench(folder, name, seed=7):
-    """Return a bench with one law."""
+def bench(folder, name, seed=7, heldout="same"):
+    """Return a bench with one law; its held-out rows may have the opposite of it."""
     noise = np.random.Generator(np.random.PCG64(seed))
     distance = noise.uniform(0.1, 1.0, ROWS).round(3)
     lux = np.exp(noise.uniform(np.log(20.0), np.log(4000.0), ROWS)).round(1)
     time = 2.0 * np.arange(ROWS)
-    reading = distance + LAWS[name](distance, lux, time) + 0.001 * noise.standard_normal(ROWS)
+    is_heldout = np.arange(ROWS) % 4 == 3
+    sign = np.where(is_heldout & (heldout == "opposite"), -1.0, 1.0)
+    reading = distance + sign * LAWS[name](distance, lux, time) + 0.001 * noise.standard_normal(ROWS)
     lines = ["row,split,t_s,distance_m,material,incidence_rad,temperature_C,ambient_lux,reading_m"]
     for row, (t, d, light, value) in enumerate(zip(time, distance, lux, reading, strict=True)):
-        split = "holdout" if row % 4 == 3 else "fit"
+        split = "holdout" if is_heldout[row] else "fit"
         lines.append(f"{row + 1},{split},{t},{d},,,,{light},{value:.4f}")
     (folder / "nominal.yaml").write_text(NOMINAL)
     (folder / "data.csv").write_text("\n".join(lines) + "\n")
@@ -93,6 +95,13 @@ def test_a_hidden_law_has_its_structure_and_its_numbers(diagnosis_of, name):
     assert law.gain.low > 0.0
     assert law.gain.after < 1.1  # sigma: what is left is noise
     assert law.gain.before > 2.0
+
+
+def test_heldout_rows_choose_no_law_but_refuse_one(tmp_path, diagnosis_of):
+    opposite = with_law(diagnose(bench(tmp_path, "threshold", heldout="opposite"))).discovery
+    assert opposite.law is None
+    assert diagnosis_of("threshold").law.form.words in opposite.reason
+    assert "the cost of the held-out rows rises" in opposite.reason
 
 
 def test_a_threshold_lies_between_the_rows_where_it_was_hidden(diagnosis_of):
