@@ -1,29 +1,25 @@
 """Checks over several fields: impossible geometry, and settings that contradict each other."""
 
-import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from pydantic import ValidationError
-
+from configs.camera_checks import camera_faults, image_faults, lens_faults
 from configs.faults import ConfigFault
 from configs.motion_checks import motion_faults
 from configs.robot_sensors import SensorSettings
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.base import Section
-from configs.schema.robot import Camera, RobotConfig
-from configs.schema.scenario import Rates, Render, Route, Scenario, SceneSpec
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Rates, Route, Scenario, SceneSpec
 from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.distributions import Choice
 from symolo.core.errors import InputError, together
-from symolo.core.geometry.lens import lens_problem
 from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 from symolo.dataset.documents.camera_specification import KIND as CAMERA
-from symolo.dataset.documents.camera_specification import further_cameras, specification_of
 from symolo.dataset.splits import SplitMember, check
 
 FAR = 3.0
@@ -97,7 +93,7 @@ def check_cameras(spec: SceneSpec) -> None:
         InputError: For each contradiction between its lens and the size and rendering of its images.
     """
     content = node_of(spec.model_dump(mode="json"), "")
-    _refuse((*_lens_faults(spec), *_camera_faults(spec)), content)
+    _refuse((*lens_faults(spec), *camera_faults(spec)), content)
 
 
 def _refuse(faults: Iterable[ConfigFault], root: Node, note: str = "") -> None:
@@ -111,13 +107,14 @@ def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[Con
     yield from _route_name_faults(scenario.routes)
     yield from _arena_faults(scenario.arena)
     yield from robot_faults(scenario.robot, in_simulation=True)
-    yield from _lens_faults(scenario)
-    yield from _camera_faults(scenario)
+    yield from lens_faults(scenario)
+    yield from camera_faults(scenario)
     yield from _look_faults(scenario.look)
+    yield from image_faults(scenario)
     yield from _period_faults(scenario.rates, scenario.robot)
     if scenario.board is not None and scenario.controller is not None:
-        cure = "leave out board or controller"
-        yield ConfigFault(("controller",), "the board drives already", against=("board",), cure=cure)
+        allowed, cure = "none, since the board drives", "leave out board or controller"
+        yield ConfigFault(("controller",), allowed=allowed, against=("board",), cure=cure)
     for index, route in zip(indices, scenario.routes, strict=True):
         yield from _start_faults(scenario.arena, scenario.robot, route, ("routes", index, "start"))
 
@@ -277,30 +274,6 @@ def _below(place: FieldPath, faults: Iterable[ConfigFault]) -> Iterator[ConfigFa
     for fault in faults:
         against = (*place, *fault.against) if fault.against else ()
         yield replace(fault, path=(*place, *fault.path), against=against)
-
-
-def _lens_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
-    camera, render = scenario.robot.camera, scenario.render
-    if camera.fisheye is not None:
-        cure = "describe it as a further camera, for example robot.sensors.rear: {kind: camera, fisheye: {}}"
-        yield ConfigFault(("robot", "camera", "fisheye"), "the camera of data.csv has no fisheye lens", cure=cure)
-    if problem := lens_problem(camera, render.width_px, render.height_px):
-        got = ", ".join(f"{name} {value:g}" for name, value in camera.distortion if value)
-        cure = "take smaller coefficients, a longer focal_length_mm or a smaller sensor_width_mm"
-        yield ConfigFault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
-
-
-def _camera_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
-    """Yield what is wrong with a further camera where it takes the place of that of data.csv."""
-    content = scenario.model_dump(mode="json")
-    for name in further_cameras(content):
-        specification = specification_of(content, name)
-        try:
-            Camera.model_validate_json(json.dumps(specification["robot"]["camera"]))
-            Render.model_validate_json(json.dumps(specification["render"]))
-        except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            yield ConfigFault(("robot", "sensors", name), first["msg"])
 
 
 def _range_faults(robot: RobotConfig) -> Iterator[ConfigFault]:

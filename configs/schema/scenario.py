@@ -17,7 +17,7 @@ from configs.schema.splits import Splits
 from symolo.core.files.image_headers import MAX_DECODER_BYTES
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.origin import Origin
-from symolo.dataset.rates import Rate
+from symolo.dataset.rates import IMAGE_HZ, Rate
 
 
 class StartPose(Section):
@@ -51,6 +51,10 @@ class Stop(Section):
     """Longest duration of a run [s]."""
 
 
+MIN_CAMERA_HZ = 0.001
+"""Smallest rate of a camera that takes images."""
+
+
 class Rates(Section):
     """Rates of simulation, control and camera.
 
@@ -63,9 +67,15 @@ class Rates(Section):
     """Rate of the controllers of the wheel speeds."""
     control_hz: Annotated[int, PLANNED] = Field(default=20, ge=1, le=1000)
     """Rate of the controller and of the rows of data.csv."""
-    camera_hz: Annotated[Rate, PLANNED] = Field(default=5, ge=0.001, le=1000)
+    camera_hz: Annotated[Rate, PLANNED] = Field(default=IMAGE_HZ, ge=0, le=1000)
     """Rate of the images, of any size. If it does not divide control_hz, images are also taken between the rows of
-    data.csv."""
+    data.csv. With 0, there are none."""
+
+    @model_validator(mode="after")
+    def _images_within_hours(self) -> "Rates":
+        if 0 < self.camera_hz < MIN_CAMERA_HZ:
+            raise disagreement("camera_hz", self.camera_hz, f"at least {MIN_CAMERA_HZ}, or 0 for no images")
+        return self
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> "Rates":

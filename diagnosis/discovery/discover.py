@@ -2,8 +2,8 @@
 
 A law describes; it is no name. The verdict stays as it is, and the law extends the model. It is accepted if no draw of
 signs does as well (`search`), if the fitted rows show it clearly, and if all named effects are still needed beside it.
-Held-out rows choose nothing; they can only refuse the best form. A form with few numbers competes with smooth curves over each
-covariate, with a toll for each number; if none is better, the best curve is the law.
+Held-out rows choose nothing; they can only refuse the best form. A form with few numbers competes with smooth curves
+over each covariate, with a toll for each number; if none is better, the best curve is the law.
 """
 
 from collections.abc import Iterator, Sequence

@@ -57,6 +57,7 @@ def _layout(metadata: Metadata) -> str:
     rows, images = "one row for each pose", "camera images, numbered from 1"
     if rates:
         rows = f"one row every {1000 / rates.control_hz:g} ms ({rates.control_hz} Hz)"
+    if rates and rates.camera_hz:
         images = f"camera images every {1000 / rates.camera_hz:g} ms ({rates.camera_hz:g} Hz), numbered from 1"
         if period_beside_rows_s(rates) is not None:
             images += ", also between rows; their times are in side/camera.csv"

@@ -58,7 +58,7 @@ def why_not(method: Method, runs: Sequence[LoggedRun]) -> str:
     if not method.learns:
         return ""
     if any(run.images is None for run in runs):
-        return "there are no images: release the scenario in place of simulating it"
+        return "there are no images: release the scenario, with rates.camera_hz above 0"
     return "there is one run only: it learns from the others" if len(runs) == 1 else ""
 
 

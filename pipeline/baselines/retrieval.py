@@ -128,7 +128,7 @@ def _folds(counts: Sequence[int]) -> list[Ints]:
 
 def _estimate(knowledge: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
     if knowledge.images is None:
-        raise InputError("the run has no images", cure="release its scenario in place of simulating it")
+        raise InputError("the run has no images", cure="release its scenario, with rates.camera_hz above 0")
     pose, covariance = _Regressor(lessons).estimate(knowledge.images.thumbnails)
     return Estimate(knowledge.images.rows.copy(), pose, covariance)
 

@@ -20,6 +20,7 @@ from symolo.core.geometry.pinhole import Intrinsics, horizontal_field_of_view_ra
 from symolo.dataset.documents.camera_model import X_CB
 from symolo.dataset.documents.camera_specification import KIND
 from symolo.dataset.documents.sensor_sections import optical_frame, sensor_frame
+from symolo.dataset.rates import IMAGE_HZ
 
 CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera_link", "camera_optical_frame", "line_sensor"
 _ROUND = {
@@ -82,7 +83,7 @@ class RobotParts:
             links,
             _visuals(spec, links),
             frames(spec.robot),
-            Lens.of(spec, spec.rates.camera_hz),
+            Lens.of(spec, spec.rates.camera_hz or IMAGE_HZ),
             {one.name: Lens.of(one.spec, 1 / one.period_s) for one in cameras_of(spec)[1:]},
             spec.rates.control_hz,
         )

@@ -69,6 +69,8 @@ class PlannedRun:
     @property
     def bytes_needed(self) -> int:
         pixels = self.images * self.width_px * self.height_px
+        if not self.images:
+            return COPIES * self.rows * BYTES_PER_ROW
         return image_bytes(self.images, pixels, annotated=self.annotated) + COPIES * self.rows * BYTES_PER_ROW
 
 
@@ -94,11 +96,12 @@ class ScenarioPlan:
 
     @classmethod
     def of(cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None) -> "ScenarioPlan":
-        planned = [(camera.name, _planned(spec, camera)) for spec in specs for camera in cameras_of(spec)]
+        cameras = [(spec, camera) for spec in specs for camera in cameras_of(spec) or [RunCamera("", spec, 0.0)]]
+        planned = [(camera.name, _planned(spec, camera)) for spec, camera in cameras]
         runs = tuple(run for name, run in planned if not name)
-        cameras = tuple(replace(run, rows=0) for name, run in planned if name)
+        further = tuple(replace(run, rows=0) for name, run in planned if name)
         warnings = tuple(f"{spec.key}: {text}" for spec in specs for text in start_warnings(spec))
-        return cls(runs, cameras, cores, source_line(like), demand_lines(like, specs), warnings)
+        return cls(runs, further, cores, source_line(like), demand_lines(like, specs), warnings)
 
     @property
     def _all(self) -> tuple[PlannedRun, ...]:
@@ -128,31 +131,34 @@ class ScenarioPlan:
         lights = dict.fromkeys(LightPathsRecord.model_validate(run.sampling.paths).text for run in self._all)
         lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
         lines += [
-            f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  {run.width_px} x {run.height_px}"
+            f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  "
+            + (f"{run.width_px} x {run.height_px}" if run.images else "-")
             for run in self._all
+        ]
+        rendering = [
+            f"quality    {' or '.join(qualities)}",
+            f"light      {' or '.join(lights)}",
         ]
         lines += [
             "",
             f"runs       {len(self.runs)}",
             f"images     {self.images}",
-            f"quality    {' or '.join(qualities)}",
-            f"light      {' or '.join(lights)}",
+            *(rendering if self.images else []),
             *([f"robots     {self.robots}"] if self.robots else []),
             *(f"beyond     {line}" for line in self.demands),
             *(f"WARNING    {line}" for line in self.warnings),
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
-            f"render     about {seconds(self.render_s)}",
+            *([f"render     about {seconds(self.render_s)}"] if self.images else []),
             "",
             f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds per second"
-            f" and core; {self._tracing()}{RENDER_FRAME_S:g} s per image"
-            f" on one core; {BYTES_PER_PIXEL:g} bytes per pixel{self._further()}"
+            f" and core{self._tracing() if self.images else ''}"
             + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else "."),
         ]
         return "\n".join(lines)
 
     def _tracing(self) -> str:
-        """Return the assumptions about rays and denoiser."""
+        """Return the assumptions about images, their rays and the denoiser."""
         costs = []
         if any(_is_hybrid(run.sampling) for run in self._all):
             costs.append(
@@ -171,7 +177,8 @@ class ScenarioPlan:
             times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted(DENOISE_S[name] for name in prefilters)]
             denoising = f"{' or '.join(times_us)} us per pixel to denoise, and " if times_us else "and "
             costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us per pixel and sample, {denoising}")
-        return "".join(costs)
+        image = f"{RENDER_FRAME_S:g} s per image on one core; {BYTES_PER_PIXEL:g} bytes per pixel{self._further()}"
+        return f"; {''.join(costs)}{image}"
 
     def _further(self) -> str:
         """Return the assumptions about lenses and annotations, if there are any."""
@@ -212,7 +219,8 @@ def _samples(sampled: TracingSettings) -> str:
 def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
     render, config = camera.spec.render, camera.spec.robot.camera
     duration_s = min(LAP_S, spec.stop.time_limit_s) if spec.stop.lap else spec.stop.time_limit_s
-    images = int(duration_s / (camera.period_s or 1 / spec.rates.camera_hz) + 1e-9) + 1
+    image_hz = 1 / camera.period_s if camera.period_s else spec.rates.camera_hz
+    images = int(duration_s * image_hz + 1e-9) + 1 if image_hz else 0
     pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
     pinhole = pinhole_image(intrinsics(config, render.width_px, render.height_px)).camera
     traced = pinhole.width_px * pinhole.height_px
@@ -233,5 +241,5 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
         quality=render.quality,
         sampling=sampled,
         margin=traced / pixels,
-        render_core_s=RENDER_START_S + choice_s + images * image_s + annotation_s,
+        render_core_s=RENDER_START_S + choice_s + images * image_s + annotation_s if images else 0.0,
     )

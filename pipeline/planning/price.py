@@ -21,7 +21,7 @@ from pipeline.stages.render import journal
 from pipeline.stages.simulate_runs import simulate_runs
 from pipeline.work.batch import Batch
 from pipeline.work.supervisor import cores
-from symolo.core.errors import RunFailed
+from symolo.core.errors import InputError, RunFailed
 from symolo.core.files.disk_space import check_scratch
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.progress import Report, plural, seconds
@@ -139,6 +139,8 @@ def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Pr
         RunFailed: One of the images could not be made.
     """
     hz = draw_run(loaded := load_scenario(scenario, overrides), loaded.routes[0].name, 1).rates.camera_hz
+    if not hz:
+        raise InputError("rates.camera_hz", got=hz, allowed="a rate above 0, since the images are timed")
     kinds = ",".join(get_args(AnnotationName))
     short = ["stop.lap=false", f"stop.time_limit_s={(IMAGES - 0.5) / hz}", f"render.annotations=[{kinds}]"]
     loaded = load_scenario(scenario, [*overrides, *short])

@@ -6,11 +6,9 @@ import numpy as np
 
 from configs.schema.scenario import RunSpec
 from pipeline.stages.run_tables import TakenRun
+from symolo.dataset.rates import IMAGE_HZ
 from symolo.dataset.tables.camera_rows import image_column, main_camera_rows
 from symolo.dataset.tables.rows import HEADER, Ints
-
-DEFAULT_HZ = 5.0
-"""Image rate of a trajectory without images, as in SyMoLo."""
 
 
 def with_images(run: TakenRun, camera_hz: float | None) -> TakenRun:
@@ -22,11 +20,12 @@ def with_images(run: TakenRun, camera_hz: float | None) -> TakenRun:
     rows, spec = run.rows, run.spec
     if camera_hz is None and np.any(rows.image > 0):
         return _counted(run)
-    if camera_hz is not None and isinstance(spec, RunSpec):
-        spec = spec.model_copy(update={"rates": spec.rates.model_copy(update={"camera_hz": camera_hz})})
+    if isinstance(spec, RunSpec):
+        rates = {"camera_hz": camera_hz or IMAGE_HZ}
+        spec = spec.model_copy(update={"rates": spec.rates.model_copy(update=rates)})
         image = image_column(rows.t_ms, spec.rates)
     else:
-        image = image_numbers(rows.t_ms, camera_hz or DEFAULT_HZ)
+        image = image_numbers(rows.t_ms, camera_hz or IMAGE_HZ)
     columns = tuple(name for name in HEADER if name in {*rows.columns, "img"})
     return _counted(replace(run, rows=replace(rows, image=image, columns=columns), spec=spec))
 

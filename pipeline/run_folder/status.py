@@ -159,7 +159,7 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     simulate = _simulated(workspace, run, spec, check=check)
     outcome = _outcome(workspace, run)
     stages = [simulate]
-    if outcome is not None and not outcome.images and simulate.stage != "simulate":
+    if outcome is not None and not outcome.images and not outcome.problems:
         stages.append(_released(workspace, run, pending=bool(simulate.again), has_images=False))
     elif outcome is None or not outcome.problems:
         changed = [] if spec is None else image_changes(workspace, run, spec)

@@ -101,9 +101,10 @@ def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str],
     """Return the facts of a run, the classes of the processors that made it, and the columns of its data.csv."""
     stage = workspace.simulate(spec.key).path
     rows, outcome = stage_rows(stage), read_outcome(stage)
-    if not rows.image.any():  # of an imported trajectory
-        cameras = {name: _logged_record(stage, name, one) for name, one in logged_cameras(spec).items()}
-        record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings, cameras=cameras)
+    drivers = {"board": outcome.board, "controller": outcome.controller}
+    if not rows.image.any():
+        logged = {name: _logged_record(stage, name, one) for name, one in logged_cameras(spec).items()}
+        record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings, cameras=logged, **drivers)
         return record, {outcome.cpu} - {""}, rows.columns
     cameras = {camera.name: camera for camera in cameras_of(spec)}
     rendered = {name: Rendered.read(workspace.render(spec.key, name).path) for name in cameras}
@@ -117,10 +118,9 @@ def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str],
         warnings,
         rendered[""].device,
         cpus=cpus,
-        board=outcome.board,
-        controller=outcome.controller,
         cameras={name: _camera_record(camera, rows, rendered[name]) for name, camera in cameras.items() if name},
         rendering=rendered[""].rendering,
+        **drivers,
     )
     return record, {outcome.cpu, *cpus} - {""}, rows.columns
 

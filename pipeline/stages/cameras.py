@@ -34,8 +34,10 @@ class RunCamera:
 
 
 def cameras_of(spec: SceneSpec) -> tuple[RunCamera, ...]:
-    """Return the cameras of a run whose images are rendered, that of data.csv first."""
+    """Return the cameras of a run whose images are rendered, that of data.csv first; none if it takes no images."""
     rates = spec.rates if isinstance(spec, RunSpec) else None
+    if rates is not None and not rates.camera_hz:
+        return ()
     nominal = RunCamera("", spec, period_beside_rows_s(rates) or 0.0)
     if KIND not in spec.robot.sensors.kinds:
         return (nominal,)

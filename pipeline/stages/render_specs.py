@@ -38,6 +38,10 @@ def render_specs(
     by_key, cameras = {spec.key: spec for spec in specs}, _cameras(specs)
     left = {run: sum(1 + bool(c.spec.render.annotations) for c in of_run) for run, of_run in cameras.items()}
     tasks: dict[str, FrameTask] = {}
+    failed_before = {failure.run for failure in failures}
+    for spec in specs:
+        if not left[spec.key] and spec.key not in failed_before:  # without images it is complete
+            on_complete(spec)
 
     def on_task(name: str) -> None:
         run = tasks[name].run

@@ -79,8 +79,8 @@ def stage_rows(folder: Path) -> Rows:
 
 
 def stage_has_images(spec: SceneSpec, folder: Path) -> bool:
-    """Return whether images belong to a run; a trajectory may be imported without any."""
-    return not spec.is_imported or bool(stage_rows(folder).image.any())
+    """Return whether images belong to a run; it may be simulated or imported without any."""
+    return bool(cameras_of(spec)) and (not spec.is_imported or bool(stage_rows(folder).image.any()))
 
 
 def stage_tables(spec: SceneSpec, folder: Path) -> Iterator[tuple[str, bytes]]:
@@ -110,7 +110,8 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
-    yield from _of_images(spec, rows)
+    if rows.image.any():
+        yield from _of_images(spec, rows)
     yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 

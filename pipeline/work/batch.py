@@ -14,6 +14,7 @@ from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
+from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import FrameTask, Order
 from pipeline.stages.render_specs import annotation_orders, noted, render_orders, render_specs
 from pipeline.stages.simulate_runs import problems_of, simulate_runs, simulation_key
@@ -57,8 +58,14 @@ class Batch:
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
         check_disk(out, ScenarioPlan.of(specs, cores()).bytes_needed)
+        renders = renders and any(map(cameras_of, specs))
         device = device_for(specs[0].render.device) if renders else "CPU"
         return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
+
+    @property
+    def has_images(self) -> bool:
+        """Whether any run has images to render."""
+        return any(map(cameras_of, self.specs))
 
     def keep_user_files(self) -> None:
         """Copy the user's files for the renderers. Call it before the simulation, during which they could change.

@@ -47,8 +47,7 @@ def check_images(data: Dataset) -> None:
     """
     for run in data.runs:
         if not run.numbers and not any(camera.numbers for camera in run.cameras.values()):
-            cure = "render its trajectory with `symolo rerender`" if run.spec.is_imported else ""
-            cure = cure or "choose other runs with --runs"
+            cure = "choose other runs with --runs, or render its trajectory with `symolo rerender`"
             raise InputError(f"run {run.name} has no images", where=str(data.root), cure=cure)
 
 

@@ -117,7 +117,7 @@ def _contents(facts: ReleaseFacts) -> list[tuple[str, str]]:
     listed = ", ".join(names) if len(names) <= _MAX_RUN_NAMES else f"{names[0]} to {names[-1]}"
     duration_s, distance_m = sum(record.duration_s for record in records), sum(record.distance_m for record in records)
     rows, images = sum(record.rows for record in records), sum(record.images for record in records)
-    image_rate = [f"{first.rates.camera_hz:g} per second"] if first.rates else []
+    image_rate = [f"{first.rates.camera_hz:g} per second"] if images and first.rates else []
     return [
         *([("Licence", facts.metadata.licence)] if facts.is_released else []),
         ("Runs", f"{len(records)}: {listed}"),

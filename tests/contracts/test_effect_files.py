@@ -272,7 +272,9 @@ def test_the_schema_for_editors_takes_a_list_of_paths():
 
 def _law(name, lines, meaning):
     """Return the text of an effect whose class begins after some lines."""
-    return "\n" * lines + f'''from typing import Annotated
+    return (
+        "\n" * lines
+        + f'''from typing import Annotated
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
@@ -293,6 +295,7 @@ class {name}(Effect):
     def apply(self, current_A: Array) -> Array:
         return current_A + self.more_A
 '''
+    )
 
 
 def test_texts_of_one_file_name_that_are_executed_in_turn_have_their_own_descriptions():

@@ -116,7 +116,7 @@ def test_its_settings_are_keys_with_bounds_that_may_be_drawn():
         drawn("controller.toy.speed=0.1")
     with pytest.raises(InputError, match=r"controller: got 'toy, program', allowed: the name of one controller"):
         drawn("controller={toy: {}, program: {}}")
-    with pytest.raises(InputError, match="the board drives already"):
+    with pytest.raises(InputError, match="none, since the board drives"):
         drawn("controller.toy={}", "board.kind=simulated")
     assert drawn("board.kind=simulated").controller is None
 

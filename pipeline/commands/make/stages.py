@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from symolo.dataset.documents.metadata import FailedRun
 
 STAGES = ("simulate", "render", "assemble")
-ENGINE_OF = {"simulate": "pybullet", "render": "bpy"}
-"""Package by the stage that needs it; it is looked for before anything is written."""
 
 
 def plan(
@@ -242,10 +240,11 @@ def _make(
 
     command = stages[0] if len(stages) == 1 else "release"
     report = report_here()
-    for stage in stages:
-        if stage in ENGINE_OF:
-            check_installed(ENGINE_OF[stage])
+    if "simulate" in stages:
+        check_installed("pybullet")
     batch = Batch.open(scenario, overrides, out, executor, report, renders=command != "simulate")
+    if "render" in stages and batch.has_images:
+        check_installed("bpy")
     failures = batch.simulated() if "simulate" not in stages else []
     if command == "assemble":
         failures += batch.rendered(failures)
@@ -283,7 +282,7 @@ def _do_stages(
             report.say(f"beyond what was measured: {line}")
     for line in again(batch.workspace, batch.specs):
         report.say(line)
-    if "render" in stages:
+    if "render" in stages and batch.has_images:
         batch.keep_user_files()
     if "simulate" in stages:
         failed += batch.simulate(report)

@@ -312,11 +312,11 @@ def side_tables(spec: RunDocument, *, has_images: bool = True) -> tuple[SideTabl
     """Return the tables of a run of the scenario beside those of its sensors.
 
     All runs have the same moving obstacles. Of a trajectory that was imported, nobody knows voltages, statuses and the
-    like, and without images it has no camera.
+    like.
     """
     obstacles = obstacle_table(Arena.from_config(spec.arena))
     drive = () if spec.is_imported else (WHEELS, TOF)
-    camera = (CAMERA,) if has_images or not spec.is_imported else ()
+    camera = (CAMERA,) if has_images else ()
     return (*drive, *camera, *([BOARD] if spec.board else []), *([obstacles] if obstacles else []))
 
 

@@ -233,7 +233,7 @@ class RatesSection(SpecSection):
     physics_hz: int
     wheel_loop_hz: int
     control_hz: int
-    camera_hz: Rate = Field(gt=0, le=1000)
+    camera_hz: Rate = Field(ge=0, le=1000)
 
 
 class BoardSection(SpecSection):

@@ -24,8 +24,8 @@ class RatesRecord(Record):
     wheel_loop_hz: int = Field(ge=1)
     control_hz: int = Field(ge=1)
     """Rate of the controller and of the rows of data.csv."""
-    camera_hz: Rate = Field(gt=0, le=1000)
-    """Rate of the images; if it does not divide control_hz, they are also between the rows."""
+    camera_hz: Rate = Field(ge=0, le=1000)
+    """Rate of the images; if it does not divide control_hz, they are also between the rows. 0 if there are none."""
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> "RatesRecord":

@@ -73,8 +73,11 @@ def image_column(t_ms: Ints, rates: RowAndImageRates) -> Ints:
     """Return the column img of the rows at t_ms (N,) of a simulation: numbers from 1, 0 for none.
 
     If the rate of the images divides that of the rows, each image is taken at its row. If not, a row has the number of
-    the image that is nearest in time among those whose nearest row it is; the earlier one of two equally near.
+    the image that is nearest in time among those whose nearest row it is; the earlier one of two equally near. A camera
+    with a rate of 0 takes none.
     """
+    if not rates.camera_hz:
+        return np.zeros(len(t_ms), dtype=np.int64)
     if (period_s := period_beside_rows_s(rates)) is None:
         rows = np.arange(len(t_ms))
         per_image = round(rates.control_hz / rates.camera_hz)

@@ -34,7 +34,7 @@ def test_a_released_description_fits_its_schema(validator, metadata):
         (lambda document: document.update(colour="red"), []),
         (lambda document: document["states"].update(first="line following"), ["states"]),
         (lambda document: document["runs"][0]["start"].update(x_m="here"), ["runs", 0, "start", "x_m"]),
-        (lambda document: document["runs"][0]["rates"].update(camera_hz=0), ["runs", 0, "rates"]),
+        (lambda document: document["runs"][0]["rates"].update(camera_hz=-1), ["runs", 0, "rates"]),
     ],
 )
 def test_what_is_no_such_description_is_found_in_its_place(validator, metadata, change, place):

@@ -1,0 +1,53 @@
+"""Contradictions in the cameras of a scenario: lenses, further cameras, and what needs images where there are none."""
+
+import json
+from collections.abc import Iterator
+
+from pydantic import ValidationError
+
+from configs.faults import ConfigFault
+from configs.schema.robot import Camera
+from configs.schema.scenario import Render, Scenario, SceneSpec
+from symolo.core.geometry.lens import lens_problem
+from symolo.dataset.documents.camera_specification import KIND as CAMERA
+from symolo.dataset.documents.camera_specification import further_cameras, specification_of
+
+
+def lens_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
+    """Yield what is wrong with the lens of the camera of data.csv."""
+    camera, render = scenario.robot.camera, scenario.render
+    if camera.fisheye is not None:
+        cure = "describe it as a further camera, for example robot.sensors.rear: {kind: camera, fisheye: {}}"
+        yield ConfigFault(("robot", "camera", "fisheye"), "the camera of data.csv has no fisheye lens", cure=cure)
+    if problem := lens_problem(camera, render.width_px, render.height_px):
+        got = ", ".join(f"{name} {value:g}" for name, value in camera.distortion if value)
+        cure = "take smaller coefficients, a longer focal_length_mm or a smaller sensor_width_mm"
+        yield ConfigFault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
+
+
+def camera_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
+    """Yield what is wrong with a further camera where it takes the place of that of data.csv."""
+    content = scenario.model_dump(mode="json")
+    for name in further_cameras(content):
+        specification = specification_of(content, name)
+        try:
+            Camera.model_validate_json(json.dumps(specification["robot"]["camera"]))
+            Render.model_validate_json(json.dumps(specification["render"]))
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            yield ConfigFault(("robot", "sensors", name), first["msg"])
+
+
+def image_faults(scenario: Scenario) -> Iterator[ConfigFault]:
+    """Yield what needs images in a scenario without any."""
+    if scenario.rates.camera_hz:
+        return
+    rate, since = ("rates", "camera_hz"), "since rates.camera_hz is 0"
+    for name, sensor in scenario.robot.sensors:
+        if sensor.kind == CAMERA:
+            allowed, cure = f"no camera, {since}", f"set robot.sensors.{name} to null"
+            yield ConfigFault(("robot", "sensors", name), allowed=allowed, against=rate, cure=cure)
+    if annotations := scenario.render.annotations:
+        yield ConfigFault(("render", "annotations"), got=", ".join(annotations), allowed=f"none, {since}", against=rate)
+    if scenario.splits is not None and scenario.splits.by == "image":
+        yield ConfigFault(("splits", "by"), got="image", allowed=f"a property of runs, {since}", against=rate)
