@@ -105,6 +105,26 @@ def _travel_notes(nominal: NominalDrive, measurement: Measurement) -> list[str]:
     ]
 
 
+def fastest(measurement: Measurement) -> tuple[float, float]:
+    """Return the highest speed of a wheel over the floor [m/s] and the highest yaw rate [rad/s] over half a second.
+
+    Both are those of nominal wheels by the counts; 0 where nothing was counted.
+    """
+    if not isinstance(measurement.nominal, NominalDrive):
+        raise TypeError(f"{measurement.name} is no drive")
+    robot = measurement.nominal.robot
+    per_tick = 2.0 * np.pi * robot.wheel_radius_m.value / robot.encoder_ticks_per_revolution
+    speed_m_s = turn_rad_s = 0.0
+    for trial in measurement.trials:
+        lasts_s = trial.t_s[HALF_SECOND_ROWS:] - trial.t_s[:-HALF_SECOND_ROWS]
+        left, right = (per_tick * _net(trial, f"enc_{side}_ticks") / lasts_s for side in ("left", "right"))
+        both = np.isfinite(left + right)
+        if both.any():
+            speed_m_s = max(speed_m_s, float(np.abs([left, right])[:, both].max()))
+            turn_rad_s = max(turn_rad_s, float(np.abs(right - left)[both].max()) / robot.wheel_separation_m.value)
+    return speed_m_s, turn_rad_s
+
+
 def _net(trial: Trial, name: str) -> Array:
     """Return the changes over each half second, where noise is small beside the motion; NaN if an end is missing."""
     values = trial[name].values

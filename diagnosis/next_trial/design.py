@@ -1,6 +1,6 @@
 """The best trial within limits: it distinguishes the remaining models, and then narrows their parameters."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,11 +11,13 @@ from diagnosis.next_trial.exchange import Criterion, best_units
 from diagnosis.next_trial.expectation import Expectation, expectation
 from diagnosis.next_trial.library import LIBRARIES
 from diagnosis.next_trial.library.base import Units
+from diagnosis.next_trial.library.drive_log import beyond_m, expected_paths
 from diagnosis.next_trial.limits import Limits
 from diagnosis.next_trial.models import predicted_units, robots_of
 from diagnosis.next_trial.remaining import RemainingModel, remaining_models
 from diagnosis.next_trial.separation import Sums, UnitStatistics
-from diagnosis.next_trial.template import template_of
+from diagnosis.next_trial.template import floor_of, nominal_drive, template_of
+from diagnosis.predictors.base import Observed
 from symolo.core.arrays import Array
 
 ENOUGH = 9.0
@@ -29,6 +31,8 @@ ORDERED = 0.02
 """Share of the criterion that an order of the rows that is easy to do may cost."""
 WEAK = 3.0
 """Separation in standard deviations below which two models are not distinguished."""
+MAX_PLANS = 4
+"""Number of times that a drive is planned, on smaller floors, until the robot stays on the floor."""
 RELAXED = 2.0
 """Factor on a limit by which it is tried whether this limit hinders."""
 
@@ -52,12 +56,19 @@ class TrialDesign:
     trial: Measurement
     """The trial without readings."""
     titles: tuple[str, ...]
-    """Description of each run of the trial; empty for the rows of a bench."""
+    """Description of each run of the trial, or of each manoeuvre of a drive; empty for the rows of a bench."""
+    observed: tuple[Observed, ...]
+    """Quantities that the stages of the trial predict."""
     means: Array
     """(models, N), readings as each model predicts them, in the order of the observed quantities."""
     expected: Expectation
     hindrances: tuple[RelaxedLimit, ...]
     """Wider limits, the most helpful first, if the trial does not distinguish all models; else empty."""
+
+    @property
+    def ends(self) -> Sequence[int]:
+        """Ends of the samples of each observed quantity in `means`."""
+        return np.cumsum([len(observed.values) for observed in self.observed]).tolist()
 
 
 def design_trial(diagnosis: Diagnosis, limits: Limits) -> TrialDesign:
@@ -81,10 +92,32 @@ def design_trial(diagnosis: Diagnosis, limits: Limits) -> TrialDesign:
             if other is not None:
                 hindrances.append(RelaxedLimit(text, other.separation))
         hindrances.sort(key=lambda each: -each.smallest)
-    return TrialDesign(diagnosis, models, limits, trial, titles, means, expected, tuple(hindrances))
+    observed = units.evidence.observed
+    return TrialDesign(diagnosis, models, limits, trial, titles, observed, means, expected, tuple(hindrances))
 
 
 def _best(
+    diagnosis: Diagnosis, models: tuple[RemainingModel, ...], template: Measurement, limits: Limits
+) -> tuple[Measurement, tuple[str, ...]]:
+    """Return the best trial within limits, without readings, and the descriptions of its runs.
+
+    A robot with one of the effects leaves the planned path of a drive. Where it would come too near to the border, the
+    drive is planned again on a floor that is smaller by that much.
+
+    Raises:
+        InputError: No trial can be designed within the limits.
+    """
+    best = _planned(diagnosis, models, template, limits)
+    for _ in range(MAX_PLANS - 1 if template.kind is CaseKind.DRIVE_LOG else 0):
+        paths = expected_paths(best[0], limits, diagnosis.nominal, robots_of(models))
+        if (beyond := beyond_m(template, limits, paths)) <= 0.0:
+            break
+        limits = replace(limits, drift_m=limits.drift_m + beyond)
+        best = _planned(diagnosis, models, template, limits)
+    return best
+
+
+def _planned(
     diagnosis: Diagnosis, models: tuple[RemainingModel, ...], template: Measurement, limits: Limits
 ) -> tuple[Measurement, tuple[str, ...]]:
     """Return the best trial within limits, without readings, and the descriptions of its runs."""
@@ -123,6 +156,9 @@ def _relaxed(template: Measurement, limits: Limits) -> Iterator[tuple[str, Limit
     """Yield wider limits with a text each."""
     seconds = RELAXED * limits.seconds
     yield f"{seconds:g} s instead of {limits.seconds:g} s", replace(limits, seconds=seconds)
+    if template.kind is CaseKind.DRIVE_LOG:
+        yield from _relaxed_drive(template, limits)
+        return
     if template.kind is CaseKind.TOF_BENCH:
         near_m, far_m = limits.distances_m
         wider = (near_m / RELAXED, far_m * RELAXED)
@@ -134,3 +170,13 @@ def _relaxed(template: Measurement, limits: Limits) -> Iterator[tuple[str, Limit
     yield text, replace(limits, max_voltage_V=voltage_V)
     if limits.one_direction:
         yield "both directions", replace(limits, one_direction=False)
+
+
+def _relaxed_drive(template: Measurement, limits: Limits) -> Iterator[tuple[str, Limits]]:
+    """Yield wider limits of a drive; the floor stays within the room."""
+    speed_m_s = RELAXED * limits.max_speed_m_s
+    yield f"{speed_m_s:.3g} m/s instead of {limits.max_speed_m_s:.3g} m/s", replace(limits, max_speed_m_s=speed_m_s)
+    widest = floor_of(template)[1] if nominal_drive(template).world is not None else (np.inf, np.inf)
+    wider = (min(RELAXED * limits.floor_m[0], widest[0]), min(RELAXED * limits.floor_m[1], widest[1]))
+    if wider != limits.floor_m:
+        yield "a floor of {:.3g} m x {:.3g} m".format(*wider), replace(limits, floor_m=wider)

@@ -69,7 +69,7 @@ def expectation(models: tuple[RemainingModel, ...], trial: PredictedUnits) -> Ex
             if a != truth:
                 continue
             remainders, of_old = statistics.remainders(truth, rival, sums)
-            rise = of_old + robust_rise(remainders, trial.evidence.quantity)
+            rise = of_old + robust_rise(remainders, trial.evidence.quantity[trial.rows])
             ahead = models[rival].rise - model.rise
             excluded = _exceeds(ahead + rise, 2.0 * sqrt(rise))
             pairs.append(ExpectedPair(model.name, models[rival].name, separation, rise, excluded))

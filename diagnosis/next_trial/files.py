@@ -1,4 +1,4 @@
-"""The files of a designed trial: instructions, the case to fill, voltages for a board, and what each model predicts."""
+"""The files of a designed trial: instructions, the case to fill, inputs for a board, and what each model predicts."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,6 +12,8 @@ from diagnosis.measured.measurement import CaseKind, Trial
 from diagnosis.measured.nominal import NOMINAL, NominalSteady, NominalStep
 from diagnosis.measured.write_case import csv_of
 from diagnosis.next_trial.design import TrialDesign
+from diagnosis.next_trial.drive_files import drive_files
+from diagnosis.next_trial.template import to_fill
 from diagnosis.next_trial.text import trial_text
 
 INSTRUCTIONS, EXPECTED, PREDICTIONS, HEADER = "trial.md", "expected.json", "predictions.csv", "voltages.h"
@@ -22,27 +24,30 @@ def case_name(design: TrialDesign) -> str:
     return f"trial_{max(len(design.diagnosis.measurement.cases), 1)}"
 
 
-def trial_files(design: TrialDesign, command: str) -> Mapping[str, bytes]:
+def trial_files(design: TrialDesign, command: str, simulation: str = "") -> Mapping[str, bytes]:
     """Return the contents by path inside the output folder; the same design gives the same bytes.
 
     Args:
         design: The trial.
         command: Command that diagnoses old and new data together.
+        simulation: Command that simulates a drive.
     """
     folder = case_name(design)
     nominal = design.trial.nominal
     if nominal is None:
         raise ValueError("a designed trial has nominal parameters")
+    is_drive = design.trial.kind is CaseKind.DRIVE_LOG
     texts = {
-        INSTRUCTIONS: trial_text(design, command, folder),
-        f"{folder}/{DATA}": csv_of(design.trial),
+        INSTRUCTIONS: trial_text(design, command, simulation, folder),
+        f"{folder}/{DATA}": csv_of(to_fill(design.trial) if is_drive else design.trial),
         f"{folder}/{NOMINAL}": yaml.safe_dump(nominal.model_dump(mode="json"), sort_keys=False),
-        PREDICTIONS: "\n".join(_predictions(design)) + "\n",
+        PREDICTIONS: "\n".join(_of_quantities(design) if is_drive else _predictions(design)) + "\n",
         EXPECTED: json.dumps(as_json(design), indent=2, ensure_ascii=False) + "\n",
     }
     if isinstance(nominal, NominalSteady | NominalStep):
         texts[HEADER] = "\n".join(_header(design, nominal.motor.supply_voltage_V)) + "\n"
-    return {name: text.encode() for name, text in texts.items()}
+    contents = {name: text.encode() for name, text in texts.items()}
+    return {**contents, **drive_files(design)} if is_drive else contents
 
 
 def as_json(design: TrialDesign) -> dict[str, object]:
@@ -77,6 +82,15 @@ def _predictions(design: TrialDesign) -> Iterator[str]:
     for k in range(rows):
         cells = [f"{means[m, q, k]:.6g}" for q in range(len(observed)) for m in range(len(design.models))]
         yield ",".join([number[k], f"{t_s[k]:.6g}", *cells])
+
+
+def _of_quantities(design: TrialDesign) -> Iterator[str]:
+    """Yield a table with what each model predicts of each sample of a drive, whose quantities differ in their times."""
+    yield ",".join(["quantity", "unit", "t_s", *(f"if {model.name}" for model in design.models)])
+    for observed, means in zip(design.observed, np.split(design.means, design.ends[:-1], axis=1), strict=True):
+        for k in np.flatnonzero(observed.usable).tolist():
+            cells = [f"{value + 0.0:.6g}" for value in means[:, k].tolist()]
+            yield ",".join([observed.name, observed.unit, f"{observed.t_s[k]:.6g}", *cells])
 
 
 def _header(design: TrialDesign, supply_V: float) -> Iterator[str]:

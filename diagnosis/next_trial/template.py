@@ -7,12 +7,12 @@ import numpy as np
 
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import NominalTof
+from diagnosis.measured.nominal import NominalDrive, NominalTof
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
 
-KINDS = (CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP, CaseKind.TOF_BENCH)
+KINDS = (CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP, CaseKind.TOF_BENCH, CaseKind.DRIVE_LOG)
 """Kinds of measurement for which a trial can be designed."""
 
 
@@ -71,6 +71,40 @@ def trial_with(
         )
     labels = tuple(Label(label, tuple(values)) for label, values in (words or {}).items())
     return Trial(name, t_s, np.zeros(rows, dtype=bool), tuple(channels), labels, begins_s)
+
+
+def nominal_drive(template: Measurement) -> NominalDrive:
+    """Return the nominal parameters of a drive."""
+    if not isinstance(template.nominal, NominalDrive):
+        raise TypeError(f"{template.name} is no drive")
+    return template.nominal
+
+
+def floor_of(template: Measurement) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the middle and the size of the floor on which the robot drove, in the frame of its poses.
+
+    It is the room of nominal.yaml, or else the rectangle around the old poses.
+    """
+    room = nominal_drive(template).world
+    if room is not None:
+        return (0.5 * room.room_x_m, 0.5 * room.room_y_m), (room.room_x_m, room.room_y_m)
+    around_m = 2.0 * nominal_drive(template).robot.wheel_separation_m.value
+    middles, sizes = [], []
+    for name in ("x_m", "y_m"):
+        places_m = np.concatenate([channel.values[channel.good] for channel in template.across(name)])
+        low_m, high_m = (float(places_m.min()), float(places_m.max())) if len(places_m) else (0.0, 0.0)
+        middles.append(0.5 * (low_m + high_m))
+        sizes.append(high_m - low_m + around_m)
+    return (middles[0], middles[1]), (sizes[0], sizes[1])
+
+
+def to_fill(trial: Measurement) -> Measurement:
+    """Return a trial of a drive with its commands alone: all else is to be logged."""
+    return measurement_of(trial, [trial_with(trial, each.name, each.t_s, _commands(each)) for each in trial.trials])
+
+
+def _commands(trial: Trial) -> Mapping[str, Array]:
+    return {name: trial[name].values for name in ("v_cmd_m_s", "w_cmd_rad_s")}
 
 
 def measurement_of(template: Measurement, trials: Sequence[Trial], name: str = "next_trial") -> Measurement:

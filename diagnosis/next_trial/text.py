@@ -8,7 +8,10 @@ import numpy as np
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.next_trial.design import WEAK, TrialDesign
+from diagnosis.next_trial.drive_files import COMMANDS, planned_path, start_text
 from diagnosis.next_trial.expectation import ExpectedNumber
+from diagnosis.next_trial.library.drive_log import expected_paths, floor_text
+from diagnosis.next_trial.models import robots_of
 from symolo.core.arrays import Array
 
 WIDTH = 118
@@ -22,20 +25,29 @@ HOW = {
     "data.csv, and log current and speed in each of its rows. A voltage is held over the time that ends at its row.",
     CaseKind.TOF_BENCH: "Place the target as each row says, and log one reading. The clock starts when the sensor is "
     "switched on.",
+    CaseKind.DRIVE_LOG: "Place the robot at the start, and let it drive the manoeuvres one after the other without a "
+    "pause. Each of them begins and ends there, at rest. The poses are in the frame of the old data. `path.csv` has "
+    "commands, wheel speeds and poses 20 times a second, `path.png` shows the path from above, and `wheel_speeds.h` "
+    "has the set points for a board. On it, the middle of the axle keeps a distance of one wheel separation from the "
+    "border of the floor.",
 }
+RUNS = {CaseKind.DRIVE_LOG: "manoeuvres"}
 
 
-def trial_text(design: TrialDesign, command: str, folder: str) -> str:
+def trial_text(design: TrialDesign, command: str, simulation: str, folder: str) -> str:
     """Return the text of trial.md.
 
     Args:
         design: The trial.
         command: Command that diagnoses old and new data together.
+        simulation: Command that simulates a drive.
         folder: Name of the folder with the data.csv to fill.
     """
     lines = [f"# The next trial for {design.diagnosis.measurement.name}", ""]
     lines += _wrapped(_purpose(design))
     lines += ["", "## What to do", "", *_wrapped(HOW[design.trial.kind]), "", *_rows(design)]
+    if design.trial.kind is CaseKind.DRIVE_LOG:
+        lines += ["", "A simulated robot drives it with", "", f"    {simulation}"]
     lines += ["", "## What to log", "", *_wrapped(_columns(design, folder))]
     lines += ["", "## What to expect", "", *_expected(design)]
     lines += ["", "## Then", "", f"    {command}", ""]
@@ -61,7 +73,12 @@ def _rows(design: TrialDesign) -> Iterator[str]:
     """Yield a table of the rows, or a list of the runs."""
     seconds = design.limits.units * design.limits.row_s
     if design.titles:
-        yield f"{len(design.titles)} runs of {design.limits.row_s:g} s, {seconds:g} s in all:"
+        runs = RUNS.get(design.trial.kind, "runs")
+        if design.trial.kind is CaseKind.DRIVE_LOG:
+            yield from _wrapped(_whereabouts(design))
+            yield ""
+        number = len(design.titles)
+        yield f"{number} {runs if number > 1 else runs[:-1]} of {design.limits.row_s:g} s, {seconds:g} s in all:"
         yield ""
         yield from (f"{number}. {title}" for number, title in enumerate(design.titles, 1))
         return
@@ -77,7 +94,27 @@ def _rows(design: TrialDesign) -> Iterator[str]:
         yield f"| {' | '.join([*cells, *(label.values[k] for label in trial.labels)])} |"
 
 
+def _whereabouts(design: TrialDesign) -> str:
+    """Return where a drive begins, and how far the robot leaves the planned path by each explanation."""
+    text = f"The drive begins at {start_text(design)}, on a floor of {floor_text(design.limits)}."
+    paths = expected_paths(design.trial, design.limits, design.diagnosis.nominal, robots_of(design.models))
+    planned = planned_path(design)
+    away = [
+        f"{1000.0 * np.hypot(*(path - planned)[:, :2].T).max():.2g} mm if {model.name} is the cause"
+        for model, path in zip(design.models, paths, strict=False)
+    ]
+    return text + (f" The robot leaves the planned path by up to {', '.join(away)}." if away else "")
+
+
 def _columns(design: TrialDesign, folder: str) -> str:
+    if design.trial.kind is CaseKind.DRIVE_LOG:
+        listed = ", ".join(c.name for c in design.trial.trials[0].channels if c.is_offered and c.name not in COMMANDS)
+        return (
+            f"Fill {listed} in {folder}/data.csv, 20 times a second, as in the old data; a log with more or fewer rows "
+            "may replace all of its rows. Leave the other columns as they are. If markers and clocks are as they were "
+            "in the old drives, you may append the rows to the old data.csv as a further trial instead: two cases that "
+            "are diagnosed together have a heading, a place of the tracked body and clocks of their own each."
+        )
     readings = [c for c in design.trial.trials[0].channels if c.role is Role.READING]
     listed = " and ".join(f"{channel.name} [{channel.unit}]" for channel in readings)
     return f"Fill {listed} in {folder}/data.csv. Leave the other columns as they are."

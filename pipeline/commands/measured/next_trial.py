@@ -28,7 +28,7 @@ def next_trial(
     ] = None,
     rows: Annotated[
         int | None,
-        typer.Option(min=1, max=400, metavar="N", help="Number of rows or runs, in place of --seconds."),
+        typer.Option(min=1, max=400, metavar="N", help="Number of rows, runs or manoeuvres, in place of --seconds."),
     ] = None,
     row_seconds: Annotated[
         float | None,
@@ -37,8 +37,8 @@ def next_trial(
             min=0.01,
             max=600.0,
             metavar="S",
-            help="Time of one row of a bench, by default that of the old rows; or of one run of a step log, by default "
-            "3 s.",
+            help="Time of one row of a bench, by default that of the old rows; of one run of a step log, by default 3 "
+            "s; or of one manoeuvre of a drive, by default 5 s.",
         ),
     ] = None,
     max_voltage: Annotated[
@@ -61,6 +61,24 @@ def next_trial(
             metavar="NEAR:FAR", help="Distances of a range bench in metres; by default those of the old data."
         ),
     ] = None,
+    floor: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WxH",
+            help="Size in metres of the free floor of a drive along x and y, around the middle of the room; by default "
+            "the room of nominal.yaml, or else the rectangle around the old poses.",
+        ),
+    ] = None,
+    max_speed: Annotated[
+        float | None,
+        typer.Option(
+            "--max-speed",
+            min=0.01,
+            max=5.0,
+            metavar="M/S",
+            help="Highest speed of a wheel of a drive over the floor; by default the highest of the old data.",
+        ),
+    ] = None,
     effects: Annotated[
         list[Path] | None,
         typer.Option("--effects", metavar="FILE", help="File of an effect of your own that the diagnosis tried, too."),
@@ -72,7 +90,7 @@ def next_trial(
     A diagnosis may leave several effects that explain the data equally well. This command designs the measurement in
     which their predictions differ most, within your limits, and says how surely it will decide. Where one effect
     remains, the trial determines its parameters as precisely as possible. The cases may be steady states or step logs
-    of a motor, or a range bench.
+    of a motor, a range bench, or drives.
 
     The command diagnoses the old case again, which takes as long as it did before, and writes these files into OUT:
 
@@ -82,6 +100,10 @@ def next_trial(
 
     - voltages.h: the voltages of a motor as C arrays, for the program of a board
 
+    - wheel_speeds.h, path.csv, path.png: the set points of the wheels of a drive, and its path
+
+    - scenario.yaml, next_drive.py: a scenario and a controller with which `symolo simulate` makes the drive
+
     - predictions.csv, expected.json: what each explanation predicts, and all figures for programs
 
     Then diagnose the old and the new case together.
@@ -89,6 +111,8 @@ def next_trial(
     Example: symolo next diagnosis --out next
 
     Ten rows of 2 s, forward only: symolo next diagnosis --rows 10 --row-seconds 2 --one-direction --out next
+
+    A drive of 20 s on a small floor: symolo next diagnosis --seconds 20 --floor 1.2x0.8 --out next
 
     Then: symolo diagnose bench next/trial_1 --together --out diagnosis_2
     """
@@ -116,6 +140,7 @@ def next_trial(
     settings = made_from.settings
     measurement = read_case(made_from.paths[0], settings)
     distances_m = None if distances is None else _range(distances)
+    floor_m = None if floor is None else _floor(floor)
     with _placed_in(diagnosis):
         limits = limits_of(
             measurement,
@@ -125,12 +150,14 @@ def next_trial(
             max_voltage_V=max_voltage,
             one_direction=one_direction,
             distances_m=distances_m,
+            floor_m=floor_m,
+            max_speed_m_s=max_speed,
         )
     diagnosed = diagnose(measurement, robot_of(settings))
     with _placed_in(diagnosis):
         design = design_trial(diagnosed, limits)
     command = _command(made_from.paths, out / case_name(design))
-    contents = trial_files(design, command)
+    contents = trial_files(design, command, _simulation(out, diagnosis))
     with new_folder(out) as folder:
         for name, data in contents.items():
             make_folder((folder / name).parent)
@@ -160,6 +187,27 @@ def _range(text: str) -> tuple[float, float]:
     if not 0.0 < near < far <= 10.0:
         raise InputError("--distances", got=text, allowed="0 < NEAR < FAR, up to 10 m")
     return near, far
+
+
+def _floor(text: str) -> tuple[float, float]:
+    """Return two sizes that are joined with an x."""
+    try:
+        along, across = (float(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise InputError("--floor", got=text, allowed="two numbers of metres, such as 1.2x0.8") from None
+    if not (0.0 < along <= 50.0 and 0.0 < across <= 50.0):
+        raise InputError("--floor", got=text, allowed="sizes above 0, up to 50 m")
+    return along, across
+
+
+def _simulation(out: Path, diagnosis: Path) -> str:
+    """Return the command that simulates a designed drive with the robot of the diagnosis."""
+    from diagnosis.extended_robot import FILE
+    from diagnosis.next_trial.drive_files import CONTROLLER, SCENARIO
+
+    paths = (out / CONTROLLER, out / SCENARIO, diagnosis / FILE, f"{out}-driven")
+    controller, scenario, robot, driven = (shlex.quote(str(path)) for path in paths)
+    return f"symolo --controller-file {controller} simulate {scenario} --set robot={robot} --out {driven}"
 
 
 def _command(old: Sequence[Path], new: Path) -> str:

@@ -101,10 +101,10 @@ def test_options_that_a_kind_of_case_does_not_use_are_refused(symolo, diagnosis,
 
 
 def test_a_refusal_names_the_folder_of_the_diagnosis(symolo, tmp_path):
-    made = record(EXAMPLES / "drive_log_001", tmp_path / "diagnosis")
+    made = record(EXAMPLES / "symolo_csv_001", tmp_path / "diagnosis")
     ended = symolo("next", made, "--out", tmp_path / "next")
     assert ended.code == 2
-    assert f"{made}: no trial can be designed for data of kind drive_log" in ended.err
+    assert f"{made}: no trial can be designed for data of kind symolo_csv" in ended.err
     assert "data.csv" not in ended.err
 
 
