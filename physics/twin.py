@@ -23,7 +23,7 @@ from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.body_motion import BodyMotion
 from physics.robot.model import RobotModel, through
 from symolo.arena.geometry import Arena
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, stacked_rows
 from symolo.core.finite import require_finite
 from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 
@@ -125,7 +125,7 @@ class KinematicTwin:
         heats: list[float | Array] = [0.0]
         for volts in voltage_V if self._driveline.heats else ():
             heats.append(self._driveline.heat_after(heats[-1], volts, self._step_s))
-        return np.stack(np.broadcast_arrays(*heats)) if len(heats) > 1 else np.zeros((1, 1, 1))
+        return stacked_rows(heats) if len(heats) > 1 else np.zeros((1, 1, 1))
 
     def _turned_together(self, voltage_V: Array, supply_V: Array, trend: Array, heat: Array) -> tuple[Array, Array]:
         """Return speeds after each step and angles turned in it, (T, N, 2) each, at the supply's voltages (T, 1, 1).

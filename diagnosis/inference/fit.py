@@ -9,6 +9,7 @@ because that step is usually taken. Coordinates are clipped to their bounds, and
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import repeat
 
 import numpy as np
 
@@ -37,8 +38,6 @@ to steepest descent."""
 SETTLED = 0.02
 """Change of the cost at which a fit ends; far below the changes that affect the choice of effects."""
 MAX_STEPS = 15
-LOCAL_STEPS = 2
-"""Steps for nuisances that enter linearly; only the weights of outliers change from one to the next."""
 FAR = 40.0
 """Cost above the best simultaneous fit from which a slow fit is stopped: it is no rival, so its exact cost is not
 needed."""
@@ -138,19 +137,31 @@ class HypothesisFit:
         return self.hypothesis.std(effect, self.x, self.covariance)
 
 
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """Hypotheses that are fitted to the same rows and compete with each other."""
+
+    evidence: Evidence
+    starts: Sequence[tuple[Hypothesis, Array]]
+    """Starts of the fits, each a hypothesis and its coordinates (P,)."""
+    goal: float = np.inf
+    """Cost that a fit must reach to matter; a fit that is too slow to reach it is stopped."""
+    noises: Sequence[NoiseFit] | None = None
+    """Noise for each start, if it is known; otherwise each fit finds its own."""
+
+
 @dataclass(eq=False)
 class _State:
     """A fit in progress."""
 
+    contest: Contest
     hypothesis: Hypothesis
     x: Array
+    noise: NoiseFit | None = None
+    """Noise of the last fit, or that which is known; None before the first one."""
     cost: float = np.inf
     fit: HypothesisFit | None = None
     """The fit at x; None until its slopes are known."""
-    noise: NoiseFit | None = None
-    """Noise of the last fit; None before the first one."""
-    is_noise_known: bool = False
-    """Whether the noise is known and not fitted."""
 
     @property
     def around(self) -> tuple[Hypothesis, Array]:
@@ -164,33 +175,38 @@ def fits(
     goal: float = np.inf,
     noises: Sequence[NoiseFit] | None = None,
 ) -> list[HypothesisFit]:
-    """Return the best fit from each start, which is a hypothesis and its coordinates (P,).
+    """Return the best fit from each start; the arguments are those of `Contest`."""
+    return fits_of_contests([Contest(evidence, starts, goal, noises)])[0]
 
-    Args:
-        evidence: The observations.
-        starts: Starts of the fits.
-        goal: Cost that a fit must reach to matter; a fit that is too slow to reach it is stopped.
-        noises: Noise for each start, if it is known; otherwise each fit finds its own.
+
+def fits_of_contests(contests: Sequence[Contest]) -> list[list[HypothesisFit]]:
+    """Return the best fit from each start of each contest; the contests share the stages, but not the rows.
+
+    The results are those of one contest after the other. The batches of predictions are common to all contests, because
+    a simulation takes much longer for many small batches than for a few large ones.
     """
-    states = [_State(hypothesis, hypothesis.clipped(x)) for hypothesis, x in starts]
-    for state, noise in zip(states, noises or (), strict=noises is not None):
-        state.noise, state.is_noise_known = noise, True
+    states = [
+        _State(contest, hypothesis, hypothesis.clipped(x), noise)
+        for contest in contests
+        for (hypothesis, x), noise in zip(contest.starts, contest.noises or repeat(None), strict=False)
+    ]
     active = states
     for _ in range(MAX_STEPS):
         if not active:
             break
-        known = _linearised(evidence, active)
-        falls = _stepped(evidence, active, known)
+        falls = _stepped(active, _linearised(active))
         # Gear play and limits make the cost ripple, and slopes lead only into the nearest minimum.
-        more_falls = _stretched(evidence, active, [fall <= SETTLED for fall in falls])
-        best_cost = min(state.cost for state in states)
+        more_falls = _stretched(active, [fall <= SETTLED for fall in falls])
         total_falls = [max(fall, 0.0) + more for fall, more in zip(falls, more_falls, strict=True)]
+        best_costs = {each: min([s.cost for s in states if s.contest is each], default=0.0) for each in contests}
         active = [
             state
             for state, fall in zip(active, total_falls, strict=True)
-            if _continues(fall, state.cost - best_cost, FAR) and _continues(fall, state.cost - goal, 0.0)
+            if _continues(fall, state.cost - best_costs[state.contest], FAR)
+            and _continues(fall, state.cost - state.contest.goal, 0.0)
         ]
-    return _linearised(evidence, states)
+    _linearised(states)
+    return [[state.fit for state in states if state.contest is each and state.fit is not None] for each in contests]
 
 
 def _continues(fall: float, behind: float, far: float) -> bool:
@@ -200,73 +216,60 @@ def _continues(fall: float, behind: float, far: float) -> bool:
 
 def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> HypothesisFit:
     """Return a hypothesis at given coordinates (P,), without fitting them."""
-    (fit,) = _linearised(evidence, [_State(hypothesis, x)])
+    (fit,) = _linearised([_State(Contest(evidence, ()), hypothesis, x)])
     return fit
 
 
-def with_local_fitted(fit: HypothesisFit) -> HypothesisFit:
-    """Return a fit with the nuisances of single sessions fitted, and everything else unchanged."""
-    hypothesis, x = fit.hypothesis, fit.x.copy()
-    local = hypothesis.is_local
-    if not local.any():
-        return fit
-    for _ in range(LOCAL_STEPS):
-        tangents = fit.slopes[local] * (root := fit.root_weights())
-        system = tangents @ tangents.T + np.eye(len(tangents))
-        x[local] += np.linalg.solve(system, tangents @ (root * fit.z) - x[local])
-        fit = at(fit.evidence, hypothesis, x)
-    return fit
-
-
-def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[HypothesisFit]:
+def _linearised(states: Sequence[_State]) -> list[HypothesisFit]:
     """Return residuals and derivatives of each state at its coordinates; they are predicted if not known yet."""
     unknown = [state for state in states if state.fit is None]
-    for state, prediction in zip(unknown, _predicted(evidence, [state.around for state in unknown]), strict=True):
-        _fit(evidence, state, prediction)
+    for state, prediction in zip(unknown, _predicted(unknown, [state.around for state in unknown]), strict=True):
+        _fit(state, prediction)
     return [state.fit for state in states if state.fit is not None]
 
 
-def _stepped(evidence: Evidence, states: Sequence[_State], known: Sequence[HypothesisFit]) -> list[float]:
+def _stepped(states: Sequence[_State], known: Sequence[HypothesisFit]) -> list[float]:
     """Return the fall of the cost by the best step of each state, which is taken if the cost falls."""
-    trials = [_steps(evidence, fit) for fit in known]
+    trials = [_steps(fit) for fit in known]
     requests = [
         (state.hypothesis, np.concatenate([tried, _around(state.hypothesis, tried[0])[1:]]))
         for state, tried in zip(states, trials, strict=True)
     ]
     falls = []
-    for state, tried, prediction in zip(states, trials, _predicted(evidence, requests), strict=True):
+    for state, tried, prediction in zip(states, trials, _predicted(states, requests), strict=True):
         before = state.cost
-        best, fall = _take_best(evidence, state, tried, prediction.some(slice(len(tried))))
+        best, fall = _take_best(state, tried, prediction.some(slice(len(tried))))
         if fall > 0.0 and best == 0:
             beside = prediction.some([0, *range(len(tried), len(prediction.mean))])
-            _fit(evidence, state, beside)
+            _fit(state, beside)
         falls.append(before - state.cost)
     return falls
 
 
-def _stretched(evidence: Evidence, states: Sequence[_State], settled: Sequence[bool]) -> list[float]:
+def _stretched(states: Sequence[_State], settled: Sequence[bool]) -> list[float]:
     """Return the falls of the cost where settled fits try their effects larger and smaller; others get their slopes."""
     requests = [
         (state.hypothesis, _stretches(state.hypothesis, state.x)) if is_settled else state.around
         for state, is_settled in zip(states, settled, strict=True)
         if is_settled or state.fit is None
     ]
-    predictions = iter(_predicted(evidence, requests))
+    predictions = iter(_predicted(states, requests))
     falls = []
     for state, is_settled in zip(states, settled, strict=True):
         fall = 0.0
         if is_settled:
-            fall = _take_best(evidence, state, _stretches(state.hypothesis, state.x), next(predictions))[1]
+            fall = _take_best(state, _stretches(state.hypothesis, state.x), next(predictions))[1]
         elif state.fit is None:
-            _fit(evidence, state, next(predictions))
+            _fit(state, next(predictions))
         falls.append(fall)
     return falls
 
 
-def _take_best(evidence: Evidence, state: _State, tried: Array, prediction: Prediction) -> tuple[int, float]:
+def _take_best(state: _State, tried: Array, prediction: Prediction) -> tuple[int, float]:
     """Take the best of coordinates (M, P) if the cost falls; return its index and the fall of the cost."""
     if not len(tried):
         return -1, 0.0
+    evidence = state.contest.evidence
     noise = state.noise or stated_noise(evidence)
     costs = cost(evidence, prediction, state.hypothesis.prior(tried), evidence.fit, noise)
     best = int(np.argmin(costs))
@@ -296,9 +299,9 @@ def _offsets(hypothesis: Hypothesis, x: Array) -> Array:
     return np.where(x + steps > hypothesis.bounds[1], -steps, steps)
 
 
-def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
+def _fit(state: _State, prediction: Prediction) -> None:
     """Fit the noise of a state at its coordinates, and the fit with its slopes from the predictions around them."""
-    hypothesis, x = state.hypothesis, state.x
+    evidence, hypothesis, x = state.contest.evidence, state.hypothesis, state.x
     offsets = _offsets(hypothesis, x)[:, None]
     here = prediction.some(slice(1))
     spreads = np.log(prediction.sd[1:] / prediction.sd[0]) / offsets
@@ -307,7 +310,7 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> None:
     z = residuals(evidence, here, start)[0]
     lost = np.isinf(z)
     z, sd = np.where(lost, 0.0, z), np.where(lost, evidence.sd, prediction.sd[0])
-    if state.noise is not None and state.is_noise_known:
+    if state.noise is not None and state.contest.noises is not None:
         noise = state.noise
     else:
         noise = fitted_noise(evidence, z, sd, state.noise or start, with_own_level(evidence, hypothesis, spreads))
@@ -361,9 +364,10 @@ def with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -
     return held
 
 
-def _steps(evidence: Evidence, fit: HypothesisFit) -> Array:
+def _steps(fit: HypothesisFit) -> Array:
     """Return the coordinates (len(DAMPINGS), P) to try next."""
-    rows, hypothesis, x = evidence.fit, fit.hypothesis, fit.x
+    evidence, hypothesis, x = fit.evidence, fit.hypothesis, fit.x
+    rows = evidence.fit
     z = fit.z[rows]
     weight, is_good = (evidence.weight[rows] * w[rows] for w in weights(evidence, fit.z, fit.sd, fit.noise))
     # Half the negative gradient of the cost by the mean and by log sd.
@@ -384,11 +388,13 @@ def _steps(evidence: Evidence, fit: HypothesisFit) -> Array:
     return hypothesis.clipped(tried)
 
 
-def _predicted(evidence: Evidence, requests: Sequence[tuple[Hypothesis, Array]]) -> list[Prediction]:
+def _predicted(states: Sequence[_State], requests: Sequence[tuple[Hypothesis, Array]]) -> list[Prediction]:
     """Return the predictions of each hypothesis at several coordinates (M, P), computed in one batch."""
     if not requests:
         return []
-    batch = evidence.predicted([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
+    batch = states[0].contest.evidence.predicted(
+        [robot for hypothesis, x in requests for robot in hypothesis.robots(x)]
+    )
     ends = np.cumsum([len(x) for _, x in requests]).tolist()
     parts = [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]
     return [part.moved(hypothesis.local_change(x)) for part, (hypothesis, x) in zip(parts, requests, strict=True)]

@@ -40,6 +40,9 @@ MIN_SHARE = 1e-12
 MIN_APART = 1e-3
 """Square of the sine of the angle between two changes, below which a prediction of both says nothing about either."""
 
+Try = tuple[CandidateEffect, tuple[float, ...]]
+"""An effect with the coordinates at which it is tried."""
+
 
 @dataclass(frozen=True, eq=False)
 class Prospect:
@@ -66,9 +69,20 @@ class PairProspect:
 
 def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[Prospect]:
     """Return the best prospect of each effect, the most promising first."""
-    if not effects:
+    return scan_beside(evidence, [(fit, effects)])[0]
+
+
+def scan_beside(
+    evidence: Evidence, several: Sequence[tuple[HypothesisFit, Sequence[CandidateEffect]]]
+) -> list[list[Prospect]]:
+    """Return the best prospect of each effect beside each fit, the most promising first; all in one batch."""
+    of_fits = zip(several, _tries_of_all(evidence, several), strict=True)
+    return [_prospects(evidence, fit, *tries) for (fit, _), tries in of_fits]
+
+
+def _prospects(evidence: Evidence, fit: HypothesisFit, tries: Sequence[Try], predictions: Prediction) -> list[Prospect]:
+    if not tries:
         return []
-    tries, predictions = _tries_of_all(evidence, fit, effects)
     costs_before = fit.costs
     drops, sizes = _Lines.of(evidence, fit, predictions.mean).tops()
     best: dict[CandidateEffect, Prospect] = {}
@@ -90,7 +104,7 @@ def scan_pairs(evidence: Evidence, fit: HypothesisFit, effects: Sequence[Candida
     Two effects may compensate each other, so that neither explains much alone, and a search that begins with one of
     them misses both.
     """
-    tries, predictions = _tries_of_all(evidence, fit, effects)
+    ((tries, predictions),) = _tries_of_all(evidence, [(fit, effects)])
     drops, sizes, others = _Lines.of(evidence, fit, predictions.mean).tops_of_two()
     places: dict[CandidateEffect, list[int]] = {}
     for k, (effect, _) in enumerate(tries):
@@ -123,12 +137,20 @@ def _extended(
 
 
 def _tries_of_all(
-    evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]
-) -> tuple[list[tuple[CandidateEffect, tuple[float, ...]]], Prediction]:
-    """Return all effects with the coordinates at which each is tried in addition to a fit, and the predictions."""
-    tries = [(effect, numbers) for effect in effects for numbers in _tries(evidence, fit, effect)]
-    extended = [_extended(fit.hypothesis, fit.x, *one) for one in tries]
-    return tries, evidence.predicted([hypothesis.robot(x) for hypothesis, x in extended]).moved(fit.local_change)
+    evidence: Evidence, several: Sequence[tuple[HypothesisFit, Sequence[CandidateEffect]]]
+) -> list[tuple[list[Try], Prediction]]:
+    """Return the effects with the coordinates at which each is tried beside each fit, and the predictions."""
+    tries = [[(effect, x) for effect in effects for x in _tries(evidence, fit, effect)] for fit, effects in several]
+    robots = []
+    for (fit, _), each in zip(several, tries, strict=True):
+        extended = (_extended(fit.hypothesis, fit.x, *one) for one in each)
+        robots += [hypothesis.robot(x) for hypothesis, x in extended]
+    batch = evidence.predicted(robots)
+    ends = np.cumsum([len(each) for each in tries]).tolist()
+    return [
+        (each, batch.some(slice(end - len(each), end)).moved(fit.local_change))
+        for (fit, _), each, end in zip(several, tries, ends, strict=True)
+    ]
 
 
 def _tries(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> list[tuple[float, ...]]:

@@ -20,11 +20,12 @@ import numpy as np
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
-from diagnosis.inference.fit import FAR, HypothesisFit, fits
+from diagnosis.inference.fit import FAR, Contest, HypothesisFit, fits, fits_of_contests
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.refusal import THRESHOLD, cancelled_by, is_of_noise, needed, refusal
-from diagnosis.inference.scan import Prospect, scan, scan_pairs
+from diagnosis.inference.scan import Prospect, scan, scan_beside, scan_pairs
 from diagnosis.inference.unexplained.adequacy import adequacy
+from symolo.core.arrays import Array
 
 TOLL = 6.0
 """Penalty for each parameter when effects are compared: the logarithm of some hundreds of rows, as in the Bayesian
@@ -160,7 +161,7 @@ def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateE
     singles = ranked(_fitted(evidence, base, tuple(prospects[:BEAM]), base.cost - HOPELESS), effects)
     # Effects that these data cannot distinguish, such as an offset and a bias of the only material, fit equally well.
     distinct = {round(single.cost, 1): single for single in reversed(singles)}
-    pairs = [pair for single in distinct.values() for pair in _extended(evidence, single, effects)]
+    pairs = _extended_all(evidence, list(distinct.values()), effects)
     tried = {frozenset(pair.hypothesis.effects) for pair in pairs}
     new = [p for p in scan_pairs(evidence, base, effects) if frozenset(p.hypothesis.effects) not in tried]
     # Two effects that are expected to explain hardly more than a single one need no fit.
@@ -250,9 +251,31 @@ def rescued(evidence: Evidence, selection: Selection, effects: Sequence[Candidat
 
 def _extended(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
     """Return the fits with one promising effect in addition, the best first."""
-    names = {effect.kind.name for effect in fit.hypothesis.effects}
-    prospects = _scanned(evidence, fit, tuple(effect for effect in effects if effect.kind.name not in names))
+    prospects = _scanned(evidence, fit, _beside(fit, effects))
     return ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects)
+
+
+def _extended_all(
+    evidence: Evidence, several: Sequence[HypothesisFit], effects: Sequence[CandidateEffect]
+) -> list[HypothesisFit]:
+    """Return the same for several fits one after the other, computed side by side."""
+    prospects = scan_beside(evidence, [(fit, _beside(fit, effects)) for fit in several])
+    contests = [
+        Contest(evidence, [_start(fit, prospect) for prospect in promising(each)], fit.cost - RESCUE)
+        for fit, each in zip(several, prospects, strict=True)
+    ]
+    return [fit for each in fits_of_contests(contests) for fit in ranked(each, effects)]
+
+
+def _beside(fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> tuple[CandidateEffect, ...]:
+    """Return the effects that a fit lacks."""
+    names = {effect.kind.name for effect in fit.hypothesis.effects}
+    return tuple(effect for effect in effects if effect.kind.name not in names)
+
+
+def _start(fit: HypothesisFit, prospect: Prospect) -> tuple[Hypothesis, Array]:
+    """Return the start of a fit with one effect in addition."""
+    return fit.hypothesis.with_effect(prospect.effect), prospect.start
 
 
 def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
@@ -273,7 +296,7 @@ def _scanned(evidence: Evidence, fit: HypothesisFit, effects: tuple[CandidateEff
 def _fitted(
     evidence: Evidence, fit: HypothesisFit, prospects: tuple[Prospect, ...], goal: float
 ) -> list[HypothesisFit]:
-    return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects], goal)
+    return fits(evidence, [_start(fit, prospect) for prospect in prospects], goal)
 
 
 def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:

@@ -1,10 +1,10 @@
 """Robots that are equal for a stage, which then predicts them once.
 
 Most robots of a fit differ in one number each, and most numbers act on one of several stages: the offset of a range
-sensor moves no wheel.
+sensor moves no wheel. Later fits often begin where earlier ones ended.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,13 @@ from numpy.typing import NDArray
 from configs.effects.base import Slot
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
+from symolo.core.arrays import Array
+
+MAX_BYTES = 64 * 2**20
+"""Memory for the predictions of one stage that are kept."""
+
+Key = tuple[object, ...]
+"""All that acts on a stage, one value after the other."""
 
 
 def distinct(
@@ -27,16 +34,53 @@ def distinct(
     Returns:
         One of each, and for every robot given which of those it is like, (M,).
     """
-    numbers: dict[tuple[object, ...], int] = {}
+    numbers: dict[Key, int] = {}
     different: list[RobotConfig] = []
     which = []
     for robot in robots:
-        key = tuple(_values([*(getattr(robot, part) for part in parts), *robot.effects.in_slots(slots)]))
+        key = _key(robot, parts, slots)
         if key not in numbers:
             numbers[key] = len(different)
             different.append(robot)
         which.append(numbers[key])
     return different, np.array(which)
+
+
+class KnownPredictions:
+    """Predictions of one stage, which are kept for robots that are equal for it.
+
+    Args:
+        parts: Of `RobotConfig`, that act on the stage.
+        slots: Of the effects that do.
+        predict: Function that returns the predictions (M, ...) of M robots, each independent of the others.
+        max_bytes: Memory for the predictions that are kept; the oldest ones go first.
+    """
+
+    def __init__(
+        self,
+        parts: Collection[str],
+        slots: Collection[Slot],
+        predict: Callable[[Sequence[RobotConfig]], Array],
+        max_bytes: int = MAX_BYTES,
+    ) -> None:
+        self._parts, self._slots, self._predict, self._max_bytes = parts, slots, predict, max_bytes
+        self._known: dict[Key, Array] = {}
+
+    def of(self, robots: Sequence[RobotConfig]) -> Array:
+        """Return the predictions (M, ...) of M robots, at least one."""
+        keys = [_key(robot, self._parts, self._slots) for robot in robots]
+        new = {key: robot for key, robot in zip(keys, robots, strict=True) if key not in self._known}
+        if new:
+            self._known.update(zip(new, self._predict(list(new.values())), strict=True))
+        predictions = np.stack([self._known[key] for key in keys])
+        excess = len(self._known) - max(1, self._max_bytes // max(1, predictions[0].nbytes))
+        for key in list(self._known)[: max(0, excess)]:
+            del self._known[key]
+        return predictions
+
+
+def _key(robot: RobotConfig, parts: Collection[str], slots: Collection[Slot]) -> Key:
+    return tuple(_values([*(getattr(robot, part) for part in parts), *robot.effects.in_slots(slots)]))
 
 
 def _values(nested: Collection[object]) -> Iterator[object]:

@@ -5,18 +5,24 @@ from dataclasses import replace
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
 from diagnosis.predictors.turning_response import TurningResponse
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
-from physics.robot.stack import alike, stacked, stacked_effects
+from physics.robot.stack import CURVED, alike, stacked, stacked_effects
 from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.core.arrays import Array
+
+PARTS = ("motor", "power")
+SLOTS = CURVED | {Slot.MOTORS, Slot.COMMAND_DELAY, Slot.ACTUATOR, Slot.BATTERY, Slot.GEARBOX}
+"""Slots of the effects on the motion; those of the instruments act on its readings."""
 
 
 class MotorStep:
@@ -36,6 +42,7 @@ class MotorStep:
         rate_hz = measurement.nominal.sample_rate_Hz if isinstance(measurement.nominal, NominalStep) else None
         self._grid = Grid.of(measurement, rate_hz)
         self._voltage_V = self._grid.held(trials, "u_cmd_V")
+        self._known = KnownPredictions(PARTS, SLOTS, self._motions)
         current, speed = (mean[0] for mean in self._means([nominal]))
         voltage_V = self._grid.of_rows(self._voltage_V)
         since_s, step_V = (self._grid.of_rows(samples) for samples in self._since_step())
@@ -72,20 +79,26 @@ class MotorStep:
     def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         rows = sum(len(place) for place in self._grid.places)
         current, speed = np.empty((len(robots), rows)), np.empty((len(robots), rows))
-        trials = self._voltage_V.shape[1]
         t_s = self._grid.period_s * np.arange(len(self._voltage_V))
         since_on_s = t_s[:, None, None] + self._grid.begins_s
+        motions = self._known.of(robots)
         for group in alike(robots):
-            several = [robots[k] for k in group]
-            model = RobotModel.from_config(stacked(several, axes=2, times=trials))
-            effects = stacked_effects(several, axes=1)
-            moving = step_responses(model, self._voltage_V[1:], self._grid.period_s, self._grid.begins_s)
-            # Robots that differ only in their instruments share one motion.
-            motions = (x if x.ndim > self._voltage_V.ndim else x[:, None] for x in moving)
-            amperes, rad_s = (np.concatenate([np.zeros_like(x[:1]), x]) for x in motions)
+            effects = stacked_effects([robots[k] for k in group], axes=1)
+            amperes, rad_s = (np.moveaxis(motions[group, k], 0, 1) for k in range(2))
             current[group] = self._grid.of_rows(read_current_A(effects, amperes, since_on_s))
             speed[group] = self._grid.of_rows(read_speed_rad_s(effects, t_s, rad_s, since_on_s))
         return current, speed
+
+    def _motions(self, robots: Sequence[RobotConfig]) -> Array:
+        """Return true currents [A] and speeds [rad/s] at all samples, (M, 2, T, N)."""
+        samples, trials = self._voltage_V.shape
+        motions = np.zeros((len(robots), 2, samples, trials))
+        for group in alike(robots):
+            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2, times=trials))
+            moving = step_responses(model, self._voltage_V[1:], self._grid.period_s, self._grid.begins_s)
+            for k, motion in enumerate(moving):
+                motions[group, k, 1:] = np.moveaxis(motion.reshape(samples - 1, -1, trials), 1, 0)
+        return motions
 
     def _responses(
         self, measurement: Measurement, nominal: RobotConfig, angle_rad: Array, speed_rad_s: Array

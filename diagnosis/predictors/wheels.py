@@ -13,7 +13,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
-from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
@@ -57,7 +57,8 @@ class Wheels:
         numbers = np.concatenate(self._grid.places)
         self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
         self._parts, self._voltage_V = 1, self._voltages_V(measurement, 1)
-        speeds = [mean[0] for mean in self._speeds([nominal])]
+        speeds = list(self._speeds([nominal])[0])
+        self._known = KnownPredictions(PARTS, SLOTS, self._speeds)
         set_speeds = _set_speeds(measurement, nominal)
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
         if any(trial.held for trial in measurement.trials):
@@ -81,7 +82,7 @@ class Wheels:
         by_parts = {}
         for parts in PARTS_OF_ROW:
             self._parts, self._voltage_V = parts, self._voltages_V(measurement, parts)
-            by_parts[parts] = np.stack([mean[0] for mean in self._speeds([nominal])])
+            by_parts[parts] = self._speeds([nominal])[0]
         finest = by_parts[PARTS_OF_ROW[-1]]
         errors = {parts: np.sqrt(np.nanmean((speeds - finest) ** 2)) for parts, speeds in by_parts.items()}
         enough = next(parts for parts, error in errors.items() if error <= max_rad_s)
@@ -140,16 +141,13 @@ class Wheels:
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        several, which = distinct(robots, PARTS, SLOTS)
-        return tuple(
-            Predicted(mean[which], observed.sd)
-            for mean, observed in zip(self._speeds(several), self.observed, strict=True)
-        )
+        speeds = self._known.of(robots)
+        return tuple(Predicted(speeds[:, k], observed.sd) for k, observed in enumerate(self.observed))
 
-    def _speeds(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
-        """Return the speeds of the left and the right wheel, (M, n) each; NaN in the last row of a trial."""
+    def _speeds(self, robots: Sequence[RobotConfig]) -> Array:
+        """Return the speeds of the left and the right wheel, (M, 2, n); NaN in the last row of a trial."""
         rows = sum(len(place) for place in self._grid.places)
-        left, right = (np.full((len(robots), rows), np.nan) for _ in SIDES)
+        speeds = np.full((len(robots), len(SIDES), rows), np.nan)
         for group in alike(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
             turned = counted_turns(
@@ -159,11 +157,11 @@ class Wheels:
             scale = np.asarray(model.counts_per_revolution / self._counts)
             turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale
             counted = np.concatenate([np.zeros_like(turned[:1]), np.cumsum(turned, axis=0)])
-            for speeds, wheel in ((left, 1), (right, 0)):
+            for side, wheel in enumerate((1, 0)):
                 angle = self._grid.of_rows(counted[..., wheel])
                 speed = (angle[..., self._next] - angle[..., self._first]) / self._lasts_s
-                speeds[np.ix_(np.array(group), self._first)] = speed
-        return left, right
+                speeds[np.array(group)[:, None], side, self._first] = speed
+        return speeds
 
 
 def _set_speeds(measurement: Measurement, nominal: RobotConfig) -> tuple[Array, Array]:

@@ -23,8 +23,9 @@ class Chopper:
 
     def supply_V(self, emf_V: Array) -> Array:
         """Return the supply voltage that belongs to u - K w [V] with u = duty * supply."""
-        size, full_V = np.abs(self.duty), np.broadcast_to(self.no_load_V, emf_V.shape)
-        return np.divide(np.abs(emf_V + self.back_emf_V), size, out=full_V.copy(), where=size > 0.0)
+        size = np.abs(self.duty)
+        full_V = np.full(emf_V.shape, self.no_load_V)
+        return np.divide(np.abs(emf_V + self.back_emf_V), size, out=full_V, where=size > 0.0)
 
 
 @dataclass(frozen=True)

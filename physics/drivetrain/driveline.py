@@ -55,6 +55,7 @@ class Driveline:
         self._heating = model.functions(Slot.WINDING_HEAT)
         self._limit = model.functions(Slot.CURRENT_LIMIT)
         self._friction = model.functions(Slot.FRICTION)
+        self._bare_winding = Winding(self.resistance_ohm, self.torque_constant_N_m_A)
         self._shaft_torque = model.functions(Slot.SHAFT_TORQUE)
 
     @classmethod
@@ -143,6 +144,8 @@ class Driveline:
             time_s: Time since the motors were first switched on.
             heat: Share by which heat has raised the resistance (`heat_after`).
         """
+        if not (self._resistance or self._constant or self._heating):
+            return self._bare_winding
         resistance = through(self._resistance, self.resistance_ohm, time_s)
         resistance = resistance * np.maximum(1.0 + heat, MIN_WARM) if self._heating else resistance
         return Winding(resistance, through(self._constant, self.torque_constant_N_m_A, time_s))
@@ -165,7 +168,7 @@ class Driveline:
         if not (self._conduction or self._supply):
             return through(self._limit, through(self._bridge, emf_V) / winding.resistance_ohm)
         # An empty battery switches nothing.
-        duty = np.divide(voltage_V, supply_V, out=np.zeros_like(emf_V), where=np.asarray(supply_V) > 0.0)
+        duty = np.divide(voltage_V, supply_V, out=np.zeros(emf_V.shape), where=np.asarray(supply_V) > 0.0)
         chopper = Chopper(supply_V, duty, winding.resistance_ohm, back_emf_V)
 
         def driving_V(emf_V: Array) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motion import voltage_trend
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, stacked_rows
 
 LAST_S = 5e-4
 """Length of the end of a row over which `HeldRow.last_V` is a mean."""
@@ -130,7 +130,7 @@ def _held_before(
         states_V.append(held_V)
         held_V = driveline.held_V(held_V, old, durations.before_s) if cut else held_V
         held_V = driveline.held_V(held_V, new, durations.after_s if cut else durations.whole_s)
-    return np.stack(np.broadcast_arrays(*states_V))
+    return stacked_rows(states_V)
 
 
 def _cut_row(  # noqa: PLR0917 - the motors, and all that changes within the row

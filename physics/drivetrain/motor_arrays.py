@@ -27,9 +27,12 @@ class HeldDrive:
         """
         torque, friction, damping = self.torque_N_m, self.friction_N_m, self.damping_N_m_s_rad
         time_constant = self.inertia_kg_m2 / damping
-        standing = speed_rad_s == 0.0
-        final = (torque - np.copysign(friction, np.where(standing, torque, speed_rad_s))) / damping
-        final = np.where(standing & (np.abs(torque) <= friction), 0.0, final)
+        if np.count_nonzero(speed_rad_s) == speed_rad_s.size:
+            final = (torque - np.copysign(friction, speed_rad_s)) / damping
+        else:
+            standing = speed_rad_s == 0.0
+            final = (torque - np.copysign(friction, np.where(standing, torque, speed_rad_s))) / damping
+            final = np.where(standing & (np.abs(torque) <= friction), 0.0, final)
         covered = covered_share(duration_s, time_constant) if covered is None else covered
         speed, angle = _relaxed(speed_rad_s, final, duration_s, time_constant, covered)
         # The usual case: no wheel has changed its direction, so that none has stopped within the step.

@@ -15,7 +15,7 @@ from physics.drivetrain.held_rows import held_rows
 from physics.drivetrain.motion import voltage_trend
 from physics.drivetrain.shaft import ShaftState, shaft_of
 from physics.robot.model import RobotModel
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, stacked_rows
 from symolo.core.finite import require_finite
 
 SETTLED = 1e-11
@@ -238,11 +238,10 @@ def step_responses(
         for part in row.parts:
             state = shaft.moved(part, state)
         voltages.append(row.last_V)
-        supplies.append(np.broadcast_to(row.supply_V, np.broadcast_shapes(np.shape(row.supply_V), rest.shape)))
-        heats.append(np.broadcast_to(row.last_heat, np.broadcast_shapes(np.shape(row.last_heat), rest.shape)))
+        supplies.append(row.supply_V)
+        heats.append(row.last_heat)
         speeds.append(state.sides.motor_rad_s)
-    series = (voltages, supplies, heats, speeds)
-    voltage, supply, heat, speed = (np.stack(np.broadcast_arrays(*rows)) for rows in series)
+    voltage, supply, heat, speed = (stacked_rows(rows, rest.shape) for rows in (voltages, supplies, heats, speeds))
     voltage, supply, heat = (rows[:, None] if rows.ndim < speed.ndim else rows for rows in (voltage, supply, heat))
     ends_s = begin + row_s * np.arange(1, len(speed) + 1).reshape(-1, *(1,) * (speed.ndim - 1))
     return driveline.current_A(voltage, speed, supply, driveline.winding(ends_s, heat))[..., 0], speed[..., 0]

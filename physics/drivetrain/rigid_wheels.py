@@ -22,6 +22,9 @@ TOLERANCE = 2e-3
 PARTS = 4
 MAX_DEPTH = 6
 
+Loads = tuple[Array, Array]
+"""Torque on wheels at rest, and dry friction [N m]."""
+
 
 class RigidWheels:
     def __init__(self, driveline: Driveline, load_N_m: Callable[[Array], Array] | None = None) -> None:
@@ -63,14 +66,22 @@ class RigidWheels:
         return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
 
     def _with_effects(
-        self, part: HeldPart, stall: Array, state: tuple[Array, Array], depth: int
+        self, part: HeldPart, stall: Array, state: tuple[Array, Array], depth: int, loads: Loads | None = None
     ) -> tuple[Array, Array]:
-        """Return the same for a speed and an angle; `stall` is the torque of the bare windings at rest."""
+        """Return the same for a speed and an angle.
+
+        Args:
+            part: The period.
+            stall: Torque of the bare windings at rest.
+            state: Speed and angle at the beginning.
+            depth: How often the period may be divided.
+            loads: Torque at rest and dry friction at the beginning, if they are known already.
+        """
         # Predict with the loads of the beginning, then repeat the step with the mean of both ends. Torque that depends
         # on the angle is a mean over the turn: first over that at a constant speed, then over the predicted one.
         speed_rad_s, angle_rad = state
         turn = part.duration_s * speed_rad_s if self._driveline.needs_angle else angle_rad
-        torque, friction = self._loads(part, stall, speed_rad_s, part.begin_s, (angle_rad, turn))
+        torque, friction = loads or self._loads(part, stall, speed_rad_s, part.begin_s, (angle_rad, turn))
         covered = self._covered(part.duration_s)
         ahead, turn = self._held(torque, friction).step(speed_rad_s, part.duration_s, covered)
         torque_ahead, friction_ahead = self._loads(
@@ -79,24 +90,27 @@ class RigidWheels:
         both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
         speed, angle = both.step(speed_rad_s, part.duration_s, covered)
         off = np.abs(speed - ahead)
-        if not depth or off.max() <= TOLERANCE_RAD_S:
+        if not depth or not np.count_nonzero(off > TOLERANCE_RAD_S):
             return speed, angle
         rough = off > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
-        if not rough.any():
+        if not np.count_nonzero(rough):
             return speed, angle
         # All wheels take the fine steps, because they share the arrays; only the rough ones use the result.
         fine_speed, fine_angle = speed_rad_s, np.zeros(())
         duration_s = part.duration_s / PARTS
+        # The first quarter begins as the whole step does, except for a torque that depends on the turn.
+        loads = None if self._driveline.needs_angle else (torque, friction)
         for k in range(PARTS):
             quarter = replace(part, begin_s=part.begin_s + k * duration_s, duration_s=duration_s)
             at_angle = angle_rad + fine_angle if self._driveline.needs_angle else angle_rad
-            fine_speed, further = self._with_effects(quarter, stall, (fine_speed, at_angle), depth - 1)
+            state = (fine_speed, at_angle)
+            fine_speed, further = self._with_effects(quarter, stall, state, depth - 1, loads if k == 0 else None)
             fine_angle = fine_angle + further
         return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
 
     def _loads(
         self, part: HeldPart, stall: Array, speed_rad_s: Array, time_s: Array, turn: tuple[Array, Array]
-    ) -> tuple[Array, Array]:
+    ) -> Loads:
         """Return torque at rest and dry friction [N m]; `turn` is the angle at its beginning, and its size."""
         driveline = self._driveline
         torque = stall

@@ -14,7 +14,7 @@ from physics.drivetrain.held_rows import held_rows, joined_parts
 from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, through
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, stacked_rows
 from symolo.core.finite import require_finite
 
 
@@ -75,7 +75,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
             turned = turned + further
             angle = angle + further if driveline.needs_angle else angle
         rows.append(through(counting, turned, row_s))
-    return np.stack(np.broadcast_arrays(*rows))
+    return stacked_rows(rows)
 
 
 ITERATIONS = 16

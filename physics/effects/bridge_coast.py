@@ -49,12 +49,14 @@ class BridgeCoast(Effect):
         """
         ratio = np.maximum(self.inductance_H * self.switching_Hz / chopper.resistance_ohm, MIN_RATIO)
         duty = np.minimum(np.abs(chopper.duty), 1.0)
-        on_V = np.sign(chopper.duty) * chopper.supply_V(emf_V) - chopper.back_emf_V
-        direction = np.sign(on_V)
-        off_V = chopper.supply_V(emf_V) + self.diode_V + direction * chopper.back_emf_V
-        peak_V = -np.abs(on_V) * np.expm1(-duty / ratio)
+        supply_V = chopper.supply_V(emf_V)
+        on_V = np.sign(chopper.duty) * supply_V - chopper.back_emf_V
+        size_V, direction = np.abs(on_V), np.sign(on_V)
+        off_V = supply_V + self.diode_V + direction * chopper.back_emf_V
+        peak_V = -size_V * np.expm1(-duty / ratio)
         # A motor that is driven faster than supply and diodes can stop its current rectifies for the whole off time.
-        falls = ratio * np.log1p(peak_V / np.where(off_V > 0.0, off_V, np.inf))
-        falls = np.where(off_V > 0.0, np.minimum(falls, 1.0 - duty), 1.0 - duty)
-        mean_V = direction * (np.abs(on_V) * duty - off_V * falls)
+        is_opposed, off_time = off_V > 0.0, 1.0 - duty
+        falls = ratio * np.log1p(peak_V / np.where(is_opposed, off_V, np.inf))
+        falls = np.where(is_opposed, np.minimum(falls, off_time), off_time)
+        mean_V = direction * (size_V * duty - off_V * falls)
         return np.where(self.inductance_H > 0.0, mean_V, emf_V)

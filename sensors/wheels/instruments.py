@@ -8,7 +8,7 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from physics.robot.model import through
-from symolo.core.arrays import Array
+from symolo.core.arrays import Array, stacked_rows
 
 
 def read_current_A(effects: RobotEffects, current_A: Array, since_on_s: Array) -> Array:
@@ -48,7 +48,7 @@ def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, sinc
         rows = [reading[0]]
         for before, row, duration_s in zip(reading[:-1], reading[1:], np.diff(t_s).tolist(), strict=True):
             rows.append(low_pass(rows[-1], before, row, duration_s))
-        reading = np.stack(np.broadcast_arrays(*rows))
+        reading = stacked_rows(rows)
     delay_s = through(effects.functions(Slot.SPEED_DELAY), 0.0)
     return reading if np.all(delay_s == 0.0) else _earlier(reading, t_s, delay_s)
 

@@ -4,6 +4,9 @@ The checkouts take turns at every case, each in a process of its own on one thre
 meets both. The time is from the file's rows to the answer, without what it takes to start.
 
     python benchmarks/diagnosis/exams/cpu_time.py OTHER_CHECKOUT [--cases 12] [--seed 1] [--kinds motor_step]
+    python benchmarks/diagnosis/exams/cpu_time.py OTHER_CHECKOUT --folder DIR
+
+With --folder, the cases are those in DIR, such as independent ones (benchmarks/diagnosis/independent_cases).
 """
 
 import argparse
@@ -12,6 +15,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -59,6 +63,7 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kinds", default="motor_step")
+    parser.add_argument("--folder", type=Path, help="folder of cases, in place of new ones")
     arguments = parser.parse_args()
     kinds = arguments.kinds.split(",")
     if unknown := [kind for kind in kinds if kind not in KINDS]:
@@ -67,18 +72,31 @@ def main() -> None:
         parser.error(f"OTHER_CHECKOUT: got {arguments.other}, which has no folder diagnosis")
     print(f"{'case':30} {'other s':>8} {'here s':>8} {'ratio':>6}  found here")
     pairs = []
-    for plan in plans(arguments.cases, arguments.seed, kinds):
-        with tempfile.TemporaryDirectory() as folder:
-            case = Path(folder) / plan.name
-            write(hidden_case(plan), case)
-            other, here = (run(checkout, case) for checkout in (arguments.other, HERE))
+    for case in cases_in(arguments.folder) if arguments.folder else new_cases(arguments.cases, arguments.seed, kinds):
+        other, here = (run(checkout, case) for checkout in (arguments.other, HERE))
         pairs.append((other, here))
         names = ", ".join(name for name, _ in here.effects) or "nothing"
         times = f"{other.seconds:8.1f} {here.seconds:8.1f} {other.seconds / here.seconds:6.2f}"
-        print(f"{plan.name:30} {times}  {names}{difference(other, here)}", flush=True)
+        print(f"{case.name:30} {times}  {names}{difference(other, here)}", flush=True)
+    alike = sum(other.answer == here.answer for other, here in pairs)
+    print(f"{alike} of {len(pairs)} answers are the same in every digit")
     for name, statistic in (("median", median), ("longest", max)):
         was, now = (statistic(pair[k].seconds for pair in pairs) for k in (0, 1))
         print(f"{name:30} {was:8.1f} {now:8.1f} {was / now:6.2f}")
+
+
+def cases_in(folder: Path) -> Iterator[Path]:
+    """Yield the cases in a folder."""
+    yield from sorted(path.parent for path in folder.glob("*/nominal.yaml"))
+
+
+def new_cases(number: int, seed: int, kinds: list[str]) -> Iterator[Path]:
+    """Yield new cases, each of which is removed before the next one."""
+    for plan in plans(number, seed, kinds):
+        with tempfile.TemporaryDirectory() as folder:
+            case = Path(folder) / plan.name
+            write(hidden_case(plan), case)
+            yield case
 
 
 def run(checkout: Path, case: Path) -> Run:

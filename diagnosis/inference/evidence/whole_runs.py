@@ -20,7 +20,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, at, with_local_fitted
+from diagnosis.inference.fit import HypothesisFit, at
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.refusal import needed
 from diagnosis.inference.selection import MAX_EFFECTS
@@ -48,6 +48,8 @@ MIN_SCATTER = 1e-6
 """Least scatter [m, rad]."""
 START_SHARE = 0.1
 """Share of an effect's start value at which its fit begins, since the cost has no slope at a bound."""
+LOCAL_STEPS = 2
+"""Steps for nuisances that enter linearly; only the weights of outliers change from one to the next."""
 
 
 class WholeRuns:
@@ -206,4 +208,18 @@ def over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Hypothesi
     information[np.ix_(seen, seen)], x[seen] = np.linalg.pinv(whole.covariance, hermitian=True), whole.x
     unseen = np.flatnonzero(np.diag(information) <= 0.0)
     information[np.ix_(unseen, unseen)] = fit.information[np.ix_(unseen, unseen)]
-    return replace(with_local_fitted(at(evidence, fit.hypothesis, x)), information=information)
+    return replace(_with_local_fitted(at(evidence, fit.hypothesis, x)), information=information)
+
+
+def _with_local_fitted(fit: HypothesisFit) -> HypothesisFit:
+    """Return a fit with the nuisances of single sessions fitted, and everything else unchanged."""
+    hypothesis, x = fit.hypothesis, fit.x.copy()
+    local = hypothesis.is_local
+    if not local.any():
+        return fit
+    for _ in range(LOCAL_STEPS):
+        tangents = fit.slopes[local] * (root := fit.root_weights())
+        system = tangents @ tangents.T + np.eye(len(tangents))
+        x[local] += np.linalg.solve(system, tangents @ (root * fit.z) - x[local])
+        fit = at(fit.evidence, hypothesis, x)
+    return fit

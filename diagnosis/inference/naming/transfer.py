@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.fit import Contest, HypothesisFit, fits, fits_of_contests
 from diagnosis.inference.refusal import is_of_noise
 from diagnosis.measured.channel import Mask
 
@@ -84,17 +84,16 @@ def supports(
     # which outliers anywhere cost less: rows that do not show the effect would seem to speak against it.
     noises = [base.noise if _is_noisier(base, fit) else fit.noise for base in bases]
     alike = fits(evidence, [(base.hypothesis, base.x) for base in bases], noises=noises)
-    rows = []
-    for part in parts:
-        rest = evidence.with_rows(fit=evidence.fit & ~part.rows)
-        starts = [(each.hypothesis, each.x) for each in (fit, *alike)]
-        model, *without = fits(rest, starts, noises=[fit.noise, *noises])
-        rows.append(
-            [
-                Support(part.name, (base.cost - fit.cost) - (fewer.cost - model.cost))
-                for base, fewer in zip(alike, without, strict=True)
-            ]
-        )
+    starts, known = [(each.hypothesis, each.x) for each in (fit, *alike)], [fit.noise, *noises]
+    rests = [evidence.with_rows(fit=evidence.fit & ~part.rows) for part in parts]
+    of_rests = fits_of_contests([Contest(rest, starts, noises=known) for rest in rests])
+    rows = [
+        [
+            Support(part.name, (base.cost - fit.cost) - (fewer.cost - model.cost))
+            for base, fewer in zip(alike, without, strict=True)
+        ]
+        for part, (model, *without) in zip(parts, of_rests, strict=True)
+    ]
     return tuple(zip(*rows, strict=True)) if rows else tuple(() for _ in bases)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fit import Contest, fits, fits_of_contests
 from diagnosis.inference.hypothesis import moved
 from diagnosis.predictors.base import Predicted
 
@@ -57,6 +57,30 @@ def test_many_fits_side_by_side_are_each_alone(evidence_of, hypothesis, effect):
     for model, fit in zip(models, together, strict=True):
         (alone,) = fits(evidence, [(model, model.null())])
         np.testing.assert_allclose(fit.x, alone.x, rtol=1e-9)
+
+
+def test_contests_side_by_side_are_each_alone_and_share_their_predictions(evidence_of, hypothesis, effect):
+    """Each has rows, a goal and a noise of its own; a fit far behind its goal must not stop those of other contests."""
+    batches, whole = [], evidence_of(X, X * 0.98 + 0.015 + SD_A * (-1.0) ** np.arange(40))
+    whole.on_predicted = batches.append
+    model = hypothesis.with_effect(effect("current_sensor_offset"))
+    (known,) = fits(whole, [(model, model.null())])
+    starts = [(each, each.null()) for each in (hypothesis, model)]
+    contests = [
+        Contest(whole, starts, goal=-1e6),
+        Contest(whole.with_rows(fit=whole.fit & (X > 0.5)), starts, noises=[known.noise, known.noise]),
+        Contest(whole, []),
+    ]
+    batches.clear()
+    alone = [fits(each.evidence, each.starts, each.goal, each.noises) for each in contests[:2]]
+    one_after_the_other = len(batches)
+    *together, nothing = fits_of_contests(contests)
+    assert len(batches) - one_after_the_other < one_after_the_other
+    assert nothing == []
+    for apart, beside in zip(alone, together, strict=True):
+        for one, other in zip(apart, beside, strict=True):
+            np.testing.assert_array_equal(one.x, other.x)
+            assert one.cost == other.cost
 
 
 def test_coordinates_of_one_hypothesis_are_found_again_in_another(hypothesis, effect):

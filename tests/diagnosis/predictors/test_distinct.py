@@ -1,9 +1,10 @@
+import numpy as np
 import pytest
 
 from configs.draw import draw_robot
 from configs.effects.base import Slot
 from configs.loader import load_section
-from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.distinct import KnownPredictions, distinct
 from physics.effects.encoder_ticks_scale import EncoderTicksScale
 from physics.effects.supply_sag import SupplySag
 from sensors.effects.range_scale import RangeScale
@@ -30,3 +31,31 @@ def test_no_effect_is_not_a_effect_without_effect(robot):
     """They are predicted alike, but nothing here knows that."""
     _, which = distinct([robot, robot.with_effect(EncoderTicksScale(scale=1.0))], (), {Slot.ENCODER})
     assert which.tolist() == [0, 1]
+
+
+def sags(robots):
+    """Two numbers for each robot, the second one the resistance of its supply."""
+    return np.array([[1.0, getattr(robot.effects.get(SupplySag), "source_resistance_ohm", 0.0)] for robot in robots])
+
+
+def test_robots_that_are_equal_for_a_stage_are_predicted_once(robot):
+    batches = []
+    stage = KnownPredictions((), {Slot.SUPPLY}, lambda robots: (batches.append(len(robots)), sags(robots))[1])
+    sagging = [robot.with_effect(SupplySag(source_resistance_ohm=ohm)) for ohm in (0.3, 0.5)]
+    scaled = sagging[0].with_effect(RangeScale(scale=1.1))
+    assert stage.of([robot, sagging[0], scaled]).tolist() == [[1.0, 0.0], [1.0, 0.3], [1.0, 0.3]]
+    assert stage.of([sagging[1], scaled, robot]).tolist() == [[1.0, 0.5], [1.0, 0.3], [1.0, 0.0]]
+    assert stage.of([robot, sagging[1]]).tolist() == [[1.0, 0.0], [1.0, 0.5]]
+    assert batches == [2, 1]
+
+
+def test_the_oldest_predictions_are_forgotten_when_memory_is_short(robot):
+    batches = []
+    stage = KnownPredictions(
+        (), {Slot.SUPPLY}, lambda robots: (batches.append(len(robots)), sags(robots))[1], max_bytes=2 * 16
+    )
+    several = [robot.with_effect(SupplySag(source_resistance_ohm=ohm)) for ohm in (0.1, 0.2, 0.3)]
+    assert stage.of(several)[:, 1].tolist() == [0.1, 0.2, 0.3]
+    assert stage.of(several[1:])[:, 1].tolist() == [0.2, 0.3]
+    assert stage.of(several[:1])[:, 1].tolist() == [0.1]
+    assert batches == [3, 1]
