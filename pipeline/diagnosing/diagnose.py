@@ -130,7 +130,8 @@ def diagnose_cases(
         )
         for case in cases
     ]
-    with report.stage("diagnose", len(units), "cases") as stage:
+    # How many hypotheses are fitted depends on what the fits show, so the share of a case says little about its rest.
+    with report.stage("diagnose", len(units), "cases", is_even=False) as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(event, Progress):

@@ -27,7 +27,17 @@ class StageReport(Protocol):
 class Report(Protocol):
     """Receiver of the reports of a command's stages."""
 
-    def stage(self, name: str, total: float, unit: str) -> AbstractContextManager[StageReport]: ...
+    def stage(self, name: str, total: float, unit: str, *, is_even: bool = True) -> AbstractContextManager[StageReport]:
+        """Return the receiver of a stage's progress.
+
+        Args:
+            name: Name of the stage.
+            total: All that there is to do, in `unit`.
+            unit: What is counted, in the plural.
+            is_even: Whether each part advances so evenly that the time left follows from it. Otherwise only parts that
+                are done say something about it.
+        """
+        ...
 
     def say(self, text: str) -> None: ...
 
@@ -43,36 +53,72 @@ class LineReport:
         print(text, file=sys.stderr, flush=True)  # noqa: T201 - this is the log of a batch
 
     @contextmanager
-    def stage(self, name: str, total: float, unit: str) -> Iterator[StageReport]:
+    def stage(self, name: str, total: float, unit: str, *, is_even: bool = True) -> Iterator[StageReport]:
         unit = _counted(unit, total)
-        stage = _Lines(self, name, total, unit)
+        stage = _Lines(self, name, total, unit, _Clock(total, is_even=is_even))
         yield stage
-        self.say(f"{name}: {stage.done:.0f} of {total:.0f} {unit} in {seconds(time.monotonic() - stage.started)}")
+        self.say(f"{name}: {stage.done:.0f} of {total:.0f} {unit} in {seconds(stage.clock.passed_s)}")
 
 
-class _Lines:
-    def __init__(self, report: LineReport, name: str, total: float, unit: str) -> None:
-        self._report, self._name, self._total, self._unit = report, name, total, unit
+class _Clock:
+    """Estimate of the time left of a stage from its parts."""
+
+    def __init__(self, total: float, *, is_even: bool) -> None:
+        self._total, self._is_even = total, is_even
         self._parts: dict[str, float] = {}
-        self.started = self._last = time.monotonic()
+        self._started = time.monotonic()
+        self._whole, self._whole_after_s = 0.0, 0.0
 
     @property
     def done(self) -> float:
         return sum(self._parts.values())
 
+    @property
+    def passed_s(self) -> float:
+        """Time since the stage began."""
+        return time.monotonic() - self._started
+
+    def update(self, name: str, done: float) -> None:
+        """Note how much of the part `name` is done."""
+        self._parts[name] = done
+        whole = sum(part for part in self._parts.values() if part >= 1.0)
+        if whole > self._whole:
+            self._whole, self._whole_after_s = whole, self.passed_s
+
+    @property
+    def left(self) -> str:
+        """The time left as text; empty if all is done, or if it is too early to estimate."""
+        if self._is_even:
+            left = time_left(self.passed_s, self.done / self._total if self._total else 1.0)
+            return left and f"about {left} left"
+        if self.done >= self._total:
+            return ""
+        # The end is expected at a fixed time from one finished part to the next, so that the time left falls.
+        left_s = self._whole_after_s * self._total / self._whole - self.passed_s if self._whole else 0.0
+        return f"about {seconds(left_s)} left" if left_s > 0.0 else "time left not known"
+
+
+class _Lines:
+    def __init__(self, report: LineReport, name: str, total: float, unit: str, clock: _Clock) -> None:
+        self._report, self._name, self._total, self._unit, self.clock = report, name, total, unit, clock
+        self._last = time.monotonic()
+
+    @property
+    def done(self) -> float:
+        return self.clock.done
+
     def say(self, text: str) -> None:
         self._report.say(f"{self._name}: {text}")
 
     def update(self, name: str, done: float) -> None:
-        self._parts[name] = done
+        self.clock.update(name, done)
         now = time.monotonic()
         # The line at the end of the stage says that all is done.
         if now - self._last < SECONDS_BETWEEN_LINES or self.done >= self._total:
             return
         self._last = now
-        left = time_left(now - self.started, self.done / self._total)
-        eta = f", about {left} left" if left else ""
-        self.say(f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{eta}")
+        left = self.clock.left
+        self.say(f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{left and f', {left}'}")
 
 
 class BarReport:
@@ -87,7 +133,7 @@ class BarReport:
         self._console.print(text, markup=False)
 
     @contextmanager
-    def stage(self, name: str, total: float, unit: str) -> Iterator[StageReport]:
+    def stage(self, name: str, total: float, unit: str, *, is_even: bool = True) -> Iterator[StageReport]:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - see above
 
         columns = (
@@ -99,23 +145,23 @@ class BarReport:
         )
         with Progress(*columns, console=self._console) as progress:
             task = progress.add_task(name, total=total, left="")
-            started = time.monotonic()
 
-            def show(done: float) -> None:
-                left = time_left(time.monotonic() - started, done / total if total else 1.0)
-                progress.update(task, completed=done, left=left and f"about {left} left")
+            def show(clock: _Clock) -> None:
+                progress.update(task, completed=clock.done, left=clock.left)
 
-            yield _Bar(show, self.say)
+            yield _Bar(_Clock(total, is_even=is_even), show, self.say)
 
 
 class _Bar:
-    def __init__(self, show, say) -> None:  # noqa: ANN001 - two callables of the line above
-        self._show, self.say = show, say
-        self._parts: dict[str, float] = {}
+    def __init__(self, clock: _Clock, show: Callable[[_Clock], None], say: Callable[[str], None]) -> None:
+        self._clock, self._show, self._say = clock, show, say
+
+    def say(self, text: str) -> None:
+        self._say(text)
 
     def update(self, name: str, done: float) -> None:
-        self._parts[name] = done
-        self._show(sum(self._parts.values()))
+        self._clock.update(name, done)
+        self._show(self._clock)
 
 
 def _counted(unit: str, total: float) -> str:

@@ -15,12 +15,12 @@ def test_a_line_counts_one_thing_and_several(capsys, total, line):
 
 def test_no_line_says_that_no_time_is_left_once_all_is_done(capsys, monkeypatch):
     monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
-    with LineReport().stage("diagnose", 1, "cases") as stage:
+    with LineReport().stage("render", 1, "runs") as stage:
         stage.update("a", 0.9)
         stage.update("a", 1.0)
     between, end = capsys.readouterr().err.splitlines()
-    assert re.fullmatch(r"diagnose: 0 of 1 case, about \d\.\d s left", between)
-    assert end.startswith("diagnose: 1 of 1 case in ")
+    assert re.fullmatch(r"render: 0 of 1 run, about \d\.\d s left", between)
+    assert end.startswith("render: 1 of 1 run in ")
 
 
 @pytest.mark.parametrize(
@@ -29,3 +29,37 @@ def test_no_line_says_that_no_time_is_left_once_all_is_done(capsys, monkeypatch)
 )
 def test_the_time_left_follows_from_the_time_since_the_start_once_enough_is_done(since_s, share, text):
     assert time_left(since_s, share) == text
+
+
+class FakeTime:
+    def __init__(self, monkeypatch):
+        self.now_s = 100.0
+        monkeypatch.setattr(progress.time, "monotonic", lambda: self.now_s)
+
+
+def test_the_time_left_of_parts_that_advance_unevenly_falls_or_is_not_known(capsys, monkeypatch):
+    """Two of three parts take 10 s each, so that the third one is expected to end after 30 s; it takes 60 s."""
+    monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
+    clock = FakeTime(monkeypatch)
+    with LineReport().stage("diagnose", 3, "cases", is_even=False) as stage:
+        for seconds, name, share in (
+            (5, "a", 0.6),
+            (10, "a", 1.0),
+            (15, "b", 0.7),
+            (20, "b", 1.0),
+            (26, "c", 0.6),
+            (29, "c", 0.61),
+            (55, "c", 0.9),
+        ):
+            clock.now_s = 100.0 + seconds
+            stage.update(name, share)
+    *between, _ = capsys.readouterr().err.splitlines()
+    assert [line.partition("cases, ")[2] for line in between] == [
+        "time left not known",
+        "about 20.0 s left",
+        "about 15.0 s left",
+        "about 10.0 s left",
+        "about 4.0 s left",
+        "about 1.0 s left",
+        "time left not known",
+    ]
