@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from configs.checks import robot_faults
 from configs.draw import draw_robot
+from configs.effects.base import Effect
 from configs.effects.own_files import record_of
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
@@ -67,9 +68,26 @@ class ExtendedRobot:
     """Why no simulation accepts the robot, such as a motor that cannot turn; empty if one does."""
 
 
-def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
-    """Return the extended model of a diagnosis as a robot file."""
-    config, left_out, problem = simulated(diagnosis.extended, [each.effect for each in diagnosis.fitted_effects])
+@dataclass(frozen=True)
+class BesideFit:
+    """An effect of the robot that is estimated beside the fit, because it moves no prediction."""
+
+    effect: Effect
+    comments: Mapping[str, str]
+    """Source of each number."""
+
+
+def extended_robot(diagnosis: Diagnosis, beside: Sequence[BesideFit] = ()) -> ExtendedRobot:
+    """Return the extended model of a diagnosis as a robot file.
+
+    Args:
+        diagnosis: The diagnosis.
+        beside: Effects that the robot has in addition to those of the fit.
+    """
+    config = diagnosis.extended
+    for each in beside:
+        config = config.with_effect(each.effect)
+    config, left_out, problem = simulated(config, [each.effect for each in diagnosis.fitted_effects])
     measured = diagnosis.measurement
     source = f"{measured.name} ({measured.kind})"
     named = ", ".join(name.partition("[")[0] for name in diagnosis.names) or "no effect"
@@ -91,9 +109,10 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     tree = _difference(config)
     if config.effect_files:  # the file names them, and they lie beside it
         tree["effect_files"] = [file.file for file in config.effect_files]
-    comments = (
-        {path: "of the nominal model" for path in leaf_paths(tree) if len(path) > 1} | _comments(diagnosis) | moved
-    )
+    comments = {path: "of the nominal model" for path in leaf_paths(tree) if len(path) > 1} | _comments(diagnosis)
+    for each in beside:
+        comments |= {("effects", each.effect.name, name): text for name, text in each.comments.items()}
+    comments |= moved
     text = "\n".join([*head, *_lines(tree, comments)]) + "\n"
     return ExtendedRobot(config, text, left_out, problem)
 

@@ -31,6 +31,7 @@ from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import AS_GOOD, SOMETHING_ELSE, relative_weight
 from diagnosis.posterior.random_slip import RandomSlipEstimate, random_slip
 from diagnosis.posterior.robot_numbers import RobotNumbers, robot_numbers
+from diagnosis.predictors.pose.by_counts import Pose
 from symolo.core.arrays import Array
 from symolo.core.yaml.tree import FieldPath, dotted
 
@@ -41,6 +42,8 @@ DIGITS = 10
 WIDEST_SD = 3.0
 """Standard deviations of the wheel separation that the chassis covers."""
 NO_EFFECT = "no effect"
+SPEED = "wheel_speed_rad_s"
+"""Name of the speed of a wheel in a run."""
 _NOT_SET = ("name", "description", "effect_ranges", "effect_files")
 """Fields of the robot that do not describe what was measured."""
 
@@ -197,8 +200,31 @@ def _measured(diagnosis: Diagnosis) -> Iterator[dict[str, Any]]:
             if len(inside):
                 low, high = ranges.get(name, (np.inf, -np.inf))
                 ranges[name] = (min(low, float(inside.min())), max(high, float(inside.max())))
+    if SPEED not in map(RECORDED.get, ranges):
+        ranges |= _speeds_by_counts(diagnosis)
     for name, (low, high) in ranges.items():
-        yield {"covariate": name, "quantity": RECORDED.get(name), "low": _short(low), "high": _short(high)}
+        yield {
+            "covariate": name,
+            "quantity": RECORDED.get(name, SPEED if name == SPEED else None),
+            "low": _short(low),
+            "high": _short(high),
+        }
+
+
+def _speeds_by_counts(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
+    """Return the range of the wheel speeds in a log with counts; nothing without counts.
+
+    Without voltages no speed is predicted, so that none is a covariate.
+    """
+    evidence = diagnosis.measured
+    usable = evidence.fit | evidence.heldout
+    for stage in evidence.stages:
+        if isinstance(stage, Pose) and stage.has_wheels:
+            first = next(k for k, observed in enumerate(evidence.observed) if observed is stage.observed[0])
+            speeds = stage.wheel_speeds_rad_s(diagnosis.nominal)[usable[evidence.places[first]]]
+            if len(speeds):
+                return {SPEED: (float(speeds.min()), float(speeds.max()))}
+    return {}
 
 
 def _noise(diagnosis: Diagnosis) -> Iterator[dict[str, Any]]:

@@ -14,6 +14,7 @@ from math import exp, log, sqrt
 import numpy as np
 
 from diagnosis.diagnose import Diagnosis
+from diagnosis.extended_robot import DIGITS, BesideFit
 from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import trimmed_variance
@@ -40,6 +41,13 @@ class RandomSlipEstimate:
     slip_m_sqrt_m: float
     sd_log: float
     """Standard deviation of its logarithm."""
+
+    @property
+    def effect(self) -> BesideFit:
+        """The effect for the robot file, with the source of its numbers."""
+        source = f"estimated from the headings of all drives; standard error {self.slip_m_sqrt_m * self.sd_log:.2g}"
+        effect = RandomSlip(slip_m_sqrt_m=float(f"{self.slip_m_sqrt_m:.{DIGITS}g}"))
+        return BesideFit(effect, {"slip_m_sqrt_m": source, "length_m": "the usual value; these data do not show it"})
 
     def beside(self, numbers: RobotNumbers) -> RobotNumbers:
         """Return the numbers of a fit and this one, which is independent of them."""

@@ -19,6 +19,7 @@ from diagnosis.inference.profile import Interval, profiles
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
+from diagnosis.posterior.random_slip import random_slip
 from diagnosis.prediction_error import UnseenPrediction, predictions
 from diagnosis.report.sentences.own_effects import TriedEffect, tried_effects
 from diagnosis.report.sentences.random_slip import random_slip_sentences
@@ -111,10 +112,11 @@ def report_data(
     changes = (0.0, nominal.local_change, diagnosis.fit.local_change)
     means = [mean + change for mean, change in zip(prediction.mean, changes, strict=True)]
     usable = measured.fit | measured.heldout
+    slip = random_slip(diagnosis)
     z = np.where(usable, (measured.values - np.stack(means)) / measured.sd, np.nan)
     return ReportData(
         diagnosis=diagnosis,
-        robot=extended_robot(diagnosis),
+        robot=extended_robot(diagnosis, () if slip is None else (slip.effect,)),
         structures=tuple(_strongest(evidence, nominal)),
         ablations=tuple(_ablations(diagnosis)),
         intervals=profiles(evidence, diagnosis.fit),
@@ -125,7 +127,7 @@ def report_data(
         row_sentences=(
             *row_sentences(diagnosis),
             *session_sentences(diagnosis.fit),
-            *random_slip_sentences(diagnosis),
+            *random_slip_sentences(slip),
             *run_ends(diagnosis),
         ),
         means=(means[0], means[1], means[2]),

@@ -93,6 +93,8 @@ class Pose:
     """Parts of the robot, and slots of the effects, that act on the stage."""
     channels = ("pose_increment",) * len(COMPONENTS)
     """Name of each component in an answer."""
+    has_wheels = True
+    """Whether the log has the turns of the wheels."""
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
@@ -131,6 +133,11 @@ class Pose:
         begin = np.repeat(path[self._starts], self._trials, axis=0)
         from_w = np.repeat(starts, self._trials, axis=0)
         return from_w + seen_from_body(begin[:, 2] - from_w[:, 2], path - begin)
+
+    def wheel_speeds_rad_s(self, robot: RobotConfig) -> Array:
+        """Return the mean speeds of the right and the left wheel in each window, by their counts, (m, 2)."""
+        turned = 2.0 * pi / robot.encoder.counts_per_revolution * (self._ticks[self._last] - self._ticks[self._first])
+        return turned / (self._t_s[self._last] - self._t_s[self._first])[:, None]
 
     def travel_m(self, robot: RobotConfig) -> Array:
         """Return the mean distance (n,) that both wheels have travelled since the row before."""

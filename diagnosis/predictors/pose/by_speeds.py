@@ -65,6 +65,7 @@ class PoseByWheelSpeeds(Pose):
 class PoseByBodySpeeds(PoseByWheelSpeeds):
     """Speeds of the body itself, which say nothing of the wheels."""
 
+    has_wheels = False
     parts = ("encoder",)
     slots = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY})
 

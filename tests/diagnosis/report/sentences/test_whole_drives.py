@@ -1,6 +1,7 @@
 """Drives whose wheels are known, made by test_whole_runs: the ends of their runs, and their random slip."""
 
 import importlib.util
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,9 +9,12 @@ import numpy as np
 import pytest
 
 from diagnosis.diagnose import diagnose
+from diagnosis.extended_robot import extended_robot
+from diagnosis.posterior.posterior import posterior
 from diagnosis.posterior.random_slip import random_slip
 from diagnosis.report.sentences.random_slip import random_slip_sentences
 from diagnosis.report.sentences.run_ends import run_ends
+from physics.effects.random_slip import RandomSlip
 
 
 @pytest.fixture(scope="module")
@@ -43,5 +47,22 @@ def test_wheels_that_slip_at_random_have_the_planted_slip(made):
     assert abs(np.log(slip.slip_m_sqrt_m / 2.4e-3)) < 3.0 * slip.sd_log
     # 16 squares: a standard error of 18 %.
     assert 0.09 < slip.sd_log < 0.36
-    (sentence,) = random_slip_sentences(diagnosis)
+    (sentence,) = random_slip_sentences(slip)
     assert f"{1e3 * slip.slip_m_sqrt_m:.1f}" in sentence
+    # The robot file has it once, and the posterior draws it once and does not set it besides.
+    robot = extended_robot(diagnosis, (slip.effect,))
+    assert robot.config.effects.get(RandomSlip).slip_m_sqrt_m == pytest.approx(slip.slip_m_sqrt_m)
+    assert re.search(r"slip_m_sqrt_m: 0\.00\d+  # estimated from the headings", robot.text)
+    (hypothesis,) = posterior(diagnosis).hypotheses
+    drawn = [number.field for number in hypothesis.numbers]
+    assert drawn.count("effects.random_slip.slip_m_sqrt_m") == 1
+    assert not [each.field for each in hypothesis.fixed if each.field.startswith("effects.random_slip")]
+
+
+def test_counts_show_the_speeds_of_the_wheels_although_no_voltage_was_logged(made):
+    """A row of 50 ms has 24 counts on the straight, and up to 16 backwards in the turn on the spot."""
+    measured = {each.quantity: each for each in posterior(diagnose(made.measured(runs=4))).measured}
+    per_count = 2.0 * np.pi / made.COUNTS / 0.05
+    speeds = measured["wheel_speed_rad_s"]
+    assert (speeds.low, speeds.high) == pytest.approx((-16 * per_count, 24 * per_count))
+    assert "voltage_V" not in measured
