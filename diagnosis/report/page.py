@@ -12,6 +12,7 @@ from diagnosis.report.matrix import matrix_rows
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences import discovered, quantities
 from diagnosis.report.sentences.compared import quantity_rows, source_text
+from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.predictive import predictive_sentence
 from diagnosis.report.sentences.rows import too_large
 from diagnosis.report.summary import reasoning
@@ -37,7 +38,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         plots=plots,
         source=summary_line(diagnosis.measurement),
         headline=verdict.headline(diagnosis),
-        effect_sentences=verdict.effect_sentences(diagnosis),
+        effect_sentences=[*verdict.effect_sentences(diagnosis), *filter(None, [why_no_name(diagnosis)])],
         gain_sentences=verdict.gain_sentences(data),
         measured=source_text(diagnosis.measurement),
         stages=", ".join(stage.name for stage in diagnosis.evidence.stages),

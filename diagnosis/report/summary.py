@@ -1,7 +1,8 @@
 """The diagnosis as plain text, for a terminal; `reasoning` describes how it came about."""
 
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from textwrap import wrap
+from typing import Any
 
 from diagnosis.diagnose import NamedEffect
 from diagnosis.inference.profile import Interval
@@ -12,6 +13,7 @@ from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences import discovered
+from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.quantities import meaning, with_error
 from diagnosis.report.sentences.rows import too_large
 from diagnosis.report.verdict import (
@@ -29,12 +31,20 @@ from diagnosis.report.verdict import (
 WIDTH = 118
 _LABEL_WIDTH = 22
 _MAX_TESTS = 12
+_FIRM = "\x1f"
+"""Character in place of a space at which no line ends."""
+
+
+def wrap(text: str, width: int, **settings: Any) -> list[str]:  # noqa: ANN401 - those of textwrap.wrap
+    """Return the lines of a text; a number and its sign of percent stay together."""
+    return [line.replace(_FIRM, " ") for line in textwrap.wrap(text.replace(" %", f"{_FIRM}%"), width, **settings)]
 
 
 def summary(data: ReportData) -> list[str]:
     """Return the lines: verdict, effects, alternatives, what remains unexplained, gain."""
     diagnosis = data.diagnosis
     lines = [summary_line(diagnosis.measurement), "", *wrap(headline(diagnosis), WIDTH)]
+    lines += wrap(why_no_name(diagnosis), WIDTH)
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
         lines += ["", *_effect(named, ablation, data.intervals.get(named.name, {}))]
     if diagnosis.wander is not None:

@@ -9,11 +9,13 @@ from configs.effects.base import Effect
 from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.gain import Gain
 from diagnosis.inference.likelihood import LEVELS
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.refusal import needed
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure
+from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.wander import Wander
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData
@@ -54,7 +56,10 @@ def headline(diagnosis: Diagnosis) -> str:
             text = "The nominal simulation explains these data, within the tolerances of its parameters."
         stuck = _stuck(diagnosis)
         return f"{stuck}; apart from that, {text[0].lower()}{text[1:]}" if stuck else text
-    where = f"{structure.channel} depends on {along(structure.covariate)}, and no known effect explains this"
+    what = f"{structure.channel} depends on {along(structure.covariate)}"
+    if structure.what.startswith(SCATTER):
+        what = f"{structure.channel} has a {structure.what}"
+    where = f"{what}, and no known effect explains this"
     if not names:
         return f"The simulation is wrong in a way that has no name here: {where}."
     return f"The real robot differs from the nominal one by {listed(names)}; in addition, {where}."
@@ -197,6 +202,12 @@ def nothing_left(diagnosis: Diagnosis) -> str:
 
 def unexplained_sentence(structure: Structure) -> str:
     """Return what remains unexplained and where, in one sentence."""
+    chance = "less than 1e-12" if structure.p < 1e-12 else f"{structure.p:.2g}"
+    if structure.what.startswith(SCATTER):
+        return (
+            f"The residuals of {structure.observed} have a {structure.what}, and no covariate explains it. The "
+            f"probability of this by chance is {chance}, if the noise is stated correctly."
+        )
     words, _ = quantity_words(structure.covariate)
     shape, _, sign = structure.what.partition(", ")
     shape = {
@@ -208,7 +219,6 @@ def unexplained_sentence(structure: Structure) -> str:
         "kink": f"a straight line that begins at one value of {words}",
         "bump": f"a bump around one value of {words}",
     }.get(shape, f"a {shape} over {words}") + (f", {sign}" if sign else "")
-    chance = "less than 1e-12" if structure.p < 1e-12 else f"{structure.p:.2g}"
     return (
         f"The residuals of {structure.observed} have structure along {along(structure.covariate)} ({shape}); the "
         f"probability of this by chance is {chance}."
@@ -231,12 +241,21 @@ def _bent_text(fit: HypothesisFit) -> str:
     return f"{names} tolerances" if names else ""
 
 
+def _gains(gain: Gain) -> str:
+    """Return what a gain is, as a clause without its subject; a gain below zero is a larger error."""
+    if gain.value >= 0.0:
+        return f"gains {gain_text(gain)}"
+    low, high = percent(gain.low), percent(gain.high)
+    ends = f"95 % interval of the gain {low} to {high}" if gain.high > gain.low else "too few rows for an interval"
+    return f"makes the error on the held-out rows {percent(-gain.value)} larger ({ends})"
+
+
 def gain_sentences(data: ReportData) -> list[str]:
     """Return the gain on held-out rows, and the gain of calibration alone."""
     diagnosis = data.diagnosis
     if diagnosis.gain is None or diagnosis.calibrated is None:
         return ["No rows are held out, so it is not known how well the model predicts data that were not fitted."]
-    calibration = f"Fitting the nominal parameters alone, without any effect, gains {gain_text(diagnosis.calibrated)}"
+    calibration = f"Fitting the nominal parameters alone, without any effect, {_gains(diagnosis.calibrated)}"
     if deviations := _bent_text(diagnosis.selection.nominal):
         calibration += f", but parameters leave their tolerances ({deviations})"
     if not diagnosis.fitted_effects:

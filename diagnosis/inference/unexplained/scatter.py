@@ -17,6 +17,8 @@ from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Stru
 WIDENED = 1.5
 """Factor on the mean square: one outlier in twenty rows gives 1.4 if squares are clipped at 9, a noise 10 % off 1.2."""
 MIN_ROWS = 8
+SCATTER = "scatter of"
+"""Beginning of what a structure is if it has no shape along its covariate."""
 
 
 def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Adequacy:
@@ -42,5 +44,5 @@ def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Ad
         p = float(chdtrc(degrees, squares / WIDENED)) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
-            scatters.append(replace(best, p=p, what=f"scatter of {times:.1f} times the stated noise"))
+            scatters.append(replace(best, p=p, what=f"{SCATTER} {times:.1f} times the stated noise"))
     return Adequacy(tuple(sorted((*scatters, *result.structures), key=lambda structure: structure.p)))

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.predictors.base import Covariate, Observed
-from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, reach_of, residual_panel
+from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, label_below, reach_of, residual_panel
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences.quantities import axis
 from symolo.core.arrays import Array
@@ -31,7 +31,9 @@ def misfit_plot(data: ReportData, k: int) -> bytes:
     figure = Figure(figsize=(SIZE_IN[0] * panels, SIZE_IN[1]), layout="constrained" if is_map else None)
     if not is_map:  # the layout engine takes as long as all the drawing
         width = SIZE_IN[0] * panels
-        figure.subplots_adjust(left=0.92 / width, right=1.0 - 0.1 / width, bottom=0.16, top=0.84, wspace=0.31)
+        lines = 1 if covariate is None else label_below(covariate).count("\n") + 1
+        bottom = 0.1 + 0.06 * lines
+        figure.subplots_adjust(left=0.92 / width, right=1.0 - 0.1 / width, bottom=bottom, top=0.84, wspace=0.31)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     last = models[-1]
     _values(axes[0], observed, [data.means[0][place], data.means[last[2]][place]], last, data.z[1][place])

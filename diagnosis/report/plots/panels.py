@@ -1,5 +1,7 @@
 """One panel of residuals along a covariate, and the parts that all plots of the report share."""
 
+from textwrap import fill
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -20,6 +22,9 @@ SHOWN_PERCENT = 97.0
 """Percentage of the residuals that determine the height of a panel; those beyond it are triangles at its edge."""
 MIN_REACH_SIGMA = 3.5
 """Smallest height of a panel, so that noise looks like noise."""
+
+LABEL_WIDTH = 30
+"""Characters in a line of the label below a panel; longer lines would run into those of its neighbours."""
 
 
 def residual_panel(  # noqa: PLR0917 - an order that reads well: where, what, how
@@ -57,9 +62,14 @@ def residual_panel(  # noqa: PLR0917 - an order that reads well: where, what, ho
     if len(middle) > 1 and np.count_nonzero(shown) > 2 * BINS:
         axes.errorbar(middle, median, 2.0 * error, color=BLACK, linewidth=1.0, linestyle="none", capsize=2, marker=".")
     axes.set_ylim(-reach, reach)
-    axes.set_xlabel(covariate_axis(covariate.name))
+    axes.set_xlabel(label_below(covariate))
     axes.grid(alpha=0.3)
     _ticks(axes, covariate)
+
+
+def label_below(covariate: Covariate) -> str:
+    """Return the label below a panel, in one or several lines."""
+    return fill(covariate_axis(covariate.name), LABEL_WIDTH)
 
 
 def reach_of(z: Array) -> float:

@@ -1,6 +1,6 @@
 """Sentences about single rows of a bench, and about effects that are too large for any robot."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -16,7 +16,10 @@ from diagnosis.measured.measurement import CaseKind
 def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield sentences about rows in which the motor does not turn, and about errors of rows left out of the fit."""
     if diagnosis.measurement.kind is CaseKind.MOTOR_STEADY:
-        yield from (_stuck(row, diagnosis) for row in stuck_rows(diagnosis.measurement, diagnosis.nominal))
+        rows_at_rest = stuck_rows(diagnosis.measurement, diagnosis.nominal)
+        for sign in (1.0, -1.0):
+            if of_sign := [row for row in rows_at_rest if sign * row.voltage_V > 0.0]:
+                yield _stuck(of_sign, diagnosis)
     evidence = diagnosis.evidence
     rows = {len(observed.values) for observed in evidence.observed}
     # With held-out rows there is no need to leave out one row at a time, and long logs would take too long.
@@ -43,15 +46,25 @@ def too_large(named: NamedEffect) -> list[str]:
     ]
 
 
-def _stuck(row: StuckRow, diagnosis: Diagnosis) -> str:
+def _stuck(rows: Sequence[StuckRow], diagnosis: Diagnosis) -> str:
+    """Return what rows at rest with voltages of one sign say of the friction."""
     coulomb = diagnosis.nominal.motor.coulomb_friction_N_m
+    strongest = max(rows, key=lambda row: row.holds_N_m)
+    volts = sorted({row.voltage_V for row in rows}, key=abs)
+    where = f"In row {rows[0].row} the motor does not turn at {volts[0]:g} V"
+    speed = f"{rows[0].nominal_speed_rad_s:.3g}"
+    if len(rows) > 1:
+        ends = f"{volts[0]:g} V" if len(volts) == 1 else f"{volts[0]:g} to {volts[-1]:g} V"
+        where = f"In {len(rows)} rows (the first is row {rows[0].row}) the motor does not turn at {ends}"
+        speed = f"up to {max(abs(row.nominal_speed_rad_s) for row in rows):.3g}"
     text = (
-        f"In row {row.row} the motor does not turn at {row.voltage_V:g} V, but the nominal motor turns at "
-        f"{row.nominal_speed_rad_s:.3g} rad/s: the friction at rest is at least {1e3 * row.holds_N_m:.3g} mN m, "
-        f"{row.holds_N_m / coulomb:.2f} times the nominal dry friction"
+        f"{where}, but the nominal motor turns at {speed} rad/s: the friction at rest is at least "
+        f"{1e3 * strongest.holds_N_m:.3g} mN m, {strongest.holds_N_m / coulomb:.2f} times the nominal dry friction"
     )
-    if row.moves_N_m is not None:
-        text += f", and less than {1e3 * row.moves_N_m:.3g} mN m, since the wheel moves at {row.moves_at_V:g} V"
+    if strongest.moves_N_m is not None:
+        text += (
+            f", and less than {1e3 * strongest.moves_N_m:.3g} mN m, since the wheel moves at {strongest.moves_at_V:g} V"
+        )
     return text + "."
 
 

@@ -1,21 +1,36 @@
 """Sentences about what differs from session to session and is no property of the robot."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from diagnosis.inference.evidence.sessions import FittedError, fitted_errors
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.report.sentences.quantities import with_error
 
-WORDS: Mapping[str, tuple[str, float, str]] = MappingProxyType(
+
+@dataclass(frozen=True)
+class _Words:
+    """Words for the error of one effect."""
+
+    subject: str
+    positive: str
+    negative: str
+    """The same as `positive` for a number of the other sign."""
+    unit: str
+    """A thousandth of the effect's unit."""
+
+
+WORDS: Mapping[str, _Words] = MappingProxyType(
     {
-        "marker_yaw": ("the tracked heading is ahead of that of the robot by", 1e3, "mrad"),
-        "marker_offset": ("the tracked point is ahead of the axle by", 1e3, "mm"),
-        "pose_time_offset": ("the logged pose is older than its row by", 1e3, "ms"),
-        "pose_clock_drift": ("the logged pose ages by", 1e3, "ms per s"),
+        "marker_yaw": _Words(
+            "the tracked heading is", "ahead of that of the robot by", "behind that of the robot by", "mrad"
+        ),
+        "marker_offset": _Words("the tracked point is", "ahead of the axle by", "behind the axle by", "mm"),
+        "pose_time_offset": _Words("the logged pose is", "older than its row by", "newer than its row by", "ms"),
+        "pose_clock_drift": _Words("the logged pose gets", "older by", "newer by", "ms per s"),
     }
 )
-"""Words, factor and unit for the error of each effect."""
 
 
 def session_sentences(fit: HypothesisFit) -> Iterator[str]:
@@ -24,6 +39,13 @@ def session_sentences(fit: HypothesisFit) -> Iterator[str]:
     for error in fitted_errors(fit):
         by_effect.setdefault(error.effect, []).append(error)
     for effect, errors in by_effect.items():
-        words, factor, unit = WORDS[effect]
-        sizes = ", ".join(f"{with_error(factor * e.value, factor * e.std)} ({e.session})" for e in errors)
-        yield f"By session, {words} {sizes} {unit}. This is fitted with the robot and is no part of it."
+        words = WORDS[effect]
+        positive, negative = [e for e in errors if e.value >= 0.0], [e for e in errors if e.value < 0.0]
+        parts = [f"{words.positive} {_sizes(positive)} {words.unit}"] if positive else []
+        parts += [f"{words.negative} {_sizes(negative)} {words.unit}"] if negative else []
+        text = ", and ".join(parts)
+        yield f"By session, {words.subject} {text}. This is fitted with the robot and is no part of it."
+
+
+def _sizes(errors: Sequence[FittedError]) -> str:
+    return ", ".join(f"{with_error(1e3 * abs(e.value), 1e3 * e.std)} ({e.session})" for e in errors)

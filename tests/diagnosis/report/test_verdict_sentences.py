@@ -5,9 +5,10 @@ from typing import Any
 
 import pytest
 
+from diagnosis.inference.gain import Gain
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import FORM
-from diagnosis.report.verdict import certainty, no_effect, nothing_left, unexplained_sentence
+from diagnosis.report.verdict import _gains, certainty, headline, no_effect, nothing_left, unexplained_sentence
 
 
 def said(confidence, *others, is_whole=True, rivals=()):
@@ -50,7 +51,6 @@ def test_a_name_beside_something_unexplained_says_so():
         ),
         ("bump", "a bump around one value of commanded voltage)"),
         ("trend, either way", "a smooth curve over commanded voltage, either way)"),
-        ("scatter of 1.9 times the stated noise", "a scatter of 1.9 times the stated noise over commanded voltage)"),
     ],
 )
 def test_the_form_of_what_is_unexplained_is_said_in_words(what, text):
@@ -91,3 +91,28 @@ def test_what_is_left_agrees_with_the_headline(p, text):
 def test_the_page_says_why_no_effect_is_named(names, conclusion, text):
     diagnosis: Any = SimpleNamespace(names=names, conclusion=conclusion)
     assert no_effect(diagnosis) == text
+
+
+def test_a_scatter_is_said_of_the_readings_and_of_no_covariate():
+    structure: Any = SimpleNamespace(
+        observed="reading_m",
+        channel="reading_m",
+        covariate="distance_step_m",
+        what="scatter of 1.7 times the stated noise",
+        p=1e-4,
+    )
+    text = unexplained_sentence(structure)
+    assert text.startswith("The residuals of reading_m have a scatter of 1.7 times the stated noise, and no covariate")
+    assert "distance" not in text
+    verdict: Any = SimpleNamespace(names=(), unexplained=structure)
+    assert headline(verdict) == (
+        "The simulation is wrong in a way that has no name here: reading_m has a scatter of 1.7 times the stated "
+        "noise, and no known effect explains this."
+    )
+
+
+def test_a_calibration_that_predicts_worse_gains_nothing():
+    """A gain of -0.3 is an error that is 30 % larger."""
+    assert _gains(Gain(-0.3, -0.759, 0.714, 7.71, 10.0, ())) == (
+        "makes the error on the held-out rows 30 % larger (95 % interval of the gain -75.9 % to 71.4 %)"
+    )

@@ -155,7 +155,8 @@ def test_headings_of_sessions_are_found_and_nothing_is_named():
         assert abs(headings[session].value - yaw) < 3.0 * headings[session].std
         assert headings[session].std < 1e-3
     text = next(text for text in session_sentences(diagnosis.fit) if "heading" in text)
-    assert re.search(r"1[12]\.\d+ ± 0\.\d+ \(morning\), -[78]\.\d+ ± 0\.\d+ \(noon\).* mrad", text)
+    ahead = r"ahead of that of the robot by 1[12]\.\d+ ± 0\.\d+ \(morning\), .* mrad"
+    assert re.search(rf"{ahead}, and behind that of the robot by [78]\.\d+ ± 0\.\d+ \(noon\) mrad", text)
     # Of the same log, without saying which run is of which session, an angle explains only what the sessions share.
     assert diagnosis.fit.cost < diagnose(without_sessions(measurement)).fit.cost - 50.0
 

@@ -5,9 +5,11 @@ import pytest
 from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import NamedEffect, diagnose
 from diagnosis.importers.paper import IMPORTER
+from diagnosis.inference.evidence.stuck_rows import StuckRow
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import RivalComparison
+from diagnosis.report.sentences import rows
 from diagnosis.report.sentences.rows import row_sentences, too_large
 from diagnosis.report.verdict import headline
 
@@ -31,6 +33,20 @@ def test_the_row_of_table_1_that_stands_still_and_rows_left_out(table_1):
     assert stuck.startswith("In row 2 the motor does not turn at 0.25 V")
     (before,) = numbers(speed, "rad/s")
     assert before == pytest.approx(0.101, abs=0.006)
+
+
+def test_several_rows_at_rest_have_one_sentence_for_each_direction(table_1, monkeypatch):
+    def at_rest(row, volts, holds_N_m):
+        return StuckRow(row, volts, volts / 3.0, 2.0 * volts, holds_N_m, 3.0, 1.5, 0.045)
+
+    several = (at_rest(2, 0.25, 0.02), at_rest(3, 0.5, 0.04), at_rest(9, -0.25, 0.02))
+    monkeypatch.setattr(rows, "stuck_rows", lambda *_: several)
+    forward, backward, *_ = row_sentences(table_1)
+    assert forward.startswith(
+        "In 2 rows (the first is row 2) the motor does not turn at 0.25 to 0.5 V, but the nominal motor turns at up to "
+        "1 rad/s: the friction at rest is at least 40 mN m"
+    )
+    assert backward.startswith("In row 9 the motor does not turn at -0.25 V, but the nominal motor turns at -0.5 rad/s")
 
 
 def test_21_rows_are_too_few_to_name_the_bow_of_table_1_and_too_many_to_call_it_explained(table_1):

@@ -1,0 +1,48 @@
+"""The sentences about why no effect is named although the fit moves parameters of the nominal robot."""
+
+from diagnosis.diagnose import Diagnosis
+from diagnosis.inference.hypothesis import deviated
+from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.inference.refusal import needed
+from diagnosis.nuisances import Nuisance
+
+MIN_MOVED = 1.0
+"""Move of a parameter in tolerances from which it is mentioned."""
+MAX_LISTED = 3
+
+
+def why_no_name(diagnosis: Diagnosis) -> str:
+    """Return why a difference that the fit absorbs has no name; empty if there is a name, or nothing to say."""
+    if diagnosis.conclusion not in {CaseVerdict.EXPLAINED, CaseVerdict.UNDECIDED}:
+        return ""
+    fit = diagnosis.fit
+    moves = [
+        (nuisance, x)
+        for nuisance, x in zip(fit.hypothesis.nuisances, fit.x.tolist(), strict=False)
+        if nuisance.change is None and abs(x) >= MIN_MOVED
+    ]
+    if not moves:
+        return ""
+    furthest = sorted(moves, key=lambda move: -abs(move[1]))[:MAX_LISTED]
+    *others, last = [_moved(nuisance, x) for nuisance, x in furthest]
+    listed = f"{', '.join(others)} and {last}" if others else last
+    known = "Parameters of the nominal robot, which are known only to their tolerances, account for"
+    better = "A nominal.yaml with smaller tolerances would decide, if some numbers are known better."
+    if diagnosis.conclusion is CaseVerdict.UNDECIDED:
+        return f"{known} a part of the difference: the fit moves {listed}. {better}"
+    best = next((entry for entry in diagnosis.selection.refused if entry.drop > 0.0), None)
+    beside = ""
+    if best is not None and best.drop < needed(best.effect):
+        beside = (
+            f" Beside that, {best.effect.name} would lower the cost by {best.drop:.1f} only, and a name needs "
+            f"{needed(best.effect):.0f}."
+        )
+    return f"{known} the difference: the fit moves {listed}. So no effect is named.{beside} {better}"
+
+
+def _moved(nuisance: Nuisance, x: float) -> str:
+    """Return, for example, `track_m by +1.2 % (1.5 tolerances)`."""
+    if nuisance.value == 0.0:
+        return f"{nuisance.name} by {x:+.1f} tolerances"
+    share = deviated(nuisance, x) / nuisance.value - 1.0
+    return f"{nuisance.name} by {100.0 * share:+.2g} % ({abs(x):.1f} tolerances)"
