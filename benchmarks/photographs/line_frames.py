@@ -19,6 +19,7 @@ from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import LensDistortion, RobotConfig
+from pipeline.run_folder.user_files import keep_user_files
 from symolo.arena.geometry import Arena
 from symolo.core.geometry.pinhole import Intrinsics, intrinsics, pose_X_RC, project
 from symolo.core.geometry.poses import pose_X_WR
@@ -53,6 +54,8 @@ class Kind:
 
     look: str
     overrides: tuple[str, ...] = ()
+    view: str | None = None
+    """Scenario whose camera and width of the line all scenes have; None for others in each scene."""
 
     def scenario(self) -> LoadedScenario:
         images = (f"render.width_px={WIDTH_PX}", f"render.height_px={HEIGHT_PX}", "render.samples=4")
@@ -61,14 +64,15 @@ class Kind:
 
 def frames(kind: Kind, scenes: range, count: int, folder: Path, threads: int) -> LabelledFrames:
     """`count` frames of each scene, path-traced into `folder` where they are missing."""
-    loaded = kind.scenario()
+    loaded, view = kind.scenario(), None if kind.view is None else load_scenario(kind.view)
     images, labels = [], []
     for scene in scenes:
-        job, label = labelled_job(loaded, scene, count)
+        job, label = labelled_job(loaded, scene, count, view)
         place = folder / f"scene_{scene}"
         place.mkdir(parents=True, exist_ok=True)
         (place / "job.json").write_text(job.to_json())
-        render_job(place / "job.json", place / "images", threads=threads)
+        keep_user_files((draw_run(loaded, loaded.routes[0].name, scene + 1).look,), loaded.assets, folder / "assets")
+        render_job(place / "job.json", place / "images", threads=threads, user_files=folder / "assets")
         names = [place / "images" / frame_name(view.number) for view in job.frames]
         images += [cv2.imread(str(name)) for name in names]
         labels.append(label)
@@ -87,12 +91,20 @@ def flat_frames(kind: Kind, scenes: range, count: int) -> LabelledFrames:
     return LabelledFrames(np.array(images, np.uint8), np.concatenate(labels), np.repeat(np.array(scenes), count))
 
 
-def labelled_job(loaded: LoadedScenario, scene: int, count: int) -> tuple[RenderJob, Array]:
+def labelled_job(
+    loaded: LoadedScenario, scene: int, count: int, view: LoadedScenario | None = None
+) -> tuple[RenderJob, Array]:
     """The rendering of a scene, and (count, len(ROWS)) labels [px]."""
     spec = draw_run(loaded, loaded.routes[0].name, scene + 1)
     rng = stream(_SEED, "geometry", scene)
     robot = _with_line_camera(spec.robot, rng)
-    arena = Arena.from_config(_line(rng, robot))
+    line = _line(rng, robot, None)
+    if view is not None:
+        seen = draw_run(view, view.routes[0].name, scene + 1)
+        mounted = seen.robot.camera.model_copy(update={"x_m": robot.camera.x_m})
+        robot = robot.model_copy(update={"camera": mounted})
+        line = _line(stream(_SEED, "geometry of a view", scene), robot, seen.arena.line.width_m)
+    arena = Arena.from_config(line)
     camera = intrinsics(robot.camera, WIDTH_PX, HEIGHT_PX)
     X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
     poses: list[FramePose] = []
@@ -137,12 +149,13 @@ def _with_line_camera(robot: RobotConfig, rng: np.random.Generator) -> RobotConf
     return robot.model_copy(update={"camera": robot.camera.model_copy(update=mounted)})
 
 
-def _line(rng: np.random.Generator, robot: RobotConfig) -> ArenaConfig:
+def _line(rng: np.random.Generator, robot: RobotConfig, width_m: float | None) -> ArenaConfig:
     """A straight that goes on in a bend, and a branch at right angles, cut off where it meets the main line."""
     camera = robot.camera
     height_m = robot.chassis.base_height_m + camera.height_above_base_m
-    width_m = rng.uniform(0.14, 0.32) * height_m * camera.sensor_width_mm / camera.focal_length_mm
-    width_m = min(width_m, 0.1)
+    if width_m is None:
+        drawn_m = rng.uniform(0.14, 0.32) * height_m * camera.sensor_width_mm / camera.focal_length_mm
+        width_m = min(drawn_m, 0.1)
     radius_m, side = float(np.exp(rng.uniform(np.log(0.25), np.log(2.0)))), rng.choice([-1.0, 1.0])
     turned = np.degrees(0.5 / radius_m)
     bend = {"kind": "arc", "center": (0.0, side * radius_m), "radius_m": radius_m}

@@ -40,8 +40,9 @@ def main() -> None:
     )
     out = options.folder / "fitted"
     if not out.exists():
-        look = fit_look(seen, out, "lab", "concrete", None)
-        write_look(refined(look, RenderSettings(GEOMETRY, options.workers), report_here()), seen, out)
+        look = fit_look(seen, out, "lab", floor=None, floor_reflectance=None, geometry=GEOMETRY)
+        look = refined(look, RenderSettings(GEOMETRY, options.workers), report_here())
+        write_look(look, seen, out, GEOMETRY)
     places = [photograph.place for photograph in unseen.measured]
     columns = {"photographs, fitted": seen.measured, "photographs, unseen": unseen.measured}
     for name, look in {"fitted look": str(out / LOOK), "lab": "lab"}.items():

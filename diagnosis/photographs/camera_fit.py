@@ -14,7 +14,14 @@ from scipy.optimize import nnls
 from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.scenario import Render
 from diagnosis.photographs.line_place import BgrImage, LinePlace
-from diagnosis.photographs.measures import PhotographMeasures, light_of, median_light, median_of, vignetting
+from diagnosis.photographs.measures import (
+    PhotographMeasures,
+    light_of,
+    median_light,
+    median_of,
+    shading_ev,
+    vignetting,
+)
 from sensors.camera.colour import LUMINANCE
 from sensors.camera.response import CameraResponse, compressed, develop
 from symolo.core.arrays import Array, FloatImage
@@ -94,6 +101,8 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
             "sharpening": 0.0,
             # The floor has its colour in the photographs if its light is rendered neutral.
             "white_balance_adaption": 1.0,
+            "shading_right_ev": _within(median_of(photographs, lambda p: shading_ev(p, base.contrast, lost)[0]), -3, 3),
+            "shading_down_ev": _within(median_of(photographs, lambda p: shading_ev(p, base.contrast, lost)[1]), -3, 3),
         }
     )
     geometry = photographs[0].place.shape, median_of(photographs, lambda p: p.place.width_px)
@@ -174,11 +183,11 @@ def model_image(camera: FittedCamera, shape: tuple[int, int], width_px: float, n
 
 
 def developed(light: FloatImage, look: CameraLook, seed: int) -> BgrImage:
-    """Return the image of white light (H, W, 3) that has its exposure already, compressed as in a dataset.
+    """Return the image of white light (H, W, 3) that has its exposure and shading already, compressed as in a dataset.
 
     Compression takes a part of the noise, so the noise of the sensor must be larger than that of the image.
     """
-    look = look.model_copy(update={"white_balance_adaption": 1.0})
+    look = look.model_copy(update={"white_balance_adaption": 1.0, "shading_right_ev": 0.0, "shading_down_ev": 0.0})
     response = CameraResponse.from_look(look, (1.0, 1.0, 1.0), seed, Render().jpeg_quality, light.shape[1])
     metered = float(np.median(light @ LUMINANCE.astype(np.float32)))
     pixels = develop(light, replace(response, brightness=metered), metered, 1)

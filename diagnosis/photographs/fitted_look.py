@@ -9,17 +9,24 @@ from pathlib import Path
 from typing import get_args
 
 import numpy as np
-import yaml
 
 from configs.references import shipped_names
 from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.appearance.floors import FloorLook, FloorName
 from configs.schema.appearance.paint import Paint
 from diagnosis.photographs.camera_fit import CameraTarget, FittedCamera
-from diagnosis.photographs.measures import PhotographMeasures, light_of, median_light, median_of, vignetting
+from diagnosis.photographs.look_settings import LookSetting, Value, yaml_text
+from diagnosis.photographs.measured_floor import FLOOR_IMAGE, MeasuredFloor
+from diagnosis.photographs.measures import (
+    PhotographMeasures,
+    light_of,
+    median_light,
+    median_of,
+    shading_ev,
+    vignetting,
+)
 from sensors.camera.colour import LUMINANCE
 from symolo.core.arrays import Array
-from symolo.core.distributions import Scalar
 from symolo.core.progress import plural
 
 USUAL_FLOOR_REFLECTANCE = 0.45
@@ -28,6 +35,7 @@ PAINTED_FLOORS: tuple[FloorName, ...] = tuple(name for name in get_args(FloorNam
 """Materials of floors whose colour is a paint."""
 LARGEST_REFLECTANCE = 0.85
 SMALLEST_REFLECTANCE = 0.01
+_SHADING = ("shading_right_ev", "shading_down_ev")
 _MIN_STOPS = 0.02
 """Smallest difference between the exposures of photographs that the look varies."""
 
@@ -35,24 +43,6 @@ _LARGEST_RATIO = 2.0
 """Ratio of the lights of the line, relative to the floor, above which photographs may show different lines."""
 _LARGEST_DIFFERENCE = 0.3
 """The same for the difference between their vignettings."""
-
-Value = Scalar | dict[str, list[float]]
-
-
-@dataclass(frozen=True)
-class LookSetting:
-    """A setting of the look with the reason for its value."""
-
-    path: tuple[str, ...]
-    value: Value
-    source: str
-    """What set the value; empty if nothing needs to be said."""
-
-    @property
-    def text(self) -> str:
-        """Return the value as YAML."""
-        return _scalar(self.value)
-
 
 VARIATION: dict[FloorName, str] = {
     "linoleum": "marbling",
@@ -73,7 +63,8 @@ class Texture:
     """Amounts of texture, 1 for many marks of use."""
 
     floor: float = 0.5
-    """Amount of `floor.stains`, and of the variation of the material, which is usual at 0.5."""
+    """Amount of `floor.stains`, and of the variation of the material, which is usual at 0.5. For a floor with the
+    texture of the photographs, a factor on its contrast."""
     line: float = 0.5
     """Amount of `tape.streaks`."""
 
@@ -91,9 +82,12 @@ class FittedLook:
     """Look that has all other settings: name of a shipped one, or a path."""
     photographs: tuple[PhotographMeasures, ...]
     camera: FittedCamera
-    floor: FloorName
+    floor: FloorName | MeasuredFloor
+    """Material, or a floor with the texture of the photographs."""
     floor_reflectance: float
     reflectance_is_assumed: bool
+    folder: str = "."
+    """Folder of the photographs; their names are relative to it."""
     texture: Texture | None = None
     """Texture with which rendered images are like the photographs; None for that of the base look."""
     rendered: tuple[PhotographMeasures, ...] = ()
@@ -117,12 +111,15 @@ class FittedLook:
     def _surfaces(self) -> Iterator[LookSetting]:
         saturation, photographed = self.camera.look.saturation, CameraTarget.of(self.photographs)
         assumed = "assumed; --floor-reflectance sets it" if self.reflectance_is_assumed else "as given"
-        yield LookSetting(("floor", "material"), self.floor, "as chosen by --floor")
         colour = f"colour of the floor, R G B {_levels(photographed.floor_rgb)}"
-        paint = paint_of(self.camera.floor_light, self.floor_reflectance, saturation)
-        yield from _paint(("floor", self.floor, "paint"), paint, assumed, colour)
-        if self.texture is not None:
-            yield from self._floor_texture(self.texture)
+        if isinstance(self.floor, MeasuredFloor):
+            reflects = f"the floor reflects {self.floor_reflectance:.3f} of the light ({assumed})"
+            yield from self.floor.settings(self._floor_paint(), reflects, colour)
+        else:
+            yield LookSetting(("floor", "material"), self.floor, "as chosen by --floor")
+            yield from _paint(("floor", self.floor, "paint"), self._floor_paint(), assumed, colour)
+            if self.texture is not None:
+                yield from self._floor_texture(self.floor, self.texture)
         yield LookSetting(("line",), "tape", "")
         share = float(self.camera.line_light @ LUMINANCE / (self.camera.floor_light @ LUMINANCE))
         ratios = np.array([self._line_share(photograph) for photograph in self.photographs])
@@ -137,13 +134,16 @@ class FittedLook:
             streaks = self._varied(self.texture.line, 1.0, lambda p: p.figures.line_spread)
             yield LookSetting(("tape", "streaks"), streaks, f"spread of grey values on the line: {spread}")
 
-    def _floor_texture(self, texture: Texture) -> Iterator[LookSetting]:
-        name = VARIATION[self.floor]
-        section = getattr(FloorLook(), self.floor)
-        usual, bound = getattr(section, name), 0.5 if self.floor == "paper_sheets" else 1.0
+    def _floor_paint(self) -> Paint:
+        return paint_of(self.camera.floor_light, self.floor_reflectance, self.camera.look.saturation)
+
+    def _floor_texture(self, floor: FloorName, texture: Texture) -> Iterator[LookSetting]:
+        name = VARIATION[floor]
+        section = getattr(FloorLook(), floor)
+        usual, bound = getattr(section, name), 0.5 if floor == "paper_sheets" else 1.0
         spread = f"mottling of the floor: {_spread(self.photographs, lambda p: p.figures.mottling_percent)} %"
         variation = self._varied(2 * usual * texture.floor, bound, lambda p: p.figures.mottling_percent)
-        yield LookSetting(("floor", self.floor, name), variation, spread)
+        yield LookSetting(("floor", floor, name), variation, spread)
         stains = self._varied(texture.floor, 1.0, lambda p: p.figures.mottling_percent)
         yield LookSetting(("floor", "stains"), stains, "likewise")
 
@@ -165,6 +165,8 @@ class FittedLook:
                 continue
             if field == "compensation_ev":
                 yield LookSetting(("camera", field), *self._compensation())
+            elif field in _SHADING:
+                yield LookSetting(("camera", field), *self._shading(_SHADING.index(field)))
             else:
                 number = round(value, 5) if isinstance(value, float) else value
                 yield LookSetting(("camera", field), number, reasons.get(field, f"as in {self.base}"))
@@ -199,6 +201,25 @@ class FittedLook:
             return 0.0, source
         return {"uniform": [round(low, 3), round(high, 3)]}, source
 
+    def _shading(self, axis: int) -> tuple[Value, str]:
+        # Relative to their median, as for the compensation.
+        contrast = self.camera.look.contrast
+        lost = vignetting(self.photographs, contrast)
+        slopes = np.array([shading_ev(photograph, contrast, lost)[axis] for photograph in self.photographs])
+        ends = getattr(self.camera.look, _SHADING[axis]) + slopes - np.median(slopes)
+        low, high = (round(float(np.clip(end, -3, 3)), 3) for end in (ends.min(), ends.max()))
+        where = "from the left border to the right" if axis == 0 else "from the upper border to the lower"
+        source = f"rise of the light of the floor {where}, in stops"
+        return (low if high - low < _MIN_STOPS else {"uniform": [low, high]}), source
+
+    @property
+    def files(self) -> dict[str, bytes]:
+        """Return the files that the look needs beside its own, by name: the image of a measured floor."""
+        if not isinstance(self.floor, MeasuredFloor):
+            return {}
+        amount = 1.0 if self.texture is None else self.texture.floor
+        return {FLOOR_IMAGE: self.floor.png(self._floor_paint(), amount)}
+
     @property
     def doubts(self) -> tuple[str, ...]:
         """Return what suggests that the photographs show different lines or light, one sentence each."""
@@ -223,11 +244,12 @@ class FittedLook:
         """Return the file of the look, for a place in this folder."""
         base = self.base if self.base in shipped_names("look") else os.path.relpath(self.base, folder)
         width, height = self.size_px
+        names = ", ".join(photograph.name for photograph in self.photographs)
         lines = [
-            f"# Look of {plural(len(self.photographs), 'photograph')}: {', '.join(p.name for p in self.photographs)}.",
+            f"# Look of {plural(len(self.photographs), 'photograph')} in {self.folder}: {names}.",
             f"# Blur and noise are those of images of {width} x {height} px.",
             "# Each comment names what set the value: median over the photographs, smallest to largest.",
-            f"extends: {_scalar(base)}",
+            f"extends: {yaml_text(base)}",
             f"name: {self.name}",
             f"description: Floor, line and camera of {plural(len(self.photographs), 'photograph')}",
         ]
@@ -284,8 +306,3 @@ def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
     while number < min(len(one), len(other)) and one[number] == other[number]:
         number += 1
     return number
-
-
-def _scalar(value: Value) -> str:
-    """Return a value as YAML on one line."""
-    return yaml.safe_dump(value, default_flow_style=True, width=10_000).removesuffix("...\n").strip()

@@ -16,7 +16,7 @@ _SAMPLED_ROWS = 60
 _MEASURED_ROWS = 9
 _BORDER_SHARE = 0.06
 """Share of the rows at the top and at the bottom in which no line is looked for: robots often see themselves there."""
-_MIN_SHARE = 0.4
+MIN_SHARE = 0.4
 """Smallest share of the rows of an image in which its line must be visible."""
 _MIN_DIFFERENCE = 12.0
 """Smallest difference between the grey values of line and floor."""
@@ -101,7 +101,7 @@ def _best(image: BgrImage) -> dict[bool, tuple[float, LinePlace]]:
             if band is None or band.slope > _MAX_SLOPE:
                 continue
             share, difference = len(band.rows) / len(_rows(len(grey))), _difference(grey, band, is_dark=is_dark)
-            if share < _MIN_SHARE or difference < _MIN_DIFFERENCE:
+            if share < MIN_SHARE or difference < _MIN_DIFFERENCE:
                 continue
             if is_dark not in best or share * difference > best[is_dark][0]:
                 best[is_dark] = share * difference, _place(seen, band, is_turned=is_turned, is_dark=is_dark)

@@ -144,6 +144,19 @@ def _costs(photograph: PhotographMeasures, contrast: float) -> Array:
     return (residual**2).mean(axis=0)
 
 
+def shading_ev(photograph: PhotographMeasures, contrast: float, vignette: float) -> tuple[float, float]:
+    """Return the stops by which the light of the floor rises from the left border to the right, and downwards."""
+    image, (height, width) = photograph.place.image, photograph.place.shape
+    floor, _ = floor_and_line(photograph.place)
+    v, u = np.nonzero(floor)
+    transmitted = 1 - vignette * corner_share(u, v, width, height)
+    light = np.log2(np.maximum(light_of(image[v, u, ::-1], contrast) @ LUMINANCE, 1e-4) / transmitted)
+    plane = np.column_stack([np.ones(len(u)), u / width, v / height])
+    _, right, down = np.linalg.lstsq(plane, light, rcond=None)[0]
+    # In a turned image, the axes are exchanged.
+    return (float(down), float(right)) if photograph.place.is_turned else (float(right), float(down))
+
+
 def median_light(photograph: PhotographMeasures, contrast: float, vignette: float) -> float:
     """Return the median luminance, 1 for white, that the exposure of a photograph made."""
     image, (height, width) = photograph.place.image, photograph.place.shape

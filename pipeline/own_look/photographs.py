@@ -1,6 +1,7 @@
 """Photographs that a user names, read for the fit of a look."""
 
 import hashlib
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from diagnosis.photographs.line_place import MIN_WIDTH_PX, BgrImage, find_lines
+from diagnosis.photographs.line_place import MIN_SHARE, MIN_WIDTH_PX, BgrImage, find_lines
 from diagnosis.photographs.measures import PhotographMeasures
 from symolo.core.errors import FaultList, InputError, one_line
 from symolo.core.progress import plural
@@ -16,6 +17,10 @@ from symolo.dataset.pixels import decoded_bytes
 
 MIN_PHOTOGRAPHS, MAX_PHOTOGRAPHS = 3, 30
 MIN_SIDE_PX = 64
+NO_LINE = (
+    f"no line was recognised: a band of even width, at least {MIN_WIDTH_PX:.0f} px wide, with floor on both sides, "
+    f"over at least {100 * MIN_SHARE:.0f} % of the height or width of the image"
+)
 LARGEST_WIDTH_PX = 640
 """Width to which larger photographs are reduced, if no width is chosen."""
 
@@ -24,6 +29,8 @@ LARGEST_WIDTH_PX = 640
 class LookPhotographs:
     """Photographs with their measures."""
 
+    folder: str
+    """Folder of all photographs; their names are relative to it."""
     measured: tuple[PhotographMeasures, ...]
     notes: tuple[str, ...]
     """What was changed or left out, one sentence each."""
@@ -45,12 +52,16 @@ def read_photographs(files: Sequence[tuple[Path, bytes]], width_px: int | None) 
         raise InputError("PHOTO...", got=plural(len(files), "file"), allowed=allowed, cure=cure)
     images, notes = _images(files, width_px)
     places = find_lines(images)
+    paths = [path for path, _ in files]
+    if len({path.is_absolute() for path in paths}) > 1:
+        paths = [path.absolute() for path in paths]
+    folder = os.path.commonpath([path.parent for path in paths])
     measured = []
-    for (path, _), place in zip(files, places, strict=True):
-        measures = None if place is None else PhotographMeasures.of(one_line(path.name), place)
+    for path, place in zip(paths, places, strict=True):
+        measures = None if place is None else PhotographMeasures.of(one_line(os.path.relpath(path, folder)), place)
         if measures is None:
-            problem = "no line" if place is None else "too little floor beside the line"
-            notes.append(f"{one_line(path.name)}: not used, because it shows {problem}")
+            problem = NO_LINE if place is None else "it shows too little floor beside the line"
+            notes.append(f"{one_line(str(path))}: not used, because {problem}")
         else:
             measured.append(measures)
     if len(measured) < MIN_PHOTOGRAPHS:
@@ -61,7 +72,7 @@ def read_photographs(files: Sequence[tuple[Path, bytes]], width_px: int | None) 
             cure="photograph the line so that it crosses the image, is between "
             f"{MIN_WIDTH_PX:.0f} pixels and 45 % of the image wide, and differs clearly from the floor",
         )
-    return LookPhotographs(tuple(measured), tuple(notes))
+    return LookPhotographs(one_line(folder or "."), tuple(measured), tuple(notes))
 
 
 def _images(files: Sequence[tuple[Path, bytes]], width_px: int | None) -> tuple[list[BgrImage], list[str]]:

@@ -7,9 +7,11 @@ import numpy as np
 
 from diagnosis.photographs.camera_fit import CameraTarget, corrected
 from diagnosis.photographs.fitted_look import FittedLook, Texture
+from diagnosis.photographs.floor_measures import FloorMeasures
 from diagnosis.photographs.image_figures import ImageFigures
 from diagnosis.photographs.line_place import find_lines
-from diagnosis.photographs.measures import PhotographMeasures, median_light, median_of, vignetting
+from diagnosis.photographs.measured_floor import MeasuredFloor
+from diagnosis.photographs.measures import PhotographMeasures, median_light, median_of, shading_ev, vignetting
 from pipeline.own_look.fit import LOOK
 from pipeline.own_look.views import ViewGeometry, look_views
 from pipeline.preview import Engine
@@ -47,7 +49,7 @@ def refined(look: FittedLook, settings: RenderSettings, report: Report) -> Fitte
     Raises:
         RunFailed: No image could be rendered, or none shows the line.
     """
-    look = replace(look, texture=look.texture or Texture())
+    look = replace(look, texture=look.texture or _first_texture(look))
     for number in range(ROUNDS):
         report.say(f"correction {number + 1} of {ROUNDS}")
         look = _corrected(look, _rendered(look, settings, report))
@@ -61,9 +63,11 @@ def _rendered(look: FittedLook, settings: RenderSettings, report: Report) -> tup
     with scratch_folder() as folder:
         file = folder / LOOK
         write_file(file, look.text(folder).encode())
+        for name, data in look.files.items():
+            write_file(folder / name, data)
         places = [photograph.place for photograph in look.photographs]
         views = list(look_views(str(file), places, settings.geometry, count, settings.seed))
-    return measured_images(views, settings.workers, report)
+        return measured_images(views, settings.workers, report)
 
 
 def measured_images(views: Sequence[PreviewImage], workers: int, report: Report) -> tuple[PhotographMeasures, ...]:
@@ -99,20 +103,52 @@ def _corrected(look: FittedLook, rendered: Sequence[PhotographMeasures]) -> Fitt
         for each, loss in zip((look.photographs, rendered), lost, strict=True)
     ]
     brightness = float(np.clip(camera.look.brightness * lights[0] / lights[1], 0.01, 0.9))
-    changed = camera.look.model_copy(update={"vignetting": vignette, "brightness": brightness})
+    changed = camera.look.model_copy(
+        update={"vignetting": vignette, "brightness": brightness, **_shading(look, rendered, *lost)}
+    )
     return replace(look, camera=replace(camera, look=changed), texture=_textured(look, rendered))
 
 
+def _shading(
+    look: FittedLook, rendered: Sequence[PhotographMeasures], lost: float, lost_in_rendered: float
+) -> dict[str, float]:
+    """Return the shading with which the light rises over rendered images as over the photographs."""
+    camera, settings = look.camera.look, {}
+    for axis, name in enumerate(("shading_right_ev", "shading_down_ev")):
+        photographed = median_of(look.photographs, lambda p, axis=axis: shading_ev(p, camera.contrast, lost)[axis])
+        reached = median_of(rendered, lambda p, axis=axis: shading_ev(p, camera.contrast, lost_in_rendered)[axis])
+        settings[name] = float(np.clip(getattr(camera, name) + photographed - reached, -3, 3))
+    return settings
+
+
+def _first_texture(look: FittedLook) -> Texture:
+    return Texture(floor=1.0) if isinstance(look.floor, MeasuredFloor) else Texture()
+
+
 def _textured(look: FittedLook, rendered: Sequence[PhotographMeasures]) -> Texture:
-    """Return the texture with which mottling and the spread on the line come nearer to those of the photographs."""
+    """Return the texture with which floor and line come nearer to those of the photographs."""
 
     def factor(figure: Callable[[ImageFigures], float]) -> float:
         ratio = median_of(look.photographs, lambda p: figure(p.figures)) / median_of(
             rendered, lambda p: figure(p.figures)
         )
-        return float(np.clip(ratio, 1 / _MAX_TEXTURE_FACTOR, _MAX_TEXTURE_FACTOR))
+        return _bounded(ratio)
 
-    texture = look.texture or Texture()
+    texture = look.texture or _first_texture(look)
+    streaked = factor(lambda f: f.line_spread)
+    if isinstance(look.floor, MeasuredFloor):
+        photographed, reached = (_spread_in(each, look, look.floor) for each in (look.photographs, rendered))
+        return texture.times(_bounded(photographed / max(reached, 1e-6)), streaked)
     # The fall of the light is a part of the mottling, so that the texture must change by more than the whole.
-    mottled, streaked = factor(lambda f: f.mottling_percent) ** 2, factor(lambda f: f.line_spread)
-    return texture.times(mottled, streaked)
+    return texture.times(factor(lambda f: f.mottling_percent) ** 2, streaked)
+
+
+def _spread_in(images: Sequence[PhotographMeasures], look: FittedLook, floor: MeasuredFloor) -> float:
+    """Return the spread of the texture of the floor as images show it, through the lens."""
+    camera = look.camera.look
+    lens = camera.model_copy(update={"vignetting": vignetting(images, camera.contrast), "lens_blur_px": 0.0})
+    return FloorMeasures.of(images, lens, *floor.angles).texture.spread
+
+
+def _bounded(factor: float) -> float:
+    return float(np.clip(factor, 1 / _MAX_TEXTURE_FACTOR, _MAX_TEXTURE_FACTOR))

@@ -32,6 +32,21 @@ class ViewGeometry:
     field_of_view_deg: float = 60.0
     """From the left border of the photographs to the right one."""
 
+    def focal_px(self, place: LinePlace) -> float:
+        """Return the focal length in pixels of a photograph."""
+        return 0.5 * place.upright_size_px[0] / np.tan(np.radians(0.5 * self.field_of_view_deg))
+
+    def m_per_px(self, place: LinePlace) -> float:
+        """Return the size of a pixel in the middle of a photograph, square to its axis, from the width of the line."""
+        slope = float(np.polyfit(place.rows_px, place.x_px, 1)[0])
+        # A line from left to right is foreshortened.
+        foreshortened = np.sin(np.radians(self.pitch_down_deg)) if place.is_turned else 1.0
+        return self.line_width_m * foreshortened / (place.width_px * np.cos(np.arctan(slope)))
+
+    def distance_m(self, place: LinePlace) -> float:
+        """Return the distance of the camera from the floor along its optical axis."""
+        return self.m_per_px(place) * self.focal_px(place)
+
 
 def look_views(
     look: str, places: Sequence[LinePlace], geometry: ViewGeometry, count: int, seed: int
@@ -74,13 +89,9 @@ def _camera(
     """
     height_px, width_px = place.shape
     slope = float(np.polyfit(place.rows_px, place.x_px, 1)[0])
-    focal_px = 0.5 * (height_px if place.is_turned else width_px) / np.tan(np.radians(0.5 * geometry.field_of_view_deg))
-    pitch = np.radians(geometry.pitch_down_deg)
-    # A line from left to right is foreshortened.
-    seen_m = geometry.line_width_m * (np.sin(pitch) if place.is_turned else 1.0)
-    distance_m = seen_m * focal_px / (place.width_px * np.cos(np.arctan(slope)))
+    pitch, distance_m = np.radians(geometry.pitch_down_deg), geometry.distance_m(place)
     height_m, ahead_m = distance_m * np.sin(pitch), distance_m * np.cos(pitch)
-    right_m = (np.interp(0.5 * height_px, place.rows_px, place.x_px) - 0.5 * (width_px - 1)) * distance_m / focal_px
+    right_m = (np.interp(0.5 * height_px, place.rows_px, place.x_px) - 0.5 * (width_px - 1)) * geometry.m_per_px(place)
     yaw = -np.arctan(slope) + (np.pi / 2 if place.is_turned else 0.0)
     along_m = stream(seed, "place on the line", number).uniform(-0.5, 0.5) * distance_m
     # The camera is on a boom, so that the robot casts no shadow into its image.

@@ -57,6 +57,8 @@ class CameraResponse:
     colour_filter: Annotated[ColourFilter, Field(exclude_if=is_unfiltered)] = "none"
     noise_reduction: Annotated[float, Field(exclude_if=is_zero)] = 0.0
     colour_blur_px: Annotated[float, Field(exclude_if=is_zero)] = 0.0
+    shading_right_ev: Annotated[float, Field(exclude_if=is_zero)] = 0.0
+    shading_down_ev: Annotated[float, Field(exclude_if=is_zero)] = 0.0
 
     @classmethod
     def from_look(
@@ -91,6 +93,8 @@ class CameraResponse:
             colour_filter=look.colour_filter,
             noise_reduction=look.noise_reduction,
             colour_blur_px=look.colour_blur_px,
+            shading_right_ev=look.shading_right_ev,
+            shading_down_ev=look.shading_down_ev,
         )
 
 
@@ -152,14 +156,14 @@ def develop(
     median = metered ** (1 - share) * frame_median**share
     highlights = float(np.quantile(seen @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
     gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
-    raw = light * np.float32(gain) * _vignette(width, height, response.vignetting)[..., None]
+    raw = light * np.float32(gain) * _transmitted(width, height, response)[..., None]
     return (_grey_values(_balanced(raw, response, number), response) + 0.5).astype(np.uint8)
 
 
 def develop_part(light: FloatImage, response: CameraResponse, metered: float, number: int | None) -> FloatImage:
     """Return the grey values (H, W, 3), 0 to 255 without rounding, of linear light (H, W, 3) from a part of an image.
 
-    It has the exposure of the run, and no vignetting. With a `number` it has the noise of the sensor.
+    It has the exposure of the run, and neither vignetting nor shading. With a `number` it has the noise of the sensor.
     """
     raw = _through_glass(light, response) * np.float32(response.brightness / metered)
     return _grey_values(_balanced(raw, response, number), response)
@@ -204,11 +208,18 @@ def _through_glass(light: FloatImage, response: CameraResponse) -> FloatImage:
     return veiled(gathered(light, response.pixel_px), response.veiling_glare)
 
 
-def _vignette(width: int, height: int, loss: float) -> FloatImage:
-    """Return the transmitted share of light: 1 in the middle, 1 - `loss` in the corner, quadratic in the distance."""
+def _transmitted(width: int, height: int, response: CameraResponse) -> FloatImage:
+    """Return the share of light (H, W) that arrives: 1 in the middle, 1 - `vignetting` in the corners, with shading.
+
+    The loss is quadratic in the distance from the middle. Shading is an even slope of the logarithm of the light.
+    """
     x = np.arange(width, dtype=np.float32)[None, :]
     y = np.arange(height, dtype=np.float32)[:, None]
-    return (1 - loss * corner_share(x, y, width, height)).astype(np.float32)
+    share = 1 - response.vignetting * corner_share(x, y, width, height)
+    right, down = response.shading_right_ev, response.shading_down_ev
+    if right or down:
+        share = share * 2.0 ** (right * ((x + 0.5) / width - 0.5) + down * ((y + 0.5) / height - 0.5))
+    return share.astype(np.float32)
 
 
 def corner_share(u: NDArray[Any], v: NDArray[Any], width: int, height: int) -> NDArray[Any]:

@@ -1,5 +1,6 @@
 """Every command of README.md and docs is one; and each runs, made small, in the order of its page (`-m documents`)."""
 
+import itertools
 import math
 import re
 import shlex
@@ -87,7 +88,7 @@ def test_its_commands_parse(page, tmp_path, monkeypatch):
     """And the scenarios, looks and settings that they name are there."""
     monkeypatch.chdir(tmp_path)
     _save_files_of(page, tmp_path)
-    group = get_command(command_line())
+    group, made = get_command(command_line()), set()
     for command in _commands(page):
         name, *arguments = shlex.split(command)
         if name.startswith("--"):
@@ -97,8 +98,9 @@ def test_its_commands_parse(page, tmp_path, monkeypatch):
         if name == "bench":
             leaf, arguments = leaf.get_command(None, arguments[0]), arguments[1:]
         values = leaf.make_context(name, arguments).params
-        if scenario := values.get("scenario"):
-            # A robot that an earlier command of the page finds is not there.
+        made.update(after for before, after in itertools.pairwise(arguments) if before == "--out")
+        # A scenario that an earlier command of the page makes is not there; nor is a robot that one finds.
+        if (scenario := values.get("scenario")) and str(Path(scenario).parent) not in made:
             scenario_of(scenario, tuple(one for one in values["settings"] or () if not one.endswith(".yaml")))
         for look in ",".join(values.get(option) or "" for option in ("look", "looks")).split(","):
             if look not in ("", ALL_LOOKS) and not look.endswith(".yaml"):

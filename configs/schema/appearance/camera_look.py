@@ -47,6 +47,11 @@ class CameraLook(Section):
     """Factor on the saturation of colours; 0 is grey."""
     vignetting: float = Field(default=0.25, ge=0, le=1)
     """Share of light that is lost in the corners."""
+    shading_right_ev: float = Field(default=0.0, ge=-3, le=3, exclude_if=is_zero)
+    """Stops by which the right border of every image is lighter than its left border, as by a lamp on the robot or by a
+    lens that is not in the middle of the sensor; 0 is even."""
+    shading_down_ev: float = Field(default=0.0, ge=-3, le=3, exclude_if=is_zero)
+    """Stops by which the lower border is lighter than the upper one, likewise."""
     lens_blur_px: float = Field(default=0.0, ge=0, le=5)
     """Standard deviation of the lens' point spread; a cheap lens has 0.5 to 1 at 160 x 120."""
     defocus_share: float = Field(default=0.0, ge=0, le=0.05, exclude_if=is_zero)

@@ -1,5 +1,6 @@
 """Commands for looks: `symolo look from`."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -31,8 +32,14 @@ def from_(
         ),
     ] = "lab",
     floor: Annotated[
-        str, typer.Option("--floor", metavar="MATERIAL", help="Material of the floor, such as linoleum or carpet.")
-    ] = "concrete",
+        str,
+        typer.Option(
+            "--floor",
+            metavar="MATERIAL",
+            help="Floor: `photographs` makes an image with the texture of the photographs; or a material, such as "
+            "linoleum or carpet, of which only the amount of texture is fitted.",
+        ),
+    ] = "photographs",
     floor_reflectance: Annotated[
         float | None,
         typer.Option(
@@ -63,7 +70,13 @@ def from_(
     ] = True,
     line_width_mm: Annotated[
         float,
-        typer.Option("--line-width-mm", min=3, max=200, metavar="MM", help="Width of the line on the floor."),
+        typer.Option(
+            "--line-width-mm",
+            min=3,
+            max=200,
+            metavar="MM",
+            help="Width of the line on the floor, measured with a ruler.",
+        ),
     ] = 15.0,
     pitch_down_deg: Annotated[
         float,
@@ -77,7 +90,14 @@ def from_(
     ] = 90.0,
     field_of_view_deg: Annotated[
         float,
-        typer.Option("--field-of-view-deg", min=10, max=150, metavar="DEG", help="Horizontal field of view."),
+        typer.Option(
+            "--field-of-view-deg",
+            min=10,
+            max=150,
+            metavar="DEG",
+            help="Angle between the left and the right border of the photographs; the data sheet of the camera has it. "
+            "Raspberry Pi camera v1: 53.5, v2: 62.2.",
+        ),
     ] = 60.0,
     workers: Workers = None,
     dry_run: DryRun = False,
@@ -88,17 +108,24 @@ def from_(
     on both sides; it may be dark or light. Different places of the floor are best.
 
     The command finds the line in each photograph and measures the width of its edge, the noise on floor and line, the
-    fall of the light towards the corners, levels and colours. It then looks for the settings with which the camera
-    model makes an image with the same measures: blur, sharpening, shot and read noise, vignetting, exposure, and the
-    colours of floor and line.
+    fall of the light towards the corners, its rise to the right and downwards, levels and colours, the texture of the
+    floor, and sheets of paper along the line. It then looks for the settings with which the camera model makes an image
+    with the same measures: blur, sharpening, shot and read noise, vignetting, shading, exposure, and the colours of
+    floor and line.
 
     Then it renders 8 to 12 small images with lines as in the photographs, measures them in the same way, and corrects
-    the settings, with the texture of floor and line, three times. Width of the line, pitch and field of view decide how
-    large the texture is in these images. With --no-render this is left out, and texture is that of the base look.
+    the settings, with the texture of floor and line, three times. With --no-render this is left out.
+
+    Photographs do not show how large things are. --line-width-mm and --field-of-view-deg give the scale: from them
+    follow the height of the camera above the floor and the size of the texture.
 
     Files in OUT:
 
     - look.yaml: the look; comments say what set each value, and how much it varies over the photographs
+
+    - floor.png: the floor, made of the texture of the photographs; it repeats without a seam
+
+    - scenario.yaml: the look, the width of the line, and a camera that sees it as the photographs do
 
     - report.html: the photographs, the figures and the settings
 
@@ -106,13 +133,13 @@ def from_(
 
     In seconds, without rendering: symolo look from photos/*.jpg --no-render --out my_look
 
-    Then: symolo release smoke --set look=my_look/look.yaml --out data
+    Then: symolo release my_look/scenario.yaml --out data
 
     docs/own_look.md explains what photographs can tell, and what they cannot.
     """
     from diagnosis.photographs.fitted_look import PAINTED_FLOORS
     from diagnosis.photographs.report import table_lines
-    from pipeline.own_look.fit import LOOK, PAGE, base_camera, fit_look, write_look
+    from pipeline.own_look.fit import LOOK, PAGE, SCENARIO_FILE, base_camera, fit_look, write_look
     from pipeline.own_look.photographs import read_photographs
     from pipeline.own_look.refine import RenderSettings, refined
     from pipeline.own_look.views import ViewGeometry
@@ -120,12 +147,13 @@ def from_(
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
 
-    if floor not in PAINTED_FLOORS:
-        allowed = ", ".join(PAINTED_FLOORS)
-        raise InputError("--floor", got=floor, allowed=allowed, nearest=nearest(floor, PAINTED_FLOORS))
+    material = floor if floor in PAINTED_FLOORS else None
+    if material is None and floor != "photographs":
+        allowed = "photographs", *PAINTED_FLOORS
+        raise InputError("--floor", got=floor, allowed=", ".join(allowed), nearest=nearest(floor, allowed))
     if not dry_run:
         check_new(out)
-    base_camera(base)
+    base_camera(base, keeps_files=material is not None)
     faults, files = FaultList(), list[tuple[Path, bytes]]()
     for path in photographs:
         with faults.noted():
@@ -134,9 +162,9 @@ def from_(
     read = read_photographs(files, width_px)
     for note in read.notes:
         typer.echo(note)
-    look = fit_look(read, out, base, floor, floor_reflectance)
+    geometry = ViewGeometry(0.001 * line_width_mm, pitch_down_deg, field_of_view_deg)
+    look = fit_look(read, out, base, floor=material, floor_reflectance=floor_reflectance, geometry=geometry)
     if render and not dry_run:
-        geometry = ViewGeometry(0.001 * line_width_mm, pitch_down_deg, field_of_view_deg)
         look = refined(look, RenderSettings(geometry, workers or cores()), report_here())
     for doubt in look.doubts:
         typer.echo(f"warning: {doubt}")
@@ -145,9 +173,10 @@ def from_(
     if dry_run:
         typer.echo(look.text(out.absolute()))
         return
-    write_look(look, read, out)
-    typer.echo(f"\n{out / LOOK}, {out / PAGE}\n")
-    typer.echo(f"symolo release smoke {look.settings_to_use(str(out / LOOK))} --out data")
+    write_look(look, read, out, geometry)
+    typer.echo(f"\n{out / LOOK}, {out / SCENARIO_FILE}, {out / PAGE}\n")
+    typer.echo(f"symolo release {shlex.quote(str(out / SCENARIO_FILE))} --out data")
+    typer.echo(f"With a scenario of your own: {look.settings_to_use(str(out / LOOK))}")
 
 
 COMMANDS = (from_,)

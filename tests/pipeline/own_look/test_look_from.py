@@ -1,5 +1,7 @@
 """The command `symolo look from`."""
 
+import math
+
 import cv2
 import pytest
 
@@ -7,6 +9,8 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import main
 from tests.known_photographs import FLOOR, LINE, photograph
+
+VIEW = ["--line-width-mm", "18", "--pitch-down-deg", "60", "--field-of-view-deg", "50"]
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +32,8 @@ def base(tmp_path_factory):
 @pytest.fixture(scope="module")
 def look(photos, base, tmp_path_factory):
     out = tmp_path_factory.mktemp("look") / "my look"
-    files, chosen = sorted(map(str, photos.glob("*.png"))), ["--base", str(base), "--floor", "linoleum"]
-    assert main(["look", "from", *files, "--out", str(out), *chosen, "--no-render"]) == 0
+    files, chosen = sorted(map(str, photos.glob("*.png"))), ["--base", str(base), *VIEW, "--no-render"]
+    assert main(["look", "from", *files, "--out", str(out), *chosen]) == 0
     return out
 
 
@@ -42,25 +46,43 @@ def refused(capsys, *arguments):
 def test_the_look_can_be_used_and_has_the_camera_of_the_photographs(look):
     loaded = load_scenario("smoke", (f"look={look / 'look.yaml'}",))
     drawn = draw_run(loaded, "CW", 1).look
-    assert (drawn.name, drawn.floor.material, drawn.line) == ("my_look", "linoleum", "tape")
+    assert (drawn.name, drawn.floor.material, drawn.line) == ("my_look", "image", "tape")
     assert drawn.camera.lens_blur_px == pytest.approx(1.2, rel=0.1)
     assert drawn.camera.vignetting == pytest.approx(0.3, abs=0.04)
     assert drawn.camera.defocus_share == 0  # a part of lens_blur_px, other than in the base look
-    assert drawn.tape.paint.reflectance / drawn.floor.linoleum.paint.reflectance < 2 * LINE / FLOOR
+    # The photographs have an even floor and no sheets. Their tone curve has a contrast of 1, which nobody knows; with
+    # that of the look, the line returns (LINE / FLOOR) ** (1 / contrast) of the light.
+    assert drawn.line_sheets.width_m == 0
+    floor = drawn.floor.image.white_reflectance * sum(drawn.floor.image.file.mean_rgb) / 3
+    assert floor == pytest.approx(0.45, rel=0.03)
+    assert drawn.tape.paint.reflectance == pytest.approx(floor * (LINE / FLOOR) ** (1 / drawn.camera.contrast), rel=0.1)
 
 
-def test_the_files_say_what_set_each_value(look):
+def test_the_scenario_shows_the_line_as_wide_as_the_photographs(look):
+    """The line is 36 px wide in images of 160 px: 18 mm are seen at 0.5 mm a pixel."""
+    spec = draw_run(load_scenario(str(look / "scenario.yaml")), "CW", 1)
+    camera, base_m = spec.robot.camera, spec.robot.chassis.base_height_m
+    assert (spec.render.width_px, spec.render.height_px, spec.arena.line.width_m) == (160, 120, 0.018)
+    assert camera.pitch_down_deg == 60
+    across = math.degrees(2 * math.atan(0.5 * camera.sensor_width_mm / camera.focal_length_mm))
+    assert across == pytest.approx(50)
+    # 160 px of 0.5 mm, 80 mm, are seen across 50 degrees from the distance d: 40 mm = d tan(25 degrees).
+    distance_m = (camera.height_above_base_m + base_m) / math.sin(math.radians(60))
+    assert distance_m == pytest.approx(0.040 / math.tan(math.radians(25)), rel=0.04)
+
+
+def test_the_files_say_what_set_each_value(look, photos):
     text = (look / "look.yaml").read_text()
     assert "lens_blur_px" in text
     assert "# width of the line's edge, 10 to 90 %" in text
-    assert "3 photographs: 0.png, 1.png, 2.png" in text
+    assert f"3 photographs in {photos}: 0.png, 1.png, 2.png" in text
     page = (look / "report.html").read_text()
     assert "width of the line" in page
     assert page.count("data:image/png") == 2
 
 
 def test_a_dry_run_prints_the_same_look_and_writes_nothing(photos, base, look, tmp_path, capsys):
-    out, chosen = tmp_path / "my look", ["--base", str(base), "--floor", "linoleum", "--dry-run"]
+    out, chosen = tmp_path / "my look", ["--base", str(base), *VIEW, "--dry-run"]
     assert main(["look", "from", *sorted(map(str, photos.glob("*.png"))), "--out", str(out), *chosen]) == 0
     assert (look / "look.yaml").read_text() in capsys.readouterr().out
     assert not out.exists()
@@ -94,6 +116,14 @@ def test_photographs_of_two_sizes_are_refused(photos, tmp_path, capsys):
     line = refused(capsys, photos / "0.png", photos / "1.png", tmp_path / "small.png", "--out", tmp_path / "out")
     assert "160 x 100 px" in line
     assert "160 x 120 px" in line
+
+
+def test_a_base_with_images_of_its_own_is_refused_before_any_work(photos, tmp_path, capsys):
+    cv2.imwrite(str(tmp_path / "wall.png"), photograph(1))
+    base = tmp_path / "walls.yaml"
+    base.write_text("{extends: lab, name: walls, assets: ., images: {white_board: {file: wall.png}}}")
+    line = refused(capsys, *sorted(photos.glob("*.png")), "--out", tmp_path / "out", "--base", base)
+    assert "--floor concrete" in line
 
 
 def test_an_unknown_floor_or_base_is_refused(photos, tmp_path, capsys):

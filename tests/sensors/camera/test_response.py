@@ -67,6 +67,15 @@ def test_vignetting_takes_its_share_in_the_corner_and_nothing_in_the_middle():
     assert linear[0, 0, 1] == pytest.approx(0.6 * 0.18, rel=0.02)
 
 
+def test_shading_raises_the_light_by_its_stops_from_border_to_border():
+    look = PLAIN.model_copy(update={"shading_right_ev": 1.0, "shading_down_ev": -0.5, "exposure_adaption": 0.0})
+    shaded = develop(np.full((481, 641, 3), 0.1, np.float32), _response(look), 0.1, 1)[..., 1]
+    linear = (((shaded / 255) + 0.055) / 1.055) ** 2.4
+    assert linear[240, 640] / linear[240, 0] == pytest.approx(2.0, rel=0.02)
+    assert linear[480, 320] / linear[0, 320] == pytest.approx(2**-0.5, rel=0.02)
+    assert linear[240, 320] == pytest.approx(0.18, rel=0.02)
+
+
 def test_noise_belongs_to_the_frame_and_grows_with_the_root_of_the_light():
     look = PLAIN.model_copy(update={"shot_noise": 0.05})
     light = np.full((240, 320, 3), 1.0, np.float32)
