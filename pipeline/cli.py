@@ -15,6 +15,7 @@ import typer
 from pipeline.address_space import check_address_space
 from pipeline.commands.datasets import inspection, keeping, sharing, showing
 from pipeline.commands.datasets.sign import sign
+from pipeline.commands.datasets.training import train
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
 from pipeline.commands.make import arena, effect, hil, robot, stages
 from pipeline.commands.make.import_logs import import_logs
@@ -59,7 +60,7 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
     "Hardware in the loop": (hil.hil, hil.firmware),
     "Look at data": (showing.view, showing.video, showing.report, showing.contact_sheet),
     "Inspect data and machine": (
-        *(inspection.verify, inspection.compare, inspection.baselines),
+        *(inspection.verify, inspection.compare, inspection.baselines, train),
         *(inspection.doctor, inspection.schema),
     ),
     "Keep, convert and share data": (

@@ -19,6 +19,7 @@ _STYLES = {
     "ekf": (BLUE, "-"),
     "particles": (GREEN, "-."),
     "retrieval": (ORANGE, ""),
+    "learned": (ORANGE, "-"),
     "ekf_imu": (SKY, "-"),
     "lidar": (PURPLE, "-"),
     "stereo": (GREY, "-"),

@@ -56,50 +56,34 @@ def scattered(particles: Array, rng: np.random.Generator) -> Array:
     return mean + np.sqrt(1.0 - SCATTER**2) * from_mean + SCATTER * noise
 
 
-class _ParticleFilter:
-    def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator) -> None:
-        self._rng = rng
+class ParticleCloud:
+    """Particles that follow the wheels, and are weighed by whatever a method reads."""
+
+    def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator, count: int = PARTICLES) -> None:
+        self._rng, self._count = rng, count
         self._motion = WheelMotion.of(knowledge)
-        self._ranges = RangeModel(knowledge, RAYS)
-        self._line = LineModel(knowledge)
-        self._longest_m = knowledge.drawing.longest_range_m
         state, covariance = initial_state(knowledge.start)
-        self.particles = state + rng.standard_normal((PARTICLES, len(state))) * np.sqrt(np.diag(covariance))
-        self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
-        self._duration_s = 0.0
-        self._seen_from = self.particles[:, :3]
+        self.particles = state + rng.standard_normal((count, len(state))) * np.sqrt(np.diag(covariance))
+        self.log_weight = np.full(count, -np.log(count))
 
-    def predict(self, rolled_m: Array, duration_s: float) -> None:
-        noise = self._motion.slip_sd_m(rolled_m) * self._rng.standard_normal((PARTICLES, 2))
-        before, self.particles = self.particles, self._motion.moved(self.particles, rolled_m + noise)
-        self._duration_s = duration_s
-        earlier = self._ranges.age_s / duration_s if duration_s > 0.0 else 0.0
-        self._seen_from = (self.particles - earlier * (self.particles - before))[:, :3]
+    def predict(self, rolled_m: Array) -> None:
+        """Move the particles by the distances (2,) that the wheels have rolled."""
+        noise = self._motion.slip_sd_m(rolled_m) * self._rng.standard_normal((self._count, 2))
+        self.particles = self._motion.moved(self.particles, rolled_m + noise)
 
-    def weigh(self, ranges_m: Array, fresh: np.ndarray, on_line: np.ndarray) -> None:
-        log = self._line.log_likelihood(self.particles[:, :3], on_line)
-        if fresh.any():
-            log += (self._range_log_likelihood(ranges_m) * fresh).sum(axis=1)
-        self.log_weight += log * min(self._duration_s / AS_ONE_S, 1.0)
+    def weigh(self, log_likelihood: Array, since_s: float) -> None:
+        """Weigh the particles by a reading, and resample them where few have most of the weight.
+
+        Args:
+            log_likelihood: Logarithm of the likelihood of the reading by each particle, (P,).
+            since_s: Time [s] since the reading before.
+        """
+        self.log_weight += log_likelihood * min(since_s / AS_ONE_S, 1.0)
         self.log_weight -= logsumexp(self.log_weight)
         weight = np.exp(self.log_weight)
-        if 1.0 / np.sum(weight**2) < 0.5 * PARTICLES:
+        if 1.0 / np.sum(weight**2) < 0.5 * self._count:
             self.particles = scattered(self.particles[resampled(weight, self._rng.random())], self._rng)
-            self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
-
-    def _range_log_likelihood(self, ranges_m: Array) -> Array:
-        """Return the logarithm (P, 3) of the likelihood of the readings (3,) [m]."""
-        expected_m = self._ranges.expected(self._seen_from)
-        target = ~np.isnan(expected_m)
-        filled = np.where(target, expected_m, self._longest_m)
-        sd_m = np.hypot(white_sd_m(filled), lasting_sd_m(filled))
-        read = ~np.isnan(ranges_m)
-        reading = np.where(read, ranges_m, 0.0)
-        bell = np.exp(-0.5 * ((reading - filled) / sd_m) ** 2) / (np.sqrt(2.0 * np.pi) * sd_m)
-        stray = 1.0 / self._longest_m
-        of_target = np.where(read, SEEN * bell + SHORT * stray, MISSED)
-        of_none = np.where(read, STRAY * stray, 1.0 - STRAY)
-        return np.log(np.where(target, of_target, of_none))
+            self.log_weight = np.full(self._count, -np.log(self._count))
 
     def estimate(self) -> tuple[Array, Array]:
         """Return mean pose (3,) and covariance (3, 3)."""
@@ -112,6 +96,41 @@ class _ParticleFilter:
         return mean, (weight * from_mean.T) @ from_mean + np.diag(MIN_SD**2)
 
 
+class _ParticleFilter(ParticleCloud):
+    """Particles that are weighed by ranges and line readings."""
+
+    def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator) -> None:
+        super().__init__(knowledge, rng)
+        self._ranges = RangeModel(knowledge, RAYS)
+        self._line = LineModel(knowledge)
+        self._longest_m = knowledge.drawing.longest_range_m
+
+    def step(self, rolled_m: Array, duration_s: float, ranges_m: Array, fresh: np.ndarray, on_line: np.ndarray) -> None:
+        """Follow the wheels for one row, and weigh the particles by its readings."""
+        before = self.particles
+        self.predict(rolled_m)
+        log = self._line.log_likelihood(self.particles[:, :3], on_line)
+        if fresh.any():
+            earlier = self._ranges.age_s / duration_s if duration_s > 0.0 else 0.0
+            seen_from = (self.particles - earlier * (self.particles - before))[:, :3]
+            log += (self._range_log_likelihood(ranges_m, seen_from) * fresh).sum(axis=1)
+        self.weigh(log, duration_s)
+
+    def _range_log_likelihood(self, ranges_m: Array, seen_from: Array) -> Array:
+        """Return the logarithm (P, 3) of the likelihood of the readings (3,) [m] from poses (P, 3)."""
+        expected_m = self._ranges.expected(seen_from)
+        target = ~np.isnan(expected_m)
+        filled = np.where(target, expected_m, self._longest_m)
+        sd_m = np.hypot(white_sd_m(filled), lasting_sd_m(filled))
+        read = ~np.isnan(ranges_m)
+        reading = np.where(read, ranges_m, 0.0)
+        bell = np.exp(-0.5 * ((reading - filled) / sd_m) ** 2) / (np.sqrt(2.0 * np.pi) * sd_m)
+        stray = 1.0 / self._longest_m
+        of_target = np.where(read, SEEN * bell + SHORT * stray, MISSED)
+        of_none = np.where(read, STRAY * stray, 1.0 - STRAY)
+        return np.log(np.where(target, of_target, of_none))
+
+
 def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: np.random.Generator) -> Estimate:
     particles = _ParticleFilter(knowledge, rng)
     estimates = []
@@ -119,8 +138,7 @@ def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: n
     readings = knowledge.ranges_m, knowledge.fresh, knowledge.on_line
     rows = zip(rolled_distances_m(knowledge), durations_s, *readings, strict=True)
     for rolled_m, duration_s, *row_readings in rows:
-        particles.predict(rolled_m, duration_s)
-        particles.weigh(*row_readings)
+        particles.step(rolled_m, duration_s, *row_readings)
         estimates.append(particles.estimate())
     poses, covariances = zip(*estimates, strict=True)
     return Estimate(np.arange(len(knowledge)), np.array(poses), np.array(covariances))

@@ -99,11 +99,18 @@ class RunImages:
 
     @cached_property
     def thumbnails(self) -> Array:
-        """Small grey images (M, 24, 32), from 0 to 1; each pixel is the mean over its area."""
+        """Small grey images (M, 24, 32), from 0 to 1."""
+        return self.grey(THUMBNAIL)
+
+    def grey(self, size: tuple[int, int]) -> Array:
+        """Return grey images (M, height, width), from 0 to 1, of this height and width [px].
+
+        Each pixel is the mean over its area.
+        """
         import cv2  # noqa: PLC0415 - takes half a second, and only methods that learn read images
 
-        size = THUMBNAIL[::-1]
-        small = [cv2.resize(self.pixels(i), size, interpolation=cv2.INTER_AREA).mean(axis=2) for i in range(len(self))]
+        wide = size[::-1]
+        small = [cv2.resize(self.pixels(i), wide, interpolation=cv2.INTER_AREA).mean(axis=2) for i in range(len(self))]
         return np.array(small) / 255.0
 
     def __len__(self) -> int:

@@ -22,6 +22,7 @@ EXTRA_OF = {
     "cryptography": "sign",
     "ray": "cluster",
     "gymnasium": "gym",
+    "torch": "learn",
 }
 """Extra of symolo by the name under which a package is imported."""
 

@@ -45,6 +45,7 @@ ELSEWHERE = {
     "found/extended.yaml": "likewise",
     "explained": "as it stands there, in tests/pipeline/diagnosing/test_own_effect_walk.py",
     "extracted": "needs a release with an effect of its own; tests/contracts/test_effect_files.py makes one",
+    "model.npz": "needs PyTorch; tests/pipeline/baselines/learned/test_training.py trains one",
     "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/recordings/real_sets.py runs them",
 }

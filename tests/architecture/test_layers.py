@@ -22,6 +22,7 @@ ENGINES = {
     "serial": "hil/links/",
     "obstore": "symolo/storage/bucket.py",
     "ray": "pipeline/executors/ray.py",
+    "torch": "pipeline/baselines/learned/torch_side/",
 }
 
 

@@ -245,7 +245,17 @@ def baselines(
         typer.Option(
             "--methods",
             metavar="NAMES",
-            help="Some of odometry,ekf,particles,retrieval,ekf_imu,lidar,stereo; by default all that the data allow.",
+            help="Some of odometry,ekf,particles,retrieval,learned,ekf_imu,lidar,stereo; by default all that the data "
+            "allow.",
+        ),
+    ] = None,
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            "--model",
+            metavar="MODEL",
+            callback=if_given(checked_input),
+            help="Model of `symolo train`, which the method `learned` needs.",
         ),
     ] = None,
     runs: Runs = None,
@@ -281,6 +291,8 @@ def baselines(
 
     from pipeline.baselines import METHODS
     from pipeline.baselines.compare import compare, methods_of, why_not
+    from pipeline.baselines.learned.method import with_model
+    from pipeline.baselines.learned.model import read_model
     from pipeline.baselines.output import table, write
     from pipeline.baselines.runs import chosen, open_runs
     from symolo.core.errors import InputError
@@ -290,13 +302,16 @@ def baselines(
     chosen_methods = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")
     check_new(out, folder)
     everything = open_runs(folder)
+    localised = chosen(everything, runs)
+    if model is not None:
+        chosen_methods = with_model(chosen_methods, read_model(model), localised)
     for method in chosen_methods if methods is not None else ():
         if why := why_not(method, everything):
             raise InputError(f"--methods {method.name}: {why}", where=str(folder))
     start_sd = np.array([start_sd_cm / 100, start_sd_cm / 100, radians(start_sd_deg)])
     compared = compare(
         chosen_methods,
-        chosen(everything, runs),
+        localised,
         everything,
         start_sd=start_sd,
         slip_m_sqrt_m=slip_mm / 1000,

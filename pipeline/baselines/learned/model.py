@@ -1,0 +1,120 @@
+"""A trained model and its file: numbers only, in an npz archive, so that loading it runs no code."""
+
+import hashlib
+import io
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from pipeline.baselines.learned.heat_map import PoseGrid, PoseLikelihood
+from symolo.arena.geometry import Arena
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+from symolo.core.files.file_hashes import canonical_json
+from symolo.core.files.npz_file import Numbers, arrays_of
+from symolo.core.files.plain_files import FileKind, read_named_file
+
+Input = Literal["images", "ranges"]
+INPUTS: tuple[Input, ...] = ("images", "ranges")
+_ABOUT, _CELLS, _PRIOR, _WEIGHT = "about", "cells", "prior", "weight/"
+_MAX_CELLS = 100_000
+_CURE = "train it again with `symolo train`"
+
+
+class ModelAbout(BaseModel):
+    """What a model file says about its network, as JSON."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    version: Literal[1] = 1
+    arena: str = Field(min_length=64, max_length=64)
+    """Fingerprint of the arena of the training runs."""
+    inputs: tuple[Input, ...] = Field(min_length=1, max_length=2)
+    x_m: float = Field(ge=-1e4, le=1e4)
+    y_m: float = Field(ge=-1e4, le=1e4)
+    cell_m: float = Field(gt=0, le=10)
+    columns: int = Field(ge=1, le=10_000)
+    rows: int = Field(ge=1, le=10_000)
+    headings: int = Field(ge=1, le=360)
+    temperature: float = Field(gt=0, le=100)
+    """Divisor of the network's outputs, fitted to the runs for validation."""
+    wrong: float = Field(gt=0, lt=1)
+    """Share of the readings by which the network errs, fitted to the same runs."""
+    seed: int = Field(ge=0)
+    training_runs: int = Field(ge=1)
+    validation_runs: int = Field(ge=1)
+    epochs: int = Field(ge=1)
+    made_with: dict[str, str]
+
+
+@dataclass(frozen=True)
+class LocalisationModel:
+    about: ModelAbout
+    likelihood: PoseLikelihood
+    weights: Mapping[str, Array]
+    """Parameters of the network by name, each (N,) or (N, K), in the order of the network."""
+
+    def file_bytes(self) -> bytes:
+        """Return the model as an npz archive; the same model gives the same bytes."""
+        arrays: dict[str, Numbers] = {
+            _ABOUT: np.frombuffer(canonical_json(self.about.model_dump(mode="json")), np.uint8),
+            _CELLS: self.likelihood.cells,
+            _PRIOR: self.likelihood.prior,
+            **{_WEIGHT + name: values for name, values in self.weights.items()},
+        }
+        file = io.BytesIO()
+        np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
+        return file.getvalue()
+
+
+def read_model(path: Path) -> LocalisationModel:
+    """Read a model file, which may come from a stranger.
+
+    Raises:
+        InputError: It cannot be read, or it is no model.
+    """
+    try:
+        data = read_named_file(path, FileKind.ANY)
+    except InputError:
+        raise
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
+    try:
+        arrays = arrays_of(data, FileKind.ANY.max_bytes)
+        about = ModelAbout.model_validate_json(arrays[_ABOUT].astype(np.uint8).tobytes())
+        grid = PoseGrid(about.x_m, about.y_m, about.cell_m, about.columns, about.rows, about.headings)
+        cells, prior = arrays[_CELLS].astype(np.int64), arrays[_PRIOR].astype(float)
+        weights = {name.removeprefix(_WEIGHT): arrays[name] for name in arrays if name.startswith(_WEIGHT)}
+    except ValidationError as error:
+        raise InputError(f"is no model of `symolo train`: {error.errors()[0]['msg']}", where=str(path)) from None
+    except (zipfile.BadZipFile, ValueError, KeyError) as error:
+        raise InputError(f"is no whole model of `symolo train`: {error}", where=str(path), cure=_CURE) from None
+    _check_cells(grid, cells, prior, path)
+    if not all(np.isfinite(values).all() for values in weights.values()):
+        raise InputError("has weights that are not finite", where=str(path), cure=_CURE)
+    return LocalisationModel(about, PoseLikelihood(grid, cells, prior, about.wrong), weights)
+
+
+def _check_cells(grid: PoseGrid, cells: Numbers, prior: Array, path: Path) -> None:
+    count = int(np.prod(grid.shape))
+    fits = cells.ndim == 1 and prior.shape == cells.shape and 0 < len(cells) <= _MAX_CELLS and count <= 100 * _MAX_CELLS
+    if not (fits and np.all(np.diff(cells) > 0) and cells[0] >= 0 and cells[-1] < count):
+        raise InputError("has cells that do not fit its grid", where=str(path), cure=_CURE)
+    if not (np.all(prior >= 0.0) and abs(prior.sum() - 1.0) < 1e-6):
+        raise InputError("has a prior that is no distribution", where=str(path), cure=_CURE)
+
+
+def arena_fingerprint(arena: Arena) -> str:
+    """Return the SHA-256 of the shapes of line, walls and obstacles, to a tenth of a millimetre.
+
+    Colours and reflectances do not count: robots meet the same arena under another look.
+    """
+    edges = [side for pair in arena.line.edges() for side in pair]
+    boxes = sorted(np.round(box.footprint(), 4).tolist() for box in arena.boxes)
+    shapes = {"line": [(np.round(side, 4) + 0.0).tolist() for side in edges], "boxes": boxes}
+    return hashlib.sha256(canonical_json(shapes)).hexdigest()

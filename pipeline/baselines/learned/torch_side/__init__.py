@@ -1,0 +1,1 @@
+"""The only folder that loads PyTorch, from the extra `learn`."""
