@@ -163,8 +163,12 @@ class Diagnosis:
 
     @property
     def scatters(self) -> tuple[tuple[str, float], ...]:
-        """Scatter of good readings relative to the stated noise, by quantity with a stated noise."""
-        levels = zip(self.evidence.observed, self.fit.noise.levels.tolist(), strict=True)
+        """Scatter of good readings relative to the stated noise, by quantity with a stated noise.
+
+        It is that of the names alone, so that a law which takes some of it leaves the conclusion as it is.
+        """
+        fit = self.law.without if self.law else self.fit
+        levels = zip(self.evidence.observed, fit.noise.levels.tolist(), strict=True)
         return tuple((observed.name, level) for observed, level in levels if observed.noise_is_stated)
 
     @property

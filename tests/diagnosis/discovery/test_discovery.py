@@ -78,7 +78,10 @@ def diagnosis_of(tmp_path_factory):
 
     def of(name):
         if name not in made:
-            made[name] = with_law(diagnose(bench(tmp_path_factory.mktemp(name), name)))
+            before = diagnose(bench(tmp_path_factory.mktemp(name), name))
+            made[name] = with_law(before)
+            # A law that takes much of the scatter must not turn the conclusion into one that needs no law.
+            assert (made[name].conclusion, made[name].scatters) == (before.conclusion, before.scatters)
         return made[name]
 
     return of
