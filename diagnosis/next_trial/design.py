@@ -16,7 +16,7 @@ from diagnosis.next_trial.limits import Limits
 from diagnosis.next_trial.models import predicted_units, robots_of
 from diagnosis.next_trial.remaining import RemainingModel, remaining_models
 from diagnosis.next_trial.separation import Sums, UnitStatistics
-from diagnosis.next_trial.template import floor_of, nominal_drive, template_of
+from diagnosis.next_trial.template import floor_of, nominal_drive, reachable_m_s, template_of
 from diagnosis.predictors.base import Observed
 from symolo.core.arrays import Array
 
@@ -173,9 +173,11 @@ def _relaxed(template: Measurement, limits: Limits) -> Iterator[tuple[str, Limit
 
 
 def _relaxed_drive(template: Measurement, limits: Limits) -> Iterator[tuple[str, Limits]]:
-    """Yield wider limits of a drive; the floor stays within the room."""
-    speed_m_s = RELAXED * limits.max_speed_m_s
-    yield f"{speed_m_s:.3g} m/s instead of {limits.max_speed_m_s:.3g} m/s", replace(limits, max_speed_m_s=speed_m_s)
+    """Yield wider limits of a drive; the floor stays within the room, and the speed within that of the motors."""
+    speed_m_s = min(RELAXED * limits.max_speed_m_s, reachable_m_s(template))
+    if speed_m_s > limits.max_speed_m_s:
+        text = f"{speed_m_s:.3g} m/s instead of {limits.max_speed_m_s:.3g} m/s"
+        yield text, replace(limits, max_speed_m_s=speed_m_s)
     widest = floor_of(template)[1] if nominal_drive(template).world is not None else (np.inf, np.inf)
     wider = (min(RELAXED * limits.floor_m[0], widest[0]), min(RELAXED * limits.floor_m[1], widest[1]))
     if wider != limits.floor_m:

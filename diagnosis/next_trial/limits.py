@@ -7,7 +7,7 @@ import numpy as np
 
 from diagnosis.importers.drive_log import fastest
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.next_trial.template import floor_of, nominal_drive, template_of
+from diagnosis.next_trial.template import floor_of, nominal_drive, reachable_m_s, template_of
 from symolo.core.errors import InputError
 
 SECONDS = 15.0
@@ -125,6 +125,10 @@ def _of_drive(
     speed_m_s, turn_rad_s = fastest(template)
     if not speed_m_s > 0.0:
         raise InputError("the wheels do not turn in the old data", cure="give the highest speed with --max-speed")
+    reachable = reachable_m_s(template)
+    if max_speed_m_s is not None and max_speed_m_s > reachable:
+        what = f"{max_speed_m_s:g} m/s, which the nominal motors do not reach"
+        raise InputError("--max-speed", got=what, allowed=f"up to {reachable:.3g} m/s")
     middle_m, old_m = floor_of(template)
     room = nominal_drive(template).world
     if floor_m is not None and room is not None and (floor_m[0] > old_m[0] or floor_m[1] > old_m[1]):
@@ -135,7 +139,8 @@ def _of_drive(
         floor_m=floor_m or old_m,
         middle_m=middle_m,
         max_speed_m_s=max_speed_m_s or speed_m_s,
-        max_turn_rad_s=turn_rad_s or 2.0 * speed_m_s / nominal_drive(template).robot.wheel_separation_m.value,
+        # Wheels that went straight on so far may turn the robot on the spot at half their speed.
+        max_turn_rad_s=max(turn_rad_s, speed_m_s / nominal_drive(template).robot.wheel_separation_m.value),
     )
 
 

@@ -98,6 +98,21 @@ def floor_of(template: Measurement) -> tuple[tuple[float, float], tuple[float, f
     return (middles[0], middles[1]), (sizes[0], sizes[1])
 
 
+def reachable_m_s(template: Measurement) -> float:
+    """Return the speed of a wheel over the floor that the nominal motor keeps at its full voltage; inf without one.
+
+    The torque constant times the current is the friction, and the rest of the voltage is induced: U = R (B w + Tc) / K
+    + K w in a steady state.
+    """
+    nominal = nominal_drive(template)
+    if (motor := nominal.motor) is None:
+        return np.inf
+    constant, viscous = motor.torque_constant_N_m_A.value, motor.viscous_friction_N_m_s_rad.value
+    ohm_per_constant = motor.winding_resistance_ohm.value / constant
+    left_V = motor.supply_voltage_V - ohm_per_constant * motor.coulomb_friction_N_m.value
+    return nominal.robot.wheel_radius_m.value * left_V / (constant + ohm_per_constant * viscous)
+
+
 def to_fill(trial: Measurement) -> Measurement:
     """Return a trial of a drive with its commands alone: all else is to be logged."""
     return measurement_of(trial, [trial_with(trial, each.name, each.t_s, _commands(each)) for each in trial.trials])

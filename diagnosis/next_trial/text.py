@@ -100,7 +100,7 @@ def _whereabouts(design: TrialDesign) -> str:
     paths = expected_paths(design.trial, design.limits, design.diagnosis.nominal, robots_of(design.models))
     planned = planned_path(design)
     away = [
-        f"{1000.0 * np.hypot(*(path - planned)[:, :2].T).max():.2g} mm if {model.name} is the cause"
+        f"{float(f'{1000.0 * np.hypot(*(path - planned)[:, :2].T).max():.2g}'):g} mm if {model.name} is the cause"
         for model, path in zip(design.models, paths, strict=False)
     ]
     return text + (f" The robot leaves the planned path by up to {', '.join(away)}." if away else "")

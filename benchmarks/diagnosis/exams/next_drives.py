@@ -1,6 +1,6 @@
 """How often a designed drive leaves one right name, beside squares, random arcs and shuttles of the same and more time.
 
-    python -m benchmarks.diagnosis.exams.next_drives --cases 200 --seed 711 --effects turn_slip --out result.json
+    python -m benchmarks.diagnosis.exams.next_drives --cases 200 --seed 711 --seconds 6 --out result.json
 
 The robots come from `independent_cases`, whose simulator shares no code with symolo. Each has one listed effect and
 first drives laps of one circle for OLD_S seconds, in one direction and at one speed. Where the diagnosis of this drive
@@ -48,6 +48,7 @@ from symolo.core.random_streams import stream
 
 KIND = "drive_log"
 OLD_S, SECONDS = 15.0, 15.0
+MANOEUVRES = 3
 STYLES = {"square": "square", "random arcs": "random", "shuttle": "shuttle"}
 WAYS = ("designed", *STYLES, *(f"{style}, 3 times" for style in STYLES))
 LISTED = sorted(set(DriveSetting.PLACE) - {"range_wander"})  # its slow error is not looked for in several cases
@@ -77,12 +78,12 @@ def first_drive(setting: DriveSetting, rng: np.random.Generator) -> DriveSetting
     return driven(setting, script, setting.start[0], setting.loop_seed)
 
 
-def limits_in_room(setting: DriveSetting, old: Measurement) -> Limits:
+def limits_in_room(setting: DriveSetting, old: Measurement, seconds: float) -> Limits:
     """Return limits at which the generator's robot does not turn back before a wall."""
     robot = setting.robot
     ahead_m = max(0.0, 0.45 * fastest(old)[0] + 0.02 - 0.2 * robot.track_m)
     size_x, size_y = (max(side - 2.0 * ahead_m, 2.5 * robot.track_m) for side in robot.room)
-    return limits_of(old, seconds=SECONDS, floor_m=(size_x, size_y))
+    return limits_of(old, seconds=seconds, row_s=seconds / MANOEUVRES, floor_m=(size_x, size_y))
 
 
 def script_of(trial: Measurement) -> tuple[np.ndarray, np.ndarray]:
@@ -92,7 +93,7 @@ def script_of(trial: Measurement) -> tuple[np.ndarray, np.ndarray]:
     return script, np.array([only[name].values[0] for name in ("x_m", "y_m", "theta_rad")])
 
 
-def exam(cases: int, seed: int, among: Sequence[str]) -> Iterator[dict]:
+def exam(cases: int, seed: int, seconds: float, among: Sequence[str]) -> Iterator[dict]:
     """Yield the result of each case with one of some effects whose first diagnosis leaves two or more names."""
     for number, (category, names, rng) in enumerate(deal_cases(KIND, cases, seed), 1):
         if category != "one" or names[0] not in among:
@@ -107,7 +108,7 @@ def exam(cases: int, seed: int, among: Sequence[str]) -> Iterator[dict]:
                 continue
             result = {"case": f"{seed} {number}", "truth": names, "before": before}
             try:
-                design = design_trial(first, limits_in_room(setting, old))
+                design = design_trial(first, limits_in_room(setting, old, seconds))
             except InputError as error:
                 yield {**result, "refused": str(error)}
                 continue
@@ -120,7 +121,7 @@ def exam(cases: int, seed: int, among: Sequence[str]) -> Iterator[dict]:
                 draws = stream(seed, number, way)
                 script, start = script_of(design.trial)
                 if way != "designed":
-                    rows = int(SECONDS * (3 if "3 times" in way else 1) / ROW_S) + 1
+                    rows = int(seconds * (3 if "3 times" in way else 1) / ROW_S) + 1
                     script = commands(draws, rows, STYLES[way.removesuffix(", 3 times")], setting.robot)
                     start = np.array([*start[:2], draws.uniform(-np.pi, np.pi)])
                 files = driven(setting, script, start, int(draws.integers(2**31))).produce(variant, draws)
@@ -189,6 +190,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="time of the new drives, in three manoeuvres")
     parser.add_argument("--effects", nargs="+", choices=LISTED, default=LISTED, help="hidden effects; all by default")
     parser.add_argument("--out", type=Path, help="file for the result of each case")
     parser.add_argument("--number", type=int, default=1, help="case of --first and --fill, from 1")
@@ -202,7 +204,7 @@ def main() -> None:
             fill(args.fill, args.cases, args.seed, args.number)
         return
     results = []
-    for result in exam(args.cases, args.seed, args.effects):
+    for result in exam(args.cases, args.seed, args.seconds, args.effects):
         results.append(result)
         print(json.dumps(result), flush=True)
         if args.out:

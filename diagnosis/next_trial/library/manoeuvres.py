@@ -129,9 +129,9 @@ def _pushes(reach: Reach, title: str, v: float, w: float) -> Attempts:
 
 def _spins(reach: Reach, side: str, w: float) -> Attempts:
     """Yield the most whole turns on the spot for which the time is enough."""
-    most = _turned(reach.rows, abs(w)) / (2.0 * pi)
-    if turns := int(most):
-        rate = w * turns / most
+    possible = _turned(reach.rows, abs(w)) / (2.0 * pi)
+    if turns := int(possible):
+        rate = w * turns / possible
         yield f"turning on the spot to the {side} at {abs(rate):.2g} rad/s{_times(turns)}", [Leg(0.0, rate, reach.rows)]
 
 

@@ -4,6 +4,7 @@ import ast
 import csv
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from configs.loader import load_scenario, load_section
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.measured.nominal import NominalMovingMotor
 from diagnosis.next_trial.library import drive_log
 from diagnosis.next_trial.library.manoeuvres import Reach, manoeuvres, path_of
 from diagnosis.next_trial.limits import limits_of
@@ -204,6 +206,34 @@ def test_limits_of_a_drive_that_leave_no_trial_are_refused(template):
         limits_of(template, row_s=1.0)
     with pytest.raises(InputError, match=r"--max-voltage is not used for a case of kind drive_log; allowed: .*--floor"):
         limits_of(template, max_voltage_V=3.0)
+
+
+def test_a_speed_that_the_motors_do_not_reach_is_refused(template):
+    """Without friction, 6 V and 0.3 V s/rad are 20 rad/s, and 0.6 m/s with wheels of 30 mm."""
+    spread = {"tolerance": 0.0}
+    motor = NominalMovingMotor(
+        winding_resistance_ohm={"value": 3.0, **spread},
+        torque_constant_N_m_A={"value": 0.3, **spread},
+        viscous_friction_N_m_s_rad={"value": 0.0, **spread},
+        coulomb_friction_N_m={"value": 0.0, **spread},
+        rotor_inertia_kg_m2={"value": 0.003, **spread},
+        supply_voltage_V=6.0,
+    )
+    with_motor = replace(template, nominal=template.nominal.model_copy(update={"motor": motor}))
+    assert limits_of(with_motor, max_speed_m_s=0.599).max_speed_m_s == 0.599
+    with pytest.raises(InputError, match=r"--max-speed: got '0.61 m/s, .*up to 0.6 m/s"):
+        limits_of(with_motor, max_speed_m_s=0.61)
+
+
+def test_a_robot_that_went_straight_on_so_far_may_turn_as_fast_as_half_its_speed_allows(template):
+    """Both wheels at v / 2 in opposite directions turn a robot with the wheel separation b at v / b."""
+    (trial,) = template.trials
+    ticks = trial["enc_right_ticks"]
+    both = tuple(replace(ticks, series=replace(ticks.series, name=f"enc_{side}_ticks")) for side in ("left", "right"))
+    straight = replace(template, trials=(replace(trial, channels=(*both, trial["x_m"], trial["y_m"])),))
+    limits = limits_of(straight)
+    assert limits.max_speed_m_s == pytest.approx(limits_of(template).max_speed_m_s)
+    assert limits.max_turn_rad_s == pytest.approx(limits.max_speed_m_s / TRACK_M)
 
 
 def test_a_floor_that_is_no_size_is_refused(symolo, turning_case, tmp_path):
