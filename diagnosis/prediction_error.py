@@ -58,9 +58,16 @@ class Beyond:
 
     @property
     def text(self) -> str:
+        share = f"{100.0 * self.share:.0f} % of the samples are outside"
+        if self.condition.startswith(SIZE):
+            quantity = self.condition.removeprefix(f"{SIZE} in ")
+            return (
+                f"{self.effect} was seen where it changes {quantity} by up to {self.high:.3g}, and changes it here by "
+                f"up to {self.furthest:.3g}: {share}"
+            )
         return (
             f"{self.effect} was seen for {self.condition} from {self.low:.3g} to {self.high:.3g}, and is used here up "
-            f"to {self.furthest:.3g}: {100.0 * self.share:.0f} % of the samples are outside"
+            f"to {self.furthest:.3g}: {share}"
         )
 
 

@@ -65,7 +65,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
 
 
 def _parameter_rows(named: NamedEffect, data: ReportData) -> Iterator[tuple[str, ...]]:
-    intervals, numbers = data.intervals.get(named.name, {}), named.effect.kind.parameters()
+    intervals, numbers = data.intervals.get(named.effect.name, {}), named.effect.kind.parameters()
     for name, value in named.values.items():
         reach = verdict.reach(intervals[name]) if name in intervals else "not determined by these data"
         unit = numbers[name].unit

@@ -46,7 +46,7 @@ def summary(data: ReportData) -> list[str]:
     lines = [summary_line(diagnosis.measurement), "", *wrap(headline(diagnosis), WIDTH)]
     lines += wrap(why_no_name(diagnosis), WIDTH)
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
-        lines += ["", *_effect(named, ablation, data.intervals.get(named.name, {}))]
+        lines += ["", *_effect(named, ablation, data.intervals.get(named.effect.name, {}))]
     if diagnosis.wander is not None:
         lines += ["", *wrap(wander_sentence(diagnosis.wander), WIDTH)]
     lines += _not_named(data)

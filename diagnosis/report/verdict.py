@@ -264,7 +264,7 @@ def gain_sentences(data: ReportData) -> list[str]:
     calibrated, extended = diagnosis.calibrated.after, diagnosis.gain.after
     share = abs(1.0 - extended / calibrated) if calibrated > 0.0 else 0.0
     change = f"{100.0 * share:.0f} % {'lower' if extended < calibrated else 'higher'}"
-    names = listed([each.name for each in diagnosis.fitted_effects])
+    names = listed([each.effect.name for each in diagnosis.fitted_effects])
     return [
         f"On the held-out rows {error}: a gain of {gain_text(diagnosis.gain)}.",
         f"{calibration}. With {names}, the error is {change} than after this calibration alone.",

@@ -10,7 +10,7 @@ from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
-from diagnosis.prediction_error import predictions, relative_distance
+from diagnosis.prediction_error import SIZE, Beyond, predictions, relative_distance
 from diagnosis.predictors.pose.by_counts import PoseNoise
 from diagnosis.predictors.pose.dead_reckoning import path_sd
 from diagnosis.report.files import ANSWER, PAGE, SUMMARY, files
@@ -133,3 +133,11 @@ def test_the_error_of_a_path_is_the_scatter_of_slipping_wheels():
     sd = path_sd(ends[0], 0.5 * (left + right), [rows], noise, track)
     for row in (30, 60, 119):
         np.testing.assert_allclose(sd[:, row], np.std([path[row] for path in ends[1:]], axis=0), rtol=0.15)
+
+
+def test_a_warning_of_a_larger_effect_says_which_quantity_it_changes():
+    left = Beyond("tof_range_scale", f"{SIZE} in tof_front_m", 0.0, 0.0322, 0.041, 0.06)
+    assert left.text == (
+        "tof_range_scale was seen where it changes tof_front_m by up to 0.0322, and changes it here by up to 0.041: "
+        "6 % of the samples are outside"
+    )

@@ -4,12 +4,17 @@ import json
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from diagnosis.extended_robot import FILE
+from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.profile import Interval
 from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
-from diagnosis.report.page import page
+from diagnosis.report.page import _parameter_rows, page
+from sensors.effects.tof_range_offset import TofRangeOffset
 
 BENCHES = ("weak", "plain", "bumped")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -118,3 +123,16 @@ def test_each_effect_is_taken_away_in_turn(files_of, findings_of):
     assert "Without this effect and with everything else fitted again, the cost rises by" in page_text
     assert "parameters leave their tolerances (torque_constant_N_m_A by " in page_text
     assert "95 % profile interval 0.8" in files_of("weak")[SUMMARY].decode()
+
+
+def test_an_effect_of_one_sensor_has_its_interval():
+    """The intervals are those of the effect with its choice, such as `tof_range_offset[right]`."""
+    effect = CandidateEffect(TofRangeOffset, (("sensor", "right"),))
+    named: Any = SimpleNamespace(
+        name=effect.kind.name, effect=effect, values={"offset_m": 0.00287}, std={"offset_m": 1e-4}
+    )
+    intervals = {effect.name: {"offset_m": (Interval(0.95, 0.00263, 0.00311, is_open=False),)}}
+    data: Any = SimpleNamespace(intervals=intervals)
+    assert list(_parameter_rows(named, data)) == [
+        ("offset_m", "0.00287 ± 0.00010", "95 % profile interval 0.00263 to 0.00311", "m")
+    ]
