@@ -33,6 +33,7 @@ def main() -> None:
     parser.add_argument("look", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--scenes", type=int, default=16)
+    parser.add_argument("--trainings", nargs="+", default=["lab", "fitted look and view"], help="names, as above")
     parser.add_argument("--frames", type=int, default=8, help="of each scene")
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
@@ -52,7 +53,7 @@ def main() -> None:
     methods = {"widest dark section": dark_blob}
     settings = {}
     written: dict[str, dict[str, object]] = {}
-    for name, kind in kinds.items():
+    for name, kind in ((name, kinds[name]) for name in options.trainings):
         print(f"{name}: {options.scenes} scenes of {options.frames} images", flush=True)
         place = options.folder / name.replace(" ", "_")
         known = frames(kind, range(options.scenes), options.frames, place, options.threads)

@@ -48,8 +48,9 @@ class FigureRow:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Name, value of the photographs, and value of the look."""
-        return TITLES[self.name], _with_range(self.photographs), _with_range(self.look)
+        """Name, value of the photographs, value of the look, and the ratio of the two."""
+        ratio = f"{self.look[0] / self.photographs[0]:.2f}" if self.look and self.photographs[0] else "-"
+        return TITLES[self.name], _with_range(self.photographs), _with_range(self.look), ratio
 
 
 def figure_rows(look: FittedLook) -> tuple[FigureRow, ...]:
@@ -71,8 +72,8 @@ def _with_range(values: Sequence[float]) -> str:
 
 def table_lines(look: FittedLook) -> Iterator[str]:
     """Yield the table for a terminal."""
-    head, rows = ("figure", "photographs, median (range)", _column(look)), figure_rows(look)
-    widths = [max(len(row[k]) for row in (head, *(row.cells for row in rows))) + 2 for k in range(3)]
+    head, rows = ("figure", "photographs, median (range)", _column(look), "ratio"), figure_rows(look)
+    widths = [max(len(row[k]) for row in (head, *(row.cells for row in rows))) + 2 for k in range(4)]
     for row in (head, *(row.cells for row in rows)):
         yield "".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
 

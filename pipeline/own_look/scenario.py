@@ -7,10 +7,27 @@ from configs.loader import load_scenario
 from diagnosis.photographs.fitted_look import FittedLook
 from diagnosis.photographs.measures import median_of
 from pipeline.own_look.views import SCENARIO, ViewGeometry
+from symolo.core.errors import InputError
 from symolo.core.progress import plural
 
+_MAX_HEIGHT_M = 2.0
 _AHEAD_M = 0.13
 """Place of the camera ahead of the axle: before the body of the robot, whose shadow it then does not see."""
+
+
+def camera_height_m(look: FittedLook, geometry: ViewGeometry) -> float:
+    """Return the height of the camera above the floor.
+
+    Raises:
+        InputError: It is higher than the camera of a robot can be.
+    """
+    distance_m = median_of(look.photographs, lambda p: geometry.distance_m(p.place))
+    height_m = float(distance_m * np.sin(np.radians(geometry.pitch_down_deg)))
+    if height_m > _MAX_HEIGHT_M:
+        problem = f"the camera would be {height_m:.1f} m above the floor"
+        cure = "correct the width of the line or the field of view"
+        raise InputError(problem, where="--line-width-mm", allowed=f"at most {_MAX_HEIGHT_M:.0f} m", cure=cure)
+    return height_m
 
 
 def scenario_text(look: FittedLook, look_file: str, geometry: ViewGeometry) -> str:
@@ -18,8 +35,7 @@ def scenario_text(look: FittedLook, look_file: str, geometry: ViewGeometry) -> s
     loaded = load_scenario(SCENARIO)
     base_height_m = draw_run(loaded, loaded.routes[0].name, 1).robot.chassis.base_height_m
     distances_m = [geometry.distance_m(photograph.place) for photograph in look.photographs]
-    distance_m = median_of(look.photographs, lambda p: geometry.distance_m(p.place))
-    height_m = distance_m * np.sin(np.radians(geometry.pitch_down_deg))
+    height_m = camera_height_m(look, geometry)
     line_px = median_of(look.photographs, lambda p: p.place.width_px)
     width_px, height_px = look.size_px
     spread = f"{1000 * min(distances_m):.0f} to {1000 * max(distances_m):.0f} mm"

@@ -72,8 +72,8 @@ def from_(
         float,
         typer.Option(
             "--line-width-mm",
-            min=3,
-            max=200,
+            min=4,
+            max=100,
             metavar="MM",
             help="Width of the line on the floor, measured with a ruler.",
         ),
@@ -142,6 +142,7 @@ def from_(
     from pipeline.own_look.fit import LOOK, PAGE, SCENARIO_FILE, base_camera, fit_look, write_look
     from pipeline.own_look.photographs import read_photographs
     from pipeline.own_look.refine import RenderSettings, refined
+    from pipeline.own_look.scenario import camera_height_m
     from pipeline.own_look.views import ViewGeometry
     from pipeline.work.supervisor import cores
     from symolo.core.files.new_folder import check_new
@@ -164,6 +165,7 @@ def from_(
         typer.echo(note)
     geometry = ViewGeometry(0.001 * line_width_mm, pitch_down_deg, field_of_view_deg)
     look = fit_look(read, out, base, floor=material, floor_reflectance=floor_reflectance, geometry=geometry)
+    camera_height_m(look, geometry)
     if render and not dry_run:
         look = refined(look, RenderSettings(geometry, workers or cores()), report_here())
     for doubt in look.doubts:

@@ -126,6 +126,13 @@ def test_a_base_with_images_of_its_own_is_refused_before_any_work(photos, tmp_pa
     assert "--floor concrete" in line
 
 
+def test_a_camera_that_would_be_metres_above_the_floor_is_refused_before_rendering(photos, tmp_path, capsys):
+    """A line of 100 mm that is 36 px wide in images of 160 px: 222 mm = d tan(5 degrees)."""
+    view = ["--line-width-mm", "100", "--field-of-view-deg", "10"]
+    line = refused(capsys, *sorted(photos.glob("*.png")), "--out", tmp_path / "out", *view)
+    assert "2.5 m above the floor" in line or "2.6 m above the floor" in line
+
+
 def test_an_unknown_floor_or_base_is_refused(photos, tmp_path, capsys):
     files = sorted(photos.glob("*.png"))
     assert "linoleum" in refused(capsys, *files, "--out", tmp_path / "out", "--floor", "lino")
