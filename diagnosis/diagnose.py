@@ -163,10 +163,8 @@ class Diagnosis:
 
     @property
     def scatters(self) -> tuple[tuple[str, float], ...]:
-        """Scatter of good readings relative to the stated noise, by quantity with a stated noise.
-
-        It is that of the names alone, so that a law which takes some of it leaves the conclusion as it is.
-        """
+        """Scatter of good readings relative to the stated noise, by quantity with a stated noise, without any law."""
+        # A law that takes some of the scatter leaves the conclusion as it is.
         fit = self.law.without if self.law else self.fit
         levels = zip(self.evidence.observed, fit.noise.levels.tolist(), strict=True)
         return tuple((observed.name, level) for observed, level in levels if observed.noise_is_stated)
