@@ -10,6 +10,9 @@ from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Ints
 
+NO_IMAGES = "there are no images: release the scenario, with rates.camera_hz above 0"
+"""Why a method that reads images cannot be used."""
+
 
 @dataclass(frozen=True)
 class Estimate:

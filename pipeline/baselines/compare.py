@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeline.baselines import METHODS
-from pipeline.baselines.base import Estimate, Method
+from pipeline.baselines.base import NO_IMAGES, Estimate, Method
 from pipeline.baselines.errors import Errors, errors_of
 from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M
 from pipeline.baselines.runs import LoggedRun
@@ -58,7 +58,7 @@ def why_not(method: Method, runs: Sequence[LoggedRun]) -> str:
     if not method.learns:
         return ""
     if any(run.images is None for run in runs):
-        return "there are no images: release the scenario, with rates.camera_hz above 0"
+        return NO_IMAGES
     return "there is one run only: it learns from the others" if len(runs) == 1 else ""
 
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import NO_IMAGES, Estimate, Method, TrainingRun
 from pipeline.baselines.learned.heat_map import PoseLikelihood
 from pipeline.baselines.learned.model import LocalisationModel, arena_fingerprint
-from pipeline.baselines.learned.readings import NO_IMAGES, NetworkReadings, check_shape, knowledge_of
+from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
 from pipeline.baselines.learned.torch_side.network import heat_maps, pytorch
 from pipeline.baselines.motion import rolled_distances_m
 from pipeline.baselines.particles import ParticleCloud

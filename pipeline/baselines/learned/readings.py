@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.baselines.base import NO_IMAGES
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from pipeline.baselines.runs import LoggedRun
 from symolo.core.arrays import Array
@@ -14,7 +15,6 @@ HEIGHT, WIDTH = 48, 64
 ASPECT_TOLERANCE = 0.02
 RANGE_NUMBERS = 6
 """Numbers of the ranges: for each of the three whether it has a target, and the range."""
-NO_IMAGES = "there are no images: release the scenario in place of simulating it"
 
 
 @dataclass(frozen=True)

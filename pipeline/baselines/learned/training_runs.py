@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.baselines.base import NO_IMAGES
 from pipeline.baselines.learned.heat_map import PoseGrid, PoseLikelihood
 from pipeline.baselines.learned.model import Input, LocalisationModel, ModelAbout, arena_fingerprint
-from pipeline.baselines.learned.readings import NO_IMAGES, NetworkReadings, check_shape, knowledge_of
+from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
 from pipeline.baselines.learned.torch_side.network import pytorch
 from pipeline.baselines.learned.torch_side.training import Samples, TrainedNetwork, train
 from pipeline.baselines.runs import LoggedRun
