@@ -47,7 +47,7 @@ def check_images(data: Dataset) -> None:
     """
     for run in data.runs:
         if not run.numbers and not any(camera.numbers for camera in run.cameras.values()):
-            cure = "choose other runs with --runs, or render its trajectory with `symolo rerender`"
+            cure = "render its trajectory with `symolo rerender`, or choose other runs with --runs"
             raise InputError(f"run {run.name} has no images", where=str(data.root), cure=cure)
 
 
