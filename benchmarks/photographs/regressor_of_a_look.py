@@ -1,6 +1,6 @@
 """Does a line regressor find the line in photographs better if it was trained on a look that was fitted to others?
 
-python benchmarks/photographs/regressor_of_a_look.py PHOTOGRAPHS LOOK FOLDER [--scenes 16] [--threads 2]
+python benchmarks/photographs/regressor_of_a_look.py PHOTOGRAPHS LOOK FOLDER [--scenes 8] [--threads 2]
 
 LOOK is the folder that `symolo look from` has made of img.png, img2.png, img4.png and img6.png; the regressors are
 tested on the other photographs only. Each training has the same number of scenes, images and samples:
@@ -32,7 +32,7 @@ def main() -> None:
     parser.add_argument("photographs", type=Path)
     parser.add_argument("look", type=Path)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--scenes", type=int, default=16)
+    parser.add_argument("--scenes", type=int, default=8)
     parser.add_argument("--trainings", nargs="+", default=["lab", "fitted look and view"], help="names, as above")
     parser.add_argument("--frames", type=int, default=8, help="of each scene")
     parser.add_argument("--threads", type=int, default=2)
