@@ -33,8 +33,9 @@ _CURES = MappingProxyType(
             ("ro-crate", "ro-crate-metadata.json"),
         )
     }
+    | dict.fromkeys(("ros2", "rosbag2", "foxglove"), "a bag of ROS 2 is the format mcap")
 )
-"""What to do in place of an export, by the name of a description that another command writes."""
+"""What to do in place of an export, by the name of what another format or command writes."""
 
 
 @dataclass(frozen=True)

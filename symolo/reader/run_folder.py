@@ -287,7 +287,7 @@ class RunFolder:
         Raises:
             InputError: It is damaged or of other images than data.csv.
         """
-        table = self._side(CAMERA)
+        table = self._side(CAMERA) if self.numbers else np.zeros((0, len(CAMERA.header)))
         first = CAMERA.header.index("r11")
         poses = np.tile(np.eye(4), (len(table), 1, 1))
         poses[:, :3, :3] = table[:, first : first + 9].reshape(-1, 3, 3)
@@ -300,8 +300,11 @@ class RunFolder:
         """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json.
 
         Raises:
-            InputError: The file is missing or damaged.
+            InputError: The run has no images, or the file is missing or damaged.
         """
+        if not self.numbers:
+            cure = "render its trajectory with `symolo rerender`"
+            raise InputError(f"run {self.name} has no images, and so no camera", where=str(self.folder), cure=cure)
         path = self.folder / SIDE / INTRINSICS
         try:
             return read_camera_document(path)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symolo.core.errors import EnvironmentLacking
+from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Pixels
 
@@ -32,8 +32,11 @@ def torch_dataset(data: Dataset, transform: Callable[[Pixels], Any] | None = Non
         transform: What to make of the pixels, (H, W, 3) uint8 RGB, in place of a tensor in 0..1.
 
     Raises:
+        InputError: No run has images.
         EnvironmentLacking: PyTorch is not installed.
     """
+    if not data.images:
+        raise InputError("there are no images", where=str(data.root), cure="render runs with `symolo rerender`")
     try:
         torch = import_module("torch")
     except ImportError:

@@ -44,7 +44,9 @@ def test_it_has_the_tables_and_nothing_of_a_camera(made, symolo):
     files = {path.name for path in (made / RUN).rglob("*") if path.is_file()}
     assert files == {"data.csv", "wheels.csv", "tof.csv", "spec.json"}
     run = library.load(made)[RUN]
-    assert (len(run.images), run.rows["img"].tolist()) == (0, 13 * [0])
+    assert (len(run.images), run.rows["img"].tolist(), run.X_WC.shape) == (0, 13 * [0], (0, 4, 4))
+    with pytest.raises(InputError, match="has no images, and so no camera"):
+        _ = run.camera
     metadata = json.loads((made / "metadata.json").read_text())
     assert metadata["runs"][0]["images"] == metadata["runs"][0]["rates"]["camera_hz"] == 0
     assert "bpy" not in metadata["made_with"]

@@ -104,7 +104,11 @@ def simulate(
 ) -> int:
     """Simulate every run in PyBullet, and store its trajectory and sensor readings.
 
+    They are in the hidden folder DIR/.stages, for `view`, `video`, `baselines` and the next stage.
+
     Example: symolo simulate smoke --out data
+
+    As a dataset without images: symolo release smoke --set rates.camera_hz=0 --out data
 
     Robots that agree with a diagnosis: symolo simulate smoke --like diagnosis --out data
     """

@@ -117,7 +117,8 @@ class TimePlot {
     const y = (value) => this.height - 6 - (this.height - 12) * (value - low) / (high - low);
     for (let value = low; value <= high + 0.01 * step; value += step) {
       outline(this.context, [[MARGIN, y(value)], [this.width, y(value)]], this.colours.grid(), 1);
-      this.text(value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))), y(value) + 4);
+      const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+      this.text(value.toFixed(digits).replace(/^-(?=[0.]+$)/, ""), y(value) + 4);
     }
     for (const curve of curves) {
       this.context.strokeStyle = this.colours.named(curve.colour);
