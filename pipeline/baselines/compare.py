@@ -35,6 +35,8 @@ class BaselineComparison:
     slip_m_sqrt_m: float
     """Standard deviation [m] that methods assume for the random error of a wheel's distance after 1 m."""
     seed: int
+    warning: str = ""
+    """Why errors here may be smaller than elsewhere; empty if there is no reason."""
 
 
 def methods_of(names: Sequence[str], where: str) -> tuple[Method, ...]:

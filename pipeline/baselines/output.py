@@ -66,6 +66,7 @@ def table(compared: BaselineComparison) -> str:
     lines += [f"The robot is put down {accuracy}. Its wheels are assumed to slip by {slip_mm} at random after 1 m.", ""]
     lines += [f"- {method.name}: {method.what}" for method in compared.methods]
     lines += [f"- {name}: left out, {why}" for name, why in compared.left_out.items()]
+    lines += ["", f"**Warning:** {compared.warning}."] if compared.warning else []
     lines += [
         "",
         "| run | method | " + " | ".join(head for head, *_ in _COLUMNS) + " |",
@@ -111,6 +112,7 @@ def numbers(compared: BaselineComparison) -> bytes:
             "seed": compared.seed,
             "slip_m_sqrt_m": compared.slip_m_sqrt_m,
             "start_sd": {"x_m": compared.start_sd[0], "y_m": compared.start_sd[1], "yaw_rad": compared.start_sd[2]},
+            **({"warning": compared.warning} if compared.warning else {}),
         }
     )
 

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.optimize import root_scalar
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import NO_IMAGES, Estimate, Method, TrainingRun
 from pipeline.baselines.errors import nees, off
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
@@ -128,7 +128,7 @@ def _folds(counts: Sequence[int]) -> list[Ints]:
 
 def _estimate(knowledge: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
     if knowledge.images is None:
-        raise InputError("the run has no images", cure="release its scenario, with rates.camera_hz above 0")
+        raise InputError(NO_IMAGES)
     pose, covariance = _Regressor(lessons).estimate(knowledge.images.thumbnails)
     return Estimate(knowledge.images.rows.copy(), pose, covariance)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.baselines.base import NO_IMAGES, Estimate, Method, TrainingRun
 from pipeline.baselines.learned.heat_map import PoseLikelihood
-from pipeline.baselines.learned.model import LocalisationModel, arena_fingerprint
+from pipeline.baselines.learned.model import LocalisationModel, arena_fingerprint, run_fingerprint
 from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
 from pipeline.baselines.learned.torch_side.network import heat_maps, pytorch
 from pipeline.baselines.motion import rolled_distances_m
@@ -16,6 +16,7 @@ from pipeline.baselines.robot_knowledge import RobotKnowledge
 from pipeline.baselines.runs import LoggedRun
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.progress import plural
 
 PARTICLES = 1000
 NO_MODEL = "there is no model: train one with `symolo train`, and name it with --model"
@@ -57,6 +58,17 @@ def with_model(methods: Sequence[Method], model: LocalisationModel, runs: Sequen
             raise InputError("--model: it was trained in another arena", where=run.name, cure=cure)
     pytorch()
     return tuple(_of_model(model) if method.name == METHOD.name else method for method in methods)
+
+
+def overlap(model: LocalisationModel, runs: Sequence[LoggedRun]) -> str:
+    """Return a warning if some of these runs trained a model, or were set aside for it; empty if none was."""
+    about = model.about
+    used = {*about.training_runs, *about.validation_runs}
+    count = sum(run_fingerprint(run.spec) in used for run in runs)
+    if not count:
+        return ""
+    trained = f"{count} of these {plural(len(runs), 'run')} trained the model, counting those that were set aside"
+    return f"{trained}: there, the errors of {METHOD.name} are likely to be smaller than in other runs"
 
 
 def _of_model(model: LocalisationModel) -> Method:

@@ -6,11 +6,12 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from configs.schema.scenario import RunSpec
 from pipeline.baselines.learned.heat_map import PoseGrid, PoseLikelihood
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -23,7 +24,10 @@ Input = Literal["images", "ranges"]
 INPUTS: tuple[Input, ...] = ("images", "ranges")
 _ABOUT, _CELLS, _PRIOR, _WEIGHT = "about", "cells", "prior", "weight/"
 _MAX_CELLS = 100_000
-_CURE = "train it again with `symolo train`"
+_MAX_RUNS = 100_000
+_RUN_DIGITS = 16
+_Fingerprint = Annotated[str, Field(min_length=_RUN_DIGITS, max_length=_RUN_DIGITS)]
+_CURE = "name a file that `symolo train` wrote, or make one: symolo train DIR --out model.npz"
 
 
 class ModelAbout(BaseModel):
@@ -31,7 +35,7 @@ class ModelAbout(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    version: Literal[1] = 1
+    version: Literal[2] = 2
     arena: str = Field(min_length=64, max_length=64)
     """Fingerprint of the arena of the training runs."""
     inputs: tuple[Input, ...] = Field(min_length=1, max_length=2)
@@ -46,8 +50,10 @@ class ModelAbout(BaseModel):
     wrong: float = Field(gt=0, lt=1)
     """Share of the readings by which the network errs, fitted to the same runs."""
     seed: int = Field(ge=0)
-    training_runs: int = Field(ge=1)
-    validation_runs: int = Field(ge=1)
+    training_runs: tuple[_Fingerprint, ...] = Field(min_length=1, max_length=_MAX_RUNS)
+    """Fingerprint of each run that trained the network."""
+    validation_runs: tuple[_Fingerprint, ...] = Field(min_length=1, max_length=_MAX_RUNS)
+    """The same for the runs that were set aside and decided when training stopped."""
     epochs: int = Field(ge=1)
     made_with: dict[str, str]
 
@@ -83,7 +89,7 @@ def read_model(path: Path) -> LocalisationModel:
     except InputError:
         raise
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure=_CURE) from None
     try:
         arrays = arrays_of(data, FileKind.ANY.max_bytes)
         about = ModelAbout.model_validate_json(arrays[_ABOUT].astype(np.uint8).tobytes())
@@ -91,13 +97,19 @@ def read_model(path: Path) -> LocalisationModel:
         cells, prior = arrays[_CELLS].astype(np.int64), arrays[_PRIOR].astype(float)
         weights = {name.removeprefix(_WEIGHT): arrays[name] for name in arrays if name.startswith(_WEIGHT)}
     except ValidationError as error:
-        raise InputError(f"is no model of `symolo train`: {error.errors()[0]['msg']}", where=str(path)) from None
-    except (zipfile.BadZipFile, ValueError, KeyError) as error:
-        raise InputError(f"is no whole model of `symolo train`: {error}", where=str(path), cure=_CURE) from None
+        problem = "is a model that this version of symolo cannot read"
+        raise InputError(f"{problem}: {_first_fault(error)}", where=str(path), cure=_CURE) from None
+    except (zipfile.BadZipFile, ValueError, KeyError):
+        raise InputError("is no model of `symolo train`, or is damaged", where=str(path), cure=_CURE) from None
     _check_cells(grid, cells, prior, path)
     if not all(np.isfinite(values).all() for values in weights.values()):
         raise InputError("has weights that are not finite", where=str(path), cure=_CURE)
     return LocalisationModel(about, PoseLikelihood(grid, cells, prior, about.wrong), weights)
+
+
+def _first_fault(error: ValidationError) -> str:
+    fault = error.errors()[0]
+    return ": ".join((*map(str, fault["loc"]), fault["msg"]))
 
 
 def _check_cells(grid: PoseGrid, cells: Numbers, prior: Array, path: Path) -> None:
@@ -118,3 +130,11 @@ def arena_fingerprint(arena: Arena) -> str:
     boxes = sorted(np.round(box.footprint(), 4).tolist() for box in arena.boxes)
     shapes = {"line": [(np.round(side, 4) + 0.0).tolist() for side in edges], "boxes": boxes}
     return hashlib.sha256(canonical_json(shapes)).hexdigest()
+
+
+def run_fingerprint(spec: RunSpec) -> str:
+    """Return the first 16 hexadecimal digits of the SHA-256 of a run's specification, which has route, number and seed.
+
+    A copy of the run has the same one, whatever its folder is called.
+    """
+    return hashlib.sha256(canonical_json(spec.model_dump(mode="json"))).hexdigest()[:_RUN_DIGITS]

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.baselines.base import NO_IMAGES
 from pipeline.baselines.learned.heat_map import PoseGrid, PoseLikelihood
-from pipeline.baselines.learned.model import Input, LocalisationModel, ModelAbout, arena_fingerprint
+from pipeline.baselines.learned.model import Input, LocalisationModel, ModelAbout, arena_fingerprint, run_fingerprint
 from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
 from pipeline.baselines.learned.torch_side.network import pytorch
 from pipeline.baselines.learned.torch_side.training import Samples, TrainedNetwork, train
@@ -85,8 +85,8 @@ def trained(
         temperature=network.temperature,
         wrong=network.wrong,
         seed=seed,
-        training_runs=len(runs) - len(aside),
-        validation_runs=len(aside),
+        training_runs=tuple(run_fingerprint(run.spec) for index, run in enumerate(runs) if index not in aside),
+        validation_runs=tuple(run_fingerprint(run.spec) for index, run in enumerate(runs) if index in aside),
         epochs=network.epochs,
         made_with=versions("symolo", "numpy", "torch"),
     )

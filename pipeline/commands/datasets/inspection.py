@@ -1,7 +1,7 @@
 """Commands that inspect data or the machine: verify, compare, baselines, schema, doctor."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -291,7 +291,7 @@ def baselines(
 
     from pipeline.baselines import METHODS
     from pipeline.baselines.compare import compare, methods_of, why_not
-    from pipeline.baselines.learned.method import with_model
+    from pipeline.baselines.learned.method import overlap, with_model
     from pipeline.baselines.learned.model import read_model
     from pipeline.baselines.output import table, write
     from pipeline.baselines.runs import chosen, open_runs
@@ -303,11 +303,16 @@ def baselines(
     check_new(out, folder)
     everything = open_runs(folder)
     localised = chosen(everything, runs)
+    warning = ""
     if model is not None:
-        chosen_methods = with_model(chosen_methods, read_model(model), localised)
+        trained = read_model(model)
+        chosen_methods = with_model(chosen_methods, trained, localised)
+        warning = overlap(trained, localised)
     for method in chosen_methods if methods is not None else ():
         if why := why_not(method, everything):
             raise InputError(f"--methods {method.name}: {why}", where=str(folder))
+    if warning:
+        typer.echo(f"warning: {warning}", err=True)
     start_sd = np.array([start_sd_cm / 100, start_sd_cm / 100, radians(start_sd_deg)])
     compared = compare(
         chosen_methods,
@@ -318,6 +323,7 @@ def baselines(
         seed=seed,
         report=report_here(),
     )
+    compared = replace(compared, warning=warning)
     write(compared, out)
     typer.echo(table(compared) + f"\n{out}")
 

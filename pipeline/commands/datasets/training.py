@@ -43,7 +43,8 @@ def train(
 
     Example: symolo train data --out model.npz
 
-    Example: symolo baselines other-data --methods odometry,learned --model model.npz --out baselines
+    Example: symolo baselines other-data --methods odometry,learned --model model.npz --start-sd-cm 5 --start-sd-deg 5
+    --out located
     """
     from pipeline.baselines.learned.model import INPUTS, Input
     from pipeline.baselines.learned.training_runs import check_trainable, trained
@@ -61,11 +62,11 @@ def train(
     write_file(out, result.model.file_bytes())
     about = result.model.about
     typer.echo(
-        f"trained on {plural(result.training_images, 'image')} of {plural(about.training_runs, 'run')}, "
+        f"trained on {plural(result.training_images, 'image')} of {plural(len(about.training_runs), 'run')}, "
         f"for {plural(about.epochs, 'epoch')}"
     )
     typer.echo(
-        f"in {plural(result.validation_images, 'image')} of {plural(about.validation_runs, 'run')} set aside, the most "
-        f"likely place is {1e3 * result.network.median_m:.0f} mm off (median)"
+        f"in {plural(result.validation_images, 'image')} of {plural(len(about.validation_runs), 'run')} set aside, the "
+        f"most likely place is {1e3 * result.network.median_m:.0f} mm off (median)"
     )
     typer.echo(f"{len(result.model.likelihood.cells)} cells of {100 * about.cell_m:g} cm\n{out}")

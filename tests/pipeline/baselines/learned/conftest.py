@@ -41,8 +41,8 @@ def model(even):
         temperature=1.5,
         wrong=0.1,
         seed=1,
-        training_runs=4,
-        validation_runs=1,
+        training_runs=("0123456789abcdef",),
+        validation_runs=("fedcba9876543210",),
         epochs=7,
         made_with={},
     )

@@ -12,6 +12,8 @@ from pipeline.baselines.learned.model import arena_fingerprint, read_model
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 
+REMEDY = "symolo train DIR --out model.npz"
+
 
 @pytest.fixture
 def path(tmp_path, model):
@@ -54,17 +56,17 @@ def text(about):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (lambda path: path.read_bytes()[:-300], "no whole model"),
-        (lambda _: b"PK\x03\x04 and no more", "no whole model"),
-        (lambda _: b"", "no whole model"),
-        (lambda _: archive(t_s=np.arange(3.0)), "no whole model"),
-        (lambda path: changed(path, about=text('{"version": 2}')), "no model"),
-        (lambda path: changed(path, about=text("[")), "no model"),
+        (lambda path: path.read_bytes()[:-300], "or is damaged"),
+        (lambda _: b"PK\x03\x04 and no more", "or is damaged"),
+        (lambda _: b"", "or is damaged"),
+        (lambda _: archive(t_s=np.arange(3.0)), "or is damaged"),
+        (lambda path: changed(path, about=text('{"version": 1}')), "version: Input should be 2"),
+        (lambda path: changed(path, about=text("[")), "Invalid JSON"),
         (lambda path: changed(path, cells=np.array([3, 2])), "cells that do not fit"),
         (lambda path: changed(path, cells=np.arange(616) + 1), "cells that do not fit"),
         (lambda path: changed(path, prior=np.full(616, 1.0)), "no distribution"),
         (lambda path: changed(path, **{"weight/head.0.weight": np.array([np.nan])}), "not finite"),
-        (lambda path: changed(path, prior=np.array([print], dtype=object)), "no whole model"),
+        (lambda path: changed(path, prior=np.array([print], dtype=object)), "or is damaged"),
     ],
 )
 def test_what_is_no_model_is_refused(path, data, message):
@@ -72,11 +74,13 @@ def test_what_is_no_model_is_refused(path, data, message):
     with pytest.raises(InputError, match=message) as error:
         read_model(path)
     assert str(path) in str(error.value)
+    assert REMEDY in str(error.value)
 
 
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"nowhere\.npz: cannot be read"):
+def test_a_missing_file_is_named_with_the_remedy(tmp_path):
+    with pytest.raises(InputError, match=r"nowhere\.npz: cannot be read") as error:
         read_model(tmp_path / "nowhere.npz")
+    assert REMEDY in str(error.value)
 
 
 def test_an_arena_is_recognised_by_its_shapes_and_not_by_its_look():

@@ -60,3 +60,5 @@ def test_from_a_release_to_a_model_to_a_table(symolo, dataset, tmp_path):
     assert ended.code == 0, ended.err
     assert "| CW/test_1 | learned |" in ended.out
     assert "a trained network on images and ranges" in ended.out
+    assert "warning: 2 of these 2 runs trained the model" in ended.err
+    assert "2 of these 2 runs trained the model" in (tmp_path / "out/baselines.md").read_text()
