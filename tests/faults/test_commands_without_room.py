@@ -99,6 +99,7 @@ ELSEWHERE = {
     "hil": "a release, but for the drive",
     "identify-camera": "writes as `validate` does",
     "next": "writes a new folder as `model` does",
+    "train": "needs PyTorch; writes one file as `contact-sheet` does",
 }
 
 
