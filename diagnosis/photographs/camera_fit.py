@@ -178,7 +178,13 @@ def model_image(camera: FittedCamera, shape: tuple[int, int], width_px: float, n
     is_dark = bool(camera.line_light @ LUMINANCE < camera.floor_light @ LUMINANCE)
     at = np.interp(chosen, rows, middle)
     return LinePlace(
-        image, is_turned=False, is_dark=is_dark, width_px=width_px, rows_px=tuple(chosen.tolist()), x_px=at
+        image,
+        is_turned=False,
+        is_dark=is_dark,
+        width_px=width_px,
+        rows_px=tuple(chosen.tolist()),
+        x_px=at,
+        widths_px=np.full(len(at), width_px),
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import theilslopes
 
 from symolo.core.arrays import Array
 
@@ -46,6 +47,8 @@ class LinePlace:
     rows_px: tuple[float, ...]
     x_px: Array
     """(R,), middle of the line in each of these rows."""
+    widths_px: Array
+    """(R,), width along each of these rows, which changes evenly: a line that is farther off at the top tapers."""
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -58,6 +61,11 @@ class LinePlace:
         """Return width and height of the image before it was turned."""
         height, width = self.shape
         return (height, width) if self.is_turned else (width, height)
+
+    def edges_px(self, rows: Array) -> tuple[Array, Array]:
+        """Return where the left and the right edge of the line are in rows (N,), each (N,)."""
+        middle, width = (np.interp(rows, self.rows_px, each) for each in (self.x_px, self.widths_px))
+        return middle - 0.5 * width, middle + 0.5 * width
 
 
 @dataclass(frozen=True)
@@ -181,6 +189,7 @@ def _difference(grey: Array, band: _Band, *, is_dark: bool) -> float:
 
 def _place(image: BgrImage, band: _Band, *, is_turned: bool, is_dark: bool) -> LinePlace:
     chosen = np.unique(np.linspace(0, len(band.rows) - 1, _MEASURED_ROWS).round().astype(int))
+    taper, at_zero, *_ = theilslopes(band.widths_px, band.rows)
     return LinePlace(
         image=image,
         is_turned=is_turned,
@@ -188,4 +197,5 @@ def _place(image: BgrImage, band: _Band, *, is_turned: bool, is_dark: bool) -> L
         width_px=band.width_px,
         rows_px=tuple(band.rows[k] + 0.5 for k in chosen),
         x_px=np.array([band.middles_px[k] for k in chosen]),
+        widths_px=at_zero + taper * np.array([band.rows[k] for k in chosen]),
     )

@@ -116,8 +116,7 @@ def _marked(measured: PhotographMeasures) -> BgrImage:
     """Return the image with dots along both edges of the line, over the rows in which it was measured."""
     image, place = _shown(measured).copy(), measured.place
     rows = np.arange(round(place.rows_px[0]), round(place.rows_px[-1]), _MARK_EVERY_PX)
-    for side in (-0.5, 0.5):
-        edge = np.interp(rows, place.rows_px, place.x_px) + side * place.width_px
+    for edge in place.edges_px(rows.astype(float)):
         columns = np.clip(edge.round().astype(int), 0, place.shape[1] - 1)
         image[(columns, rows) if place.is_turned else (rows, columns)] = _MARK_BGR
     return image

@@ -65,7 +65,9 @@ def from_(
     render: Annotated[
         bool,
         typer.Option(
-            "--render/--no-render", help="Whether to correct the look by rendered images, which takes minutes."
+            "--render/--no-render",
+            help="Whether to correct the look by rendered images. For seven photographs of 160 x 120 px, the command "
+            "took 143 s on two shared cores, and 10 s without rendering.",
         ),
     ] = True,
     line_width_mm: Annotated[
@@ -114,7 +116,7 @@ def from_(
     floor and line.
 
     Then it renders 8 to 12 small images with lines as in the photographs, measures them in the same way, and corrects
-    the settings, with the texture of floor and line, three times. With --no-render this is left out.
+    the settings, with the texture of floor and line, three times. This takes minutes; --no-render leaves it out.
 
     Photographs do not show how large things are. --line-width-mm and --field-of-view-deg give the scale: from them
     follow the height of the camera above the floor and the size of the texture.

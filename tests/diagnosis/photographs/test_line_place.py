@@ -23,6 +23,18 @@ def test_dark_and_light_lines_are_where_they_were_drawn(line, floor, is_dark):
         assert place.width_px == pytest.approx(36, abs=2)
 
 
+@pytest.mark.parametrize("taper", [-0.12, 0.0, 0.12])
+def test_the_edges_of_a_line_that_tapers_are_where_they_were_drawn(taper):
+    """A width of 36 px in the middle that changes by 12 px over 100 rows."""
+    (place,) = find_lines([photograph(1, width_px=36.0, taper=taper, slant=0.1)])
+    rows = np.linspace(place.rows_px[0], place.rows_px[-1], 20)
+    middle = 79.5 + np.random.Generator(np.random.PCG64(1)).uniform(-8, 8) + 0.1 * (rows - 59.5)
+    half = 0.5 * (36.0 + taper * (rows - 59.5))
+    left, right = place.edges_px(rows)
+    assert np.abs(left - (middle - half)).max() < 1.5
+    assert np.abs(right - (middle + half)).max() < 1.5
+
+
 def test_a_line_from_left_to_right_is_measured_in_the_turned_image():
     (place,) = find_lines([np.ascontiguousarray(photograph(1).transpose(1, 0, 2))])
     assert place.is_turned
