@@ -1,6 +1,6 @@
 """The best trial within limits: it distinguishes the remaining models, and then narrows their parameters."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from diagnosis.next_trial.separation import Sums, UnitStatistics
 from diagnosis.next_trial.template import floor_of, nominal_drive, reachable_m_s, template_of
 from diagnosis.predictors.base import Observed
 from symolo.core.arrays import Array
+from symolo.core.progress import plural
 
 ENOUGH = 9.0
 """Separation in standard deviations from which a larger one is not needed."""
@@ -33,8 +34,18 @@ WEAK = 3.0
 """Separation in standard deviations below which two models are not distinguished."""
 MAX_PLANS = 4
 """Number of times that a drive is planned, on smaller floors, until the robot stays on the floor."""
+UNIT = {
+    CaseKind.MOTOR_STEADY: "row",
+    CaseKind.TOF_BENCH: "row",
+    CaseKind.MOTOR_STEP: "run",
+    CaseKind.DRIVE_LOG: "manoeuvre",
+}
+"""What a trial of each kind consists of."""
 RELAXED = 2.0
 """Factor on a limit by which it is tried whether this limit hinders."""
+
+Say = Callable[[str], None]
+"""Receiver of a line about the progress."""
 
 
 @dataclass(frozen=True)
@@ -71,15 +82,25 @@ class TrialDesign:
         return np.cumsum([len(observed.values) for observed in self.observed]).tolist()
 
 
-def design_trial(diagnosis: Diagnosis, limits: Limits) -> TrialDesign:
+def _quiet(_text: str) -> None:
+    """Say nothing."""
+
+
+def design_trial(diagnosis: Diagnosis, limits: Limits, say: Say = _quiet) -> TrialDesign:
     """Return the best trial within limits.
+
+    Args:
+        diagnosis: The diagnosis of the old data.
+        limits: Limits of the trial.
+        say: Called with a line before each part of the work.
 
     Raises:
         InputError: There is nothing to distinguish, or no trial can be designed for such data.
     """
     template = template_of(diagnosis.measurement)
     models = remaining_models(diagnosis)
-    trial, titles = _best(diagnosis, models, template, limits)
+    say(f"{plural(len(models), 'explanation')} of the old data left: {'; '.join(model.name for model in models)}")
+    trial, titles = _best(diagnosis, models, template, limits, say)
     units = predicted_units(diagnosis, models, trial)
     expected = expectation(models, units)
     means = units.evidence.predicted(robots_of(models)).mean
@@ -87,7 +108,8 @@ def design_trial(diagnosis: Diagnosis, limits: Limits) -> TrialDesign:
     hindrances: list[RelaxedLimit] = []
     if smallest is not None and smallest.separation < WEAK:
         for text, wider in _relaxed(template, limits):
-            longer, _ = _best(diagnosis, models, template, wider)
+            say(f"these limits do not distinguish all explanations; with {text}:")
+            longer, _ = _best(diagnosis, models, template, wider, say)
             other = expectation(models, predicted_units(diagnosis, models, longer)).smallest
             if other is not None:
                 hindrances.append(RelaxedLimit(text, other.separation))
@@ -97,7 +119,7 @@ def design_trial(diagnosis: Diagnosis, limits: Limits) -> TrialDesign:
 
 
 def _best(
-    diagnosis: Diagnosis, models: tuple[RemainingModel, ...], template: Measurement, limits: Limits
+    diagnosis: Diagnosis, models: tuple[RemainingModel, ...], template: Measurement, limits: Limits, say: Say
 ) -> tuple[Measurement, tuple[str, ...]]:
     """Return the best trial within limits, without readings, and the descriptions of its runs.
 
@@ -107,21 +129,24 @@ def _best(
     Raises:
         InputError: No trial can be designed within the limits.
     """
-    best = _planned(diagnosis, models, template, limits)
+    best = _planned(diagnosis, models, template, limits, say)
     for _ in range(MAX_PLANS - 1 if template.kind is CaseKind.DRIVE_LOG else 0):
         paths = expected_paths(best[0], limits, diagnosis.nominal, robots_of(models))
         if (beyond := beyond_m(template, limits, paths)) <= 0.0:
             break
         limits = replace(limits, drift_m=limits.drift_m + beyond)
-        best = _planned(diagnosis, models, template, limits)
+        say(f"the robot would come {1000.0 * beyond:.0f} mm too near to the border; the drive is planned again")
+        best = _planned(diagnosis, models, template, limits, say)
     return best
 
 
 def _planned(
-    diagnosis: Diagnosis, models: tuple[RemainingModel, ...], template: Measurement, limits: Limits
+    diagnosis: Diagnosis, models: tuple[RemainingModel, ...], template: Measurement, limits: Limits, say: Say
 ) -> tuple[Measurement, tuple[str, ...]]:
     """Return the best trial within limits, without readings, and the descriptions of its runs."""
     library = LIBRARIES[template.kind](template, limits, robots_of(models))
+    settings = len(np.unique(library.setting))
+    say(f"{plural(settings, f'different {UNIT[template.kind]}')}: each explanation predicts them, and the best remain")
     statistics = predicted_units(diagnosis, models, library.measurement).statistics(library)
     criterion = criterion_of(statistics)
     units = best_units(statistics, library.slots, library.setting, criterion)

@@ -1,12 +1,14 @@
 """The files of a designed drive: its path, set points for a board, and a controller and a scenario that drive it."""
 
 from collections.abc import Iterator, Mapping
-from math import degrees
+from math import ceil, degrees
 from textwrap import fill
 
 import numpy as np
 import yaml
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.next_trial.design import TrialDesign
@@ -17,8 +19,11 @@ from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, GREY, finished, png
 
 PATH, FIGURE, SPEEDS, CONTROLLER, SCENARIO = "path.csv", "path.png", "wheel_speeds.h", "next_drive.py", "scenario.yaml"
-PANELS, TITLE = 4, 36
-"""Panels of the figure beside each other, and letters in a line of their titles."""
+PANELS, TITLE, WIDE = 4, 40, 3
+"""Panels of the figure beside each other, letters in a line of their titles, and panels from which the legend has one
+line."""
+FLOOR_BEYOND_M = 1
+"""Floor of the simulation beyond the walls."""
 COMMANDS = ("v_cmd_m_s", "w_cmd_rad_s")
 
 
@@ -101,43 +106,91 @@ def _controller(design: TrialDesign) -> Iterator[str]:
 
 
 def _scenario(design: TrialDesign) -> str:
-    """Return a scenario in which the robot drives on an empty floor."""
+    """Return a scenario in which the robot drives in the room of the old data, or on a floor without walls."""
     x_m, y_m, yaw_rad = planned_path(design)[0].tolist()
     start = {"x_m": round(x_m, 4), "y_m": round(y_m, 4), "yaw_deg": round(degrees(yaw_rad), 3)}
     scenario = {
         "extends": "smoke",
         "name": "next_drive",
-        "description": "The drive that symolo next has designed, on an empty floor",
+        "description": "The drive that symolo next has designed",
         "routes": [{"name": "drive", "start": start, "runs": 1}],
         "stop": {"lap": False, "time_limit_s": float(design.trial.trials[0].t_s[-1])},
-        "rates": {"control_hz": round(1.0 / ROW_S)},
-        "arena": {"extends": "symolo", "walls": [], "obstacles": []},
+        "rates": {"control_hz": round(1.0 / ROW_S), "camera_hz": 0},
+        "arena": _arena(design),
         "robot": "nominal",
     }
     return yaml.safe_dump(scenario, sort_keys=False)
 
 
+def _arena(design: TrialDesign) -> Mapping[str, object]:
+    """Return an arena without a line, whose walls are those of the room of the old data."""
+    middle_m, half_m = np.array(design.limits.middle_m), 0.5 * np.array(design.limits.floor_m)
+    corners_m = [middle_m - half_m, middle_m + half_m]
+    walls: Mapping[str, object] = {}
+    if (room := nominal_drive(design.trial).world) is not None:
+        x_m, y_m = room.room_x_m, room.room_y_m
+        corners_m += [np.array([x_m, y_m])]
+        walls = {"polygons": [{"name": "room", "points": [[0.0, 0.0], [x_m, 0.0], [x_m, y_m], [0.0, y_m]]}]}
+    return {
+        "name": "next_drive",
+        "floor": {"half_extent_m": ceil(float(np.abs(corners_m).max())) + FLOOR_BEYOND_M},
+        "line": {"width_m": 0.015, "pieces": []},
+        **walls,
+    }
+
+
 def _figure(design: TrialDesign) -> bytes:
     """Return the planned path from above, a panel for each manoeuvre, as PNG."""
-    pose, rows = planned_path(design), len(_commands(design)) // len(design.titles)
+    pose, commands = planned_path(design), _commands(design)
+    rows = len(commands) // len(design.titles)
     middle_m, half_m = np.array(design.limits.middle_m), 0.5 * np.array(design.limits.floor_m)
     (left, bottom), (right, top) = (middle_m - half_m).tolist(), (middle_m + half_m).tolist()
     columns = min(len(design.titles), PANELS)
     lines = -(-len(design.titles) // columns)
-    figure = Figure(figsize=(3.4 * columns, 3.4 * lines), layout="constrained")
+    height = 1.1 + 2.8 * min(max((top - bottom) / (right - left), 0.4), 1.6)
+    figure = Figure(figsize=(3.4 * columns, height * lines + 0.3), layout="compressed")
     panels = np.atleast_1d(figure.subplots(lines, columns, sharex=True, sharey=True)).ravel().tolist()
     for unused in panels[len(design.titles) :]:
         unused.remove()
     for k, (axes, title) in enumerate(zip(panels, design.titles, strict=False)):
         part = pose[k * rows : (k + 1) * rows + 1]
         axes.plot((left, right, right, left, left), (bottom, bottom, top, top, bottom), color=GREY, linewidth=1.0)
-        axes.plot(part[:, 0], part[:, 1], color=BLUE)
-        axes.plot(*part[0, :2], "o", color=BLACK, markersize=5)
-        axes.quiver(*part[0, :2], np.cos(part[0, 2]), np.sin(part[0, 2]), color=BLACK, scale=9.0, width=0.012)
+        if commands[k * rows : (k + 1) * rows, 0].any():
+            axes.plot(part[:, 0], part[:, 1], color=BLUE, zorder=3)
+        else:
+            _draw_turn(axes, part, 0.25 * min(half_m))
+        axes.plot(*part[0, :2], "o", color=BLACK, markersize=4, zorder=4)
+        heading = np.cos(part[0, 2]), np.sin(part[0, 2])
+        axes.quiver(*part[0, :2], *heading, color=BLACK, scale=14.0, width=0.006, zorder=2)
         axes.set_aspect("equal")
         finished(axes, fill(f"{k + 1}. {title}", TITLE), "x [m]", "y [m]" if k % columns == 0 else "", legend=False)
         axes.title.set_fontsize("small")
+    figure.legend(handles=_legend(), loc="outside lower left", ncols=2 if columns < WIDE else 4, fontsize="x-small")
     return png(figure)
+
+
+def _draw_turn(axes: Axes, part: Array, radius_m: float) -> None:
+    """Draw a turn on the spot as a spiral around the place, which the heading passes, with arrows where it ends."""
+    turned = part[:, 2] - part[0, 2]
+    furthest = float(turned[np.argmax(np.abs(turned))])
+    share = np.linspace(0.0, 1.0, 200)
+    angle, radius = part[0, 2] + furthest * share, radius_m * (0.7 + 0.6 * share)
+    x, y = part[0, 0] + radius * np.cos(angle), part[0, 1] + radius * np.sin(angle)
+    axes.plot(x, y, color=BLUE, zorder=3)
+    is_back = abs(turned[-1]) < 0.5 * abs(furthest)
+    for end, before in ((-1, -8), *(((0, 7),) if is_back else ())):
+        shape = {"arrowstyle": "-|>", "color": BLUE, "shrinkA": 0.0, "shrinkB": 0.0}
+        axes.annotate("", (x[end], y[end]), (x[before], y[before]), arrowprops=shape)
+
+
+def _legend() -> list[Line2D]:
+    """Return the entries of the legend of the figure."""
+    return [
+        Line2D([], [], color=BLUE, label="path of the middle of the axle"),
+        Line2D([], [], color=BLUE, marker="$\\circlearrowleft$", markersize=9, linestyle="", label="turn on the spot"),
+        Line2D([], [], color=BLACK, marker="o", markersize=4, label="start and heading"),
+        Line2D([], [], color=GREY, linewidth=1.0, label="border of the floor"),
+    ]
 
 
 def start_text(design: TrialDesign) -> str:

@@ -31,6 +31,12 @@ HOW = {
     "has the set points for a board. On it, the middle of the axle keeps a distance of one wheel separation from the "
     "border of the floor.",
 }
+REHEARSAL = (
+    "You can rehearse the drive in simulation, with the robot of the diagnosis. The command writes a dataset without "
+    "images, whose data.csv has poses and ranges: look there whether the robot stays on the floor and sees the walls. "
+    "It does not replace the measurement: data.csv of a dataset has no counts of the wheels, so it cannot fill the "
+    "trial or be diagnosed together with the old case."
+)
 RUNS = {CaseKind.DRIVE_LOG: "manoeuvres"}
 
 
@@ -47,7 +53,7 @@ def trial_text(design: TrialDesign, command: str, simulation: str, folder: str) 
     lines += _wrapped(_purpose(design))
     lines += ["", "## What to do", "", *_wrapped(HOW[design.trial.kind]), "", *_rows(design)]
     if design.trial.kind is CaseKind.DRIVE_LOG:
-        lines += ["", "A simulated robot drives it with", "", f"    {simulation}"]
+        lines += ["", *_wrapped(REHEARSAL), "", f"    {simulation}"]
     lines += ["", "## What to log", "", *_wrapped(_columns(design, folder))]
     lines += ["", "## What to expect", "", *_expected(design)]
     lines += ["", "## Then", "", f"    {command}", ""]

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
@@ -20,6 +20,7 @@ from diagnosis.progress import DiagnosisProgress
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
 from pipeline.diagnosing.made_from import MADE_FROM, MadeFrom
+from pipeline.work.processors import ONE_THREAD
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Progress
 from symolo.core.child_process import Failed, Finished
@@ -29,9 +30,8 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
 
-ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"})
-"""Sums of a linear algebra that shares its work among threads depend on their number, and workers fill the cores."""
-
+if TYPE_CHECKING:
+    from diagnosis.diagnose import Diagnosis
 
 TRACEBACK = "traceback.txt"
 """Name of the file in the folder of a case whose diagnosis met a bug."""
@@ -146,6 +146,21 @@ def diagnose_cases(
         failures = run_units(units, workers, on_event, ONE_THREAD)
     order = [case.name for case in cases]
     return sorted(failures, key=lambda failure: order.index(failure.unit.name))
+
+
+def diagnosed_again(measurement: Measurement, settings: DiagnosisSettings, report: Report) -> "Diagnosis":
+    """Return the diagnosis of a measurement in this process, as its files do not hold all of it."""
+    from diagnosis.diagnose import diagnose  # noqa: PLC0415 - loads SciPy, which the command need not
+
+    report.say(f"{measurement.name} is diagnosed again, which takes about as long as before")
+    with report.stage("diagnose", 100, "%") as stage:
+        diagnosis = diagnose(
+            measurement,
+            robot_of(settings),
+            DiagnosisProgress(lambda share: stage.update(measurement.name, 100 * share)),
+        )
+        stage.update(measurement.name, 100)
+    return diagnosis
 
 
 def folder_of(case: NamedCase, out: Path, *, alone: bool) -> Path:

@@ -1,9 +1,10 @@
-"""The class of the processor, which decides the low bits of floating-point results."""
+"""The class of the processor, which decides the low bits of floating-point results, and the threads on it."""
 
 import os
 import platform
 import re
 from pathlib import Path
+from types import MappingProxyType
 
 _LEVELS = (
     ("x86-64-v4", "avx512f avx512bw avx512cd avx512dq avx512vl"),
@@ -14,6 +15,15 @@ _LEVELS = (
 
 _VARIABLES = ("OPENBLAS_CORETYPE",)
 """Environment variables that make NumPy use code for another processor."""
+
+ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"})
+"""Sums of a linear algebra that shares its work among threads depend on their number, and workers fill the cores.
+On a busy machine, threads also wait for each other at each of many small products."""
+
+
+def use_one_thread() -> None:
+    """Let linear algebra use one thread; it reads the environment when it is loaded, so call this before."""
+    os.environ.update(ONE_THREAD)
 
 
 def cpu_class() -> str:

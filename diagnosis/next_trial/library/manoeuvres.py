@@ -6,12 +6,13 @@ and straight lines. As every manoeuvre ends at the pose at which it begins, any 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, degrees, pi
 
 import numpy as np
 
 from diagnosis.importers.drive_log import ROW_S
 from symolo.core.arrays import Array
+from symolo.core.progress import plural
 
 SHARES = (1.0, 0.5, 0.2)
 """Speeds of a manoeuvre, relative to the highest."""
@@ -119,12 +120,12 @@ def _there_and_back(reach: Reach, title: str, speeds: Sequence[tuple[float, floa
             return
         there = [Leg(v, w, rows) for v, w in speeds]
         back = [Leg(-v, -w, rows) for v, w in reversed(speeds)]
-        yield title + _times(repeats), (there + back) * repeats
+        yield title + _angle(there) + _times(repeats), (there + back) * repeats
 
 
 def _pushes(reach: Reach, title: str, v: float, w: float) -> Attempts:
     pair = [Leg(v, w, SHORT_ROWS), Leg(-v, -w, SHORT_ROWS)]
-    yield title, pair * (reach.rows // (2 * SHORT_ROWS))
+    yield title + _angle(pair[:1]), pair * (reach.rows // (2 * SHORT_ROWS))
 
 
 def _spins(reach: Reach, side: str, w: float) -> Attempts:
@@ -132,7 +133,10 @@ def _spins(reach: Reach, side: str, w: float) -> Attempts:
     possible = _turned(reach.rows, abs(w)) / (2.0 * pi)
     if turns := int(possible):
         rate = w * turns / possible
-        yield f"turning on the spot to the {side} at {abs(rate):.2g} rad/s{_times(turns)}", [Leg(0.0, rate, reach.rows)]
+        yield (
+            f"turning on the spot to the {side} at {abs(rate):.2g} rad/s, {plural(turns, 'whole turn')}",
+            [Leg(0.0, rate, reach.rows)],
+        )
 
 
 def _circles(reach: Reach, side: str, v: float, w: float) -> Attempts:
@@ -189,6 +193,13 @@ def _inner(reach: Reach, v: float, rate: float) -> float:
 def _turned(rows: int, speed: float) -> float:
     """Return how far a leg goes with a speed between its ramps."""
     return speed * ROW_S * (rows - RAMP_ROWS + 1)
+
+
+def _angle(legs: Sequence[Leg]) -> str:
+    """Return the angle of a turn on the spot in words; nothing for other legs."""
+    if any(leg.v_m_s for leg in legs):
+        return ""
+    return f", by {degrees(sum(_turned(leg.rows, abs(leg.w_rad_s)) for leg in legs)):.0f} degrees"
 
 
 def _times(number: int) -> str:

@@ -10,14 +10,25 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.options import Json, NewFolder, checked_input
+from pipeline.work.processors import use_one_thread
 from symolo.core.errors import InputError
+
+
+def _in_one_thread(diagnosis: Path) -> Path:
+    """Limit the threads of this process, and return a folder that the user typed, once it is checked."""
+    use_one_thread()
+    return checked_input(diagnosis)
 
 
 def next_trial(
     diagnosis: Annotated[
         Path,
         typer.Argument(
-            metavar="DIAGNOSIS", callback=checked_input, help="Output folder of `symolo diagnose`, with made_from.json."
+            metavar="DIAGNOSIS",
+            # The check of --out loads NumPy, whose threads must be limited before.
+            is_eager=True,
+            callback=_in_one_thread,
+            help="Output folder of `symolo diagnose`, with made_from.json.",
         ),
     ],
     *,
@@ -102,7 +113,7 @@ def next_trial(
 
     - wheel_speeds.h, path.csv, path.png: the set points of the wheels of a drive, and its path
 
-    - scenario.yaml, next_drive.py: a scenario and a controller with which `symolo simulate` makes the drive
+    - scenario.yaml, next_drive.py: a scenario and a controller with which `symolo release` simulates the drive
 
     - predictions.csv, expected.json: what each explanation predicts, and all figures for programs
 
@@ -118,15 +129,15 @@ def next_trial(
     """
     import json
 
-    from diagnosis.diagnose import diagnose
     from diagnosis.next_trial.design import design_trial
     from diagnosis.next_trial.files import INSTRUCTIONS, case_name, trial_files
     from diagnosis.next_trial.files import as_json as in_json
     from diagnosis.next_trial.limits import limits_of
-    from pipeline.diagnosing.diagnose import read_case, robot_of
+    from pipeline.diagnosing.diagnose import diagnosed_again, read_case
     from pipeline.diagnosing.made_from import read_made_from
     from symolo.core.files.atomic_files import make_folder, write_file
     from symolo.core.files.new_folder import check_new, new_folder
+    from symolo.core.progress import report_here
 
     check_new(out)
     if seconds is not None and rows is not None:
@@ -153,9 +164,10 @@ def next_trial(
             floor_m=floor_m,
             max_speed_m_s=max_speed,
         )
-    diagnosed = diagnose(measurement, robot_of(settings))
+    report = report_here()
+    diagnosed = diagnosed_again(measurement, settings, report)
     with _placed_in(diagnosis):
-        design = design_trial(diagnosed, limits)
+        design = design_trial(diagnosed, limits, report.say)
     command = _command(made_from.paths, out / case_name(design))
     contents = trial_files(design, command, _simulation(out, diagnosis))
     with new_folder(out) as folder:
@@ -207,7 +219,7 @@ def _simulation(out: Path, diagnosis: Path) -> str:
 
     paths = (out / CONTROLLER, out / SCENARIO, diagnosis / FILE, f"{out}-driven")
     controller, scenario, robot, driven = (shlex.quote(str(path)) for path in paths)
-    return f"symolo --controller-file {controller} simulate {scenario} --set robot={robot} --out {driven}"
+    return f"symolo --controller-file {controller} release {scenario} --set robot={robot} --out {driven}"
 
 
 def _command(old: Sequence[Path], new: Path) -> str:

@@ -5,16 +5,19 @@ import csv
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 
 from configs.draw import draw_robot
 from configs.loader import load_scenario, load_section
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.measured.nominal import NominalMovingMotor
+from diagnosis.measured.nominal import KnownRoom, NominalMovingMotor
+from diagnosis.next_trial.drive_files import drive_files
 from diagnosis.next_trial.library import drive_log
 from diagnosis.next_trial.library.manoeuvres import Reach, manoeuvres, path_of
 from diagnosis.next_trial.limits import limits_of
@@ -109,6 +112,15 @@ def test_every_manoeuvre_ends_where_it_began_and_keeps_the_limits():
         assert np.abs(each.commands[:, 1]).max() < 3.0 + 1e-3, each.title
 
 
+def test_the_title_of_a_turn_on_the_spot_has_its_angle():
+    """Each way lasts 50 rows of 50 ms and has two ramps of 4 rows, which count as 3 rows less at the full rate."""
+    titles = [each.title for each in manoeuvres(Reach(100, TOP_M_S, 2.0, TRACK_M, (0.4, 0.25)))]
+    degrees = round(np.rad2deg(2.0 * 0.05 * 47))
+    assert f"a turn on the spot to the left and back at 2 rad/s, by {degrees} degrees" in titles
+    assert "turning on the spot to the left at 1.3 rad/s, 1 whole turn" in titles
+    assert not any("degrees" in title for title in titles if "arc" in title or "straight" in title)
+
+
 def test_a_path_of_constant_curvature_is_an_arc_of_a_circle():
     quarter = np.tile([0.2 * np.pi / 4.0, np.pi / 4.0], (40, 1))  # 2 s at a radius of 0.2 m
     assert path_of(quarter, np.array([1.0, 0.0, 0.0]))[-1] == pytest.approx([1.2, 0.2, 0.5 * np.pi])
@@ -197,6 +209,20 @@ def test_the_scenario_starts_where_the_drive_does(designed):
     scenario = load_scenario(str(designed / "scenario.yaml"))
     first = rows_of(designed / "path.csv")[0]
     assert scenario.tree["routes"][0]["start"]["x_m"] == pytest.approx(float(first["x_m"]), abs=1e-3)
+
+
+def test_a_scenario_without_images_has_the_walls_of_the_room(template):
+    world = KnownRoom(room_x_m=5.0, room_y_m=1.5)
+    in_room = replace(template, nominal=template.nominal.model_copy(update={"world": world}))
+    limits = limits_of(in_room, rows=1)
+    library = drive_log(in_room, limits, [])
+    design = SimpleNamespace(trial=library.composed(np.array([0])), limits=limits, titles=library.titles[:1])
+    scenario = yaml.safe_load(drive_files(design)["scenario.yaml"])
+    assert scenario["rates"]["camera_hz"] == 0
+    (room,) = scenario["arena"]["polygons"]
+    assert sorted(map(tuple, room["points"])) == [(0.0, 0.0), (0.0, 1.5), (5.0, 0.0), (5.0, 1.5)]
+    assert scenario["arena"]["floor"]["half_extent_m"] > 5.0
+    assert "walls" not in scenario["arena"]
 
 
 def test_limits_of_a_drive_that_leave_no_trial_are_refused(template):

@@ -1,6 +1,9 @@
 """`symolo next`: the trial that distinguishes two explanations, its files, and what is refused."""
 
 import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -53,6 +56,12 @@ def test_reversing_distinguishes_a_friction_of_one_direction_from_more_friction(
     made = record(forward_only, tmp_path / "diagnosis")
     ended = symolo("next", made, "--rows", 6, "--row-seconds", 1, "--out", tmp_path / "next")
     assert ended.code == 0
+    for words in (
+        "bench is diagnosed again",
+        "2 explanations of the old data left",
+        "different rows: each explanation",
+    ):
+        assert words in ended.err
     out = tmp_path / "next"
     expected = json.loads((out / "expected.json").read_text())
     assert {model["name"] for model in expected["models"]} == {COULOMB, ASYMMETRY}
@@ -67,6 +76,27 @@ def test_reversing_distinguishes_a_friction_of_one_direction_from_more_friction(
     assert all(f"{{1000, {round(1000.0 * volts)}}}" in header for volts in voltage_V)
     assert ended.out.startswith((out / "trial.md").read_text().rstrip("\n"))
     assert f"{out / 'trial_1'} --together" in ended.out
+
+
+def test_linear_algebra_of_the_command_uses_one_thread():
+    """OpenBLAS reads the environment when NumPy loads it, so that the command must set it before."""
+    program = (
+        "import os, sys\n"
+        "from pipeline.cli import main\n"
+        "class AtNumPy:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'numpy':\n"
+        "            print(os.environ.get('OPENBLAS_NUM_THREADS'))\n"
+        "            sys.stdout.flush()\n"
+        "            os._exit(0)\n"
+        "sys.meta_path.insert(0, AtNumPy())\n"
+        "main(['next', '--out', 'nowhere', '.'])\n"
+    )
+    environment = {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, env=environment, check=False
+    )
+    assert ended.stdout.split() == ["1"], ended.stderr
 
 
 def test_what_hinders_most_is_named_where_no_trial_distinguishes_two_effects(diagnosis):
