@@ -27,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.diagnosis.exams.next_trials import interval, read, state
+from benchmarks.diagnosis.exams.next_trials import lines_of_groups, read, state
 from benchmarks.diagnosis.independent_cases.case import deal_cases, draw_case
 from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 from benchmarks.diagnosis.independent_cases.drives.paths import commands
@@ -174,15 +174,7 @@ def table(results: list[dict]) -> Iterator[str]:
         ],
         "effects of a session": [e for e in designed if OF_SESSION & set(e["truth"])],
     }
-    for title, group in groups.items():
-        if not group:
-            continue
-        expected = sum(each["expected"] for each in group) / len(group)
-        yield f"{title}: {len(group)} cases; one right name expected in {expected:.0%}"
-        for way in WAYS:
-            right, wrong = (sum(each[way][key] for each in group) for key in ("right", "wrong"))
-            low, high = interval(right, len(group))
-            yield f"  {way:22} one right name {right:3d} ({low:.0%} to {high:.0%}), a wrong name {wrong:3d}"
+    yield from lines_of_groups(groups, WAYS)
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ measures a trial that `symolo next` has designed: it fills the readings of its d
 import argparse
 import json
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -194,15 +194,21 @@ def table(results: list[dict]) -> Iterator[str]:
         "separation of at least 3 standard deviations": [e for e in designed if (e["separation"] or 0.0) >= 3.0],
         "less": [e for e in designed if (e["separation"] or 0.0) < 3.0],
     }
+    yield from lines_of_groups(groups, WAYS)
+
+
+def lines_of_groups(groups: Mapping[str, Sequence[dict]], ways: Collection[str]) -> Iterator[str]:
+    """Yield how often each way to choose a trial leaves one right name, for each group of cases that has any."""
+    width = max(map(len, ways))
     for title, group in groups.items():
         if not group:
             continue
         expected = sum(each["expected"] for each in group) / len(group)
         yield f"{title}: {len(group)} cases; one right name expected in {expected:.0%}"
-        for way in WAYS:
+        for way in ways:
             right, wrong = (sum(each[way][key] for each in group) for key in ("right", "wrong"))
             low, high = interval(right, len(group))
-            yield f"  {way:18} one right name {right:3d} ({low:.0%} to {high:.0%}), a wrong name {wrong:3d}"
+            yield f"  {way:{width}} one right name {right:3d} ({low:.0%} to {high:.0%}), a wrong name {wrong:3d}"
 
 
 def main() -> None:
