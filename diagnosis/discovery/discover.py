@@ -26,8 +26,8 @@ from diagnosis.inference.gain import gain
 from diagnosis.inference.naming.seen_range import SeenRange, conditions, predicted_readings, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.refusal import is_at_bound
+from diagnosis.inference.removal import without
 from diagnosis.inference.rivals import AS_GOOD
-from diagnosis.inference.selection import without
 from diagnosis.inference.unexplained.adequacy import adequacy
 from diagnosis.inference.unexplained.survivors import NEEDED
 from diagnosis.measured.measurement import Measurement

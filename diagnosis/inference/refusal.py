@@ -12,7 +12,7 @@ from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.unexplained.adequacy import adequacy, change_by
+from diagnosis.inference.unexplained.adequacy import adequacy
 from sensors.effects.noise_scale import NoiseScale
 from symolo.core.arrays import Array
 
@@ -33,8 +33,10 @@ MIN_ROWS_SHARE = 0.1
 """Share of the samples of the fit."""
 AGREEING = 2.0
 """Least number of samples beyond the number of parameters, from which few samples are enough."""
-CONFIRMED = 8.0
-"""Fall of the cost of held-out rows, as for a parameter at 2.8 standard errors, from which few samples are enough."""
+CLEAR = 8.0
+"""Change of the cost of the held-out rows, as for a parameter at 2.8 standard errors, from which they confirm an effect
+or contradict it. A smaller change says little: rows that hardly show an effect may by chance be predicted a little
+better without it. Of 373 right names in cases of the family `wide_a`, none was contradicted by more than 7.9."""
 MIN_SAMPLES = 8
 """Least number of samples for naming an effect."""
 MIN_SAMPLES_OF_NOISE = 40
@@ -45,10 +47,6 @@ NO_SLOPE = 1e-6
 """Change of the mean in sigmas that may be rounding error."""
 NEAR = 0.1
 """Distance from a bound in standard errors, up to which an amplitude counts as being at the bound."""
-CANCELLED = 0.5
-"""Ratio of the size of the sum of two changes to that of the smaller one, below which they cancel each other."""
-MAX_WORSE = 2.0
-"""Largest rise of the cost of held-out rows by an accepted effect, in standard deviations of the sum."""
 
 
 def needed(effect: CandidateEffect, threshold: float = THRESHOLD) -> float:
@@ -92,22 +90,26 @@ def refusal(
         return ""
     if is_of_noise(after, effect) and (reason := _refusal_of_noise(evidence, before, after, effect)):
         return reason
-    heldout_falls, fit_falls = falls[evidence.heldout], np.maximum(falls[evidence.fit], 0.0)
-    rise = -float(heldout_falls.sum())
-    # Effective number of samples (Kish): the number of equal falls with the same ratio of sum and sum of squares.
-    rows = float(fit_falls.sum() ** 2 / max(float((fit_falls**2).sum()), 1e-300))
+    rise, fit_falls = -float(falls[evidence.heldout].sum()), np.maximum(falls[evidence.fit], 0.0)
+    rows = _effective(fit_falls)
     few = rows < min(MIN_ROWS, MIN_ROWS_SHARE * np.count_nonzero(evidence.fit))
     # An effect goes through as many outliers as it has parameters. Two more rows that agree are not there by chance, if
-    # they suffice by themselves. And if the held-out rows, which were not used for the fit, confirm the effect, it is
-    # not made of outliers either.
+    # they suffice by themselves; nuisances that return into their tolerances count as one of them. And if the held-out
+    # rows, which were not used for the fit, confirm the effect, it is not made of outliers either.
     numbers = len(effect.coordinates)
-    others = float(np.sort(fit_falls)[: len(fit_falls) - numbers].sum())
-    agrees = rows >= numbers + AGREEING and others >= min_drop
-    if few and not agrees and rise > -CONFIRMED:
+    shown = np.sort(np.append(fit_falls, max(before.prior_cost - after.prior_cost, 0.0)))
+    others = float(shown[: len(shown) - numbers].sum())
+    agrees = _effective(shown) >= numbers + AGREEING and others >= min_drop
+    if few and not agrees and rise > -CLEAR:
         return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
-    if rise > MAX_WORSE * float(np.sqrt((heldout_falls**2).sum())):
+    if rise > CLEAR:
         return f"the cost of the held-out rows rises by {rise:.1f}"
     return ""
+
+
+def _effective(falls: Array) -> float:
+    """Return the number of equal falls with the same ratio of sum and sum of squares (Kish)."""
+    return float(falls.sum() ** 2 / max(float((falls**2).sum()), 1e-300))
 
 
 def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
@@ -135,21 +137,6 @@ def is_at_bound(fit: HypothesisFit, effect: CandidateEffect) -> bool:
         if c.null is not None and not c.is_ceiling and (x + margin >= c.high > c.null or x - margin <= c.low < c.null):
             return True
     return False
-
-
-def cancelled_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> str:
-    """Return the name of another effect of a fit that undoes what this one does; empty if there is none."""
-    others = [other for other in fit.hypothesis.effects if other != effect]
-    if not others:
-        return ""
-    change = change_by(evidence, nominal, fit, effect)
-    return next((other.name for other in others if cancel(change, change_by(evidence, nominal, fit, other))), "")
-
-
-def cancel(change: Array, other: Array) -> bool:
-    """Return whether two changes (N,) of a prediction nearly undo each other."""
-    size = min(float(np.linalg.norm(change)), float(np.linalg.norm(other)))
-    return float(np.linalg.norm(change + other)) < CANCELLED * size
 
 
 def _refusal_of_noise(evidence: Evidence, before: HypothesisFit, after: HypothesisFit, effect: CandidateEffect) -> str:

@@ -22,7 +22,8 @@ from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.likelihood import LEVELS
 from diagnosis.inference.refusal import STATED_WITHIN, is_negligible, needed, refusal
-from diagnosis.inference.selection import TOLL, replaced, toll, without
+from diagnosis.inference.removal import without
+from diagnosis.inference.selection import TOLL, replaced, toll
 from diagnosis.inference.unexplained.unlisted import advantage
 from sensors.effects.noise_scale import NoiseScale
 

@@ -21,8 +21,9 @@ from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, Contest, HypothesisFit, fits, fits_of_contests
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.refusal import THRESHOLD, cancelled_by, is_of_noise, needed, refusal
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.refusal import THRESHOLD, is_of_noise, needed, refusal
+from diagnosis.inference.removal import cancelled_by, without
 from diagnosis.inference.scan import Prospect, scan, scan_beside, scan_pairs
 from diagnosis.inference.unexplained.adequacy import adequacy
 from symolo.core.arrays import Array
@@ -321,14 +322,6 @@ def _needed(fit: HypothesisFit) -> float:
 
 def toll(fit: HypothesisFit) -> float:
     return sum(TOLL * len(effect.coordinates) for effect in fit.hypothesis.effects)
-
-
-@remembered
-def without(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> HypothesisFit:
-    """Return the fit without one effect."""
-    fewer = fit.hypothesis.without(effect)
-    (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))], fit.cost + FAR)
-    return base
 
 
 def replaced(

@@ -11,9 +11,10 @@ from diagnosis.inference.gain import gain_of
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.naming.transfer import Group, contradiction, supports
 from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, withheld
-from diagnosis.inference.refusal import cancelled_by, is_at_bound, is_of_noise, needed
+from diagnosis.inference.refusal import is_at_bound, is_of_noise, needed
+from diagnosis.inference.removal import cancelled_by, without
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
-from diagnosis.inference.selection import Selection, without
+from diagnosis.inference.selection import Selection
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
 from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.unlisted import advantage, with_forms

@@ -10,6 +10,7 @@ is anywhere near significance. Between explanation and discovery lies what the d
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from diagnosis.inference.refusal import CLEAR
 from diagnosis.inference.unexplained.unlisted import BETTER
 from symolo.core.text_enum import TextEnum
 
@@ -26,10 +27,6 @@ chance in a few cases of a hundred."""
 MARGIN = 4.0
 """Fall of the cost beyond what the selection needs, from which a name stands: where tolerances and noise are not as
 stated, chance reaches a little more."""
-CONTRADICTED = 8.0
-"""Fall of the cost of the held-out rows without a name, from which they contradict it. A smaller fall only weakens it:
-rows that hardly show an effect may by chance be predicted a little better without it. Of 373 right names in cases of
-the family `wide_a`, none was contradicted by more than 7.9."""
 NOISY = 1.6
 """Scatter of good readings relative to the stated noise, from which a model is no explanation. The statement may be
 wrong by a factor of two, but then it may as well be the model."""
@@ -105,7 +102,7 @@ def withheld(evidence: NameEvidence) -> str:
     if evidence.cancelled_by:
         return f"it and {evidence.cancelled_by} cancel each other, as if both imitate something else"
     heldout_rise = evidence.heldout_rise_that_counts
-    if heldout_rise < -CONTRADICTED:
+    if heldout_rise < -CLEAR:
         return "the held-out rows are predicted better without it"
     if evidence.gain_at_most is not None and evidence.gain_at_most < 0.0:
         return "the error of the held-out rows is smaller without it, over its whole 95 % interval"

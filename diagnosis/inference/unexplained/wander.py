@@ -19,8 +19,9 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
+from diagnosis.inference.removal import without
 from diagnosis.inference.rivals import confidence
-from diagnosis.inference.selection import TOLL, without
+from diagnosis.inference.selection import TOLL
 from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask
@@ -194,7 +195,8 @@ def wander(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Wa
     others += [drift, _jump(seen.series) + TOLL, min(_short(seen.series, row_s))]
     others.append(_jump(_Series.of(nominal, place, time_s, rows)) + TOLL - _toll(seen.fit))
     white = seen.series.cost_of(float(z @ z))
-    others += [white - gain for gain in _gains_of_others(seen, observed, place, time_s, rows)]
+    # These have as many numbers as the error, so that they only need to be less likely.
+    others += [white - gain + TOLL for gain in _gains_of_others(seen, observed, place, time_s, rows)]
     if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < TOLL:
         return None
     path_m = np.zeros(len(evidence.values))
@@ -248,7 +250,7 @@ def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) ->
     return Wander(
         RangeWander(sd_m=min(sd_of, 0.1), time_constant_s=tau),
         {"sd_m": sd_error, "time_constant_s": tau_error},
-        confidence([other - seen.cost for other in others], white - seen.cost - THRESHOLD - PER_PARAMETER),
+        confidence([other - TOLL - seen.cost for other in others], white - seen.cost - THRESHOLD - PER_PARAMETER),
         path_m,
         (float(seen.series.t_s.min()), float(seen.series.t_s.max())),
     )

@@ -10,6 +10,7 @@ import pytest
 from diagnosis.inference import selection as module
 from diagnosis.inference.fit import fits
 from diagnosis.inference.refusal import is_negligible, needed, refusal
+from diagnosis.inference.removal import cancelled_by, without
 from diagnosis.inference.selection import (
     _best_pair,
     _is_better,
@@ -21,7 +22,6 @@ from diagnosis.inference.selection import (
     replaced,
     rescued,
     select,
-    without,
 )
 
 SD_A = 0.01
@@ -127,11 +127,9 @@ def test_with_fewer_than_8_samples_nothing_is_named(evidence_of, fitted, effect,
     assert refusal(evidence, before, after, effect("current_sensor_offset")) == reason
 
 
-@pytest.mark.parametrize(("heldout", "is_refused"), [(3, False), (5, True)])
-def test_held_out_rows_speak_against_an_effect_from_two_standard_deviations_on(
-    evidence_of, fitted, effect, heldout, is_refused
-):
-    """In n held-out rows without the offset the cost rises by n z^2, which is sqrt(n) times the root of n z^4."""
+@pytest.mark.parametrize(("heldout", "is_refused"), [(5, False), (9, True)])
+def test_held_out_rows_speak_against_an_effect_from_a_rise_of_8_on(evidence_of, fitted, effect, heldout, is_refused):
+    """In n held-out rows without the offset, which is one standard deviation, the cost rises by n."""
     x = np.concatenate([X, np.zeros(heldout)])
     readings = np.concatenate([X + SD_A, np.zeros(heldout)])
     evidence = evidence_of(x, readings, heldout=heldout)
@@ -208,6 +206,19 @@ def test_a_pair_whose_effects_cancel_gives_way_to_any_other(evidence_of, fitted,
     assert _best_pair(evidence, base, [best, other], alone) is other
     assert _best_pair(evidence, base, [best, other], best) is other
     assert _best_pair(evidence, base, [best], best) is best
+
+
+@pytest.mark.parametrize(("offset_A", "other"), [(-0.42, "current_sensor_offset"), (-0.3, "")])
+def test_effects_cancel_if_they_leave_a_small_difference_that_neither_explains_alone(
+    evidence_of, hypothesis, effect, offset_A, other
+):
+    """A gain of 1.4 and an offset leave 0 on average, or 0.12 A, of which a gain of 1.11 explains nearly all."""
+    x = np.linspace(1.0, 1.1, 120)
+    evidence = evidence_of(x, 1.4 * x + offset_A)
+    gain, nominal = effect("current_sensor_gain"), replace(hypothesis, nuisances=())
+    pair = nominal.with_effect(gain).with_effect(effect("current_sensor_offset"))
+    base, both = fits(evidence, [(model, model.null()) for model in (nominal, pair)])
+    assert cancelled_by(evidence, base, both, gain) == other
 
 
 def test_of_two_pairs_held_out_rows_do_not_choose(evidence_of, fitted):

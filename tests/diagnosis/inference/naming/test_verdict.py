@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from diagnosis.inference.naming.verdict import (
     CHEAPER,
-    CONTRADICTED,
     DOUBT,
     MIN_WEIGHT,
     NEARLY,
@@ -18,7 +17,8 @@ from diagnosis.inference.naming.verdict import (
     conclusion,
     withheld,
 )
-from diagnosis.inference.refusal import cancel
+from diagnosis.inference.refusal import CLEAR
+from diagnosis.inference.removal import cancel
 from diagnosis.inference.unexplained.unlisted import BETTER
 
 numbers = st.floats(-200.0, 200.0)
@@ -55,7 +55,7 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
     # Held-out rows count, unless parameters bent far out of their tolerances do its work there.
     counts = evidence.heldout_rise is not None and evidence.rise_of_prior <= 0.5 * evidence.rise
     heldout_rise = evidence.heldout_rise if counts else 0.0
-    assert heldout_rise >= -CONTRADICTED
+    assert heldout_rise >= -CLEAR
     assert evidence.rise + heldout_rise >= evidence.needed
 
 
@@ -83,7 +83,7 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
     [
         (60.0, 20.0, True),
         (60.0, -0.5, True),
-        (60.0, -CONTRADICTED - 1.0, False),
+        (60.0, -CLEAR - 1.0, False),
         (20.0, -3.0, False),
         (15.5, 10.0, True),
         (15.5, 0.5, False),

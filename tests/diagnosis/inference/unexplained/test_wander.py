@@ -12,6 +12,7 @@ from diagnosis.importers import tof_bench
 from diagnosis.inference.fit import fits
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.inference.unexplained import wander as module
 from diagnosis.inference.unexplained.wander import wander
 from diagnosis.report.report_data import report_data
 from diagnosis.report.verdict import effect_sentences, headline
@@ -152,6 +153,24 @@ def test_held_out_readings_have_no_part_in_the_error_that_is_taken_out_of_them(d
 
     changed = diagnosis.measured.without(np.where(diagnosis.measured.heldout, 0.003, 0.0))
     assert path_m(changed) == pytest.approx(path_m(diagnosis.measured), abs=1e-9)
+
+
+def test_an_error_along_another_covariate_must_only_be_less_likely(diagnosed, monkeypatch):
+    """It has as many numbers. If it is equally likely, the name has at most half the weight."""
+    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 25.0))
+    nominal = diagnosis.selection.nominal
+    (fit,) = fits(diagnosis.measured, [(nominal.hypothesis, nominal.x)])
+
+    def beside(rise):
+        def gains(seen, *_):
+            yield seen.series.cost_of(float(seen.series.z @ seen.series.z)) - seen.cost - rise
+
+        monkeypatch.setattr(module, "_gains_of_others", gains)
+        return wander(diagnosis.measured, fit, fit)
+
+    assert beside(-0.1) is None
+    assert 0.4 < beside(0.1).confidence < 0.52
+    assert beside(30.0).confidence > 0.8
 
 
 @pytest.mark.parametrize(("row_s", "tau_s"), [(0.008, 0.1), (1200.0, 15_000.0)], ids=["8 ms", "20 minutes"])
