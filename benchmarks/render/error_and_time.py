@@ -27,6 +27,7 @@ import matplotlib as mpl
 import numpy as np
 from image_error import HAS_FLIP, Image, flip, mean_square, psnr_dB, ssim
 from painters import Cost, Painter
+from plain_loop import BLENDERS_DEFAULT, RUN_FRAMES
 from reference import MIN_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
 
@@ -41,10 +42,6 @@ from blender_scenes.render.sampling import (
 from configs.schema.scenario import Render, RenderQuality
 from sensors.camera.response import develop, encode_jpeg, median_luminance
 
-RUN_FRAMES = 200
-"""Over which a run spreads its start."""
-_DENOISED = {"use_denoising": True, "denoiser": "OPENIMAGEDENOISE", "denoising_input_passes": "RGB_ALBEDO_NORMAL"}
-BLENDERS_DEFAULT = {**_DENOISED, "denoising_prefilter": "ACCURATE", "denoising_quality": "HIGH"}
 BLENDERPROCS = {**BLENDERS_DEFAULT, "samples": 1024, "use_adaptive_sampling": True, "adaptive_threshold": 0.01}
 
 

@@ -7,14 +7,18 @@ product of the differences from two references of complete light paths, with ind
 denoiser, beside the error that JPEG adds to the image with the noise of its camera.
 
     python benchmarks/render/fresh_draws.py [--draws 30] [--looks classroom lab] [--judged 3] [--samples 1024]
-        [--size 320 240] [--method auto] [--device cpu] [--seed N] [--beside FOLDER] [--out draws.json]
-        [--sheet worst.png]
+        [--size 320 240] [--method auto] [--device cpu] [--choose-on-card] [--seed N] [--beside FOLDER] [--plain]
+        [--processes N] [--stop-after SECONDS] [--out draws.json] [--sheet worst.png] [--images FOLDER]
 
-`--method hybrid` judges hybrid rendering, whatever a run would choose. `--beside` judges another version of the
-renderer as well, in the same views and with the same references; it takes the folder of its sources, such as `git
-worktree add` makes. `--sheet` shows the place with the largest error of each image, four times as large, beside the
-same place of the reference. `--device gpu` traces the references on a graphics card; the images that are judged come
-from the processor.
+`--method hybrid` judges hybrid rendering, whatever a run would choose; with `auto hybrid` both are judged. `--beside`
+judges another version of the renderer as well, in the same views and with the same references; it takes the folder of
+its sources, such as `git worktree add` makes. `--plain` finds the plain Cycles loop with the fewest samples whose error
+is no larger than that of the judged images, and its cost in a run of 200 images. `--sheet` shows the place with the
+largest error of each image, four times as large, beside the same place of the reference, and `--images` keeps the whole
+images beside their references. `--device gpu` traces references, and images of the plain loop whose error is measured,
+on a graphics card; the images that are judged come from the processor. With `--choose-on-card`, the errors of full
+rendering from which a run chooses come from the card as well, and the cost does not include this choice. `--processes`
+judges so many cases at a time, and `--stop-after` starts no case after that time.
 """
 
 import argparse
@@ -22,17 +26,19 @@ import json
 import os
 import secrets
 import sys
+import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
-from itertools import product
 from pathlib import Path
 
 import cv2
 import numpy as np
 from painters import CHECKOUT, Painter
+from plain_loop import RunCost, fewest_samples, plain_cost, plain_lights
 from views import LOOKS, RandomCase, Views, random_cases
-from worst_places import WorstPlace, sheet, worst_place
+from worst_places import WorstPlace, beside_reference, sheet, worst_place
 
 from blender_scenes.render.devices import DeviceKind, device_for
 from blender_scenes.render.image_errors import mean_square_errors
@@ -56,15 +62,17 @@ class Row:
     """One view that was not probed."""
 
     case: str
+    number: int
+    """Of the view in its case."""
     version: str
-    """`this`, or `beside` for the sources of `--beside`."""
+    """`this`, or `beside` for the sources of `--beside`; and ` hybrid` where hybrid rendering was asked for."""
     floor: str
     method: str
     """Hybrid, or the number of samples."""
     worst_block_db: float
     """Error of the worst square of `BLOCK_PX` x `BLOCK_PX` pixels, relative to JPEG's in the whole view."""
-    estimated_db: float | None
-    """Error of the rendering relative to that of JPEG, mean over the measured views; None without a choice."""
+    measured_db: tuple[float, ...]
+    """Error of the rendering relative to that of JPEG in the views that the run measured; empty without a choice."""
     limit_db: float | None
     """The same, as one view of twenty is expected to exceed it."""
     excess_db: float
@@ -77,6 +85,14 @@ class Row:
     """Without what `set_up_s` has."""
     set_up_s: float
     """Core-seconds for the start, the scene and the choice."""
+    plain_db: Mapping[int, float]
+    """Error of the plain loop relative to JPEG's by the number of samples."""
+    plain_samples: int | None
+    """Fewest samples of the plain loop whose error over the judged views of the case is no larger."""
+    plain_core_s: float | None
+    """Cost of the plain loop with so many samples for one image of a run, everything included."""
+    ratio: float | None
+    """Of this cost to that of the rendering."""
 
 
 @dataclass(frozen=True)
@@ -86,9 +102,7 @@ class Lights:
     by_view: Mapping[int, FloatImage]
     decision: Decision | None
     """What the run chose; None if hybrid rendering is not its choice."""
-    core_s: float
-    set_up_s: float
-    """As in `Row`."""
+    cost: RunCost
 
     @property
     def method(self) -> str:
@@ -96,54 +110,124 @@ class Lights:
         return f"{full.samples} samples" if full else "hybrid"
 
 
-def rows_of(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -> list[tuple[Row, WorstPlace]]:
-    size = tuple(options.size)
-    views = case.views(MIN_VIEWS + options.judged, size)
+@dataclass(frozen=True)
+class JudgedImage:
+    row: Row
+    place: WorstPlace
+    shown: np.ndarray
+    """Image (h, w, 3), RGB: the rendering, and its reference at its right."""
+
+
+@dataclass(frozen=True)
+class Yardstick:
+    """The judged views of a case."""
+
+    views: Views
+    numbers: list[int]
+    references: Mapping[int, tuple[FloatImage, FloatImage]]
+    metered: float
+
+    def error(self, number: int, light: FloatImage) -> tuple[float, float]:
+        """Return the mean square error of a view and that of its JPEG."""
+        response = self.views.noisy().response
+        error, jpeg = mean_square_errors(light, self.references[number], response, self.metered, number)
+        return max(error, 0.01), jpeg
+
+    def mean_error(self, by_view: Mapping[int, FloatImage]) -> float:
+        return float(np.mean([self.error(number, by_view[number])[0] for number in self.numbers]))
+
+
+def judged_case(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -> list[JudgedImage]:
+    views = case.views(MIN_VIEWS + options.judged, tuple(options.size))
     probed = probed_numbers(len(views.job.frames))
-    judged = [view.number for place, view in enumerate(views.job.frames) if place not in probed]
-    by_version = {name: chosen_lights(views, judged, options, at) for name, at in options.versions.items()}
-    references = reference_lights(views.job, judged, options, device)
+    numbers = [view.number for place, view in enumerate(views.job.frames) if place not in probed]
+    lights = {
+        version + " hybrid" * (method == "hybrid"): chosen_lights(views, numbers, method, options, at)
+        for version, at in options.versions.items()
+        for method in options.method
+    }
+    references = reference_lights(views.job, numbers, options, device)
     metered = median_luminance(np.concatenate([light.reshape(-1, 3) for pair in references.values() for light in pair]))
-    rows = []
-    for version, number in product(by_version, judged):
-        lights = by_version[version]
-        errors = lights.decision and lights.decision.errors
-        light, pair = lights.by_view[number], references[number]
-        error, jpeg = mean_square_errors(light, pair, views.noisy().response, metered, number)
-        place = worst_place(light, pair, views.job.response, metered)
-        brightness = [float((each @ LUMINANCE).mean()) for each in (light, *pair)]
-        row = Row(
-            case=case.name,
-            version=version,
-            floor=case.spec(size).look.floor.material,
-            method=lights.method,
-            worst_block_db=decibels(max(place.mean_square, 0.01) / jpeg),
-            estimated_db=round(float(np.mean(errors.relative_dB)), 2) if errors else None,
-            limit_db=round(errors.limit_dB, 2) if errors else None,
-            excess_db=decibels(max(error, 0.01) / jpeg),
-            psnr_db=decibels(255**2 / max(error, 0.01)),
-            jpeg_psnr_db=decibels(255**2 / jpeg),
-            light=brightness[0] / float(np.mean(brightness[1:])),
-            core_s=round(lights.core_s, 2),
-            set_up_s=round(lights.set_up_s, 1),
-        )
-        rows.append((row, place))
-    return rows
+    yardstick = Yardstick(views, numbers, references, metered)
+    plain = plain_lights(views.job, numbers, options.threads, device) if options.plain else {}
+    plain_errors = {
+        samples: yardstick.mean_error({number: plain[number][samples] for number in numbers})
+        for samples in next(iter(plain.values()), {})
+    }
+    images = []
+    for version, seen in lights.items():
+        samples = fewest_samples(plain_errors, yardstick.mean_error(seen.by_view))
+        rival = None if samples is None else plain_cost(views.job, numbers, options.threads, samples)
+        for number in numbers:
+            image = judged_image(case, yardstick, number, version, seen)
+            row = replace(
+                image.row,
+                plain_db={n: excess_dB(yardstick.error(number, light)) for n, light in plain.get(number, {}).items()},
+                plain_samples=samples,
+                plain_core_s=rival and round(rival.per_image_s, 3),
+                ratio=rival and round(rival.per_image_s / seen.cost.per_image_s, 3),
+            )
+            images.append(replace(image, row=row))
+    return images
 
 
-def chosen_lights(views: Views, numbers: list[int], options: argparse.Namespace, checkout: Path) -> Lights:
+def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: str, seen: Lights) -> JudgedImage:
+    """Return a view with its errors, which are not yet compared with those of the plain loop."""
+    light, pair, job = seen.by_view[number], yardstick.references[number], yardstick.views.job
+    errors = seen.decision and seen.decision.errors
+    error, jpeg = yardstick.error(number, light)
+    place = worst_place(light, pair, job.response, yardstick.metered)
+    brightness = [float((each @ LUMINANCE).mean()) for each in (light, *pair)]
+    row = Row(
+        case=case.name,
+        number=number,
+        version=version,
+        floor=case.spec((job.camera.width_px, job.camera.height_px)).look.floor.material,
+        method=seen.method,
+        worst_block_db=decibels(max(place.mean_square, 0.01) / jpeg),
+        measured_db=tuple(round(each, 2) for each in errors.relative_dB) if errors else (),
+        limit_db=round(errors.limit_dB, 2) if errors else None,
+        excess_db=decibels(error / jpeg),
+        psnr_db=decibels(255**2 / error),
+        jpeg_psnr_db=decibels(255**2 / jpeg),
+        light=brightness[0] / float(np.mean(brightness[1:])),
+        core_s=round(seen.cost.image_s, 2),
+        set_up_s=round(seen.cost.set_up_s, 1),
+        plain_db={},
+        plain_samples=None,
+        plain_core_s=None,
+        ratio=None,
+    )
+    return JudgedImage(row, place, beside_reference(light, pair, job.response, yardstick.metered))
+
+
+def chosen_lights(views: Views, numbers: list[int], method: str, options: argparse.Namespace, checkout: Path) -> Lights:
     """Return the light of the views as a long run of a version renders them, with what it chose."""
     width_px, height_px = options.size
     hybrid = hybrid_samples(Render(width_px=width_px, height_px=height_px))
     noisy = views.noisy()
-    chooses = options.method == "auto"
+    chooses = method == "auto"
     job = replace(noisy, sampling=replace(noisy.sampling, probe=chooses, hybrid=hybrid))
-    settings = {"kind": "chosen"} if chooses else {"kind": "ours", "hybrid": asdict(hybrid)}
+    decision = None
+    if chooses and options.choose_on_card:
+        decision = decision_on_card(job, options, checkout)
+        job = replace(job, sampling=decision.applied(job.sampling))
+    sampling = job.sampling
+    settings = {"kind": "ours", "hybrid": sampling.hybrid and asdict(sampling.hybrid)}
+    if sampling.probe:
+        settings = {"kind": "chosen"}
     with Painter("painter.py", job, settings, options.threads, sys.executable, checkout=checkout) as painter:
         cost = painter.paint(numbers)
-        decision = painter.decision() if chooses else None
+        decision = painter.decision() if sampling.probe else decision
         by_view = {number: painter.light(number) for number in numbers}
-        return Lights(by_view, decision, cost.core_s / len(numbers), painter.set_up.core_s)
+        return Lights(by_view, decision, RunCost(painter.set_up.core_s, cost.core_s / len(numbers)))
+
+
+def decision_on_card(job: RenderJob, options: argparse.Namespace, checkout: Path) -> Decision:
+    job = replace(job, sampling=replace(job.sampling, device=options.card))
+    settings = {"kind": "choice"}
+    with Painter("painter.py", job, settings, options.threads, sys.executable, checkout=checkout) as painter:
+        return painter.decision()
 
 
 def reference_lights(
@@ -162,14 +246,40 @@ def decibels(ratio: float) -> float:
     return round(float(10 * np.log10(max(ratio, 1e-9))), 2)
 
 
+def excess_dB(errors: tuple[float, float]) -> float:
+    error, jpeg = errors
+    return decibels(error / jpeg)
+
+
+def judged_cases(
+    cases: list[RandomCase], options: argparse.Namespace, device: DeviceKind
+) -> Iterator[list[JudgedImage]]:
+    """Judge several cases at a time; those that fail are printed."""
+    start = time.monotonic()
+
+    def judged(case: RandomCase) -> list[JudgedImage]:
+        in_time = options.stop_after is None or time.monotonic() - start < options.stop_after
+        return judged_case(case, options, device) if in_time else []
+
+    with ThreadPoolExecutor(options.processes) as pool:
+        by_future = {pool.submit(judged, case): case for case in cases}
+        for future in as_completed(by_future):
+            try:
+                yield future.result()
+            except ChildProcessError as error:
+                print(f"{by_future[future].name}: {error}", flush=True)
+
+
 def print_case(rows: list[Row]) -> None:
     excess = ", ".join(f"{row.excess_db:+.1f}" for row in rows)
     blocks = ", ".join(f"{row.worst_block_db:+.1f}" for row in rows)
     one = rows[0]
+    measured = ", ".join(f"{each:+.1f}" for each in one.measured_db)
+    plain = f"; plain loop {one.plain_samples} samples, cost ratio {one.ratio}" if one.plain_db else ""
     print(
-        f"{one.case:12} {one.version} {one.floor:13} {one.method:11} estimated {one.estimated_db} dB,"
+        f"{one.case:12} {one.version} {one.floor:13} {one.method:11} measured {measured} dB,"
         f" limit {one.limit_db}, seen {excess} dB; worst squares {blocks} dB; JPEG {one.jpeg_psnr_db:.1f} dB;"
-        f" light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}",
+        f" light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}{plain}",
         flush=True,
     )
 
@@ -185,6 +295,9 @@ def print_summary(rows: list[Row]) -> None:
     print(f"square with the largest error: median {np.median([row.worst_block_db for row in rows]):+.1f} dB")
     print(f"worst {worst.excess_db:+.1f} dB: {worst.case}, {worst.floor}, {worst.method}")
     print(f"chosen for: {dict(Counter(row.method for row in rows))} images")
+    ratios = list({row.case: row.ratio for row in rows if row.ratio is not None}.values())
+    if ratios:
+        print(f"cost of the plain loop at equal error, times: median {np.median(ratios):.2f}, least {min(ratios):.2f}")
 
 
 def main() -> None:
@@ -194,34 +307,50 @@ def main() -> None:
     parser.add_argument("--judged", type=int, default=3, help="views of each case that are judged")
     parser.add_argument("--samples", type=int, default=1024, help="of each reference")
     parser.add_argument("--size", nargs=2, type=int, default=[320, 240], metavar=("WIDTH", "HEIGHT"))
-    parser.add_argument("--threads", type=int, default=os.cpu_count())
-    parser.add_argument("--method", choices=["auto", "hybrid"], default="auto")
+    parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of each process")
+    parser.add_argument("--processes", type=int, default=1, help="cases that are judged at a time")
+    parser.add_argument("--stop-after", type=float, metavar="SECONDS", help="start no case after that time")
+    parser.add_argument("--method", nargs="+", choices=["auto", "hybrid"], default=["auto"])
+    parser.add_argument("--plain", action="store_true", help="compare the cost with that of a plain Cycles loop")
     parser.add_argument("--device", choices=["cpu", "auto", "gpu"], default="cpu", help="of the references")
+    words = "measure the errors for the choice on the card too, without their cost"
+    parser.add_argument("--choose-on-card", action="store_true", help=words)
     parser.add_argument("--seed", type=int, default=secrets.randbelow(2**31), help="of the draws; default: a new one")
     parser.add_argument("--beside", type=Path, help="sources of another version, which is judged as well")
     parser.add_argument("--out", type=Path, help="JSON file of the rows")
     parser.add_argument("--sheet", type=Path, help="PNG file of the places with the largest errors")
+    parser.add_argument("--images", type=Path, help="folder for the images beside their references")
     options = parser.parse_args()
     print(f"seed {options.seed}", flush=True)
-    device = device_for(options.device)
+    device = options.card = device_for(options.device)
     options.versions = {"this": CHECKOUT} | ({"beside": options.beside.resolve()} if options.beside else {})
-    rows: list[Row] = []
-    places: dict[str, WorstPlace] = {}
-    for case in random_cases(options.looks, options.draws, options.seed):
-        pairs = rows_of(case, options, device)
-        rows += [row for row, _ in pairs]
-        numbers = [1 + place % options.judged for place in range(len(pairs))]
-        named = zip(numbers, pairs, strict=True)
-        places |= {f"{row.case} {number} {row.method} {row.version}": place for number, (row, place) in named}
-        for version in options.versions:
-            print_case([row for row, _ in pairs if row.version == version])
-        if options.out:
-            text = json.dumps({"seed": options.seed, "rows": [asdict(row) for row in rows]}, indent=1)
-            options.out.write_text(text + "\n")
-        if options.sheet:
-            cv2.imwrite(str(options.sheet), sheet(places))
-    for version in options.versions:
-        print_summary([row for row in rows if row.version == version])
+    cases = random_cases(options.looks, options.draws, options.seed)
+    images: list[JudgedImage] = []
+    for judged in judged_cases(cases, options, device):
+        images += judged
+        keep(images, judged, options)
+        for version in dict.fromkeys(image.row.version for image in judged):
+            print_case([image.row for image in judged if image.row.version == version])
+    for version in dict.fromkeys(image.row.version for image in images):
+        print_summary([image.row for image in images if image.row.version == version])
+
+
+def keep(images: list[JudgedImage], new: list[JudgedImage], options: argparse.Namespace) -> None:
+    """Write the files that the options name, after each case, so that a stop loses little."""
+    if options.out:
+        text = json.dumps({"seed": options.seed, "rows": [asdict(image.row) for image in images]}, indent=1)
+        options.out.write_text(text + "\n")
+    if options.sheet and new:
+        cv2.imwrite(str(options.sheet), sheet({named(image.row): image.place for image in images}))
+    if options.images:
+        options.images.mkdir(parents=True, exist_ok=True)
+        for image in new:
+            file = options.images / f"{named(image.row).replace(' ', '_')}.png"
+            cv2.imwrite(str(file), image.shown[..., ::-1])
+
+
+def named(row: Row) -> str:
+    return f"{row.case} {row.number} {row.method} {row.version}"
 
 
 if __name__ == "__main__":

@@ -3,8 +3,9 @@
     python painter.py JOB SETTINGS FOLDER THREADS
 
 Settings: {"kind": "ours", "sampling": fields of `TracingSettings`, "hybrid": fields of `HybridSamples` or null},
-{"kind": "plain", "cycles": properties of Cycles}, {"kind": "passes", "samples": N, "seed": N}, {"kind": "references",
-"samples": N, "seeds": [N, N]}, or {"kind": "chosen"}, which leaves the settings to the measurement of a long run.
+{"kind": "plain", "cycles": properties of Cycles, "each_of": several numbers of samples, if any}, {"kind": "passes",
+"samples": N, "seed": N}, {"kind": "references", "samples": N, "seeds": [N, N]}, {"kind": "chosen"}, which leaves the
+settings to the measurement of a long run, or {"kind": "choice"}, which only measures, on a graphics card.
 """
 
 import sys
@@ -17,9 +18,11 @@ import numpy as np
 from painter_side import Paint, PaintRequest, reply_stream, serve
 
 from blender_scenes.blender_side.loading import load_bpy
+from blender_scenes.render.probe import PROBE, Candidate, ImageErrors, decide, to_json
 from blender_scenes.render.sampling import HybridSamples
-from sensors.camera.response import develop, encode_jpeg
+from sensors.camera.response import develop, encode_jpeg, median_luminance
 from sensors.camera.views import FrameView
+from symolo.core.files.atomic_files import write_file
 from symolo.core.files.exr import read_exr
 
 PASSES = ("Combined", "DiffCol", "DiffDir", "DiffInd", "Normal")
@@ -36,7 +39,7 @@ def main() -> None:
     kind = request.settings["kind"]
     parts = request.settings.get("hybrid")
     sampling_fields = {**request.settings.get("sampling", {}), "hybrid": HybridSamples(**parts) if parts else None}
-    if kind != "chosen":
+    if kind not in {"chosen", "choice"}:
         sampling = replace(request.job.sampling, **sampling_fields)
         request = replace(request, job=replace(request.job, sampling=sampling))
     build.start()
@@ -61,8 +64,34 @@ def _chosen(request: PaintRequest) -> Paint:
     return _painted(request, lambda view, _warm_up: tracer.light(view))
 
 
+def _choice(request: PaintRequest) -> Paint:
+    """Choose as a long run does, with full rendering on a graphics card, and paint nothing.
+
+    Hybrid rendering is measured on the processor. The decision lies in the folder of the images.
+    """
+    import bpy  # noqa: PLC0415 - as above
+
+    from blender_scenes.blender_side.engine import metered_light  # noqa: PLC0415 - as above
+    from blender_scenes.blender_side.measured_images import Probe  # noqa: PLC0415 - as above
+
+    job, cycles = request.job, bpy.context.scene.cycles
+    metered = median_luminance(metered_light(job))
+    probe = Probe(job, request.threads, request.folder, metered, lambda: None)
+
+    def errors(candidate: Candidate) -> ImageErrors:
+        cycles.device = "CPU" if isinstance(candidate, HybridSamples) else "GPU"
+        return probe.errors(candidate)
+
+    decision = decide("", job.sampling.hybrid, errors)
+    write_file(request.folder / PROBE, to_json(decision))
+    return lambda _numbers, _warm_up: {}
+
+
 def _plain(request: PaintRequest) -> Paint:
-    """Return a painter that only lets Cycles render, with the light paths of the job."""
+    """Return a painter that only lets Cycles render, with the light paths of the job.
+
+    Given several numbers of samples, an image has a first axis for them.
+    """
     import bpy  # noqa: PLC0415 - as above
 
     from blender_scenes.blender_side import engine  # noqa: PLC0415 - as above
@@ -71,13 +100,17 @@ def _plain(request: PaintRequest) -> Paint:
     cycles = bpy.context.scene.cycles
     for name, value in request.settings["cycles"].items():
         setattr(cycles, name, value)
+    each_of = request.settings.get("each_of")
     samples = cycles.samples
 
-    def light(view: FrameView, warm_up: bool) -> np.ndarray:  # noqa: FBT001 - as a Paint
-        cycles.seed, cycles.samples = view.number, 1 if warm_up else samples
+    def light(view: FrameView, count: int) -> np.ndarray:
+        cycles.seed, cycles.samples = view.number, count
         return _rgb(_rendered(view, request)) * np.array(view.light_gain, np.float32)
 
-    return _painted(request, light)
+    if each_of:
+        views = {view.number: view for view in request.job.frames}
+        return lambda numbers, _warm_up: {n: np.stack([light(views[n], each) for each in each_of]) for n in numbers}
+    return _painted(request, lambda view, warm_up: light(view, 1 if warm_up else samples))
 
 
 def _painted(request: PaintRequest, light: Callable[[FrameView, bool], np.ndarray]) -> Paint:
@@ -130,7 +163,14 @@ def _references(request: PaintRequest) -> Paint:
     return paint
 
 
-_KINDS = {"ours": _ours, "chosen": _chosen, "plain": _plain, "passes": _passes, "references": _references}
+_KINDS = {
+    "ours": _ours,
+    "chosen": _chosen,
+    "choice": _choice,
+    "plain": _plain,
+    "passes": _passes,
+    "references": _references,
+}
 
 
 def _split(channels: dict[str, np.ndarray]) -> np.ndarray:

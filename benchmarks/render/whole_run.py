@@ -11,8 +11,8 @@ import sys
 from dataclasses import asdict, replace
 
 import numpy as np
-from error_and_time import BLENDERS_DEFAULT
 from painters import Painter
+from plain_loop import BLENDERS_DEFAULT
 from views import LOOKS, job_along_the_line
 
 from blender_scenes.render.sampling import hybrid_samples

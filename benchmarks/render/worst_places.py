@@ -39,9 +39,17 @@ def worst_place(
     crop_w, crop_h = min(_CROP_PX[0], width), min(_CROP_PX[1], height)
     x = int(np.clip(left + k // 2 - crop_w // 2, 0, width - crop_w))
     y = int(np.clip(top + k // 2 - crop_h // 2, 0, height - crop_h))
+    whole = beside_reference(light, references, response, metered)
+    pair = np.hstack([half[y : y + crop_h, x : x + crop_w] for half in np.split(whole, 2, axis=1)])
+    return WorstPlace(float(sums[top, left]) / k**2, pair)
+
+
+def beside_reference(
+    light: FloatImage, references: tuple[FloatImage, FloatImage], response: CameraResponse, metered: float
+) -> np.ndarray:
+    """Return an image (H, 2 W, 3) of the rendering, and of the mean of its references at its right."""
     calm = [develop_part(each, response, metered, None) for each in (light, 0.5 * (references[0] + references[1]))]
-    pair = np.hstack([np.clip(image[y : y + crop_h, x : x + crop_w], 0, 255) for image in calm])
-    return WorstPlace(float(sums[top, left]) / k**2, pair.astype(np.uint8))
+    return np.clip(np.hstack(calm), 0, 255).astype(np.uint8)
 
 
 def sheet(places: dict[str, WorstPlace]) -> np.ndarray:

@@ -1,6 +1,8 @@
-"""The yardsticks of `benchmarks/render`: errors of images, and references to measure against."""
+"""The yardsticks of `benchmarks/render`: errors of images, references to measure against, and costs at equal error."""
 
+import argparse
 import importlib
+import threading
 
 import numpy as np
 import pytest
@@ -54,3 +56,48 @@ def test_a_reference_composed_of_its_passes_is_the_full_image(reference, monkeyp
 def test_a_reference_of_few_samples_is_refused(reference, tmp_path):
     with pytest.raises(ValueError, match="255 samples is too noisy; at least 256"):
         reference.references(None, 255, tmp_path, 1)
+
+
+def test_the_cheapest_plain_loop_has_the_fewest_samples_whose_error_is_no_larger():
+    plain = importlib.import_module("plain_loop")
+    errors = {8: 3.0, 2: 9.0, 4: 5.0}
+    assert [plain.fewest_samples(errors, largest) for largest in (2.9, 3.0, 6.0, 9.0)] == [None, 8, 4, 2]
+
+
+def test_the_start_of_a_run_is_spread_over_200_images():
+    assert importlib.import_module("plain_loop").RunCost(set_up_s=50.0, image_s=1.5).per_image_s == pytest.approx(1.75)
+
+
+@pytest.fixture
+def judge(monkeypatch):
+    """Judges named cases by a function that stands for the rendering."""
+    fresh_draws = importlib.import_module("fresh_draws")
+    views = importlib.import_module("views")
+
+    def judge(judged_case, names, **options):
+        monkeypatch.setattr(fresh_draws, "judged_case", lambda case, _options, _device: judged_case(case.look))
+        cases = [views.RandomCase(name, 1, 7) for name in names]
+        return list(fresh_draws.judged_cases(cases, argparse.Namespace(**options), "CPU"))
+
+    return judge
+
+
+def test_several_cases_are_judged_at_a_time(judge):
+    all_started = threading.Barrier(3, timeout=5)
+
+    def judged(look):
+        all_started.wait()
+        return [look]
+
+    assert sorted(judge(judged, "abc", processes=3, stop_after=None)) == [["a"], ["b"], ["c"]]
+
+
+def test_no_case_starts_late_and_one_that_fails_does_not_stop_the_others(judge, capsys):
+    def judged(look):
+        if look == "a":
+            raise ChildProcessError("Blender died")
+        return [look]
+
+    assert judge(judged, "ab", processes=1, stop_after=60) == [["b"]]
+    assert "a 1: Blender died" in capsys.readouterr().out
+    assert judge(judged, "ab", processes=1, stop_after=0) == [[], []]
