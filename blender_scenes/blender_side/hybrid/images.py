@@ -14,6 +14,7 @@ import numpy as np
 
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
 from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, Passes, lies_on_the_floor
+from blender_scenes.blender_side.hybrid.sunlight import Sunlight, SunlightTracer
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_light import without_noise
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
@@ -95,6 +96,7 @@ class HybridRenderer:
         self._size = camera.width_px, camera.height_px
         self._near, self._far = (_times(self._size, width_px) for width_px in (_NEAR_WIDTH_PX, _FAR_WIDTH_PX))
         self._scenes = HybridScenes(job.scene, scratch)
+        self._sun = SunlightTracer(job.scene, self._scenes, self._samples, self._size, self._near)
         self._denoised, self._denoised_fast = Denoiser(threads, "HIGH"), Denoiser(threads, "BALANCED")
         self._sight = FloorSight(camera, job.frames[0], window(job.shutter, job.camera).row_share)
         self._few, self._many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
@@ -109,6 +111,7 @@ class HybridRenderer:
         surfaces = {name for mesh in floor for name in mesh.face_surface}
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
         across_m, along_m = self._sight.pixel_m()
+        self._light_pixel_m = self._near * self._per_light_pixel(along_m)
         self._slanted = along_m > _STEEP * across_m
         texel_m = _TEXEL_PX * np.maximum(across_m, along_m / _SLANT)
         finest_m = max(float(np.nanmin(texel_m, initial=_MAX_TEXEL_M)), _MIN_TEXEL_M)
@@ -126,11 +129,13 @@ class HybridRenderer:
     def light(self, view: FrameView, seed: int) -> FloatImage:
         """Return the linear light (H, W, 3) of the pinhole image of a view."""
         moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
+        ground = self._per_light_pixel(self._ground(view, MIDDLE))
+        sun = self._sun.traced(view, (seed + 3) % 2**31, (moved, still), ground, self._light_pixel_m)
         # Other random numbers than the light has, or their errors would add up.
         seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
         floor, seen[_ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
-        near = self._near_light(moved, still, seen)
+        near = self._near_light(moved, still, sun, seen)
         share, traced = near[..., :3], near[..., 3:]
         end = self._far_end(cover)
         if end:
@@ -159,15 +164,24 @@ class HybridRenderer:
         lower = {name: np.broadcast_to(np.array(value, np.float32), shape) for name, value in below.items()}
         return {name: np.concatenate([upper[name], rest]) for name, rest in (lower | {"Depth": floor}).items()}
 
-    def _near_light(self, moved: Passes, still: Passes, seen: Passes) -> FloatImage:
+    def _near_light(self, moved: Passes, still: Passes, sun: Sunlight | None, seen: Passes) -> FloatImage:
         """Return (H, W, 10): the ratio of the light with and without what moves, and the channels of `_traced`."""
         traced = self._traced(moved, seen, self._near)
-        without = self._denoised(still["DiffDir"] + still["DiffInd"], reduced(seen["Normal"], self._near))
-        # Both renderings have the same random numbers, so their ratio is exactly 1 where nothing that moves matters.
-        # The offset keeps the ratio defined, and near 1, where there is hardly any light.
-        offset = _MIN_SHARE * np.median(without) + _MIN_LIGHT
-        share = np.clip((traced[..., :3] + offset) / (without + offset), 0, _MAX_SHARE)
-        return _upsampled(np.concatenate([share, traced], axis=-1), seen)
+        normal = reduced(seen["Normal"], self._near)
+        without = self._denoised(still["DiffDir"] + still["DiffInd"], normal)
+        pair = [self._denoised(light, normal) for light in sun.rest] if sun else [traced[..., :3], without]
+        direct_sun = np.maximum(without - pair[1], 0)
+        if sun:
+            direct_sun[sun.where] = sun.still
+        low = np.concatenate([*pair, direct_sun, traced], axis=-1)
+        with_, without, direct_sun, traced = np.split(_upsampled(low, seen), [3, 6, 9], axis=-1)
+        shaded_sun = direct_sun * sun.visible if sun else direct_sun
+        # All renderings with and without what moves have the same random numbers, so their ratio is exactly 1 where
+        # nothing that moves matters. The offset keeps it defined, and near 1, where there is hardly any light. It is a
+        # share of the light without the sun, which alone remains in a shadow.
+        offset = _MIN_SHARE * np.median(low[..., 3:6]) + _MIN_LIGHT
+        share = np.clip((with_ + shaded_sun + offset) / (without + direct_sun + offset), 0, _MAX_SHARE)
+        return np.concatenate([share, traced], axis=-1)
 
     def _far_light(self, view: FrameView, end: float, seed: int, seen: Passes) -> FloatImage:
         """Return (rows, W, 7), the channels of `_traced` for the rows above `end`."""
@@ -208,6 +222,10 @@ class HybridRenderer:
             return 0.0
         rows = max(self._far_floor_rows, _rows_of(cover[..., 0] < _MOSTLY))
         return rows + _BLENDED * self._size[1] if rows else 0.0
+
+    def _per_light_pixel(self, image: FloatImage) -> FloatImage:
+        """Return one value for each pixel of the light image of the whole view."""
+        return image[self._near // 2 :: self._near, self._near // 2 :: self._near]
 
     def _shared_by(self, times: int) -> tuple[int, int]:
         return self._size[0] // times, self._size[1] // times

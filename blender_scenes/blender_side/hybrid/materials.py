@@ -81,6 +81,18 @@ def covering() -> bpy.types.Material:
     return material
 
 
+def matt_white() -> bpy.types.Material:
+    """Return a white material without gloss, texture or relief."""
+    material = bpy.data.materials.new("matt white")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    white = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    white.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    tree.links.new(white.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return material
+
+
 def _principled(material: bpy.types.Material) -> bpy.types.Node:
     (node,) = (node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled")
     return node

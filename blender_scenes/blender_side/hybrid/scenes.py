@@ -21,6 +21,7 @@ from blender_scenes.blender_side.hybrid.materials import (
     as_color,
     covering,
     in_grey,
+    matt_white,
     shining,
     turned,
 )
@@ -72,6 +73,9 @@ class HybridScenes:
         black = covering()
         self._grey_floor = self._dress_floor(self._view, in_grey)
         self._black_floor = self._add_floor(self._view, lambda _: black)
+        white = matt_white()
+        self._white_floor = self._add_floor(self._view, lambda _: white)
+        self._lamps = [item.data for item in bpy.data.objects if item.type == "LIGHT"]
         _add_pass(self._view, COVER)
         self._reflectance = self._scene("reflectance", ())
         self._keep_floor(self._reflectance)
@@ -94,16 +98,32 @@ class HybridScenes:
         `size` is width and height [px]; each pixel is the mean of its square. The first result has the pass `COVER`.
         """
         self._show_light()
-        # Robot and obstacles are moved far away instead of hidden, so that Cycles keeps its data of the scene.
-        place(_without_what_moves(view))
-        without = self._traced(self._view, size, samples, seed, view=view)
-        place(view)
-        return self._traced(self._view, size, samples, seed, view=view), without
+        return self._with_and_without_what_moves(size, samples, seed, view)
+
+    def direct_light(
+        self, size: tuple[int, int], samples: int, seed: int, view: FrameView, *, sun: bool, part: Part | None = None
+    ) -> tuple[FloatImage, FloatImage]:
+        """Return the light that a matt floor has straight from the sun, or from all other lamps, in a part of a view.
+
+        It is returned with and without what moves, as in `light`. The sun is alone, so that its light has no noise
+        but in the narrow borders of shadows.
+        """
+        self._show(self._white_floor, ("diffuse_direct",), filtered=False)
+        self._view.cycles.max_bounces = 0
+        off = {lamp: lamp.energy for lamp in self._lamps if (lamp.type == "SUN") != sun}
+        try:
+            for lamp in off:
+                lamp.energy = 0.0
+            moved, still = self._with_and_without_what_moves(size, samples, seed, view, part)
+        finally:
+            for lamp, energy in off.items():
+                lamp.energy = energy
+        return moved["DiffDir"], still["DiffDir"]
 
     def upper_light(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
         """Return the light in the uppermost rows of an image of a size; call it after `light` of the same view."""
         self._show_light()
-        return self._traced(self._view, size, samples, seed, view=view, rows=rows)
+        return self._traced(self._view, size, samples, seed, view=view, part=Part(0, 0, size[0], rows))
 
     def surfaces(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
         """Return the surfaces in the uppermost rows, with a black floor that is marked by `COVER`.
@@ -111,7 +131,7 @@ class HybridScenes:
         Call it after `light` of the same view.
         """
         self._show_surfaces()
-        return self._traced(self._view, size, samples, seed, view=view, rows=rows)
+        return self._traced(self._view, size, samples, seed, view=view, part=Part(0, 0, size[0], rows))
 
     def reflectance(self, tile: Tile) -> tuple[FloatImage, FloatImage]:
         """Return the floor's reflectance (N, N, 3) in the middle of texels, and `SURFACE_DATA` (N, N, 3) there.
@@ -139,19 +159,31 @@ class HybridScenes:
         return made
 
     def _show_light(self) -> None:
-        cycles = self._view.cycles
-        _swap(self._grey_floor, self._black_floor)
-        _set_passes(self._view, _LIGHT_PASSES)
-        cycles.max_bounces = self._main.cycles.max_bounces
-        cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+        self._show(self._grey_floor, _LIGHT_PASSES, filtered=False)
+        self._view.cycles.max_bounces = self._main.cycles.max_bounces
 
     def _show_surfaces(self) -> None:
-        cycles = self._view.cycles
-        _swap(self._black_floor, self._grey_floor)
-        _set_passes(self._view, _SURFACE_PASSES)
-        cycles.max_bounces = 0
-        cycles.pixel_filter_type = self._main.cycles.pixel_filter_type
-        cycles.filter_width = self._main.cycles.filter_width
+        self._show(self._black_floor, _SURFACE_PASSES, filtered=True)
+        self._view.cycles.max_bounces = 0
+
+    def _show(self, floor: list[bpy.types.Object], passes: tuple[str, ...], *, filtered: bool) -> None:
+        """Show one of the floors, and filter its pixels as those of the final image or by squares."""
+        for objects in (self._grey_floor, self._black_floor, self._white_floor):
+            for item in objects:
+                item.matrix_world = Matrix.Translation((0.0, 0.0, 0.0 if objects is floor else -_AWAY_M))
+        _set_passes(self._view, passes)
+        cycles, final = self._view.cycles, self._main.cycles
+        cycles.pixel_filter_type = final.pixel_filter_type if filtered else "BOX"
+        cycles.filter_width = final.filter_width if filtered else 1.0
+
+    def _with_and_without_what_moves(
+        self, size: tuple[int, int], samples: int, seed: int, view: FrameView, part: Part | None = None
+    ) -> tuple[Passes, Passes]:
+        # Robot and obstacles are moved far away instead of hidden, so that Cycles keeps its data of the scene.
+        place(_without_what_moves(view))
+        without = self._traced(self._view, size, samples, seed, view=view, part=part)
+        place(view)
+        return self._traced(self._view, size, samples, seed, view=view, part=part), without
 
     def _dress_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
         """Replace the floor's objects of a scene by copies with other materials, and return the copies."""
@@ -208,16 +240,16 @@ class HybridScenes:
         seed: int,
         *,
         view: FrameView | None = None,
-        rows: int | None = None,
+        part: Part | None = None,
     ) -> Passes:
-        """Render the uppermost rows, or all, of a view or of what never moves."""
+        """Render a part, or all, of a view or of what never moves."""
         render = scene.render
         render.resolution_x, render.resolution_y = size
         render.use_motion_blur = view is not None and bool(view.exposure)
         scene.cycles.samples, scene.cycles.seed = samples, seed
         render.use_border = False
-        if rows is not None:
-            show_part(render, Part(0, 0, size[0], rows), size)
+        if part is not None:
+            show_part(render, part, size)
         return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
 
 
@@ -225,12 +257,6 @@ def _set_passes(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
     layer = scene.view_layers[0]
     for name in {*_LIGHT_PASSES, *_SURFACE_PASSES}:
         setattr(layer, f"use_pass_{name}", name in passes)
-
-
-def _swap(here: list[bpy.types.Object], away: list[bpy.types.Object]) -> None:
-    for objects, height_m in ((here, 0.0), (away, -_AWAY_M)):
-        for item in objects:
-            item.matrix_world = Matrix.Translation((0.0, 0.0, height_m))
 
 
 def _without_what_moves(view: FrameView) -> FrameView:

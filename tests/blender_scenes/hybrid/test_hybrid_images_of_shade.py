@@ -1,4 +1,7 @@
-"""Light on a floor in the shade: of a sunlit wall, against a full image, and at a wall's foot, in closed form."""
+"""Light on a floor in the shade: of a sunlit wall, against a full image; of the sky, at the foot of a wall, and in the
+shadow of what moves, in closed form."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -58,6 +61,22 @@ HALF_M, ABOVE_M = 15.0, 3.0
 PANEL = (0.0, 0.0, ABOVE_M), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 2 * HALF_M, 2 * HALF_M, (1.0, 1.0, 1.0)
 """A panel above the floor that is nearly an even sky."""
 
+SHARED = Intrinsics(320, 24, 225.0, 225.0, 159.5, 11.5)
+"""Each pixel of its light image is shared by 4 x 4 of its pixels, whose size on the floor is 2 mm."""
+RAIL_M = 0.1
+"""Height of a rail along x that moves across the floor."""
+SUN_ASIDE = Sun((0.0, -0.6, 0.8), (20.0,) * 3, 0.009)
+AT_M = (-0.05, -0.07)
+"""Place of the rail's middle across the view in two views."""
+
+
+def _rail_job() -> RenderJob:
+    job = _job(SUN_ASIDE, (), (LightPanel("sky", *PANEL, seen=False),), HYBRID)
+    (view,) = job.frames
+    views = tuple(replace(view, number=i + 1, moving=((0.4, y_m, 0.0),)) for i, y_m in enumerate(AT_M))
+    rail = block("rail", (0.0, 0.0, 0.5 * RAIL_M), (2.0, 0.02, RAIL_M), "black")
+    return replace(job, scene=replace(job.scene, moving=(rail,)), camera=SHARED, frames=views)
+
 
 @pytest.fixture(scope="module")
 def images(lights_of) -> dict[str, np.ndarray]:
@@ -67,8 +86,9 @@ def images(lights_of) -> dict[str, np.ndarray]:
         "full": _job(LOW_SUN, (WALL, BLIND), (), None),
         "foot": _job(SUN_BEHIND, (THIN,), (LightPanel("sky", *PANEL, seen=False),), HYBRID),
     }
-    lights = lights_of(*((job, 1, [1]) for job in jobs.values()), coarser=2)
-    return {name: light[0].mean(axis=-1) for name, light in zip(jobs, lights, strict=True)}
+    rails = {"rail 1": (_rail_job(), 1, [1]), "rail 2": (_rail_job(), 1, [2]), "rail 2, 1": (_rail_job(), 2, [2, 1])}
+    lights = lights_of(*((job, 1, [1]) for job in jobs.values()), *rails.values(), coarser=2)
+    return {name: light[-1].mean(axis=-1) for name, light in zip([*jobs, *rails], lights, strict=True)}
 
 
 @pytest.mark.parametrize("rows", [slice(14, 20), slice(30, 46)], ids=["far", "near"])
@@ -103,3 +123,42 @@ def test_pixels_that_show_wall_and_floor_have_the_light_of_their_share_of_floor(
     fine = np.arange(16 - 0.5 + 0.5 * step, 24 - 0.5, step)
     expected = step * _light_at_the_foot(fine).sum()
     assert images["foot"][16:24, 24:40].mean(axis=1).sum() == pytest.approx(expected, rel=0.05)
+
+
+# A rail that moves in the sun
+
+
+ACROSS_M = floor_points(SHARED, X_WC, np.column_stack([g.ravel() for g in np.indices((24, 320))[::-1]]))[:, 1]
+ACROSS_M = ACROSS_M.reshape(24, 320)
+"""y of the floor in each pixel of `SHARED`."""
+
+
+@pytest.mark.parametrize("view", [1, 2])
+def test_the_shadow_of_what_moves_ends_as_sharply_as_the_pixels_of_the_image(images, view):
+    """A ray at the angle of the sun over the rail's upper edge ends it; the sun's disc blurs it over 1.4 mm."""
+    image, edge_m = images[f"rail {view}"], AT_M[view - 1] + 0.01 + RAIL_M * 0.6 / 0.8
+    off_px = []
+    for across_m, light in zip(ACROSS_M[4:20], image[4:20], strict=True):
+        lit, shade = (np.median(light[np.abs(across_m - edge_m - beyond_m) < 0.012]) for beyond_m in (0.03, -0.03))
+        near = np.abs(across_m - edge_m) < 0.02
+        share = (light[near] - shade) / (lit - shade)
+        off_px.append(share.sum() - np.count_nonzero(across_m[near] > edge_m))
+        # The pixel's filter and the sun's disc take 1.5 px and 0.7 px from end to end.
+        assert np.count_nonzero((share > 0.1) & (share < 0.9)) <= 2
+    assert np.mean(off_px) == pytest.approx(0.0, abs=0.2)
+
+
+@pytest.mark.parametrize("view", [1, 2])
+def test_the_shadow_of_what_moves_has_the_light_of_the_sky_that_it_leaves(images, view):
+    image, face_m = images[f"rail {view}"], AT_M[view - 1] + 0.01
+    edge_m = face_m + RAIL_M * 0.6 / 0.8
+    away_m = ACROSS_M[4:20] - face_m
+    sky = 0.5 * (HALF_M / np.hypot(HALF_M, ABOVE_M) + away_m / np.hypot(away_m, RAIL_M)) * 0.988
+    for where, sun in ((slice(-0.03, -0.01), 0.0), (slice(0.01, 0.03), 20.0 * 0.8 / np.pi)):
+        at = (ACROSS_M[4:20] > edge_m + where.start) & (ACROSS_M[4:20] < edge_m + where.stop)
+        expected = FLOOR_REFLECTANCE * (sky[at] + sun)
+        assert image[4:20][at].mean() == pytest.approx(expected.mean(), rel=0.04)
+
+
+def test_a_view_with_a_sharp_shadow_does_not_depend_on_threads_and_other_views(images):
+    assert (images["rail 1"] == images["rail 2, 1"]).all()
