@@ -15,6 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from blender_scenes.blender_side.build import ROBOT, moving_name
+from blender_scenes.blender_side.hybrid.joints import MaterialJoints
 from blender_scenes.blender_side.hybrid.materials import (
     COVER,
     SURFACE_DATA,
@@ -81,7 +82,9 @@ class HybridScenes:
         self._keep_floor(self._reflectance)
         names = dict.fromkeys(material.name for item in self._floor for material in item.data.materials)
         numbers = {name: number for number, name in enumerate(names)}
-        self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
+        dressed = self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
+        shown = {slot.material.name: slot.material for item in dressed for slot in item.material_slots}
+        self._joints = MaterialJoints(shown.values())
         self._reflectance.cycles.filter_width = _MIN_FILTER_PX
         _add_pass(self._reflectance, SURFACE_DATA)
         self._irradiance = self._scene("irradiance", _FLOOR_PASSES)
@@ -138,6 +141,7 @@ class HybridScenes:
 
         Rows are along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
         """
+        self._joints.fit(tile.texel_m)
         passes = self._from_above(self._reflectance, tile, 1, 0, GRID_TURN_RAD)
         return passes["Combined"][::-1], passes[SURFACE_DATA][::-1]
 
