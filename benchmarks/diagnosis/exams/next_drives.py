@@ -27,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.diagnosis.exams.next_trials import lines_of_groups, read, state
+from benchmarks.diagnosis.exams.next_trials import fill, lines_of_groups, read, state
 from benchmarks.diagnosis.independent_cases.case import deal_cases, draw_case
 from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 from benchmarks.diagnosis.independent_cases.drives.paths import commands
@@ -150,17 +150,14 @@ def write_first(folder: Path, cases: int, seed: int, number: int) -> None:
     write_case(folder, first_drive(setting, rng).produce(variant, rng))
 
 
-def fill(trial: Path, cases: int, seed: int, number: int) -> None:
-    """Drive the commands of a designed trial with the robot of a case, from the first pose of its path.csv."""
+def drive_files(trial: Path, cases: int, seed: int, number: int) -> object:
+    """Return the files of a designed drive with the robot of a case, from the first pose of its path.csv."""
     setting, variant, _ = drawn_case(cases, seed, number)
     (only,) = read_measurement(trial, IMPORTERS).trials
     script = np.stack([only[name].values for name in ("v_cmd_m_s", "w_cmd_rad_s")], axis=1)
     path = np.genfromtxt(trial.parent / "path.csv", delimiter=",", names=True)
     start = np.array([path[name][0] for name in ("x_m", "y_m", "theta_rad")])
-    files = driven(setting, script, start, number).produce(variant, stream(seed, number, "fill"))
-    with tempfile.TemporaryDirectory() as folder:
-        write_case(Path(folder), files)
-        (trial / "data.csv").write_bytes((Path(folder) / "data.csv").read_bytes())
+    return driven(setting, script, start, number).produce(variant, stream(seed, number, "fill"))
 
 
 def table(results: list[dict]) -> Iterator[str]:
@@ -193,7 +190,7 @@ def main() -> None:
         if args.first:
             write_first(args.first, args.cases, args.seed, args.number)
         if args.fill:
-            fill(args.fill, args.cases, args.seed, args.number)
+            fill(args.fill, drive_files(args.fill, args.cases, args.seed, args.number))
         return
     results = []
     for result in exam(args.cases, args.seed, args.seconds, args.effects):

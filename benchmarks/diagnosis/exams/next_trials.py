@@ -166,13 +166,17 @@ def exam(kind: str, cases: int, seed: int) -> Iterator[dict]:
             yield result
 
 
-def fill(trial: Path, kind: str, cases: int, seed: int, number: int) -> None:
-    """Fill the readings of a designed trial from the robot of a case; `number` counts from 1."""
+def trial_files(trial: Path, kind: str, cases: int, seed: int, number: int) -> object:
+    """Return the files of a designed trial, measured with the robot of a case; `number` counts from 1."""
     category, names, rng = list(deal_cases(kind, cases, seed))[number - 1]
     drawn, _ = draw_case(KINDS[kind], category, names, rng)
     variant = variant_of(drawn.sized)
     inputs = inputs_of(read_measurement(trial, IMPORTERS))
-    files = measured(drawn.setting, inputs).produce(variant, stream(seed, number, "fill"))
+    return measured(drawn.setting, inputs).produce(variant, stream(seed, number, "fill"))
+
+
+def fill(trial: Path, files: object) -> None:
+    """Fill the data.csv of a designed trial with that of the files of the generator."""
     with tempfile.TemporaryDirectory() as folder:
         write_case(Path(folder), files)
         (trial / "data.csv").write_bytes((Path(folder) / "data.csv").read_bytes())
@@ -222,7 +226,7 @@ def main() -> None:
     parser.add_argument("--number", type=int, default=1, help="case whose robot is measured, from 1")
     args = parser.parse_args()
     if args.fill:
-        fill(args.fill, args.kind, args.cases, args.seed, args.number)
+        fill(args.fill, trial_files(args.fill, args.kind, args.cases, args.seed, args.number))
         return
     results = []
     for result in exam(args.kind, args.cases, args.seed):
