@@ -71,7 +71,9 @@ class KnownPredictions:
         keys = [_key(robot, self._parts, self._slots) for robot in robots]
         new = {key: robot for key, robot in zip(keys, robots, strict=True) if key not in self._known}
         if new:
-            self._known.update(zip(new, self._predict(list(new.values())), strict=True))
+            # A view of one robot's prediction would keep the whole batch in memory after the others are forgotten.
+            predictions = (prediction.copy() for prediction in self._predict(list(new.values())))
+            self._known.update(zip(new, predictions, strict=True))
         predictions = np.stack([self._known[key] for key in keys])
         excess = len(self._known) - max(1, self._max_bytes // max(1, predictions[0].nbytes))
         for key in list(self._known)[: max(0, excess)]:

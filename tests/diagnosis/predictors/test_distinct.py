@@ -1,3 +1,5 @@
+import weakref
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,20 @@ def test_the_oldest_predictions_are_forgotten_when_memory_is_short(robot):
     assert stage.of(several[1:])[:, 1].tolist() == [0.2, 0.3]
     assert stage.of(several[:1])[:, 1].tolist() == [0.1]
     assert batches == [3, 1]
+
+
+def test_a_batch_does_not_stay_in_memory_with_the_one_prediction_that_is_kept(robot):
+    """200 predictions of 16 bytes are one array of 3200 bytes; with room for one of them, 16 bytes may stay."""
+    batches = []
+
+    def predict(robots):
+        batch = sags(robots)
+        batches.append(weakref.ref(batch))
+        assert batch.nbytes == 3200
+        return batch
+
+    stage = KnownPredictions((), {Slot.SUPPLY}, predict, max_bytes=16)
+    ohms = np.linspace(0.001, 0.2, 200)
+    several = [robot.with_effect(SupplySag(source_resistance_ohm=ohm)) for ohm in ohms.tolist()]
+    assert stage.of(several)[:, 1].tolist() == ohms.tolist()
+    assert all(batch() is None for batch in batches)
