@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,20 @@ from symolo.arena.geometry import Arena
 from symolo.core.geometry.lens import NO_DISTORTION, Coefficients
 from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
+_RENDER = """
+import json, sys, tempfile
+from pathlib import Path
+from types import SimpleNamespace
+from blender_scenes.blender_side.__main__ import _render
+from blender_scenes.blender_side.loading import load_bpy
+from blender_scenes.render.protocol import RenderRequest
+load_bpy(1)
+nobody = SimpleNamespace(send=lambda message: None)
+for request in json.load(sys.stdin):
+    with tempfile.TemporaryDirectory() as scratch:
+        _render(RenderRequest.model_validate(request), nobody, Path(scratch))
+"""
+"""What a Blender process does for one job, for several in one process: most of a small image's time is its start."""
 _SHIPPED = Path(configs.__file__).parent
 
 
@@ -157,3 +171,29 @@ def lights_of() -> Callable[..., list[np.ndarray]]:
         return _lights(orders, near_width_px, coarser)
 
     return traced
+
+
+@pytest.fixture(scope="session")
+def images_of() -> Callable[[Mapping[Path, RenderJob]], None]:
+    """Renders the images of jobs in one Blender process, below `images` in the folder of each job."""
+
+    def rendered(jobs: Mapping[Path, RenderJob]) -> None:
+        requests = []
+        for folder, job in jobs.items():
+            (folder / "images").mkdir()
+            (folder / "job.json").write_text(job.to_json())
+            requests.append(
+                {
+                    "work": "images",
+                    "job_path": str(folder / "job.json"),
+                    "folder": str(folder / "images"),
+                    "numbers": [view.number for view in job.frames],
+                    "threads": 1,
+                }
+            )
+        done = subprocess.run(
+            [sys.executable, "-c", _RENDER], input=json.dumps(requests).encode(), capture_output=True, check=False
+        )
+        assert done.returncode == 0, done.stderr.decode()[-2000:]
+
+    return rendered

@@ -136,7 +136,8 @@ def test_another_look_is_rendered_again_but_not_simulated(dataset, copy_of, symo
     out = copy_of(dataset, stages=True)
     trajectory = out / ".stages/simulate/CW/test_1/trajectory.npz"
     before = trajectory.stat().st_mtime_ns
-    sunny = [*tiny, ONE_ROUTE, "--set", "look.sun.elevation_deg=70", "--set", "look.sun.illuminance_klx=60"]
+    sun = ("look.sun.elevation_deg=70", "look.sun.illuminance_klx=60")
+    sunny = [*tiny, ONE_ROUTE, "--workers=1", *(f"--set={setting}" for setting in sun)]
     ended = symolo("release", "smoke", "--out", out, *sunny)
     assert ended.code == 0
     assert "simulate: 1 of 1 run done before" in ended.err
@@ -157,7 +158,7 @@ def test_a_damaged_image_in_the_stages_and_the_release_is_made_again(dataset, co
         data = bytearray(damaged.read_bytes())
         data[len(data) // 2] ^= 1
         damaged.write_bytes(data)
-    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert symolo("release", "smoke", "--out", out, *tiny, "--workers", 1).code == 0
     assert release_of(out) == release_of(dataset)
 
 
@@ -285,7 +286,7 @@ def test_a_release_without_its_stages_is_made_again(dataset, copy_of, tmp_path, 
     metadata["runs"] += [{**metadata["runs"][0], "run": run} for run in ("CW/test_2", "../test_1")]
     (out / "metadata.json").write_text(json.dumps(metadata))
     shutil.copytree(out / "CW/test_1", out / "CW/test_2")
-    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert symolo("release", "smoke", "--out", out, *tiny, "--workers", 1).code == 0
     assert release_of(out) == release_of(dataset)
     assert (tmp_path / "test_1").is_dir()
 

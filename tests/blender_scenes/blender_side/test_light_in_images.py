@@ -1,15 +1,12 @@
 """Cycles' light against closed forms, and the exposure of the shipped looks."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.render.job import FramePose, build_job
-from blender_scenes.render.renderer import render_job
+from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.scene.description import LightPanel, Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface
@@ -103,23 +100,21 @@ def test_the_sky_lights_nothing_because_its_windows_do(radiances):
 
 
 @pytest.fixture(scope="module")
-def seen_in_looks(arena, robot, tmp_path_factory) -> dict[str, list[np.ndarray]]:
-    """Grey images from three places in one draw of each shipped look, two looks at a time."""
+def seen_in_looks(arena, robot, images_of, tmp_path_factory) -> dict[str, list[np.ndarray]]:
+    """Grey images from three places in one draw of each shipped look."""
 
-    def seen(look: str, folder: Path) -> list[np.ndarray]:
+    def job_of(look: str) -> RenderJob:
         config, _ = draw_look(load_section("look", look, ["look.camera.exposure_time_s=0"]), 7, "exposure", 1)
         poses = [(0.55, -0.60, 90), (-0.60, 0.78, 182), (0.30, -1.04, 15)]
         frames = [FramePose(i + 1, 0.2 * i, x, y, float(np.radians(yaw))) for i, (x, y, yaw) in enumerate(poses)]
-        job = build_job(arena, robot, config, Render(width_px=96, height_px=72, samples=2), frames, seed=1)
-        (folder / "job.json").write_text(job.to_json())
-        files = render_job(folder / "job.json", folder / "images", threads=1).files
-        return [cv2.imread(str(folder / "images" / file.file), cv2.IMREAD_GRAYSCALE) for file in files]
+        return build_job(arena, robot, config, Render(width_px=96, height_px=72, samples=2), frames, seed=1)
 
-    names = list(shipped_names("look"))
-    # Here, for the factory itself is not for several threads: the first in a worker empties its folder.
-    folders = [tmp_path_factory.mktemp(name) for name in names]
-    with ThreadPoolExecutor(2) as pool:
-        return dict(zip(names, pool.map(seen, names, folders), strict=True))
+    folders = {look: tmp_path_factory.mktemp(look) for look in shipped_names("look")}
+    images_of({folder: job_of(look) for look, folder in folders.items()})
+    return {
+        look: [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in sorted((folder / "images").iterdir())]
+        for look, folder in folders.items()
+    }
 
 
 @pytest.mark.parametrize("look", shipped_names("look"))

@@ -4,7 +4,6 @@ The arena's own edges are projected through the camera model and compared with t
 0.3 px, is mostly the shade beside a tape 0.13 mm thick; with surfaces that shine by themselves it is 0.02 to 0.1 px.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +12,6 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
-from blender_scenes.render.renderer import render_job
 from configs.schema.appearance.floors import FloorLook
 from configs.schema.appearance.look import CameraLook, LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import LensDistortion
@@ -33,6 +31,7 @@ TAPE = LookConfig(
 PAINT = TAPE.model_copy(update={"line": "paint", "line_paint": LinePaintLook(wear=0)})
 CASES = [("tape", 0), ("tape", 1), ("tape", 2), ("tape", 3), ("tape", 4), ("paint", 2)]
 """Kind of line and pose; of paint one with a straight and an arc."""
+LENS = LensDistortion(k1=-0.28, k2=0.09, p1=0.001, p2=-0.002)
 _REACH_PX = 6
 
 
@@ -64,27 +63,24 @@ Drive = tuple[int, float, float, float]
 """Image number, x [m], y [m], yaw [deg]."""
 
 
-def _rendered(folder: Path, arena, robot, look: LookConfig, drives: list[Drive]) -> tuple[RenderJob, Path]:
+def _job(arena, robot, look: LookConfig, drives: list[Drive]) -> RenderJob:
     poses = [FramePose(number, 0.2 * number, x, y, float(np.radians(yaw))) for number, x, y, yaw in drives]
-    job = build_job(arena, robot, look, Render(width_px=640, height_px=480, samples=1), poses, seed=3)
-    (folder / "job.json").write_text(job.to_json())
-    render_job(folder / "job.json", folder / "images", threads=2)
-    return job, folder / "images"
+    return build_job(arena, robot, look, Render(width_px=640, height_px=480, samples=1), poses, seed=3)
 
 
 @pytest.fixture(scope="module")
-def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
-    """A job and its images by the kind of line, made side by side."""
-
-    def made(look: LookConfig, folder: Path) -> tuple[RenderJob, Path]:
-        drives = [(i + 1, *POSES[i]) for line, i in CASES if line == look.line]
-        return _rendered(folder, arena, robot, look, drives)
-
-    looks = TAPE, PAINT
-    # Here, for the factory itself is not for several threads: the first in a worker empties its folder.
-    folders = [tmp_path_factory.mktemp(look.line) for look in looks]
-    with ThreadPoolExecutor(len(looks)) as pool:
-        return {look.line: own for look, own in zip(looks, pool.map(made, looks, folders), strict=True)}
+def frames(tmp_path_factory, arena, robot, images_of) -> dict[str, tuple[RenderJob, Path]]:
+    """A job and its images by the kind of line, and of tape behind a lens."""
+    moved = {"distortion": LENS, "principal_point_right_mm": 1.5, "principal_point_down_mm": -1.0}
+    behind = robot.model_copy(update={"camera": robot.camera.model_copy(update=moved)})
+    jobs = {
+        look.line: _job(arena, robot, look, [(i + 1, *POSES[i]) for line, i in CASES if line == look.line])
+        for look in (TAPE, PAINT)
+    }
+    jobs["behind a lens"] = _job(arena, behind, TAPE, [(1, *POSES[2])])
+    folders = {name: tmp_path_factory.mktemp("frames") for name in jobs}
+    images_of({folders[name]: job for name, job in jobs.items()})
+    return {name: (job, folders[name] / "images") for name, job in jobs.items()}
 
 
 def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
@@ -125,12 +121,9 @@ def test_the_line_in_the_image_lies_where_the_sensor_reads_it(frames, arena, lin
     assert np.abs(errors).mean() < 0.4
 
 
-def test_the_line_lies_there_behind_a_lens_too(tmp_path, arena, robot):
+def test_the_line_lies_there_behind_a_lens_too(frames, arena):
     """Its axis off the middle, and an arc, so that the line is bent and nowhere only displaced along itself."""
-    lens = LensDistortion(k1=-0.28, k2=0.09, p1=0.001, p2=-0.002)
-    moved = {"distortion": lens, "principal_point_right_mm": 1.5, "principal_point_down_mm": -1.0}
-    behind = robot.model_copy(update={"camera": robot.camera.model_copy(update=moved)})
-    job, images = _rendered(tmp_path, arena, behind, TAPE, [(1, *POSES[2])])
+    job, images = frames["behind a lens"]
     errors = _errors(job, images, arena, 0)
     assert len(errors) >= 40
     assert np.abs(errors).mean() < 0.4

@@ -21,6 +21,8 @@ TOP = {"README.md", "bag-info.txt", "manifest-sha256.txt", "metadata.json", "tag
 SIDE = ("side/camera.csv", "side/intrinsics.json", "side/scene.json")
 """Of the images themselves."""
 SMALL = ("--set", "render.width_px=32", "--set", "render.height_px=24", "--set", "render.samples=1")
+ALONE = ("--workers", "1")
+"""One process of Python and one of Blender, where a test is not about several."""
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -40,7 +42,7 @@ def without_pybullet(dataset, tmp_path_factory):
 def again(dataset, tmp_path_factory):
     """CW/test_1 under its own look, read only."""
     out = tmp_path_factory.mktemp("again") / "out"
-    assert main(["rerender", str(dataset / RUN), "--look", "classroom", "--out", str(out)]) == 0
+    assert main(["rerender", str(dataset / RUN), "--look", "classroom", "--out", str(out), *ALONE]) == 0
     return out
 
 
@@ -53,7 +55,7 @@ def elsewhere(dataset, tmp_path_factory):
         (here / package / "__init__.py").write_text("raise SystemExit('not ours')\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(here)
-        assert main(["rerender", str(dataset), "--look", "lab", "--out", "out", *SMALL]) == 0
+        assert main(["rerender", str(dataset), "--look", "lab", "--out", "out", *SMALL, *ALONE]) == 0
     return here / "out"
 
 
@@ -102,7 +104,7 @@ def test_a_part_of_the_runs_is_chosen_by_a_pattern(dataset, prepared):
 
 def test_a_run_that_is_simulated_only_is_rendered(dataset, tmp_path, symolo):
     out = tmp_path / "other"
-    arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", "--look", "lab", *SMALL, "--workers", 1)
+    arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", "--look", "lab", *SMALL, *ALONE)
     arguments = (*arguments, "--out", out)
     assert symolo(*arguments, "--set", "render.annotations=[semantic]").code == 0
     assert symolo("verify", out).code == 0
@@ -136,7 +138,7 @@ def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo):
     foreign = tmp_path / "elsewhere.csv"
     foreign.write_text("\n".join([header, *(",".join(row) for row in cells)]) + "\n")
     out = tmp_path / "out"
-    arguments = ("rerender", foreign, "--look", "classroom", "--camera-hz", 5, "--out", out, *SMALL)
+    arguments = ("rerender", foreign, "--look", "classroom", "--camera-hz", 5, "--out", out, *SMALL, *ALONE)
     assert symolo(*arguments).code == 0
     assert symolo("verify", out).code == 0
     run = out / "imported/test_1"

@@ -22,7 +22,7 @@ def run(dataset):
 
 def test_the_first_draw_is_the_runs_own_and_each_draw_has_a_route(run, tmp_path, symolo):
     out = tmp_path / "looks"
-    arguments = ("rerender", run, "--looks", "classroom", "--draws", 2, "--out", out)
+    arguments = ("rerender", run, "--looks", "classroom", "--draws", 2, "--out", out, "--workers", 1)
     ended = symolo(*arguments)
     assert ended.code == 0
     assert f"rerender: 2 of 2 runs, in {out}" in ended.out
