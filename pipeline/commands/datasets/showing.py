@@ -172,9 +172,14 @@ def report(
     folder: Dataset,
     *,
     out: Annotated[
-        Path,
-        typer.Option("--out", metavar="FILE", callback=new_file_check(".html"), help="Page to write, .html."),
-    ],
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            callback=if_given(new_file_check(".html")),
+            help="Page to write, .html; by default it is named after the dataset, such as smoke-report.html.",
+        ),
+    ] = None,
     runs: Runs = None,
     detail: Annotated[
         int,
@@ -193,11 +198,12 @@ def report(
     from symolo.core.progress import plural, report_here
     from symolo.report.build import release_report
 
+    place = out or new_file_check(".html")(Path(f"{folder.absolute().name}-report.html"))
     with checked_runs(folder, runs) as data:
         page = release_report(data, detail, report_here())
         count = plural(len(data), "run")
-    write_file(out, page)
-    typer.echo(f"{out}: {count}, {len(page) / 1e6:.1f} MB")
+    write_file(place, page)
+    typer.echo(f"{place}: {count}, {len(page) / 1e6:.1f} MB")
 
 
 def contact_sheet(

@@ -1,5 +1,7 @@
 """`symolo report` refuses what it cannot do before it writes."""
 
+from pathlib import Path
+
 
 def one_line(ended) -> str:
     assert (ended.code, ended.err.count("\n")) == (2, 1)
@@ -32,6 +34,18 @@ def test_only_the_runs_that_were_asked_for(painted, tmp_path, symolo):
     html = out.read_text()
     assert "This page shows only these runs, out of 3 in the release." in html
     assert "CW/test_2" not in html.partition('id="provenance"')[0].replace("CCW/", "")
+
+
+def test_without_out_the_page_is_named_after_the_dataset(painted, tmp_path, symolo, monkeypatch):
+    root = painted()
+    name = f"{root.name}-report.html"
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("symolo.report.build.release_report", lambda *_: b"page")
+    assert symolo("report", root).out.startswith(f"{name}: 3 runs, ")
+    assert Path(name).read_bytes() == b"page"
+    Path(name).unlink()
+    Path(name).mkdir()
+    assert f"--out: got '{name}'" in one_line(symolo("report", root))
 
 
 def test_what_ends_midway_leaves_the_page_that_was_there(painted, tmp_path, symolo, monkeypatch):
