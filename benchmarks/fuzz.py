@@ -57,6 +57,7 @@ NAMES = (
     "drawing",
     "rosbag",
     "urdf",
+    "model",
 )
 
 

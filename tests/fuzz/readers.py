@@ -46,7 +46,7 @@ from symolo.reader.dataset import load
 from symolo.signing.minisign import PublicKey, Signature
 from symolo.storage.download import Remote, download
 from symolo.verification.verify import verify
-from tests.fuzz import rosbag_reader, shape_readers
+from tests.fuzz import model_reader, rosbag_reader, shape_readers
 from tests.fuzz.guard import Read
 
 CORPUS = Path(__file__).parent / "corpus"
@@ -381,5 +381,6 @@ READERS = {
         Reader("drawing", shape_readers.drawings, shape_readers.drawing_reader),
         Reader("rosbag", rosbag_reader.bags, rosbag_reader.bag_reader),
         Reader("urdf", shape_readers.robots, shape_readers.robot_reader),
+        Reader("model", model_reader.models, model_reader.model_reader),
     )
 }
