@@ -91,6 +91,8 @@ class Observed:
     is_series: bool = True
     """Whether successive rows follow each other in time. The rows of a sweep are separate states: what neighbours have
     in common is misfit, and never correlated noise."""
+    samples: str = "rows"
+    """What the samples are, in the plural: the rows of the log, a part of them, or windows of several rows."""
     is_state: Mask | None = None
     """(n,), samples of which only a state is known, such as that a motor stands still. Their residual is what the state
     says against the model, and no error in the unit of the quantity. None if there are none."""

@@ -85,7 +85,8 @@ class LineReadings:
         self._rows = np.arange(rows)
         reflectance = by_other_rows(self._expected(nominal).mean, trial_of_rows(measurement))
         self._known.clear()
-        self._rows = np.arange(0, rows, max(1, -(-rows // MAX_ROWS)))
+        step = max(1, -(-rows // MAX_ROWS))
+        self._rows = np.arange(0, rows, step)
         trial = trial_of_rows(measurement)[self._rows]
         self._runs = [np.flatnonzero(trial == number) for number in np.unique(trial).tolist()]
         holdout = joined(t.holdout for t in measurement.trials)[self._rows]
@@ -109,6 +110,7 @@ class LineReadings:
                 holdout=holdout,
                 usable=usable[:, k],
                 covariates=(Covariate("reflectance", reflectance[self._rows, k]), Covariate("t_s", t_s)),
+                samples="rows" if step == 1 else f"rows, one of {step} successive ones,",
             )
             for k, (name, column) in enumerate(LINE_READINGS.items())
         )

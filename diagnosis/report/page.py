@@ -11,7 +11,7 @@ from diagnosis.report import dataset_comparison, engines, verdict
 from diagnosis.report.matrix import matrix_rows
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences import discovered, quantities
-from diagnosis.report.sentences.compared import quantity_rows, source_text
+from diagnosis.report.sentences.compared import quantity_rows, rows_sentence, source_text
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.predictive import predictive_sentence
 from diagnosis.report.sentences.rows import too_large
@@ -42,6 +42,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         gain_sentences=verdict.gain_sentences(data),
         measured=source_text(diagnosis.measurement),
         stages=", ".join(stage.name for stage in diagnosis.evidence.stages),
+        rows_sentence=rows_sentence(diagnosis.measurement, diagnosis.evidence),
         quantity_rows=quantity_rows(diagnosis.evidence),
         misfit=[(observed.name, covariates.get(observed.name)) for observed in diagnosis.evidence.observed],
         effects=[

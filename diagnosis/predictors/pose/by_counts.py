@@ -298,6 +298,7 @@ class Pose:
                 holdout=holdout,
                 usable=usable,
                 covariates=covariates,
+                samples=f"windows of {WINDOW} rows, of which one begins at every {STRIDE}th row,",
             )
             for k, (name, unit) in enumerate(COMPONENTS)
         )

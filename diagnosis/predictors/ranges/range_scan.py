@@ -62,6 +62,7 @@ class RangeScan:
             covariates=(Covariate("from_middle_m", 1e-3 * off_mm),),
             noise_is_stated=False,
             is_series=False,
+            samples="points from the middle of the object to one side, each of which has several rows,",
         )
         self.observed: tuple[Observed, ...] = (observed,)
 

@@ -8,6 +8,7 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import timing
+from diagnosis.report.verdict import listed
 
 _MAX_FILES = 4
 
@@ -29,6 +30,21 @@ def _rate(measurement: Measurement) -> str:
         return "The times of the rows are not known."
     rate = float(np.median(rates))
     return f"{rate:.3g} rows per second." if rate >= 1.0 else f"One row every {1.0 / rate:.3g} s."
+
+
+def rows_sentence(measurement: Measurement, evidence: Evidence) -> str:
+    """Return how the samples of each quantity follow from the rows of the log, and why some of them are unusable."""
+    rows = sum(len(trial.t_s) for trial in measurement.trials)
+    names: dict[tuple[int, str], list[str]] = {}
+    for observed in evidence.observed:
+        names.setdefault((len(observed.values), observed.samples), []).append(observed.name)
+    parts = [f"{count} {samples} of {listed(of)}" for (count, samples), of in names.items()]
+    return (
+        f"Of the {rows} rows of the log, the table counts {'; '.join(parts)}: each is fitted, held out, or unusable "
+        "because the quantity or an input of its prediction has no good value there, because the prediction is "
+        "ambiguous, such as near an edge or at the voltage at which a motor starts, or because it is the same for any "
+        "robot, such as without a voltage."
+    )
 
 
 def quantity_rows(evidence: Evidence) -> Iterator[tuple[str, ...]]:
