@@ -8,7 +8,6 @@ import pytest
 
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.light_paths import LIGHT_PATHS
-from blender_scenes.render.renderer import render_job
 from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import LightPanel, Mesh, Point3, Scene, Sky
 from blender_scenes.scene.meshes import block, floor
@@ -17,7 +16,6 @@ from blender_scenes.scene.solids import lathe
 from configs.schema.appearance.look import CameraLook
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import FrameView
-from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.geometry.pinhole import Intrinsics
 from symolo.dataset.layout import frame_name
 
@@ -199,19 +197,18 @@ def test_a_mirror_lights_the_floor_like_a_lamp_behind_it_if_caustics_are_followe
     assert lights["complete"]["lamp in a mirror above"].mean() == pytest.approx(behind, rel=0.03)
 
 
-def test_sixty_four_times_the_light_gives_the_same_image(tmp_path):
+def test_sixty_four_times_the_light_gives_the_same_image(images_of, tmp_path):
     """The limit on the light of a path follows the exposure: one in fixed units would darken the brighter scene."""
     wall = block("wall", (0.8, 0.0, 0.5), (0.1, 2.0, 1.0), "0.8")
-    images = []
+    jobs = {}
     for times in (1.0, 64.0):
         scene = _scene((_floor(1.0, "0.5"), wall), _panel(1.0, 0.3, times))
-        job = _job(scene, FrameView(1, 0.0, (50.0, 50.0, 0.0), AHEAD))
         folder = tmp_path / str(times)
-        make_folder(folder)
-        write_file(folder / "job.json", job.to_json().encode())
-        render_job(folder / "job.json", folder / "images")
-        images.append((folder / "images" / frame_name(1)).read_bytes())
-    assert images[0] == images[1]
+        folder.mkdir()
+        jobs[folder] = _job(scene, FrameView(1, 0.0, (50.0, 50.0, 0.0), AHEAD))
+    images_of(jobs)
+    one, other = ((folder / "images" / frame_name(1)).read_bytes() for folder in jobs)
+    assert one == other
 
 
 def _job(scene: Scene, view: FrameView) -> RenderJob:

@@ -15,6 +15,8 @@ import pytest
 from blender_scenes.render import renderer
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import RenderError, render_job
+from blender_scenes.scene.meshes import floor
+from blender_scenes.scene.shading import Color, Surface
 from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.core.errors import EnvironmentLacking
@@ -26,6 +28,14 @@ SMALL = Render(width_px=80, height_px=60, samples=2)
 @pytest.fixture(scope="module")
 def job(arena, robot) -> RenderJob:
     return build_job(arena, robot, LookConfig(name="plain"), SMALL, FRAMES, seed=5)
+
+
+@pytest.fixture(scope="module")
+def simple_job(job) -> RenderJob:
+    """The same of a bare floor: for what does not depend on the scene, of which Blender takes a second to build."""
+    ground = floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "floor")
+    surfaces = (Surface("floor", Color((0.5, 0.5, 0.5))),)
+    return replace(job, scene=replace(job.scene, surfaces=surfaces, meshes=(ground,), robot=()))
 
 
 def _written(job: RenderJob, folder: Path) -> Path:
@@ -91,8 +101,9 @@ def test_a_frame_that_the_job_has_not_is_refused_before_any_work(job, tmp_path):
     assert not (tmp_path / "images").exists()
 
 
-def test_a_failure_inside_blender_comes_with_the_end_of_its_log(job, tmp_path):
-    lost = replace(job, scene=replace(job.scene, sky=replace(job.scene.sky, panorama="nowhere")))
+def test_a_failure_inside_blender_comes_with_the_end_of_its_log(simple_job, tmp_path):
+    scene = replace(simple_job.scene, sky=replace(simple_job.scene.sky, panorama="nowhere"))
+    lost = replace(simple_job, scene=scene)
     with pytest.raises(RenderError, match=r"nowhere\.exr[\s\S]*last lines of its log"):
         render_job(_written(lost, tmp_path), tmp_path / "images")
 
@@ -196,9 +207,9 @@ def _wait_for(condition) -> None:
     raise AssertionError("waited 20 s in vain")
 
 
-def test_nothing_of_a_child_is_left_in_the_temporary_folder(job, tmp_path, monkeypatch):
+def test_nothing_of_a_child_is_left_in_the_temporary_folder(simple_job, tmp_path, monkeypatch):
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
-    render_job(_written(job, tmp_path), tmp_path / "images", numbers=[1])
+    render_job(_written(simple_job, tmp_path), tmp_path / "images", numbers=[1])
     assert list(scratch.iterdir()) == []
