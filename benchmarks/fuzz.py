@@ -2,11 +2,11 @@
 
     python benchmarks/fuzz.py [READER ...] [--seconds 60] [--processor] [--seed 0] [--keep DIR] [--corpus DIR]
 
-Each reader runs in a child that may take 2 s of the processor for an input and 500 MB more memory than at its start. A
-reader fails if it takes more, crashes, or raises anything but the errors of the project, which are one line. Each
-failing input is made shorter and saved, one for each fault of the code. Where atheris is installed (`pip install
-atheris`), it measures which lines of our code an input reaches and keeps inputs that reach new ones, with `--corpus`
-for the next command too; without atheris, an input is kept that is refused for another reason than all before.
+Each reader runs in a child that may take 2 s of the processor and 500 MB more memory for an input. A reader fails if it
+takes more, crashes, or raises anything but the errors of the project, which are one line. Each failing input is made
+shorter and saved, one for each fault of the code. Where atheris is installed (`pip install atheris`), it measures which
+lines of our code an input reaches and keeps inputs that reach new ones, with `--corpus` for the next command too;
+without atheris, an input is kept that is refused for another reason than all before.
 """
 
 import argparse

@@ -19,7 +19,7 @@ from symolo.core.files.image_decoder import decode_images
 SECONDS = 2.0
 """Of the processor, within which an input is read or refused."""
 BYTES = 500_000_000
-"""Memory that a reader may need more than it has before the first input."""
+"""Memory that a reader may need for an input, beside what the process has before it."""
 MAX_CHARS = 2000
 """Longest message of a fault."""
 MAX_LINES = 25
@@ -45,13 +45,15 @@ class Outcome:
 
 
 def outcome_of(read: Read, data: bytes, refusals: tuple[type[Exception], ...]) -> Outcome:
-    """Return what comes of an input.
+    """Return what comes of an input, within `limits`.
 
     Args:
         read: The reader.
         data: The input.
         refusals: Errors that the reader may raise; their message must be one line for each of few faults.
     """
+    # A fuzzer that has run for long holds much memory of its own, which is none of the reader.
+    _limit_memory()
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
     begin = _children_s()
     try:
@@ -101,12 +103,18 @@ def limits() -> Iterator[None]:
     decode_images([])  # starts the child, which is limited by itself
     for child in _children():
         resource.prlimit(child, resource.RLIMIT_DATA, (_data_bytes(child) + BYTES, hard))
-    resource.setrlimit(resource.RLIMIT_DATA, (_data_bytes() + BYTES, hard))
+    _limit_memory()
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
         signal.signal(signal.SIGPROF, before)
+
+
+def _limit_memory() -> None:
+    """Let this process take `BYTES` more than it has now."""
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (_data_bytes() + BYTES, hard))
 
 
 def _data_bytes(process: int | str = "self") -> int:

@@ -74,3 +74,10 @@ def test_what_takes_too_long_too_much_or_is_no_refusal_is_noticed(monkeypatch):
         "ValueError: more than a line",
     ]
     assert not issubclass(TooSlowError, Exception)
+
+
+def test_memory_that_the_process_took_before_an_input_does_not_count():
+    with limits():
+        before = bytearray(400 << 20)  # zeros by the system, which cost no time
+        outcome = outcome_of(lambda _: bytearray(len(before)), b"", ())
+    assert outcome.problem == ""
