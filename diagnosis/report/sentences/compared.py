@@ -40,10 +40,10 @@ def rows_sentence(measurement: Measurement, evidence: Evidence) -> str:
         names.setdefault((len(observed.values), observed.samples), []).append(observed.name)
     parts = [f"{count} {samples} of {listed(of)}" for (count, samples), of in names.items()]
     return (
-        f"Of the {rows} rows of the log, the table counts {'; '.join(parts)}: each is fitted, held out, or unusable "
-        "because the quantity or an input of its prediction has no good value there, because the prediction is "
-        "ambiguous, such as near an edge or at the voltage at which a motor starts, or because it is the same for any "
-        "robot, such as without a voltage."
+        f"Of the {rows} rows of the log, the table counts {'; '.join(parts)}. Each of them is fitted, held out, or "
+        "unusable. It is unusable where the quantity or an input of its prediction has no good value. It is also "
+        "unusable where the prediction is ambiguous, such as near an edge or at the voltage at which a motor starts, "
+        "or where the prediction is the same for any robot, such as without a voltage."
     )
 
 

@@ -19,7 +19,7 @@ def test_all_rows_of_a_drive_are_fitted_held_out_unusable_or_in_a_window(driven_
     assert rows_sentence(measurement, evidence).startswith(
         "Of the 122 rows of the log, the table counts 122 rows of wheel_left_rad_s and wheel_right_rad_s; "
         f"{windows} windows of 10 rows, of which one begins at every 5th row, of pose_dx_m, pose_dy_m and "
-        "pose_dtheta_rad: each is fitted, held out, or unusable because "
+        "pose_dtheta_rad. Each of them is fitted, held out, or unusable. It is unusable where "
     )
     totals = {name: sum(map(int, counts)) for name, _, _, *counts, _, _ in quantity_rows(evidence)}
     assert totals == {
