@@ -19,8 +19,8 @@ from diagnosis.inference.evidence.whole_runs import over_whole_runs
 from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.named_model import NamedModel, standing
-from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.naming.transfer import groups
 from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclusion
 from diagnosis.inference.refusal import is_of_noise
@@ -50,40 +50,6 @@ IN_ANSWER = {"distance_step_m": "previous_distance_m"}
 """Names of covariates in GAP_FORMAT, where they differ."""
 NOISE_ROUNDS = 2
 """Fits after which an unknown noise has converged; the first guess may be far off."""
-
-
-@dataclass(frozen=True)
-class NamedEffect:
-    """One effect that the real robot has, with its parameters."""
-
-    effect: CandidateEffect
-    values: dict[str, float]
-    std: dict[str, float]
-    comparison: RivalComparison
-    ranges: tuple[SeenRange, ...] = ()
-    """Range of each covariate over the rows in which the effect was seen."""
-
-    @classmethod
-    def of(
-        cls, evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, comparison: RivalComparison
-    ) -> "NamedEffect":
-        """Return an effect of a fit with its numbers; `nominal` is the fit without effects."""
-        effect, values = comparison.effect, dict(fit.hypothesis.values(comparison.effect, fit.x))
-        return cls(effect, values, fit.std(effect), comparison, seen_ranges(evidence, nominal, fit, effect))
-
-    @property
-    def name(self) -> str:
-        return self.effect.kind.name
-
-    @property
-    def seen_for(self) -> str:
-        """Conditions under which the effect was seen, as text; beyond them its law is a guess."""
-        return ", ".join(seen.text for seen in self.ranges)
-
-    @property
-    def parameters(self) -> dict[str, str | float]:
-        """Choices and numbers of the effect."""
-        return {**dict(self.effect.choices), **self.values, **self.effect.known}
 
 
 @dataclass(frozen=True)

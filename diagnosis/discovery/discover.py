@@ -13,7 +13,7 @@ from math import log
 import numpy as np
 
 from configs.effects.registry import EFFECTS
-from diagnosis.diagnose import Diagnosis, NamedEffect
+from diagnosis.diagnose import Diagnosis
 from diagnosis.discovery.form import LawForm
 from diagnosis.discovery.grammar import CURVE, can_have_law, forms, smooth
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
@@ -23,6 +23,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import gain
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.seen_range import SeenRange, conditions, predicted_readings, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.refusal import is_at_bound

@@ -77,6 +77,8 @@ class HypothesisFit:
     """Part of the cost by numbers which leave their tolerances and are no coordinates (`Predicted`)."""
     shared: Array | None = None
     """(P, P), covariance of the coordinates by errors that samples share, which the information does not include."""
+    is_of_whole_runs: bool = False
+    """Whether coordinates and information come from whole runs and not from the samples."""
 
     @property
     def robot(self) -> RobotConfig:
@@ -240,8 +242,7 @@ def _stepped(states: Sequence[_State], known: Sequence[HypothesisFit]) -> list[f
         before = state.cost
         best, fall = _take_best(state, tried, prediction.some(slice(len(tried))))
         if fall > 0.0 and best == 0:
-            beside = prediction.some([0, *range(len(tried), len(prediction.mean))])
-            _fit(state, beside)
+            _fit(state, prediction.some([0, *range(len(tried), len(prediction.mean))]))
         falls.append(before - state.cost)
     return falls
 
@@ -270,8 +271,8 @@ def _take_best(state: _State, tried: Array, prediction: Prediction) -> tuple[int
     if not len(tried):
         return -1, 0.0
     evidence = state.contest.evidence
-    noise = state.noise or stated_noise(evidence)
-    costs = cost(evidence, prediction, state.hypothesis.prior(tried), evidence.fit, noise)
+    prior, noise = state.hypothesis.prior(tried), state.noise or stated_noise(evidence)
+    costs = cost(evidence, prediction, prior, evidence.fit, noise)
     best = int(np.argmin(costs))
     fall = state.cost - float(costs[best])
     if fall > 0.0:
@@ -392,9 +393,8 @@ def _predicted(states: Sequence[_State], requests: Sequence[tuple[Hypothesis, Ar
     """Return the predictions of each hypothesis at several coordinates (M, P), computed in one batch."""
     if not requests:
         return []
-    batch = states[0].contest.evidence.predicted(
-        [robot for hypothesis, x in requests for robot in hypothesis.robots(x)]
-    )
+    robots = [robot for hypothesis, x in requests for robot in hypothesis.robots(x)]
+    batch = states[0].contest.evidence.predicted(robots)
     ends = np.cumsum([len(x) for _, x in requests]).tolist()
     parts = [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]
     return [part.moved(hypothesis.local_change(x)) for part, (hypothesis, x) in zip(parts, requests, strict=True)]

@@ -14,7 +14,7 @@ from scipy.special import chdtri
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit, fits
-from diagnosis.inference.hypothesis import Hypothesis
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from symolo.core.arrays import Array
 
 LEVELS = (0.68, 0.95)
@@ -65,15 +65,27 @@ class _End:
             self.reach = min(self.reach * factor, self.bound)
 
 
-def profiles(evidence: Evidence, fit: HypothesisFit) -> dict[str, dict[str, tuple[Interval, ...]]]:
-    """Return an interval for each of LEVELS by effect and parameter, for the parameters that the data determine."""
+def profiles(
+    evidence: Evidence,
+    fit: HypothesisFit,
+    levels: Sequence[float] = LEVELS,
+    effects: Sequence[CandidateEffect] | None = None,
+) -> dict[str, dict[str, tuple[Interval, ...]]]:
+    """Return an interval for each level by effect and parameter, for the parameters that the data determine.
+
+    Args:
+        evidence: The observations.
+        fit: The fit.
+        levels: Probabilities of the intervals.
+        effects: Effects of the fit; all by default.
+    """
     hypothesis = fit.hypothesis
     places = {
         place: (effect.name, coordinate)
-        for effect in hypothesis.effects
+        for effect in (hypothesis.effects if effects is None else effects)
         for place, coordinate in enumerate(effect.coordinates, hypothesis.parameters(effect).start)
     }
-    ends = [end for place in places for end in _ends(fit, place)]
+    ends = [end for place in places for end in _ends(fit, place, levels)]
     for _ in range(ROUNDS):
         open_ends = [end for end in ends if not end.is_done]
         if not open_ends:
@@ -88,14 +100,14 @@ def profiles(evidence: Evidence, fit: HypothesisFit) -> dict[str, dict[str, tupl
     return intervals
 
 
-def _ends(fit: HypothesisFit, place: int) -> list[_End]:
+def _ends(fit: HypothesisFit, place: int, levels: Sequence[float]) -> list[_End]:
     """Return both ends at each level, where a parabola has them."""
     variance = float(fit.covariance[place, place])
     if not 0.0 < variance < np.inf:
         return []
     coordinate, x = fit.hypothesis.coordinates[place], float(fit.x[place])
     ends = []
-    for level in LEVELS:
+    for level in levels:
         quantile = float(chdtri(1, 1.0 - level))
         for direction, bound in ((-1.0, x - coordinate.low), (1.0, coordinate.high - x)):
             reach = float(min(np.sqrt(quantile * variance), bound))
@@ -114,7 +126,7 @@ def _start(fit: HypothesisFit, end: _End) -> tuple[Hypothesis, Array]:
 
 def _intervals(fit: HypothesisFit, coordinate: Coordinate, ends: Sequence[_End]) -> list[Interval]:
     intervals = []
-    for level in LEVELS:
+    for level in dict.fromkeys(end.level for end in ends):
         both = [end for end in ends if end.level == level]
         x, place = float(fit.x[both[0].place]), both[0].place
         # Errors that samples share are no part of the cost; their variance is added to the squared reach.

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from diagnosis.diagnose import NamedEffect
 from diagnosis.extended_robot import FILE
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
 from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE

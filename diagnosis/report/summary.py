@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from diagnosis.diagnose import NamedEffect
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import LEVEL

@@ -6,11 +6,12 @@ from math import ceil, inf, log10
 import numpy as np
 
 from configs.effects.base import Effect
-from diagnosis.diagnose import Diagnosis, NamedEffect
+from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.likelihood import LEVELS
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.refusal import needed

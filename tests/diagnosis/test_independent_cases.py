@@ -11,6 +11,7 @@ from benchmarks.diagnosis.independent_cases.motors.motor import Motor
 from benchmarks.diagnosis.independent_cases.motors.motor_law import Lanes, coasting_current, plain_law
 from benchmarks.diagnosis.independent_cases.motors.motor_steady import SteadySetting
 from benchmarks.diagnosis.independent_cases.motors.motor_step import StepSetting
+from benchmarks.diagnosis.independent_cases.motors.step_integrator import DT_S, filtered
 from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
 
 R, K, B, TC, J, U = 3.0, 0.3, 0.002, 0.02, 0.003, 7.4
@@ -103,6 +104,15 @@ def test_step_trials_follow_euler_steps():
     assert difference.max() < 0.06, difference.max(axis=1)
     changes = np.abs(speed[1:, 0] - speed[0, 0]).max(axis=1)
     assert changes.min() > 0.15, "every effect must show"
+
+
+@pytest.mark.parametrize("time_constant_s", [1e-4, 3e-4, 2e-3, 2e-2])
+def test_a_filter_lags_behind_a_ramp_by_its_time_constant(time_constant_s):
+    """A low-pass filter that starts at zero follows a t by a (t - tau (1 - exp(-t / tau)))."""
+    steps, a = 5, 100.0
+    t = np.arange(40 * steps + 1) * DT_S / steps
+    level = filtered(a * t, steps, time_constant_s)
+    assert level == pytest.approx(a * (t + time_constant_s * np.expm1(-t / time_constant_s)), abs=1e-9)
 
 
 def free_step(w, torque, inertia, share, dt):

@@ -208,7 +208,8 @@ def over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Hypothesi
     information[np.ix_(seen, seen)], x[seen] = np.linalg.pinv(whole.covariance, hermitian=True), whole.x
     unseen = np.flatnonzero(np.diag(information) <= 0.0)
     information[np.ix_(unseen, unseen)] = fit.information[np.ix_(unseen, unseen)]
-    return replace(_with_local_fitted(at(evidence, fit.hypothesis, x)), information=information)
+    local = _with_local_fitted(at(evidence, fit.hypothesis, x))
+    return replace(local, information=information, is_of_whole_runs=True)
 
 
 def _with_local_fitted(fit: HypothesisFit) -> HypothesisFit:

@@ -10,13 +10,14 @@ import pytest
 from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
-from diagnosis.diagnose import NamedEffect, diagnose
+from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import FILE, extended_robot, rounded
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.likelihood import stated_noise
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.rivals import RivalComparison
 from physics.drivetrain.motor_bench import steady_states
 from physics.effects.torque_constant_scale import TorqueConstantScale

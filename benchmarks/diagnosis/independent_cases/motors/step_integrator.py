@@ -102,11 +102,16 @@ def sampled(history: Array, steps: int, delay_s: float = 0.0) -> Array:
 
 
 def filtered(history: Array, steps: int, time_constant_s: float) -> Array:
-    """Return the speed of one lane after a first-order low-pass filter that starts at zero."""
-    keep = float(np.exp(-DT_S / steps / time_constant_s))
-    middle = 0.5 * (history[1:] + history[:-1])
+    """Return the speed of one lane after a first-order low-pass filter that starts at zero.
+
+    The speed is linear within a sub-step, so that the filter is exact also where it is faster than a sub-step.
+    """
+    h = DT_S / steps
+    keep = float(np.exp(-h / time_constant_s))
+    # Behind a ramp of slope a, a filter lags by a * time constant, after what it had at the beginning has decayed.
+    behind = np.diff(history) / h * time_constant_s
     smooth, level = np.zeros(len(history)), 0.0
-    for i, value in enumerate(middle.tolist()):
-        level = keep * level + (1 - keep) * value
+    for i, lag in enumerate(behind.tolist()):
+        level = history[i + 1] - lag + (level - history[i] + lag) * keep
         smooth[i + 1] = level
     return smooth

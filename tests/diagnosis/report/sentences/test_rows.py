@@ -3,10 +3,11 @@ from pathlib import Path
 import pytest
 
 from configs.effects.registry import EFFECTS
-from diagnosis.diagnose import NamedEffect, diagnose
+from diagnosis.diagnose import diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.evidence.stuck_rows import StuckRow
 from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import RivalComparison
 from diagnosis.report.sentences import rows

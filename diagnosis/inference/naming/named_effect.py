@@ -1,0 +1,45 @@
+"""An effect that the real robot has, as an answer states it."""
+
+from dataclasses import dataclass
+
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
+from diagnosis.inference.rivals import RivalComparison
+from diagnosis.inference.standard_errors import standard_errors
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """One effect that the real robot has, with its parameters."""
+
+    effect: CandidateEffect
+    values: dict[str, float]
+    std: dict[str, float]
+    comparison: RivalComparison
+    ranges: tuple[SeenRange, ...] = ()
+    """Range of each covariate over the rows in which the effect was seen."""
+
+    @classmethod
+    def of(
+        cls, evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, comparison: RivalComparison
+    ) -> "NamedEffect":
+        """Return an effect of a fit with its numbers; `nominal` is the fit without effects."""
+        effect, values = comparison.effect, dict(fit.hypothesis.values(comparison.effect, fit.x))
+        ranges = seen_ranges(evidence, nominal, fit, effect)
+        return cls(effect, values, standard_errors(evidence, fit, effect), comparison, ranges)
+
+    @property
+    def name(self) -> str:
+        return self.effect.kind.name
+
+    @property
+    def seen_for(self) -> str:
+        """Conditions under which the effect was seen, as text; beyond them its law is a guess."""
+        return ", ".join(seen.text for seen in self.ranges)
+
+    @property
+    def parameters(self) -> dict[str, str | float]:
+        """Choices and numbers of the effect."""
+        return {**dict(self.effect.choices), **self.values, **self.effect.known}
