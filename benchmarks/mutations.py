@@ -42,6 +42,12 @@ EQUIVALENT = Path(__file__).with_name("mutations_equivalent.yaml")
 PACKAGES = ("symolo", "configs", "logs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline")
 MOTOR = "tests/physics/drivetrain/test_motor.py"
 ARENAS = "tests/configs/test_arena_generation.py"
+CHECKS = (
+    "tests/configs/test_limits.py",
+    "tests/configs/test_bad_input.py",
+    "tests/configs/test_draw.py",
+    f"{ARENAS}::test_a_recipe_and_a_line_of_its_own_do_not_go_together",
+)
 INFERENCE = "tests/diagnosis/inference"
 TESTS = {
     "sensors/ranging/tof.py": (
@@ -59,12 +65,10 @@ TESTS = {
     ),
     "symolo/dataset/tables/rows.py": ("tests/symolo/dataset/test_tables.py",),
     "symolo/core/distributions.py": ("tests/symolo/core/test_distributions.py", "tests/configs/test_bad_input.py"),
-    "configs/checks.py": (
-        "tests/configs/test_limits.py",
-        "tests/configs/test_bad_input.py",
-        "tests/configs/test_draw.py",
-        f"{ARENAS}::test_a_recipe_and_a_line_of_its_own_do_not_go_together",
-    ),
+    "configs/checks/arena.py": CHECKS,
+    "configs/checks/look.py": CHECKS,
+    "configs/checks/robot.py": CHECKS,
+    "configs/checks/scenario.py": CHECKS,
     "configs/draw.py": (
         "tests/configs/test_draw.py",
         f"{ARENAS}::test_the_line_passes_the_start_that_is_given_and_otherwise_the_origin_along_x",

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from configs.arena_generation.generate import NoArenaError, generate_arena
-from configs.checks import check_run
-from configs.faults import ConfigFault
+from configs.checks.scenario import check_run
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone, SingleRoute
 from configs.posterior.drawing import HYPOTHESIS, NUMBERS, drawn_hypothesis, drawn_robot
 from configs.posterior.schema import DrawnFrom
@@ -15,7 +14,8 @@ from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec, Scenario
-from configs.validation import Placed, validated
+from configs.validation.faults import ConfigFault
+from configs.validation.values import Placed, validated
 from symolo.core.errors import InputError, nearest
 from symolo.core.geometry.poses import PlanarPose
 from symolo.core.random_streams import stream

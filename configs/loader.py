@@ -12,7 +12,7 @@ from configs.arena_shapes.line_course import with_course
 from configs.arena_shapes.polygons import with_polygons
 from configs.assets.folder import with_assets
 from configs.assets.meshes import with_meshes
-from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario, check_splits
+from configs.checks.scenario import check_arena, check_kinds, check_look, check_robot, check_scenario, check_splits
 from configs.effects.own_files import with_own_effects
 from configs.overrides import apply_override
 from configs.posterior.agreement import check_posterior
@@ -25,8 +25,8 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Scenario, Stop
-from configs.shapes import Shape, with_defaults
-from configs.validation import Placed, distributions_of, probes, validated
+from configs.validation.shapes import Shape, with_defaults
+from configs.validation.values import Placed, distributions_of, probes, validated
 from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 
 

@@ -9,7 +9,7 @@ from configs.effects.own_files import anchored_files, with_both
 from configs.posterior.reading import anchored_posterior
 from configs.scaling import MODELS, scaled
 from configs.schema.appearance.camera_look import CameraLook
-from configs.shapes import Shape, with_defaults
+from configs.validation.shapes import Shape, with_defaults
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import displayed, read_yaml
 from symolo.core.yaml.tree import FieldPath, Node, dotted, merge

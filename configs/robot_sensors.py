@@ -25,8 +25,8 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from configs.faults import ConfigFault
 from configs.schema.base import Fixed, Section, absent, disagreement
+from configs.validation.faults import ConfigFault
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import mounted
 from symolo.dataset.tables.sensor_tables import SENSOR_NAME, TAKEN_NAMES

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
-from configs.shapes import Shape, with_defaults
+from configs.validation.shapes import Shape, with_defaults
 from symolo.core.errors import InputError
 from symolo.core.yaml.tree import FieldPath, Node
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from configs.checks import robot_faults
+from configs.checks.robot import robot_faults
 from configs.draw import draw_robot
 from configs.effects.base import Effect
 from configs.effects.own_files import record_of

@@ -9,8 +9,8 @@ from typing import Annotated
 from pydantic import Field, ValidationError
 
 from configs.schema.base import Section
-from configs.schema_faults import all_explained
-from configs.shapes import Shape
+from configs.validation.schema_faults import all_explained
+from configs.validation.shapes import Shape
 from logs.drive import COUNTED
 from logs.log_file import LogFile
 from logs.quantity import LogKind

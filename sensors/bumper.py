@@ -7,9 +7,9 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Fixed
+from configs.validation.faults import ConfigFault
 from sensors.base import Reading, Sensor, World
 from symolo.arena.geometry import Arena
 from symolo.dataset.tables.column import Column

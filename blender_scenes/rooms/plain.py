@@ -11,7 +11,7 @@ from blender_scenes.rooms.walls import SIDES, RoomWall, wall
 from blender_scenes.scene.description import Mesh, Point2
 from blender_scenes.scene.meshes import box, rectangle
 from blender_scenes.scene.solids import stood
-from configs.checks import LINTEL_M
+from configs.checks.look import LINTEL_M
 from configs.schema.appearance.look import LookConfig
 from configs.schema.appearance.paint import Paint
 from configs.schema.appearance.room import RoomLook

@@ -3,8 +3,8 @@
 from typing import TypeVar
 
 from configs.schema.base import Section
-from configs.shapes import Shape, with_defaults
-from configs.validation import distributions_of, validated
+from configs.validation.shapes import Shape, with_defaults
+from configs.validation.values import distributions_of, validated
 from symolo.core.errors import InputError
 from symolo.core.yaml.tree import FieldPath, Node, dotted
 

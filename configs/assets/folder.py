@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from configs.assets.refusal import Refusal
 from configs.schema.appearance.asset import Asset, AssetKind
 from configs.schema.base import FILE_KEY
-from configs.shapes import Shape
+from configs.validation.shapes import Shape
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import displayed
 from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of

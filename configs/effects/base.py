@@ -14,8 +14,8 @@ from typing_extensions import Self
 
 from configs.effects.parameter import Parameter, Plausible
 from configs.families import name_in_lower_case
-from configs.faults import ConfigFault
 from configs.schema.base import Section
+from configs.validation.faults import ConfigFault
 from symolo.core.text_enum import TextEnum
 
 Metadata = TypeVar("Metadata")

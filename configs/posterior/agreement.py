@@ -3,13 +3,13 @@
 import math
 from collections.abc import Iterator
 
-from configs.checks import check_scenario
-from configs.faults import ConfigFault
+from configs.checks.scenario import check_scenario
 from configs.posterior.drawing import mean_robot
 from configs.posterior.reading import KEY
 from configs.posterior.schema import FILE, Posterior, Value
 from configs.schema.scenario import Scenario
-from configs.validation import validated
+from configs.validation.faults import ConfigFault
+from configs.validation.values import validated
 from symolo.core.errors import shown, together
 from symolo.core.yaml.tree import FieldPath, Node, Values, dotted
 

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from configs.checks import robot_faults
+from configs.checks.robot import robot_faults
 from configs.posterior.schema import FittedNumber, Posterior, RobotHypothesis, path_of
 from configs.schema.robot import RobotConfig
-from configs.validation import filled
+from configs.validation.values import filled
 from symolo.core.errors import InputError
 from symolo.core.yaml.tree import FieldPath, Node, Scalar, Values, merge, node_of
 

@@ -8,8 +8,8 @@ from pydantic import ValidationError
 from configs.effects.own_files import record_of
 from configs.effects.registry import EFFECTS
 from configs.posterior.schema import FILE, VERSION, Posterior
-from configs.schema_faults import all_explained
-from configs.shapes import Shape
+from configs.validation.schema_faults import all_explained
+from configs.validation.shapes import Shape
 from symolo.core.errors import InputError, together
 from symolo.core.files.file_hashes import sha256_of
 from symolo.core.yaml.reader import displayed, read_yaml

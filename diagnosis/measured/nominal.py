@@ -10,9 +10,9 @@ from configs.references import SECTIONS, resolve_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import FromList, Section
 from configs.schema.robot import RobotConfig
-from configs.schema_faults import all_explained
-from configs.shapes import Shape, with_defaults
-from configs.validation import distributions_of
+from configs.validation.schema_faults import all_explained
+from configs.validation.shapes import Shape, with_defaults
+from configs.validation.values import distributions_of
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest, together
 from symolo.core.yaml.reader import read_yaml

@@ -16,7 +16,7 @@ import numpy as np
 from configs.effects.registry import EFFECTS
 from configs.loader import RobotAlone
 from configs.schema.robot import RobotConfig
-from configs.shapes import Shape
+from configs.validation.shapes import Shape
 from diagnosis.extended_robot import leaf_paths, plain_tree
 from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.fit import NUISANCE_STEP, HypothesisFit

@@ -9,9 +9,9 @@ from typing import Any
 import yaml
 from markdown_text import anchor, page, table, text
 
-from configs.json_schema import scenario_json_schema
 from configs.references import SECTIONS, shipped_names
 from configs.schema.base import FIXED_KEY
+from configs.validation.json_schema import scenario_json_schema
 
 ABOUT = """This page lists every setting of a scenario with its bounds and its default. The default acts only if no file
 sets a value; the shipped looks, robots, arenas and scenarios (`configs/`) set many values. Units are in the names.

@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 
 import configs
 from configs.schema.base import FromList, Section
-from configs.validation import validated
+from configs.validation.values import validated
 from physics.control.conditions import CONDITIONS, STATES, ControlView
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import read_yaml

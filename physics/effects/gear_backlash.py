@@ -7,7 +7,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from configs.faults import ConfigFault
+from configs.validation.faults import ConfigFault
 from physics.drivetrain.two_mass import Load, TwoMass
 from symolo.core.arrays import Array
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from blender_scenes.render.devices import DeviceKind, device_for
-from configs.checks import check_cameras
+from configs.checks.scenario import check_cameras
 from configs.draw import draw_arena, draw_look, draw_render
 from configs.loader import LoadedSection, load_scenario, load_section, section_of
 from configs.overrides import replaced_section

@@ -5,12 +5,12 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings
 from configs.schema.base import PLANNED, FromList, absent, disagreement
 from configs.schema.field_of_view import SENSOR_WIDTH_MM, with_focal_length
 from configs.schema.robot import FisheyeLens, LensDistortion
 from configs.schema.scenario import RenderQuality
+from configs.validation.faults import ConfigFault
 from sensors.base import Reading, Sensor, World
 from symolo.core.geometry.lens import lens_problem
 from symolo.dataset.annotations import AnnotationName

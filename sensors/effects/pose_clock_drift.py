@@ -5,7 +5,7 @@ from typing import Annotated
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter, Plausible
-from configs.faults import ConfigFault
+from configs.validation.faults import ConfigFault
 from symolo.core.arrays import Array
 
 

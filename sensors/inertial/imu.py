@@ -10,9 +10,9 @@ from collections.abc import Iterator
 import numpy as np
 from pydantic import Field
 
-from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Section
+from configs.validation.faults import ConfigFault
 from physics.robot.body_inertia import GRAVITY_M_S2
 from physics.robot.body_motion import BodyMotion, velocity_of_turn
 from sensors.base import Reading, Sensor, World, quantise

@@ -8,9 +8,9 @@ from pydantic import Field
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
-from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Fixed, FromList
+from configs.validation.faults import ConfigFault
 from sensors.base import Reading, Sensor, World
 from sensors.line.line_sensor import LineOptics, ReflectanceChannels, channel_weights
 from symolo.arena.geometry import Arena

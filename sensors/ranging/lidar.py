@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Fixed
+from configs.validation.faults import ConfigFault
 from physics.arena.surfaces import SURFACES
 from sensors.base import Reading, Sensor, World, quantise
 from symolo.arena.geometry import Arena

@@ -6,9 +6,9 @@ from typing import Annotated, get_args
 import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
-from configs.faults import ConfigFault
 from configs.schema.arena import SurfaceName
 from configs.schema.base import Fixed, Slug
+from configs.validation.faults import ConfigFault
 from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 from symolo.core.errors import nearest

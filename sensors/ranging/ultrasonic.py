@@ -6,8 +6,8 @@ from math import sqrt
 import numpy as np
 from pydantic import Field
 
-from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
+from configs.validation.faults import ConfigFault
 from sensors.base import Reading, Sensor, World, quantise
 from sensors.ranging.tof import ray_pattern
 from symolo.arena.geometry import Arena

@@ -17,9 +17,9 @@ from pydantic import Field, model_validator
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
-from configs.faults import ConfigFault
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.robot import RangeBeam, TofMount
+from configs.validation.faults import ConfigFault
 from physics.arena.surfaces import SURFACES
 from sensors.base import Reading, Sensor, World
 from sensors.effects.near_field_error import NearFieldError

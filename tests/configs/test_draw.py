@@ -4,10 +4,10 @@ from unittest.mock import Mock
 import pytest
 import yaml
 
-from configs import validation
 from configs.draw import draw_all, draw_look, draw_render, draw_robot, draw_run
 from configs.loader import LoadedScenario, load_scenario, load_section
 from configs.schema.scenario import RunSpec
+from configs.validation import values
 from symolo.core.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -164,7 +164,7 @@ def test_the_work_for_a_run_does_not_grow_with_the_number_of_routes(monkeypatch:
         routes = ", ".join(f"{{name: R{number}, {start}}}" for number in range(count))
         scenario = loaded(DRAWN + f"routes: [{routes}]\n")
         with monkeypatch.context() as patch:
-            patch.setattr(validation, "filled", counted := Mock(wraps=validation.filled))
+            patch.setattr(values, "filled", counted := Mock(wraps=values.filled))
             draw_run(scenario, f"R{count - 1}", 1)
         return counted.call_count
 

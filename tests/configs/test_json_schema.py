@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import configs
-from configs.json_schema import scenario_json_schema
+from configs.validation.json_schema import scenario_json_schema
 from symolo.core.yaml.reader import read_yaml
 
 SCHEMA = scenario_json_schema()

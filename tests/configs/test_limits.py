@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from configs import checks
+from configs.checks.arena import _outermost, arena_faults
+from configs.checks.look import look_faults
+from configs.checks.robot import robot_faults
+from configs.checks.scenario import _period_faults, _start_faults, check_robot
 from configs.draw import draw_look, draw_robot
 from configs.loader import load_section
 from configs.schema.appearance.look import LookConfig
@@ -73,8 +76,8 @@ def paths(faults) -> list[str]:
     ],
 )
 def test_a_robot_at_the_limit(robot, accepted, refused, path):
-    assert paths(checks.robot_faults(changed(robot, accepted), in_simulation=True)) == []
-    assert f"robot.{path}" in paths(checks.robot_faults(changed(robot, refused), in_simulation=True))
+    assert paths(robot_faults(changed(robot, accepted), in_simulation=True)) == []
+    assert f"robot.{path}" in paths(robot_faults(changed(robot, refused), in_simulation=True))
 
 
 @pytest.mark.parametrize(("battery_V", "limit_V"), [(6.0, 9.0), (9.0, 6.0)])
@@ -84,23 +87,23 @@ def test_a_motor_must_overcome_its_friction_at_the_lower_of_both_voltages(robot,
     motor = {"motor.torque_constant_N_m_A": 0.5, "motor.winding_resistance_ohm": 3.0}
     strong = changed(robot, power | motor | {"motor.coulomb_friction_N_m": 1.0 - LITTLE})
     weak = changed(robot, power | motor | {"motor.coulomb_friction_N_m": 1.0})
-    assert paths(checks.robot_faults(strong, in_simulation=True)) == []
-    (fault,) = checks.robot_faults(weak, in_simulation=True)
+    assert paths(robot_faults(strong, in_simulation=True)) == []
+    (fault,) = robot_faults(weak, in_simulation=True)
     assert fault.allowed == "less than 1, its torque at 6.0 V and 3.0 ohm"
 
 
 def test_an_effect_that_a_bench_measures_but_the_simulation_cannot_is_refused_for_the_simulation(robot):
     """Poses of the future."""
     early = robot.with_effect(PoseClockDrift(rate=-0.001))
-    assert paths(checks.robot_faults(early, in_simulation=True)) == ["robot.effects.pose_clock_drift.rate"]
-    assert paths(checks.robot_faults(early, in_simulation=False)) == []
-    checks.check_robot(early, load_section("robot", "nominal").tree)
+    assert paths(robot_faults(early, in_simulation=True)) == ["robot.effects.pose_clock_drift.rate"]
+    assert paths(robot_faults(early, in_simulation=False)) == []
+    check_robot(early, load_section("robot", "nominal").tree)
 
 
 def test_a_fault_of_an_effect_names_the_other_field_if_there_is_one(robot):
     saturated, early = LineAdcSaturation(low=0.5, high=0.3), PoseClockDrift(rate=-0.001)
     both = robot.with_effect(saturated).with_effect(early)
-    other = {dotted(fault.path): dotted(fault.against) for fault in checks.robot_faults(both, in_simulation=True)}
+    other = {dotted(fault.path): dotted(fault.against) for fault in robot_faults(both, in_simulation=True)}
     assert other == {
         "robot.effects.line_adc_saturation.low": "robot.effects.line_adc_saturation.high",
         "robot.effects.pose_clock_drift.rate": "",
@@ -124,7 +127,7 @@ def test_a_fault_of_an_effect_names_the_other_field_if_there_is_one(robot):
 @pytest.mark.parametrize("sensor", ["tof", "line_sensor", "encoder"])
 def test_times_of_sensors_are_whole_steps_and_a_period_is_at_least_one(robot, sensor, field, steps, write):
     made = changed(robot, {f"{sensor}.{field}": steps / 1000})
-    faults = list(checks._period_faults(Rates(physics_hz=1000), made))
+    faults = list(_period_faults(Rates(physics_hz=1000), made))
     assert [(dotted(fault.path), fault.cure) for fault in faults] == (
         [(f"robot.{sensor}.{field}", f"write {write}")] if write else []
     )
@@ -158,12 +161,12 @@ def arc(start_deg, end_deg, radius_m=1.0, center=(0.0, 0.0)):
     ],
 )
 def test_a_piece_of_line_at_its_limits(piece, problems):
-    assert [fault.problem for fault in checks._arena_faults(arena([piece]))] == problems
+    assert [fault.problem for fault in arena_faults(arena([piece]))] == problems
 
 
 def test_a_wall_of_a_millimetre_is_one():
     walls = [{"name": "A", "start": (0, 0), "end": (0, 0.001)}, {"name": "B", "start": (1, 0), "end": (1, 0.0009)}]
-    assert paths(checks._arena_faults(arena(walls=walls))) == ["arena.walls.1"]
+    assert paths(arena_faults(arena(walls=walls))) == ["arena.walls.1"]
 
 
 @pytest.mark.parametrize(
@@ -177,8 +180,8 @@ def test_all_of_an_arena_lies_up_to_the_edge_of_the_floor(turned):
         pieces = [straight(point, (0, 0)), straight((0, 0), point)]
         return arena(pieces, walls, [{"name": "C", "center": point}])
 
-    assert paths(checks._arena_faults(made(edge))) == []
-    assert paths(checks._arena_faults(made(beyond))) == [
+    assert paths(arena_faults(made(edge))) == []
+    assert paths(arena_faults(made(beyond))) == [
         "arena.line.pieces.0.start",
         "arena.line.pieces.1.end",
         "arena.walls.0.start",
@@ -196,14 +199,14 @@ def test_the_points_that_are_checked_of_an_arc_reach_as_far_as_all_of_it(start_d
     assert isinstance(piece, ArcPiece)
     swept = np.radians(np.linspace(start_deg, end_deg, 3601))
     whole = np.stack([1.0 + 2.0 * np.cos(swept), -3.0 + 2.0 * np.sin(swept)], axis=1)
-    points = np.array(checks._outermost(piece))
+    points = np.array(_outermost(piece))
     assert points.min(axis=0) == pytest.approx(whole.min(axis=0), abs=1e-5)
     assert points.max(axis=0) == pytest.approx(whole.max(axis=0), abs=1e-5)
 
 
 def start_faults(robot, made, x_m, y_m, yaw_deg):
     route = Route.model_validate({"name": "A", "start": {"x_m": x_m, "y_m": y_m, "yaw_deg": yaw_deg}})
-    return [fault.problem for fault in checks._start_faults(made, robot, route, ("routes", 0, "start"))]
+    return [fault.problem for fault in _start_faults(made, robot, route, ("routes", 0, "start"))]
 
 
 @pytest.mark.parametrize(
@@ -228,8 +231,8 @@ def test_a_robot_starts_beside_walls_and_obstacles_and_not_in_them(robot):
 
 def test_a_window_leaves_a_lintel_of_10_cm_and_glass_of_20_cm(look):
     top_m = look.room.height_m - 0.1 - 0.2
-    assert paths(checks._look_faults(changed(look, {"window.sill_m": top_m}))) == []
-    assert paths(checks._look_faults(changed(look, {"window.sill_m": top_m + LITTLE}))) == ["look.window.sill_m"]
+    assert paths(look_faults(changed(look, {"window.sill_m": top_m}))) == []
+    assert paths(look_faults(changed(look, {"window.sill_m": top_m + LITTLE}))) == ["look.window.sill_m"]
 
 
 DARK = {
@@ -257,9 +260,9 @@ DARK = {
     ],
 )
 def test_any_one_light_is_enough(look, changes, is_lit):
-    assert paths(checks._look_faults(changed(look, DARK | changes))) == ([] if is_lit else ["look.lamps"])
+    assert paths(look_faults(changed(look, DARK | changes))) == ([] if is_lit else ["look.lamps"])
 
 
 def test_a_floor_that_is_an_image_needs_a_file(look):
-    assert paths(checks._look_faults(changed(look, {"floor.material": "image"}))) == ["look.floor.image.file"]
-    assert paths(checks._look_faults(changed(look, {"floor.material": "image", "floor.image.file": "a.png"}))) == []
+    assert paths(look_faults(changed(look, {"floor.material": "image"}))) == ["look.floor.image.file"]
+    assert paths(look_faults(changed(look, {"floor.material": "image", "floor.image.file": "a.png"}))) == []

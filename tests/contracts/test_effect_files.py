@@ -11,9 +11,9 @@ import pytest
 
 from configs.draw import draw_run
 from configs.effects.registry import EFFECTS
-from configs.json_schema import scenario_json_schema
 from configs.loader import load_resolved, load_scenario
 from configs.schema.scenario import RunSpec
+from configs.validation.json_schema import scenario_json_schema
 from pipeline.cli import main
 from pipeline.effects.extract import effect_file_lines, named_contents
 from pipeline.run_folder.changes import changes

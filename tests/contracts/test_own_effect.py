@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from configs.checks import robot_faults
+from configs.checks.robot import robot_faults
 from configs.draw import draw_run
 from configs.effects.registry import EFFECTS
-from configs.json_schema import scenario_json_schema
 from configs.loader import load_scenario
+from configs.validation.json_schema import scenario_json_schema
 from diagnosis.inference.candidates import candidates
 from diagnosis.inference.hypothesis import Hypothesis
 from diagnosis.measured.measurement import CaseKind

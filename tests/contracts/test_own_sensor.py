@@ -13,8 +13,8 @@ from mcap_ros2.decoder import DecoderFactory
 
 import symolo as library
 from configs.draw import draw_run
-from configs.json_schema import scenario_json_schema
 from configs.loader import load_scenario
+from configs.validation.json_schema import scenario_json_schema
 from pipeline.stages.simulate import simulate
 from pipeline.user_files import environment, hashes_of_files
 from sensors.fit_out import fit_out

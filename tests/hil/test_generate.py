@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from configs.loader import RobotAlone, load_section
-from configs.validation import validated
+from configs.validation.values import validated
 from hil.generate import generate
 from physics.control.paths import curve_path, straight_path
 from physics.control.transitions import load_transitions

@@ -361,7 +361,7 @@ def schema(
     """
     import json
 
-    from configs.json_schema import scenario_json_schema
+    from configs.validation.json_schema import scenario_json_schema
     from pipeline.json_results import result_json_schema
     from symolo.dataset.documents.metadata_schema import metadata_json_schema
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from configs.schema.base import Section
 from configs.schema.splits import Splits
-from configs.validation import distributions_of, validated
+from configs.validation.values import distributions_of, validated
 from symolo.core.errors import InputError
 from symolo.core.files.paths import check_path
 from symolo.core.progress import plural

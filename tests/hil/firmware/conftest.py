@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from configs.loader import RobotAlone, load_section
-from configs.validation import validated
+from configs.validation.values import validated
 from hil.build import build_native
 from physics.control.base import ControllerSettings, Observation, Twist
 from physics.control.built_in import BuiltIn

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from configs.faults import ConfigFault
 from configs.schema.arena import ArenaConfig, Obstacle
+from configs.validation.faults import ConfigFault
 from symolo.arena.footprints import obstacle_footprint, outlines_overlap, stations, swept, wall_footprint
 from symolo.core.yaml.tree import FieldPath
 

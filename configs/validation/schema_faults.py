@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from configs.faults import SETTING, ConfigFault
 from configs.schema.base import FIELDS_DISAGREE
-from configs.shapes import Shape, shown_names
+from configs.validation.faults import SETTING, ConfigFault
+from configs.validation.shapes import Shape, shown_names
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.tree import FieldPath, Node, dotted
 

@@ -19,7 +19,7 @@ from configs.references import SECTIONS, shipped_names
 from configs.scaling import MAX_SCALE, MIN_SCALE, MODELS
 from configs.schema.base import FILE_KEY
 from configs.schema.scenario import Scenario
-from configs.shapes import Shape
+from configs.validation.shapes import Shape
 
 _NUMBERS = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
 _NORMAL = {

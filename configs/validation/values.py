@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from configs.robot_sensors import KNOWN_ONLY
-from configs.schema_faults import all_explained
-from configs.shapes import Shape
+from configs.validation.schema_faults import all_explained
+from configs.validation.shapes import Shape
 from symolo.core.distributions import Choice, Distribution, Uniform, parse
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.yaml.tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, Values, dotted

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 
 from pydantic import ValidationError
 
-from configs.faults import ConfigFault
 from configs.schema.robot import Camera
 from configs.schema.scenario import Render, Scenario, SceneSpec
+from configs.validation.faults import ConfigFault
 from symolo.core.geometry.lens import lens_problem
 from symolo.dataset.documents.camera_specification import KIND as CAMERA
 from symolo.dataset.documents.camera_specification import further_cameras, specification_of

@@ -1,0 +1,1 @@
+"""Checks over several fields: impossible geometry, and settings that contradict each other."""
