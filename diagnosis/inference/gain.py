@@ -71,7 +71,8 @@ def gain_of(evidence: Evidence, mean: Array) -> Gain | None:
         return None
     z = np.abs((evidence.values - mean) / evidence.sd)
     stages = [rows & (evidence.of_stage == k) for k in range(len(evidence.stages))]
-    parts = [(z[:, stage], _blocks(evidence)[stage]) for stage in stages if stage.any()]
+    block = row_blocks(evidence)
+    parts = [(z[:, stage], block[stage]) for stage in stages if stage.any()]
     by_quantity = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         sizes = z[:, place][:, rows[place]]
@@ -119,8 +120,8 @@ def _count(rows: int) -> int:
     return max(1, int(np.floor(KEPT_SHARE * rows)))
 
 
-def _blocks(evidence: Evidence) -> NDArray[np.int64]:
-    """Return the number of the trial of each sample, or of its block of rows, (N,)."""
+def row_blocks(evidence: Evidence) -> NDArray[np.int64]:
+    """Return the number of the trial of each sample, or of its block of rows, (N,), from which a bootstrap draws."""
     heldout = len(np.unique(evidence.trial[evidence.heldout]))
     if heldout >= MIN_TRIALS:
         return evidence.trial

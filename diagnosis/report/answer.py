@@ -2,6 +2,7 @@
 
 from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.gain import Gain
+from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences import discovered, predictive
@@ -33,6 +34,7 @@ def answer(data: ReportData) -> dict[str, object]:
                 "cost_rise": ablation.cost_rise,
                 **_gain("heldout_gain", ablation.gain),
                 **_gain("adds", ablation.effect_gain),
+                **_log_score(ablation.log_score),
             }
             for ablation in data.ablations
         }
@@ -74,3 +76,7 @@ def answer(data: ReportData) -> dict[str, object]:
 
 def _gain(name: str, gain: Gain | None) -> dict[str, object]:
     return {} if gain is None else {name: gain.value, f"{name}_ci": [gain.low, gain.high]}
+
+
+def _log_score(change: LogScoreChange | None) -> dict[str, object]:
+    return {} if change is None else {"log_score": change.value, "log_score_ci": [change.low, change.high]}

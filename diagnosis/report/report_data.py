@@ -14,8 +14,10 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
+from diagnosis.inference.log_score import LogScoreChange, log_score_change
 from diagnosis.inference.naming.transfer import trial_groups
 from diagnosis.inference.profile import Interval, profiles
+from diagnosis.inference.refusal import is_of_noise
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
@@ -41,6 +43,10 @@ class Ablation:
     """Gain over the nominal robot without the effect."""
     effect_gain: Gain | None
     """Gain of the extended model over the model without the effect."""
+    log_score: LogScoreChange | None
+    """Change of the log-likelihood of a held-out reading by the effect."""
+    is_of_noise: bool
+    """Whether the effect changes only the noise, which shows in the log score and not in the gain."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +167,8 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
             cost_rise=refit.cost - fit.cost,
             gain=gain(measured, diagnosis.nominal, refit.robot, (0.0, refit.local_change)),
             effect_gain=gain(measured, refit.robot, diagnosis.extended, (refit.local_change, fit.local_change)),
+            log_score=log_score_change(evidence, refit, fit),
+            is_of_noise=is_of_noise(fit, named.effect),
         )
 
 

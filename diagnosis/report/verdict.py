@@ -11,6 +11,7 @@ from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.likelihood import LEVELS
+from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.profile import Interval
@@ -172,12 +173,23 @@ def without_effect(ablation: Ablation) -> str:
     text = f"the cost rises by {cost(ablation.cost_rise)}"
     if deviations := _bent_text(ablation.fit):
         text += f", and parameters leave their tolerances ({deviations})"
-    if ablation.gain is None or ablation.effect_gain is None:
+    if ablation.gain is None or ablation.effect_gain is None or ablation.log_score is None:
         return text
+    if ablation.is_of_noise:
+        return f"{text}; {_of_log_score(ablation.log_score)}"
     return (
-        f"{text}; the gain on held-out rows is {gain_text(ablation.gain)}, and adding the effect then gains "
-        f"{gain_text(ablation.effect_gain)}"
+        f"{text}; the gain on held-out rows is {gain_text(ablation.gain)}, and adding the effect then "
+        f"{_gains(ablation.effect_gain)}"
     )
+
+
+def _of_log_score(change: LogScoreChange) -> str:
+    """Return what an effect of the noise does to the likelihood of held-out readings, as a clause."""
+    size, direction = abs(change.value), "raises" if change.value >= 0.0 else "lowers"
+    ends = "too few rows for an interval"
+    if change.high > change.low:
+        ends = f"95 % interval of the change {change.low:.2g} to {change.high:.2g}"
+    return f"the effect {direction} the log-likelihood of a held-out reading by {size:.2g} on average ({ends})"
 
 
 def reach(intervals: Sequence[Interval]) -> str:
@@ -261,12 +273,15 @@ def gain_sentences(data: ReportData) -> list[str]:
         calibration += f", but parameters leave their tolerances ({deviations})"
     if not diagnosis.fitted_effects:
         return [f"{calibration}."]
-    error = f"the error falls from {diagnosis.gain.before:.3g} to {diagnosis.gain.after:.3g} sigma"
-    calibrated, extended = diagnosis.calibrated.after, diagnosis.gain.after
-    share = abs(1.0 - extended / calibrated) if calibrated > 0.0 else 0.0
-    change = f"{100.0 * share:.0f} % {'lower' if extended < calibrated else 'higher'}"
+    calibrated, before, after = diagnosis.calibrated.after, diagnosis.gain.before, diagnosis.gain.after
+    error = f"the error {'falls' if after <= before else 'rises'} from {before:.3g} to {after:.3g} sigma"
     names = listed([each.effect.name for each in diagnosis.fitted_effects])
-    return [
-        f"On the held-out rows {error}: a gain of {gain_text(diagnosis.gain)}.",
-        f"{calibration}. With {names}, the error is {change} than after this calibration alone.",
-    ]
+    if all(ablation.is_of_noise for ablation in data.ablations) and len(data.ablations) == len(
+        diagnosis.fitted_effects
+    ):
+        change = f"What {names} changes is the scatter of the readings, which this error does not show."
+    else:
+        share = abs(1.0 - after / calibrated) if calibrated > 0.0 else 0.0
+        change = f"With {names}, the error is {100.0 * share:.0f} % {'lower' if after < calibrated else 'higher'} than "
+        change += "after this calibration alone."
+    return [f"On the held-out rows {error}: a gain of {gain_text(diagnosis.gain)}.", f"{calibration}. {change}"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.gain import _blocks, gain, gain_of, gain_of_sizes, of_quantity, trimmed_rms
+from diagnosis.inference.gain import gain, gain_of, gain_of_sizes, of_quantity, row_blocks, trimmed_rms
 
 SD_A = 0.01
 X = np.linspace(0.5, 1.0, 100)
@@ -124,7 +124,7 @@ def timed(evidence, t_s):
 def test_a_block_is_2_seconds_or_10_times_of_rows_whichever_is_longer(evidence_of, period_s, at_once, rows):
     x = np.linspace(0.0, 1.0, 400)
     t_s = period_s * (np.arange(400) // at_once)
-    blocks = _blocks(timed(evidence_of(x, x, heldout=300, trials=4), t_s))
+    blocks = row_blocks(timed(evidence_of(x, x, heldout=300, trials=4), t_s))
     for trial in range(4):
         _, lengths = np.unique(blocks[100 * trial : 100 * (trial + 1)], return_counts=True)
         assert set(lengths[1:-1]) <= {rows}
@@ -134,27 +134,27 @@ def test_a_block_is_2_seconds_or_10_times_of_rows_whichever_is_longer(evidence_o
 def test_no_block_has_rows_of_two_trials_with_the_same_times(evidence_of):
     """Four trials of 50 s from 0 on: 10 blocks of 5 s in each."""
     x = np.linspace(0.0, 1.0, 400)
-    blocks = _blocks(timed(evidence_of(x, x, heldout=300, trials=4), np.tile(0.5 * np.arange(100), 4)))
+    blocks = row_blocks(timed(evidence_of(x, x, heldout=300, trials=4), np.tile(0.5 * np.arange(100), 4)))
     names, rows = np.unique(blocks, return_counts=True)
     assert (len(names), set(rows)) == (40, {10})
 
 
 def test_rows_that_all_have_one_time_are_drawn_singly(evidence_of):
-    assert _blocks(timed(evidence_of(X, X, heldout=40), np.zeros(100))).tolist() == list(range(100))
+    assert row_blocks(timed(evidence_of(X, X, heldout=40), np.zeros(100))).tolist() == list(range(100))
 
 
 @pytest.mark.parametrize(("trials", "are_drawn_whole"), [(5, True), (4, False)])
 def test_from_5_held_out_trials_on_whole_trials_are_drawn(evidence_of, trials, are_drawn_whole):
     x = np.linspace(0.0, 1.0, 400)
     evidence = evidence_of(x, x, heldout=400, trials=trials)
-    assert np.array_equal(_blocks(evidence), evidence.trial) is are_drawn_whole
+    assert np.array_equal(row_blocks(evidence), evidence.trial) is are_drawn_whole
 
 
 @pytest.mark.parametrize(("heldout", "blocks"), [(41, 5), (40, 4)])
 def test_with_fewer_than_5_blocks_single_rows_are_drawn(evidence_of, heldout, blocks):
     """Rows of 1 s in blocks of 10 from the first: the last 41 of 100 lie in 5 of them, the last 40 in 4."""
     evidence = evidence_of(X, X, heldout=heldout)
-    assert len(np.unique(_blocks(evidence)[evidence.heldout])) == (blocks if blocks == 5 else heldout)
+    assert len(np.unique(row_blocks(evidence)[evidence.heldout])) == (blocks if blocks == 5 else heldout)
 
 
 def test_the_rows_of_one_quantity_are_held_out_at_its_place(evidence_of):

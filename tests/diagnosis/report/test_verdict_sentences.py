@@ -3,12 +3,23 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from diagnosis.inference.gain import Gain
+from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.rivals import FORM
-from diagnosis.report.verdict import _gains, certainty, headline, no_effect, nothing_left, unexplained_sentence
+from diagnosis.report.report_data import Ablation
+from diagnosis.report.verdict import (
+    _gains,
+    certainty,
+    headline,
+    no_effect,
+    nothing_left,
+    unexplained_sentence,
+    without_effect,
+)
 
 
 def said(confidence, *others, is_whole=True, rivals=()):
@@ -116,3 +127,20 @@ def test_a_calibration_that_predicts_worse_gains_nothing():
     assert _gains(Gain(-0.3, -0.759, 0.714, 7.71, 10.0, ())) == (
         "makes the error on the held-out rows 30 % larger (95 % interval of the gain -75.9 % to 71.4 %)"
     )
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (LogScoreChange(0.84, 0.2, 1.5), "raises the log-likelihood of a held-out reading by 0.84 on average"),
+        (LogScoreChange(-0.1, -0.3, 0.1), "lowers the log-likelihood of a held-out reading by 0.1 on average"),
+    ],
+)
+def test_an_effect_of_the_noise_is_judged_by_the_likelihood_of_the_readings(change, text):
+    gain = Gain(0.0, -0.1, 0.1, 1.2, 1.2, ())
+    hypothesis = SimpleNamespace(nuisances=(), prior=lambda _: np.zeros(0))
+    fit: Any = SimpleNamespace(hypothesis=hypothesis, x=None)
+    ablation = Ablation("noise_scale", fit, 39.5, gain, gain, change, is_of_noise=True)
+    said_of_it = without_effect(ablation)
+    assert text in said_of_it
+    assert "gain" not in said_of_it
