@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.baselines.learned.heat_map import PoseGrid, PoseLikelihood
-from pipeline.baselines.learned.model import INPUTS, LocalisationModel, ModelAbout, read_model
+from pipeline.baselines.learned.model import INPUTS, read_model
 from tests.fuzz.guard import Read
+from tests.pipeline.baselines.learned.small_model import small_model
 
 GRID = PoseGrid(-0.2, -0.1, 0.1, 5, 3, 4)
 """Five by three cells of 10 cm, with four headings each."""
@@ -18,26 +19,8 @@ def models() -> list[bytes]:
 
 
 def _model(cells: np.ndarray, inputs: int) -> bytes:
-    about = ModelAbout(
-        arena="0" * 64,
-        inputs=INPUTS[:inputs],
-        x_m=GRID.x_m,
-        y_m=GRID.y_m,
-        cell_m=GRID.cell_m,
-        columns=GRID.columns,
-        rows=GRID.rows,
-        headings=GRID.headings,
-        temperature=1.5,
-        wrong=0.1,
-        seed=1,
-        training_runs=("0123456789abcdef",),
-        validation_runs=("fedcba9876543210",),
-        epochs=7,
-        made_with={"torch": "2.6.0"},
-    )
-    likelihood = PoseLikelihood(GRID, cells, np.full(len(cells), 1.0 / len(cells)), about.wrong)
-    weights = {"head.0.weight": np.arange(6.0).reshape(2, 3), "head.0.bias": np.zeros(2)}
-    return LocalisationModel(about, likelihood, weights).file_bytes()
+    likelihood = PoseLikelihood(GRID, cells, np.full(len(cells), 1.0 / len(cells)), 0.1)
+    return small_model(likelihood, INPUTS[:inputs]).file_bytes()
 
 
 def model_reader(place: Path) -> Read:
