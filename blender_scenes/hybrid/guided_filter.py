@@ -10,6 +10,8 @@ from symolo.core.arrays import FloatImage
 
 _SPREAD_PX = 1.5
 """Standard deviation of a pixel's neighbourhood."""
+_NEAREST_PX = 0.75
+"""The same where only the nearest pixels matter."""
 _MIN_VARIANCE = np.float32(1e-4)
 """Variance of the guide below which values do not follow it."""
 _MIN_WEIGHT = np.float32(1e-3)
@@ -34,3 +36,14 @@ def local_lines(values: FloatImage, guide: FloatImage, weight: FloatImage) -> Fl
     slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _MIN_VARIANCE)
     known = total > _MIN_WEIGHT
     return np.concatenate([np.where(known, slope, 0), np.where(known, of_values + slope * (guide - mean), values)], -1)
+
+
+def no_brighter_than_around(light: FloatImage, known: FloatImage) -> FloatImage:
+    """Return light (H, W, K), at most as bright as the nearest known pixels where `known` (H, W, 1) is not 1.
+
+    It may be darker: a foot is in the shade of what stands on it, and the more so the nearer it is.
+    """
+    moments = np.concatenate([light * known, known], axis=-1)
+    around, weight = np.split(cv2.GaussianBlur(moments, (0, 0), _NEAREST_PX, borderType=cv2.BORDER_REPLICATE), [-1], -1)
+    is_capped = (known < 1) & (weight > _MIN_WEIGHT)
+    return np.where(is_capped, np.minimum(light, around / np.maximum(weight, _MIN_WEIGHT)), light)

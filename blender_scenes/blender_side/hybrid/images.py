@@ -19,7 +19,7 @@ from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_light import without_noise
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
 from blender_scenes.hybrid.footprints import Footprints
-from blender_scenes.hybrid.guided_filter import local_lines
+from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
 from blender_scenes.hybrid.lowest_row import EdgesInSight
 from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
 from blender_scenes.hybrid.upsampling import reduced, upsampled
@@ -173,7 +173,10 @@ class HybridRenderer:
         direct_sun = np.maximum(without - pair[1], 0)
         if sun:
             direct_sun[sun.where] = sun.still
-        low = np.concatenate([*pair, direct_sun, traced], axis=-1)
+        # Pixels of the light image that show floor and a bright face would brighten the floor beside the face.
+        is_floor = _is_floor(seen, self._near)
+        of_floor = [no_brighter_than_around(light, is_floor) for light in (*pair, direct_sun)]
+        low = np.concatenate([*of_floor, traced], axis=-1)
         with_, without, direct_sun, traced = np.split(_upsampled(low, seen), [3, 6, 9], axis=-1)
         shaded_sun = direct_sun * sun.visible if sun else direct_sun
         # All renderings with and without what moves have the same random numbers, so their ratio is exactly 1 where
@@ -200,8 +203,7 @@ class HybridRenderer:
         Transmission is the share of light that passes the floor's coat to the base and back.
         """
         normal, roughness = (reduced(seen[name], times) for name in ("Normal", _ROUGHNESS))
-        cover = reduced(seen[COVER][..., :1], times)
-        is_floor = (cover > _WHOLLY).astype(np.float32)
+        cover, is_floor = reduced(seen[COVER][..., :1], times), _is_floor(seen, times)
         light = passes["DiffDir"] + passes["DiffInd"]
         # A visible lamp is part of the surfaces; for the denoiser of the light it would be a firefly.
         rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light - _shine(passes), 0)
@@ -337,6 +339,11 @@ def _outline(panel: LightPanel) -> Mesh:
     along, across = 0.5 * panel.width_m * np.array(panel.right), 0.5 * panel.height_m * np.array(panel.up)
     corners = [tuple((panel.center + a * along + b * across).tolist()) for a, b in _AROUND]
     return rectangle(panel.name, corners, panel.name)
+
+
+def _is_floor(seen: Passes, times: int) -> FloatImage:
+    """Return (h, w, 1): 1 where a pixel of light, shared by `times` pixels each way, shows only floor; 0 elsewhere."""
+    return (reduced(seen[COVER][..., :1], times) > _WHOLLY).astype(np.float32)
 
 
 def _shine(passes: Passes) -> FloatImage:

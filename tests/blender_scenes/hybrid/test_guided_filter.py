@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.guided_filter import local_lines
+from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
 
 HEIGHT, WIDTH = 24, 32
 EVERYWHERE = np.ones((HEIGHT, WIDTH, 1), np.float32)
@@ -60,3 +60,27 @@ def test_where_nothing_around_counts_a_value_is_its_own():
     values = np.random.default_rng(3).random((HEIGHT, WIDTH, 2)).astype(np.float32)
     lines = local_lines(values, _two_kinds(), 0 * EVERYWHERE)
     np.testing.assert_array_equal(lines, np.concatenate([0 * values, values], axis=-1))
+
+
+# Light on the floor in pixels that show something else as well: from column 16 on
+
+
+BESIDE = (np.arange(WIDTH) < 16).astype(np.float32)[None, :, None] * EVERYWHERE
+
+
+def test_a_bright_face_does_not_brighten_the_floor_beside_it():
+    floor = np.float32([2.0, 0.5])
+    light = np.where(BESIDE > 0, floor, 3 * floor)
+    found = no_brighter_than_around(light, BESIDE)
+    np.testing.assert_allclose(found[:, :18], np.broadcast_to(floor, (HEIGHT, 18, 2)), rtol=1e-5)
+    np.testing.assert_array_equal(found[:, 20:], light[:, 20:])
+
+
+def test_a_shadow_at_a_foot_stays_as_dark_as_it_is():
+    light = np.where(BESIDE > 0, 2.0, 0.7).astype(np.float32)
+    np.testing.assert_array_equal(no_brighter_than_around(light, BESIDE), light)
+
+
+def test_light_where_all_is_floor_is_unchanged():
+    light = np.random.default_rng(4).random((HEIGHT, WIDTH, 3)).astype(np.float32)
+    np.testing.assert_array_equal(no_brighter_than_around(light, EVERYWHERE), light)

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings
+from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings, hybrid_samples
 from blender_scenes.scene.description import LightPanel, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
 from blender_scenes.scene.shading import Color, Constant, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles
 from configs.schema.appearance.look import CameraLook
 from configs.schema.robot import Camera
+from configs.schema.scenario import Render
 from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
 from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Intrinsics, floor_points, pose_X_RC, project
@@ -78,7 +79,8 @@ def _job(hybrid: HybridSamples | None, seed: int, samples: int = FULL_SAMPLES) -
 @pytest.fixture(scope="module")
 def images(lights_of) -> SimpleNamespace:
     """(2, H, W, 3) hybrid and full images, with the obstacle and without; (1, H, W, 3) another full image."""
-    orders = [(_job(HYBRID_QUALITIES["standard"], 1), 1, [1, 2]), (_job(None, 1), 1, [1, 2]), (_job(None, 2), 1, [1])]
+    few = hybrid_samples(Render(quality="standard", width_px=WIDTH_PX, height_px=HEIGHT_PX))
+    orders = [(_job(few, 1), 1, [1, 2]), (_job(None, 1), 1, [1, 2]), (_job(None, 2), 1, [1])]
     hybrid, full, again = lights_of(*orders, near_width_px=NEAR_WIDTH_PX)
     return SimpleNamespace(hybrid=hybrid, full=full, again=again)
 
