@@ -83,6 +83,14 @@ class Slot(TextEnum):
     """measured over true current, time since the instrument was switched on [s] -> the same ratio."""
     SPEED_GAIN = "speed gain"
     """measured over true speed, time since the instrument was switched on [s] -> the same ratio."""
+    SPEED_RIPPLE = "speed ripple"
+    """measured over true speed, angle that the shaft has turned [rad] -> the same ratio. A speed that has settled is a
+    mean over turns, without ripple."""
+    CURRENT_ERROR = "current error"
+    """error that is added to the reading of the current [A], time since the instrument was switched on [s] -> error."""
+    SPEED_ERROR = "speed error"
+    """error that is added to the reading of the speed [rad/s], time since the instrument was switched on [s] ->
+    error."""
     SPEED_FILTER = "speed filter"
     """filtered speed [rad/s], speed before and now [rad/s], duration [s] between -> filtered speed [rad/s] now."""
     SPEED_DELAY = "speed delay"

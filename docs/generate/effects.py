@@ -9,7 +9,7 @@ from markdown_text import page, table, text
 
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS
-from pipeline.effects.template import LAWS
+from pipeline.effects.template_laws import LAWS
 
 ABOUT = """This page lists all effects that a robot can have. The page [effects](../effects.md) explains what they have
 in common. Each effect is a setting, `robot.effects.<name>.<parameter>`, an axis of randomisation and a hypothesis of

@@ -14,7 +14,8 @@ from symolo.core.arrays import Array, stacked_rows
 def read_current_A(effects: RobotEffects, current_A: Array, since_on_s: Array) -> Array:
     """Return the readings of currents, of the same shape, at times since power-on, which broadcast to it."""
     gain = through(effects.functions(Slot.CURRENT_GAIN), np.ones(()), since_on_s)
-    return through(effects.functions(Slot.CURRENT_READING), gain * current_A)
+    reading = through(effects.functions(Slot.CURRENT_READING), gain * current_A)
+    return _with_error(effects, Slot.CURRENT_ERROR, reading, since_on_s)
 
 
 def read_settled_speed_rad_s(effects: RobotEffects, speed_rad_s: Array, since_on_s: Array) -> Array:
@@ -23,7 +24,14 @@ def read_settled_speed_rad_s(effects: RobotEffects, speed_rad_s: Array, since_on
     Times since power-on broadcast to that shape.
     """
     gain = through(effects.functions(Slot.SPEED_GAIN), np.ones(()), since_on_s)
-    return through(effects.functions(Slot.SPEED_READING), gain * speed_rad_s)
+    reading = through(effects.functions(Slot.SPEED_READING), gain * speed_rad_s)
+    return _with_error(effects, Slot.SPEED_ERROR, reading, since_on_s)
+
+
+def _with_error(effects: RobotEffects, slot: Slot, reading: Array, since_on_s: Array) -> Array:
+    """Return readings with the errors that are added to them."""
+    functions = effects.functions(slot)
+    return reading + through(functions, np.zeros(()), since_on_s) if functions else reading
 
 
 def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, since_on_s: Array | None = None) -> Array:
@@ -43,6 +51,9 @@ def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, sinc
         at_rest = np.zeros_like(speed_rad_s[:1])
         since_on_s = np.concatenate([since_on_s[:1], since_on_s])
         return read_speed_rad_s(effects, np.append(0.0, t_s), np.concatenate([at_rest, speed_rad_s]), since_on_s)[1:]
+    if ripples := effects.functions(Slot.SPEED_RIPPLE):
+        ratio = through(ripples, np.ones(()), _angle_rad(t_s, speed_rad_s))
+        speed_rad_s = ratio * speed_rad_s
     reading = read_settled_speed_rad_s(effects, speed_rad_s, since_on_s)
     for low_pass in effects.functions(Slot.SPEED_FILTER):
         rows = [reading[0]]
@@ -51,6 +62,13 @@ def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, sinc
         reading = stacked_rows(rows)
     delay_s = through(effects.functions(Slot.SPEED_DELAY), 0.0)
     return reading if np.all(delay_s == 0.0) else _earlier(reading, t_s, delay_s)
+
+
+def _angle_rad(t_s: Array, speed_rad_s: Array) -> Array:
+    """Return the angles (N, ...) since the first of the times (N,), of speeds that are linear between these times."""
+    lasts_s = np.diff(t_s).reshape(-1, *(1,) * (speed_rad_s.ndim - 1))
+    turns = 0.5 * lasts_s * (speed_rad_s[1:] + speed_rad_s[:-1])
+    return np.concatenate([np.zeros_like(turns[:1]), np.cumsum(turns, axis=0)])
 
 
 def _earlier(reading: Array, t_s: Array, delay_s: float | Array) -> Array:

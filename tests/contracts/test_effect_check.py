@@ -10,7 +10,8 @@ from pipeline.cli import main
 from pipeline.effects.check import load_to_fit
 from pipeline.effects.contract import RULES, judged
 from pipeline.effects.probe import Probe
-from pipeline.effects.template import LAWS, template
+from pipeline.effects.template import template
+from pipeline.effects.template_laws import LAWS
 from pipeline.effects.trial import trials
 from symolo.core.errors import InputError
 

@@ -38,7 +38,8 @@ def new(
 
     Example: symolo effect new oval_wheel --slot rolling
     """
-    from pipeline.effects.template import LAWS, slot_named, template
+    from pipeline.effects.template import slot_named, template
+    from pipeline.effects.template_laws import LAWS
     from symolo.core.files.atomic_files import write_file
 
     file = out or new_file_check(".py")(Path(f"{name}.py"))
