@@ -17,7 +17,8 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.discovery.form import LawForm
 from diagnosis.discovery.grammar import CURVE, can_have_law, forms, smooth
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
-from diagnosis.discovery.place import LawPlace, places
+from diagnosis.discovery.place import LawPlace
+from diagnosis.discovery.places import places
 from diagnosis.discovery.search import FittedLaw, fitted, null_start, scan_forms
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.rounding import with_shared_rounding
@@ -85,7 +86,7 @@ def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
     measurement, evidence, fit = diagnosis.measurement, diagnosis.evidence, diagnosis.fit
     where = () if measurement.cases else places(measurement.kind, evidence, fit.robot.motor)
     if not where:
-        searched = "benches of motors and range sensors and in scans"
+        searched = "benches and step logs of motors, on benches of range sensors and in scans"
         reason = f"laws are looked for on {searched}, not in data of kind {measurement.kind}"
         return None, reason, LawSearch(1.0, 0)
     if np.count_nonzero(evidence.fit) < MIN_ROWS:
@@ -95,8 +96,8 @@ def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
     scan = scan_forms(evidence, fit, tried)
     # Each form was chosen from many, of which the best one fits by chance.
     toll = 2.0 * log(max(1, len(tried)))
-    laws = [fitted(evidence, fit, form, starts) for form, starts in scan.promising]
-    curves = [fitted(evidence, fit, form, [null_start(fit, form)]) for form in _curves(where)]
+    laws = fitted(evidence, fit, scan.promising)
+    curves = fitted(evidence, fit, [(form, [null_start(fit, form)]) for form in _curves(where)])
     every = [*(replace(each, score=each.score - toll) for each in laws), *curves]
     every.sort(key=lambda each: -each.score)
     reasons = [_refusal(evidence, fit, each, scan.chance) for each in every]
@@ -174,13 +175,13 @@ def _ranges(diagnosis: Diagnosis, fit: HypothesisFit, form: LawForm) -> Iterator
     usable, data = evidence.fit | evidence.heldout, dict[str, Array]()
     readings = predicted_readings(evidence, fit)
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        covariates = conditions(observed, readings)
-        data |= {name: values[usable[place] & np.isfinite(values)] for name, values in covariates}
+        # The time of a session is no condition, but the law may depend on it.
+        covariates = {each.name: each.values for each in observed.covariates} | dict(conditions(observed, readings))
+        data |= {name: values[usable[place] & np.isfinite(values)] for name, values in covariates.items()}
+    for name in form.covariates:
+        yield SeenRange(name, float(data[name].min()), float(data[name].max()))
     for seen in seen_ranges(evidence, diagnosis.selection.nominal, fit, form.candidate):
-        if seen.covariate in form.covariates:
-            values = data[seen.covariate]
-            yield SeenRange(seen.covariate, float(values.min()), float(values.max()))
-        else:
+        if seen.covariate not in form.covariates:
             yield seen
 
 

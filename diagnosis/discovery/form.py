@@ -85,6 +85,8 @@ class LawForm:
     """Assignments of constants of the module."""
     material: str = ""
     """The only material with the error; empty for all."""
+    jump: int | None = None
+    """Index of the number at which the law jumps, so that slopes do not lead to its best value."""
     ending: str = ""
     """End of the name, if another effect has it without one."""
 
@@ -118,6 +120,18 @@ class LawForm:
     def starting_at(self, values: Mapping[str, float]) -> "LawForm":
         """Return the form whose numbers start at other values, such as the fitted ones."""
         return replace(self, numbers=tuple(number.starting_at(values[number.name]) for number in self.numbers))
+
+    def finer(self, start: tuple[float, ...], steps: int) -> "LawForm":
+        """Return a form that jumps, tried at several values between the neighbours of one of its tries; others as they
+        are.
+        """
+        k = self.jump
+        if k is None:
+            return self
+        tried = sorted({each[k] for each in self.tries})
+        at = tried.index(start[k])
+        between = np.linspace(tried[max(at - 1, 0)], tried[min(at + 1, len(tried) - 1)], steps)
+        return replace(self, tries=tuple((*start[:k], value, *start[k + 1 :]) for value in between.tolist()))
 
     def named_beside(self, taken: Collection[str]) -> "LawForm":
         """Return the form with a name that no other effect has."""

@@ -29,6 +29,8 @@ CYCLES = (1.0, 40.0)
 """Smallest and largest number of waves within the range of a covariate."""
 TRIED_CYCLES = 96
 """Numbers of waves between them that are tried."""
+QUICK, QUICK_CYCLES = frozenset({Slot.CURRENT_ERROR, Slot.SPEED_ERROR}), 300.0
+"""Slots in which a hum is looked for, and its largest number of waves: no motion changes, so that many are tried."""
 PHASES = (0.0, np.pi / 3.0, 2.0 * np.pi / 3.0)
 COARSE = (0.003, 0.1)
 """Smallest and largest coarse step of a range [m] that is tried."""
@@ -38,6 +40,8 @@ MAX_NUMBER = 9e4
 """Largest bound of a number; an effect file has none beyond 1e5."""
 MIN_DISTINCT = 5
 """Smallest number of different values of a covariate along which a law is looked for."""
+MANY = 300
+"""Number of different values beyond which the place of a jump is searched between the edges too."""
 MIN_WAVES = 12
 """Smallest number of different values along which waves are tried."""
 FROM_ZERO = 0.3
@@ -58,18 +62,21 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
     """
     several = [each for each in place.covariates.values() if can_have_law(each)]
     yield from of_past(place)
+    for covariate in place.covariates.values():
+        if covariate.is_angle:
+            yield from _turning(place, covariate)
     for covariate in several:
         yield from _of_factor(place, covariate) if place.is_factor else _along(place, covariate)
     if place.slot is Slot.RANGE:
         yield from _of_range(place, several, materials)
     if place.is_odd:
-        (own,) = place.covariates.values()
-        yield from _of_instrument(place, own)
+        for own in place.covariates.values():
+            yield from _of_ends(place, own)
 
 
 def can_have_law(c: SlotCovariate) -> bool:
     """Return whether a covariate has enough different values, none of them negative, for a law along it."""
-    return not c.is_past and c.low >= 0.0 and len(np.unique(c.values)) >= MIN_DISTINCT
+    return not (c.is_past or c.is_angle) and c.low >= 0.0 and len(np.unique(c.values)) >= MIN_DISTINCT
 
 
 def smooth(place: LawPlace, c: SlotCovariate) -> LawForm | None:
@@ -151,6 +158,7 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         f"np.where({x} > self.{edge.name}, self.{step.name}, 0.0)",
         (step, edge),
         tuple((place.size, at) for at in edges),
+        jump=_jump(c, 1),
     )
     unit = unit_per(place.unit, c.unit)
     slope = LawNumber.amplitude(with_unit("slope", unit), unit, 4.0 * place.size / span, "Slope beyond the edge")
@@ -186,7 +194,11 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
 
 def _wave(place: LawPlace, c: SlotCovariate) -> LawForm:
     span, distinct = c.high - c.low, len(np.unique(c.values))
-    lengths = (span / np.geomspace(CYCLES[0], min(CYCLES[1], distinct / 2.5), TRIED_CYCLES)).tolist()
+    if place.slot in QUICK and distinct > MANY:
+        cycles = np.arange(CYCLES[0], min(QUICK_CYCLES, distinct / 10.0), 0.5)
+    else:
+        cycles = np.geomspace(CYCLES[0], min(CYCLES[1], distinct / 2.5), TRIED_CYCLES)
+    lengths = (span / cycles).tolist()
     swing, unit = sized(place, "swing", "Amplitude"), c.unit
     shortest, longest = 0.3 * min(lengths), min(3.0 * span, MAX_NUMBER)
     length = LawNumber(
@@ -202,6 +214,22 @@ def _wave(place: LawPlace, c: SlotCovariate) -> LawForm:
         (swing, length, phase),
         tuple((place.size, at, turn) for at, turn in product(lengths, PHASES)),
     )
+
+
+def _turning(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+    """Yield factors that repeat once or twice a turn."""
+    swing = sized(place, "swing", "Amplitude")
+    phase = LawNumber("phase_rad", "rad", f"Phase at {c.words} = 0", 1.0, -6.3, 6.3, is_angle=True)
+    for shape, often, cycles in (("wave", "once", 1.0), ("double_wave", "twice", 2.0)):
+        yield LawForm(
+            place,
+            shape,
+            (c.name,),
+            f"a change of {place.noun} that repeats {often} a turn, over the {c.words}",
+            f"self.{swing.name} * np.sin({cycles} * {{{c.name}}} + self.phase_rad)",
+            (swing, phase),
+            tuple((place.size, turn) for turn in PHASES),
+        )
 
 
 def _powers(place: LawPlace, c: SlotCovariate, times: SlotCovariate | None) -> Iterator[LawForm]:
@@ -305,10 +333,10 @@ def _of_reading(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     )
 
 
-def _of_instrument(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
-    """Yield what an instrument may do to small and large readings: a dead zone, and an end of its range."""
+def _of_ends(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+    """Yield what may happen to small and large values: a dead zone, and an end of the range."""
     x, edges = "{" + c.name + "}", _edges(c.values)
-    name, words = with_unit("below", c.unit), f"Smaller readings are zero, {c.words}"
+    name, words = with_unit("below", c.unit), f"Smaller values are zero, {c.words}"
     below = LawNumber(name, c.unit, words, edges[len(edges) // 4], 0.0, 2.0 * c.high, 0.0)
     yield LawForm(
         place,
@@ -319,9 +347,10 @@ def _of_instrument(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         (below,),
         tuple((at,) for at in edges),
         is_result=True,
+        jump=_jump(c, 0),
     )
     name = with_unit("top", c.unit)
-    top = LawNumber(name, c.unit, f"Largest reading, {c.words}", edges[-1], 1e-3 * c.high, MAX_NUMBER, MAX_NUMBER)
+    top = LawNumber(name, c.unit, f"Largest value, {c.words}", edges[-1], 1e-3 * c.high, MAX_NUMBER, MAX_NUMBER)
     yield LawForm(
         place,
         "limit",
@@ -332,6 +361,11 @@ def _of_instrument(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         tuple((at,) for at in edges),
         is_result=True,
     )
+
+
+def _jump(c: SlotCovariate, index: int) -> int | None:
+    """Return the index of a number at which a law jumps, if more values of it are worth a try than the edges."""
+    return index if len(np.unique(c.values)) > MANY else None
 
 
 def _edges(values: Array) -> list[float]:

@@ -5,14 +5,17 @@ chance follows from the same test of residuals whose signs were drawn at random:
 same number of forms to choose from, and no law (Westfall and Young, Resampling-Based Multiple Testing, 1993).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
+from numpy.typing import NDArray
 
+from configs.schema.robot import RobotConfig
 from diagnosis.discovery.form import LawForm
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.fit import Contest, HypothesisFit, fits_of_contests
 from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.likelihood import CORNER
 from diagnosis.inference.projection import orthonormal
@@ -30,8 +33,12 @@ LARGEST_MULTIPLE = 50.0
 """Largest multiple of the tried size."""
 MIN_SHARE = 1e-9
 """Share of a change's square outside the fitted directions, below which it is only rounding error."""
-AT_ONCE = 96
-"""Values of a form that are predicted together."""
+AT_ONCE = 256
+"""Values of forms that are predicted together."""
+FINER, FINER_STEPS = 2, 12
+"""How often the place of a jump is searched between its best value and the next ones, and at how many values."""
+MIXED = 4
+"""Rows of uncorrelated noise that are drawn with one sign, of a log in which rows follow each other in time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +46,7 @@ class TriedForm:
     """One form at one of its values."""
 
     form: LawForm
+    values: tuple[float, ...]
     start: Array
     """Coordinates (P,) of the fit with the form, from which a fit may begin."""
 
@@ -69,18 +77,24 @@ class FormScan:
 
 def scan_forms(evidence: Evidence, fit: HypothesisFit, forms: Sequence[LawForm]) -> FormScan:
     """Return the most promising of several forms beside a fit."""
-    tried, columns = _tried(evidence, fit, forms)
-    if not tried:
-        return FormScan((), 1.0)
-    tolls = TOLL * np.array([each.form.size for each in tried])
-    is_fixed = np.array([each.form.is_result for each in tried])
     # With the robust weights, rows far off count little; with Huber's they count in proportion to their distance.
     huber = np.where(evidence.fit, np.sqrt(evidence.weight / np.maximum(1.0, np.abs(fit.z) / CORNER)), 0.0)
+    tests = [_LinearTest(fit, root) for root in (fit.root_weights(), huber)]
+    for some, columns in _tried(evidence, fit, forms):
+        for test in tests:
+            test.add(some, columns)
+    tried = tests[0].tried
+    if not tried:
+        return FormScan((), 1.0)
+    # Finer values are tried about the best ones alone, which chance has not, so they have no part in its share.
+    chance = min(test.chance for test in tests)
+    for _ in range(FINER):
+        for some, columns in _tried(evidence, fit, _finer(tests)):
+            for test in tests:
+                test.add(some, columns)
     best: dict[str, tuple[LawForm, list[Array]]] = {}
-    chances = []
-    for root in (fit.root_weights(), huber):
-        falls, multiples, chance = _linear(fit, columns, root, is_fixed, tolls)
-        chances.append(chance)
+    for test in tests:
+        falls, multiples = np.array(test.falls), np.array(test.multiples)
         ranked: dict[str, int] = {}
         for k in np.argsort(-falls, kind="stable").tolist():
             name = tried[k].form.label
@@ -89,16 +103,24 @@ def scan_forms(evidence: Evidence, fit: HypothesisFit, forms: Sequence[LawForm])
             ranked[name] += 1
             form, starts = best.setdefault(name, (tried[k].form, []))
             starts.append(_sized(fit, form, tried[k].start, float(multiples[k])))
-    return FormScan(tuple((form, tuple(starts)) for form, starts in best.values()), min(chances))
+    return FormScan(tuple((form, tuple(starts)) for form, starts in best.values()), chance)
 
 
-def fitted(evidence: Evidence, fit: HypothesisFit, form: LawForm, starts: Sequence[Array]) -> FittedLaw:
-    """Return a form beside a fit, with all coordinates fitted again, from the best of some starts."""
-    hypothesis = fit.hypothesis.with_effect(form.candidate)
-    after = min(fits(evidence, [(hypothesis, start) for start in starts]), key=lambda each: each.cost)
-    fall = fit.cost - after.cost
-    heldout_fall = float((fit.costs - after.costs)[evidence.heldout].sum())
-    return FittedLaw(form, after, fall, heldout_fall, fall - TOLL * form.size)
+def fitted(
+    evidence: Evidence, fit: HypothesisFit, promising: Sequence[tuple[LawForm, Sequence[Array]]]
+) -> list[FittedLaw]:
+    """Return each form beside a fit, with all coordinates fitted again, from the best of its starts."""
+    contests = [
+        Contest(evidence, [(fit.hypothesis.with_effect(form.candidate), start) for start in starts])
+        for form, starts in promising
+    ]
+    laws = []
+    for (form, _), every in zip(promising, fits_of_contests(contests), strict=True):
+        after = min(every, key=lambda each: each.cost)
+        fall = fit.cost - after.cost
+        heldout_fall = float((fit.costs - after.costs)[evidence.heldout].sum())
+        laws.append(FittedLaw(form, after, fall, heldout_fall, fall - TOLL * form.size))
+    return laws
 
 
 def null_start(fit: HypothesisFit, form: LawForm) -> Array:
@@ -106,11 +128,10 @@ def null_start(fit: HypothesisFit, form: LawForm) -> Array:
     return moved(fit.x, fit.hypothesis, fit.hypothesis.with_effect(form.candidate))
 
 
-def _tried(evidence: Evidence, fit: HypothesisFit, forms: Sequence[LawForm]) -> tuple[list[TriedForm], Array]:
-    """Return all forms at all their values, and the changes (M, N) of the prediction by them, in sigmas."""
-    tried: list[TriedForm] = []
-    columns = []
+def _tried(evidence: Evidence, fit: HypothesisFit, forms: Iterable[LawForm]) -> Iterator[tuple[list[TriedForm], Array]]:
+    """Yield all forms at all their values, and the changes (M, N) of the prediction by them, in sigmas."""
     before = evidence.values - fit.z * fit.sd
+    tried: list[tuple[TriedForm, RobotConfig]] = []
     for form in forms:
         hypothesis = fit.hypothesis.with_effect(form.candidate)
         place = hypothesis.parameters(form.candidate)
@@ -118,55 +139,97 @@ def _tried(evidence: Evidence, fit: HypothesisFit, forms: Sequence[LawForm]) -> 
         for start, values in zip(starts, form.tries, strict=True):
             start[place] = [c.coordinate(v) for c, v in zip(form.candidate.coordinates, values, strict=True)]
         starts = hypothesis.clipped(starts)
-        for begin in range(0, len(starts), AT_ONCE):
-            some = starts[begin : begin + AT_ONCE]
-            mean = evidence.predicted(hypothesis.robots(some)).moved(fit.local_change).mean
-            change = (mean - before) / fit.sd
-            columns.append(np.where(evidence.fit & np.isfinite(change), change, 0.0))
-            tried += [TriedForm(form, start) for start in some]
-    return tried, np.concatenate(columns) if columns else np.zeros((0, len(fit.z)))
+        tries = (TriedForm(form, values, start) for values, start in zip(form.tries, starts, strict=True))
+        tried += zip(tries, hypothesis.robots(starts), strict=True)
+    for begin in range(0, len(tried), AT_ONCE):
+        some, robots = zip(*tried[begin : begin + AT_ONCE], strict=True)
+        mean = evidence.predicted(robots).moved(fit.local_change).mean
+        change = (mean - before) / fit.sd
+        yield list(some), np.where(evidence.fit & np.isfinite(change), change, 0.0)
 
 
-def _linear(
-    fit: HypothesisFit, columns: Array, root: Array, is_fixed: Array, tolls: Array
-) -> tuple[Array, Array, float]:
-    """Return the fall of the weighted squares by the best multiple of each column, less the toll, and the chance.
+class _LinearTest:
+    """The fall of the weighted squares by the best multiple of a change, less the toll, and that by chance.
 
     Args:
-        fit: The fit without the columns.
-        columns: (M, N), changes in sigmas.
+        fit: The fit without the changes.
         root: (N,), roots of the weights.
-        is_fixed: (M,), columns of which the multiple is 1.
-        tolls: (M,).
-
-    Returns:
-        The falls and the multiples (M,), and the share of draws of signs whose best fall is as large.
     """
-    basis = orthonormal(fit.tangents(root))
-    rows = np.flatnonzero(root > 0.0)
-    residual = fit.weighted_residuals(fit.z, root)
-    weighed = (columns * root)[:, rows]
-    taken = weighed @ basis[rows]
-    free = (weighed**2).sum(axis=1) - (taken**2).sum(axis=1)
-    is_new = free > MIN_SHARE * np.maximum((weighed**2).sum(axis=1), 1e-300)
 
-    def falls(along: Array) -> tuple[Array, Array]:
-        square = np.where(is_new, free, 1.0)[:, None]
-        best = np.clip(along / square, -LARGEST_MULTIPLE, LARGEST_MULTIPLE)
-        multiple = np.where(is_fixed[:, None], 1.0, best)
-        fall = 2.0 * multiple * along - multiple**2 * square
-        return np.where(is_new[:, None], fall, -np.inf) - tolls[:, None], multiple
+    def __init__(self, fit: HypothesisFit, root: Array) -> None:
+        self._rows = np.flatnonzero(root > 0.0)
+        self._root = root[self._rows]
+        basis = orthonormal(fit.tangents(root))
+        residual = fit.weighted_residuals(fit.z, root)
+        self._basis = basis[self._rows]
+        # What the parameters explain has no part in the test or in the draws.
+        self._rest = (residual - basis @ (basis.T @ residual))[self._rows]
+        self._begins = runs_of_one_sign(fit.evidence, self._rows)
+        draws = stream(0, "diagnosis/discovery/signs")
+        self._signs = draws.choice([-1.0, 1.0], (len(self._begins), SIGN_DRAWS))
+        self._by_chance = np.full(SIGN_DRAWS, -np.inf)
+        self.tried: list[TriedForm] = []
+        self.falls: list[float] = []
+        self.multiples: list[float] = []
 
-    along = weighed @ residual[rows] - taken @ (basis.T @ residual)
-    fall, multiple = falls(along[:, None])
-    # What the parameters explain has no part in the draws.
-    rest = (residual - basis @ (basis.T @ residual))[rows]
-    signs = stream(0, "diagnosis/discovery/signs").choice([-1.0, 1.0], (len(rows), SIGN_DRAWS))
-    drawn = rest[:, None] * signs
-    by_chance, _ = falls(weighed @ drawn - taken @ (basis[rows].T @ drawn))
-    largest = by_chance.max(axis=0)
-    chance = (1.0 + float(np.count_nonzero(largest >= fall.max()))) / (1.0 + SIGN_DRAWS)
-    return fall[:, 0], multiple[:, 0], chance
+    def add(self, tried: Sequence[TriedForm], columns: Array) -> None:
+        """Test the changes (M, N) by some forms, in sigmas."""
+        tolls = TOLL * np.array([each.form.size for each in tried])[:, None]
+        is_fixed = np.array([each.form.is_result for each in tried])[:, None]
+        weighed = columns[:, self._rows] * self._root
+        square = (weighed**2).sum(axis=1, keepdims=True)
+        weighed -= (weighed @ self._basis) @ self._basis.T
+        free = (weighed**2).sum(axis=1, keepdims=True)
+        is_new = free > MIN_SHARE * np.maximum(square, 1e-300)
+        free = np.where(is_new, free, 1.0)
+        along = weighed * self._rest
+
+        def falls(along: Array) -> tuple[Array, Array]:
+            best = np.clip(along / free, -LARGEST_MULTIPLE, LARGEST_MULTIPLE)
+            multiple = np.where(is_fixed, 1.0, best)
+            return np.where(is_new, 2.0 * multiple * along - multiple**2 * free, -np.inf) - tolls, multiple
+
+        fall, multiple = falls(along.sum(axis=1, keepdims=True))
+        self.tried += tried
+        self.falls += fall[:, 0].tolist()
+        self.multiples += multiple[:, 0].tolist()
+        of_runs: Array = np.add.reduceat(along, self._begins, axis=1)
+        by_chance, _ = falls(of_runs @ self._signs)
+        self._by_chance = np.maximum(self._by_chance, by_chance.max(axis=0))
+
+    @property
+    def chance(self) -> float:
+        """Share of draws of signs whose best fall is as large."""
+        return (1.0 + float(np.count_nonzero(self._by_chance >= max(self.falls)))) / (1.0 + SIGN_DRAWS)
+
+
+def _finer(tests: Sequence[_LinearTest]) -> Iterator[LawForm]:
+    """Yield the forms that jump, at finer values about the best one by each test."""
+    for test in tests:
+        best: dict[str, int] = {}
+        for k, tried in enumerate(test.tried):
+            if tried.form.jump is not None and test.falls[k] > test.falls[best.setdefault(tried.form.label, k)]:
+                best[tried.form.label] = k
+        for k in best.values():
+            yield test.tried[k].form.finer(test.tried[k].values, FINER_STEPS)
+
+
+def runs_of_one_sign(evidence: Evidence, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return where the runs of rows begin that are drawn with one sign: of one quantity and one trial.
+
+    Successive rows of a log have noise in common, which draws with a sign for each row would destroy. The rows of a
+    sweep are independent, and each has its own sign.
+    """
+    lengths = [
+        ceil(MIXED * (1.0 + correlation) / (1.0 - correlation)) if observed.is_series else 1
+        for observed, correlation in zip(evidence.observed, evidence.correlations, strict=True)
+    ]
+    quantity, trial = evidence.quantity[rows], evidence.trial[rows]
+    begins = np.flatnonzero((np.diff(quantity, prepend=-1) != 0) | (np.diff(trial, prepend=-1) != 0))
+    ends = np.append(begins[1:], len(rows))
+    return np.concatenate(
+        [np.arange(begin, end, lengths[quantity[begin]]) for begin, end in zip(begins, ends, strict=True)]
+    )
 
 
 def _sized(fit: HypothesisFit, form: LawForm, start: Array, multiple: float) -> Array:

@@ -1,10 +1,11 @@
-"""Blind benches with an effect that is in no list, and benches with nothing hidden, given to `diagnose --discover`.
+"""Blind cases with an effect that is in no list, and cases with nothing hidden, given to `diagnose --discover`.
 
     python -m benchmarks.diagnosis.exams.discovery_exam --cases 100 --nothing 60 --seed 606 --out exam.jsonl
+    python -m benchmarks.diagnosis.exams.discovery_exam --kinds motor_step --cases 48 --seed 606 --out steps.jsonl
 
-The cases come from `independent_cases`, whose simulator shares no code with symolo, half of them motors and half range
-sensors; each effect outside the list comes about equally often. The results are written case by case, so that the same
-command goes on where it was interrupted.
+The cases come from `independent_cases`, whose simulator shares no code with symolo: benches, half of them motors and
+half range sensors, or step logs of motors. Each effect outside the list comes about equally often. The results are
+written case by case, so that the same command goes on where it was interrupted.
 
 A law has the same structure as the hidden effect if slot, shape, covariates and material agree (`SAME`); its numbers
 are not judged. A straight line counts as a power law with an exponent of 0.7 to 1.4.
@@ -36,6 +37,7 @@ from diagnosis.inference.gain import trimmed_rms
 from pipeline.diagnosing.importers import IMPORTERS
 
 BENCHES = ("motor_steady", "tof_bench")
+EXAMINED = (*BENCHES, "motor_step")
 SAME: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
     "friction_bump": ("friction", "bump", ("omega_rad_s",)),
     "parameter_jump Tc": ("friction", "step", ("t_s",)),
@@ -59,8 +61,20 @@ SAME: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
     "light_bias": ("range", "line", ("ambient_lux",)),
     "material_angle": ("range", "sine_squared", ("incidence_rad",)),
     "coarse_steps": ("range", "rounding", ("distance_m",)),
+    "parameter_drift Tc": ("friction", "line", ("t_s",)),
+    "parameter_drift R": ("resistance", "line", ("t_s",)),
+    "parameter_drift K": ("torque_constant", "line", ("t_s",)),
+    "voltage_dead_zone": ("voltage", "dead_zone", ("u_cmd_V",)),
+    "driver_limit": ("voltage", "limit", ("u_cmd_V",)),
+    "supply_drift": ("supply", "line", ("t_s",)),
+    "encoder_eccentricity": ("speed_ripple", "wave", ("angle_rad",)),
+    "hum current_A": ("current_error", "wave", ("t_s",)),
+    "hum omega_rad_s": ("speed_error", "wave", ("t_s",)),
+    "tacho_compression": ("speed_reading", "power", ("omega_rad_s",)),
 }
-"""Place, shape and covariates by hidden effect, with the parameter or the channel that it changes."""
+"""Place, shape and covariates by hidden effect, with the parameter or the channel that it changes; `t_s` is the time
+since power-on.
+"""
 NEARLY_STRAIGHT = (0.7, 1.4)
 MIN_GAIN = 0.1
 """Share of the error that the true law must remove for a share of the gain to be judged."""
@@ -73,13 +87,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=100, help="cases with an effect in no list")
     parser.add_argument("--nothing", type=int, default=60, help="cases with nothing hidden")
+    parser.add_argument("--kinds", nargs="+", choices=EXAMINED, default=BENCHES, help="kinds of cases, in turn")
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True, help="file of the results, one line a case")
     args = parser.parse_args()
     results = [json.loads(line) for line in args.out.read_text().splitlines()] if args.out.exists() else []
     known = {result["case"] for result in results}
     with args.out.open("a", encoding="utf-8") as file:
-        for case, kind, names in dealt(args.cases, args.nothing):
+        for case, kind, names in dealt(args.cases, args.nothing, args.kinds):
             if case not in known:
                 results.append(judged(case, kind, names, args.seed))
                 print(json.dumps(results[-1]), file=file, flush=True)
@@ -87,21 +102,21 @@ def main() -> None:
         print(line)
 
 
-def dealt(cases: int, nothing: int) -> Iterator[tuple[str, str, list[str]]]:
+def dealt(cases: int, nothing: int, kinds: Sequence[str]) -> Iterator[tuple[str, str, list[str]]]:
     """Yield name, kind and hidden effects of each case, those with nothing hidden evenly among the others."""
     order = [(k / max(cases, 1), "outside", k) for k in range(cases)]
     order += [((k + 0.5) / max(nothing, 1), "none", k) for k in range(nothing)]
     for _, category, k in sorted(order):
-        kind = BENCHES[k % 2]
-        outside = list(KINDS[kind].OUTSIDE)
-        names = [outside[(k // 2) % len(outside)]] if category == "outside" else []
+        kind = kinds[k % len(kinds)]
+        outside = [*KINDS[kind].OUTSIDE, *KINDS[kind].FURTHER]
+        names = [outside[(k // len(kinds)) % len(outside)]] if category == "outside" else []
         yield f"{category}_{k + 1:03d}", kind, names
 
 
 def judged(case: str, kind: str, names: Sequence[str], seed: int) -> Result:
     """Draw one case, diagnose it with a search for a law, and judge the law."""
     category, _, number = case.partition("_")
-    rng = np.random.default_rng([seed, BENCHES.index(kind), category == "none", int(number)])
+    rng = np.random.default_rng([seed, EXAMINED.index(kind), category == "none", int(number)])
     try:
         drawn, _ = draw_case(KINDS[kind], category, list(names), rng)
     except RuntimeError as error:  # no setting shows this effect
@@ -156,7 +171,8 @@ def is_same(name: str, variant: Variant, diagnosis: Diagnosis) -> bool:
     is_line = shape == "line" and form.shape == "power"
     low, high = NEARLY_STRAIGHT
     is_line = is_line and low <= diagnosis.law.values["exponent"] <= high
-    if (form.shape != shape and not is_line) or form.covariates != covariates:
+    found = tuple("t_s" if name == "session_time_s" else name for name in form.covariates)
+    if (form.shape != shape and not is_line) or found != covariates:
         return False
     return form.place.prefix == prefix and form.material == parameters.get("material", "")
 
@@ -175,6 +191,8 @@ def readings(setting: Any, variant: Variant) -> Array:  # noqa: ANN401 - each ki
     """Return the readings without noise of all rows, one quantity after the other."""
     if setting.KIND == "tof_bench":
         return setting.predict(variant)
+    if setting.KIND == "motor_step":
+        return np.concatenate([channel[0].ravel() for channel in setting.predict([variant], range(setting.trials))])
     return np.concatenate([channel[0] for channel in setting.predict([variant], setting.t_s, setting.u_V)])
 
 
@@ -190,7 +208,9 @@ def share_of_gain(result: Result) -> float | None:
 def figures(results: Sequence[Result]) -> Iterator[str]:
     """Yield the lines of the figures."""
     results = [result for result in results if not result.get("skipped")]
-    for kind in (*BENCHES, "all"):
+    for kind in (*EXAMINED, "all"):
+        if kind != "all" and all(each["kind"] != kind for each in results):
+            continue
         some = [each for each in results if kind in {each["kind"], "all"}]
         outside, nothing = ([e for e in some if bool(e["hidden"]) == hidden] for hidden in (True, False))
         shares = [share for each in outside if (share := share_of_gain(each)) is not None]

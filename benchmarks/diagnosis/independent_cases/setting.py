@@ -28,6 +28,8 @@ class Setting(ABC):
     """Place of every listed effect that this kind draws; effects of one place are not drawn together."""
     OUTSIDE: ClassVar[Sequence[str]]
     """Names of the effects that the format does not list."""
+    FURTHER: ClassVar[Sequence[str]] = ()
+    """Names of such effects that only the exam of discovery draws."""
     IN_NOISE: ClassVar[tuple[str, ...]] = ()
     """Listed effects that change the noise and not the mean of the readings."""
 

@@ -147,8 +147,8 @@ def diagnose(
         bool,
         typer.Option(
             "--discover",
-            help="Where something stays unexplained on a bench, look for a law that describes it, and write it as an "
-            "effect file.",
+            help="Where something stays unexplained on a bench or in a step log, look for a law that describes it, and "
+            "write it as an effect file.",
         ),
     ] = False,
     workers: Workers = None,

@@ -14,7 +14,7 @@ from diagnosis.case_robot import carrier_of, nominal_of
 from diagnosis.diagnose import diagnose
 from diagnosis.discovery.discover import with_law
 from diagnosis.discovery.grammar import forms
-from diagnosis.discovery.place import places
+from diagnosis.discovery.places import places
 from diagnosis.discovery.search import FittedLaw
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement

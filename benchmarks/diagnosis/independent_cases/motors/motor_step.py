@@ -43,6 +43,7 @@ class StepSetting(Setting):
     KIND = "motor_step"
     PLACE = motor_effects.places_of("step")
     OUTSIDE = list(step_outside.RECIPES)
+    FURTHER = list(step_outside.FURTHER)
     tolerance_names = ["R", "K", "B", "Tc", "J"]
 
     def __init__(self, rng: np.random.Generator) -> None:
@@ -80,8 +81,10 @@ class StepSetting(Setting):
             return motor_recipe(name, rng, self.motor, **use)
         direction, when, phase = draw_sign(rng), float(rng.uniform(0.2, 0.5) * span), rng.uniform(-np.pi, np.pi)
         tc = self.motor.value("Tc")
-        draft = step_outside.StepDraft(name, "outside", rng, direction, when, span, tc, speed, phase, top, self.stated)
-        return step_outside.RECIPES[name](draft)
+        idle = (tc + self.motor.value("B") * speed) / self.motor.value("K")
+        numbers = (when, span, tc, speed, phase, top, idle, self.stated)
+        draft = step_outside.StepDraft(name, "outside", rng, direction, *numbers)
+        return (step_outside.RECIPES | step_outside.FURTHER)[name](draft)
 
     def _session_s(self, trial: int) -> Array:
         """Return the session times (s) of the samples of one trial."""
@@ -94,8 +97,8 @@ class StepSetting(Setting):
         for effect in variant.effects:
             apply_motor(law, effect)
         for effect in variant.outside:
-            step_outside.change_law(law, effect, self._session_s(trial))
-            u = step_outside.change_command(u, effect)
+            step_outside.change_law(law, effect, self._session_s(trial), trial, self.u_V)
+            u = step_outside.change_command(u, effect, self._session_s(trial))
         listed = dict(variant.effects)
         delay = listed.get("input_delay", {"delay_s": 0.0})["delay_s"]
         lag = listed.get("actuator_lag", {"time_constant_s": 0.0})["time_constant_s"]

@@ -92,7 +92,7 @@ RECIPES: dict[str, Callable[[SteadyDraft], Recipe]] = {
 }
 
 
-def _heat(t_s: Array, load: Array, time_constant_s: float) -> Array:
+def past_load(t_s: Array, load: Array, time_constant_s: float) -> Array:
     """Return the past load after a first-order low-pass filter; every row holds until the next one."""
     heat, level, last = np.empty(len(t_s)), 0.0, 0.0
     for i in range(len(t_s)):
@@ -115,7 +115,7 @@ def change_law(law: Law, effect: Effect, t_s: Array, u_V: Array, top_voltage_V: 
         law.multiply("Tc", np.where(np.abs(u_V) < before, 1 + p["change"], 1.0))
     elif name == "winding_memory":
         load = np.array([(volts / top_voltage_V) ** 2 for volts in u_V])
-        law.multiply("R", 1 + p["change"] * _heat(t_s, load, p["time_constant_s"]))
+        law.multiply("R", 1 + p["change"] * past_load(t_s, load, p["time_constant_s"]))
     elif name == "periodic_friction":
         law.multiply("Tc", 1 + p["change"] * np.sin(2 * np.pi * t_s / p["period_s"] + p["phase_rad"]))
 

@@ -1,0 +1,79 @@
+"""The places of a kind of case where a law may act, with those of range sensors."""
+
+from configs.effects.base import Slot
+from configs.schema.robot import Motor
+from diagnosis.discovery.motor_places import of_motor
+from diagnosis.discovery.place import LawPlace, QuantityRead, varying
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.measured.measurement import CaseKind
+
+_VIEW = "from sensors.ranging.range_view import RangeView"
+
+
+def places(kind: CaseKind, evidence: Evidence, motor: Motor) -> tuple[LawPlace, ...]:
+    """Return the places of a kind of case.
+
+    Args:
+        kind: Kind of the case.
+        evidence: The observations.
+        motor: The nominal motor, by which a current is a torque.
+    """
+    if kind is CaseKind.TOF_BENCH:
+        return (_range(evidence),)
+    if kind is CaseKind.RANGE_SCAN:
+        return (_rays(evidence),)
+    if kind in {CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP}:
+        return tuple(of_motor(evidence, motor, by_steps=kind is CaseKind.MOTOR_STEP))
+    return ()
+
+
+def _range(evidence: Evidence) -> LawPlace:
+    read = QuantityRead(evidence, "reading_m")
+    covariates = (
+        read.covariate("distance_m", "distance", "distance [m]", "m", "view.distance_m"),
+        read.covariate(
+            "incidence_rad", "incidence", "angle of incidence [rad]", "rad", "np.abs(view.incidence_rad)", is_size=True
+        ),
+        read.covariate("temperature_C", "temperature", "temperature [C]", "C", "view.temperature_C"),
+        read.covariate("ambient_lux", "light", "ambient light [lux]", "lux", "view.ambient_lux"),
+        read.time("view.time_s"),
+        read.covariate(
+            "distance_step_m",
+            "step",
+            "change of the distance since the reading before [m]",
+            "m",
+            "(view.distance_m - view.previous_distance_m)",
+            is_past=True,
+        ),
+    )
+    return LawPlace(
+        Slot.RANGE,
+        prefix="range",
+        noun="the range",
+        first="reading_m",
+        arguments="reading_m: Array, view: RangeView",
+        unit="m",
+        size=read.visible,
+        covariates=varying(covariates),
+        imports=(_VIEW,),
+        setups=("Setup.RANGE_BENCH",),
+    )
+
+
+def _rays(evidence: Evidence) -> LawPlace:
+    """Return the weight of a ray, of which a scan shows how the reading changes from the middle of the object on."""
+    read = QuantityRead(evidence, "reading_m")
+    words = "distance from the middle of the object [m]"
+    distance = read.covariate("from_middle_m", "distance", words, "m", "distance_m", is_past=True)
+    return LawPlace(
+        Slot.RAY_WEIGHT,
+        prefix="ray_weight",
+        noun="the weight of a ray",
+        first="weight",
+        arguments="weight: Array, distance_m: Array",
+        unit="1",
+        size=1.0,
+        covariates=varying((distance,)),
+        imports=(),
+        setups=("Setup.RANGE_SCAN",),
+    )
