@@ -7,6 +7,9 @@ import numpy as np
 from sensors.camera.response import CameraResponse, compressed, develop_part
 from symolo.core.arrays import FloatImage
 
+_STEP = 1 / 16
+"""Share of a difference over which the slope of the response is measured: so much less does its bend count."""
+
 
 def mean_square_errors(
     light: FloatImage, references: tuple[FloatImage, FloatImage], response: CameraResponse, metered: float, number: int
@@ -35,6 +38,17 @@ def square_errors(
 
     It is the product of the differences from both references, whose noise cancels in a mean.
     """
-    without_noise = replace(response, shot_noise=0.0, read_noise=0.0)
-    image, first, second = (develop_part(each, without_noise, metered, None) for each in (light, *references))
-    return (image - first) * (image - second)
+    calm = replace(response, shot_noise=0.0, read_noise=0.0)
+    first, second = (_difference(light, reference, calm, metered) for reference in references)
+    return first * second
+
+
+def _difference(light: FloatImage, reference: FloatImage, response: CameraResponse, metered: float) -> FloatImage:
+    """Return the difference in grey values (H, W, 3), by the slope of the response at the image.
+
+    The mean of the grey values of a noisy reference is too dark, because the tone curve is bent. The slope belongs to
+    the image alone, so the noise of the reference keeps a mean of zero.
+    """
+    step = np.float32(_STEP) * (reference - light)
+    up, down = (develop_part(np.maximum(each, 0), response, metered, None) for each in (light + step, light - step))
+    return (up - down) / (2 * _STEP)

@@ -37,6 +37,16 @@ def test_the_error_of_a_candidate_is_found_below_the_noise_of_the_references(err
     assert measured == pytest.approx(expected, rel=0.1, abs=0.5)
 
 
+@pytest.mark.parametrize("error", [0.0, 0.05])
+def test_the_tone_curve_does_not_make_an_error_of_the_noise_of_few_samples(error):
+    """Noise as large as the light has the right mean as light, but not as grey values: the curve is bent."""
+    few = [RANDOM.gamma(2.0, METERED / 2.0, (288, 384, 3)).astype(np.float32) for _ in range(2)]
+    light = np.full_like(few[0], METERED * (1 + error))
+    measured, _ = mean_square_errors(light, (few[0], few[1]), RESPONSE, METERED, 1)
+    # The standard deviation of a difference is some 30 grey values, so the mean of their products varies by 1.6.
+    assert measured == pytest.approx((_grey(METERED * (1 + error)) - _grey(METERED)) ** 2, abs=5)
+
+
 def test_a_difference_from_one_reference_would_show_the_noise_instead():
     first, _ = _references()
     measured, _ = mean_square_errors(TRUTH, (first, first), RESPONSE, METERED, 1)
