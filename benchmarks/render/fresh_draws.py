@@ -2,23 +2,25 @@
 
 Cases are one draw of each shipped look and several draws of `extreme`, with a new seed each time, seen by a camera of
 random place, direction and pitch. Each case is a run of several views. The renderer chooses method and samples as for a
-run of at least 100 images, from measurements on some of the views; it is judged on the others. Their error is the mean
-product of the differences from two references of complete light paths, with independent random numbers and without a
-denoiser, beside the error that JPEG adds to the image with the noise of its camera.
+run of 200 images, which must have 160 x 120 pixels at least, from measurements on some of the views; it is judged on
+the others. Their error is the mean product of the differences from two references of complete light paths, with
+independent random numbers and without a denoiser, beside the error that JPEG adds to the image with the noise of its
+camera.
 
     python benchmarks/render/fresh_draws.py [--draws 30] [--looks classroom lab] [--judged 3] [--samples 1024]
         [--size 320 240] [--method auto] [--device cpu] [--choose-on-card] [--seed N] [--beside FOLDER] [--plain]
         [--processes N] [--stop-after SECONDS] [--out draws.json] [--sheet worst.png] [--images FOLDER]
 
 `--method hybrid` judges hybrid rendering, whatever a run would choose; with `auto hybrid` both are judged. `--beside`
-judges another version of the renderer as well, in the same views and with the same references; it takes the folder of
-its sources, such as `git worktree add` makes. `--plain` finds the plain Cycles loop with the fewest samples whose error
-is no larger than that of the judged images, and its cost in a run of 200 images. `--sheet` shows the place with the
-largest error of each image, four times as large, beside the same place of the reference, and `--images` keeps the whole
-images beside their references. `--device gpu` traces references, and images of the plain loop whose error is measured,
-on a graphics card; the images that are judged come from the processor. With `--choose-on-card`, the errors of full
-rendering from which a run chooses come from the card as well, and the cost does not include this choice. `--processes`
-judges so many cases at a time, and `--stop-after` starts no case after that time.
+judges another version of the renderer as well, in the same views, with the same references and with light paths as this
+version sets them; it takes the folder of its sources, such as `git worktree add` makes. `--plain` finds the plain
+Cycles loop with the fewest samples whose error is no larger than that of the judged images, and its cost in a run of
+200 images. `--sheet` shows the place with the largest error of each image, four times as large, beside the same place
+of the reference, and `--images` keeps the whole images beside their references. `--device gpu` traces references, and
+images of the plain loop whose error is measured, on a graphics card; the images that are judged come from the
+processor. With `--choose-on-card`, the errors of full rendering from which a run chooses come from the card as well,
+and the cost does not include this choice. `--processes` judges so many cases at a time, and `--stop-after` starts no
+case after that time.
 """
 
 import argparse
@@ -36,16 +38,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 from painters import CHECKOUT, Painter
-from plain_loop import RunCost, fewest_samples, plain_cost, plain_lights
+from plain_loop import RUN_FRAMES, RunCost, fewest_samples, plain_cost, plain_lights
 from views import LOOKS, RandomCase, Views, random_cases
 from worst_places import WorstPlace, beside_reference, sheet, worst_place
 
 from blender_scenes.render.devices import DeviceKind, device_for
-from blender_scenes.render.image_errors import mean_square_errors
+from blender_scenes.render.image_errors import ImageError, image_error
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.light_paths import LIGHT_PATHS
 from blender_scenes.render.probe import MIN_VIEWS, Decision, probed_numbers
-from blender_scenes.render.sampling import hybrid_samples
+from blender_scenes.render.sampling import tracing_settings
 from configs.schema.scenario import Render
 from sensors.camera.colour import LUMINANCE
 from sensors.camera.response import median_luminance
@@ -77,6 +79,8 @@ class Row:
     """The same, as one view of twenty is expected to exceed it."""
     excess_db: float
     """The same, of the whole view; negative where the rendering is better than JPEG."""
+    standard_error: float
+    """Standard error of that error by the noise of the references, as a multiple of JPEG's error."""
     psnr_db: float
     jpeg_psnr_db: float
     light: float
@@ -127,14 +131,13 @@ class Yardstick:
     references: Mapping[int, tuple[FloatImage, FloatImage]]
     metered: float
 
-    def error(self, number: int, light: FloatImage) -> tuple[float, float]:
-        """Return the mean square error of a view and that of its JPEG."""
-        response = self.views.noisy().response
-        error, jpeg = mean_square_errors(light, self.references[number], response, self.metered, number)
-        return max(error, 0.01), jpeg
+    def error(self, number: int, light: FloatImage) -> ImageError:
+        """Return the mean square error of a view, at least 0.01, and that of its JPEG."""
+        error = image_error(light, self.references[number], self.views.noisy().response, self.metered, number)
+        return replace(error, rendering=max(error.rendering, 0.01))
 
     def mean_error(self, by_view: Mapping[int, FloatImage]) -> float:
-        return float(np.mean([self.error(number, by_view[number])[0] for number in self.numbers]))
+        return float(np.mean([self.error(number, by_view[number]).rendering for number in self.numbers]))
 
 
 def judged_case(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -> list[JudgedImage]:
@@ -175,7 +178,7 @@ def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: s
     """Return a view with its errors, which are not yet compared with those of the plain loop."""
     light, pair, job = seen.by_view[number], yardstick.references[number], yardstick.views.job
     errors = seen.decision and seen.decision.errors
-    error, jpeg = yardstick.error(number, light)
+    error = yardstick.error(number, light)
     place = worst_place(light, pair, job.response, yardstick.metered)
     brightness = [float((each @ LUMINANCE).mean()) for each in (light, *pair)]
     row = Row(
@@ -184,12 +187,13 @@ def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: s
         version=version,
         floor=case.spec((job.camera.width_px, job.camera.height_px)).look.floor.material,
         method=seen.method,
-        worst_block_db=decibels(max(place.mean_square, 0.01) / jpeg),
+        worst_block_db=decibels(max(place.mean_square, 0.01) / error.jpeg),
         measured_db=tuple(round(each, 2) for each in errors.relative_dB) if errors else (),
         limit_db=round(errors.limit_dB, 2) if errors else None,
-        excess_db=decibels(error / jpeg),
-        psnr_db=decibels(255**2 / error),
-        jpeg_psnr_db=decibels(255**2 / jpeg),
+        excess_db=excess_dB(error),
+        standard_error=round(error.standard_error / error.jpeg, 3),
+        psnr_db=decibels(255**2 / error.rendering),
+        jpeg_psnr_db=decibels(255**2 / error.jpeg),
         light=brightness[0] / float(np.mean(brightness[1:])),
         core_s=round(seen.cost.image_s, 2),
         set_up_s=round(seen.cost.set_up_s, 1),
@@ -204,10 +208,10 @@ def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: s
 def chosen_lights(views: Views, numbers: list[int], method: str, options: argparse.Namespace, checkout: Path) -> Lights:
     """Return the light of the views as a long run of a version renders them, with what it chose."""
     width_px, height_px = options.size
-    hybrid = hybrid_samples(Render(width_px=width_px, height_px=height_px))
     noisy = views.noisy()
     chooses = method == "auto"
-    job = replace(noisy, sampling=replace(noisy.sampling, probe=chooses, hybrid=hybrid))
+    render = Render(method=method, width_px=width_px, height_px=height_px)
+    job = replace(noisy, sampling=tracing_settings(render, noisy.sampling.seed, images=RUN_FRAMES))
     decision = None
     if chooses and options.choose_on_card:
         decision = decision_on_card(job, options, checkout)
@@ -246,9 +250,8 @@ def decibels(ratio: float) -> float:
     return round(float(10 * np.log10(max(ratio, 1e-9))), 2)
 
 
-def excess_dB(errors: tuple[float, float]) -> float:
-    error, jpeg = errors
-    return decibels(error / jpeg)
+def excess_dB(error: ImageError) -> float:
+    return decibels(error.rendering / error.jpeg)
 
 
 def judged_cases(
@@ -273,13 +276,15 @@ def judged_cases(
 def print_case(rows: list[Row]) -> None:
     excess = ", ".join(f"{row.excess_db:+.1f}" for row in rows)
     blocks = ", ".join(f"{row.worst_block_db:+.1f}" for row in rows)
+    noise = ", ".join(f"{row.standard_error:.2f}" for row in rows)
     one = rows[0]
     measured = ", ".join(f"{each:+.1f}" for each in one.measured_db)
     plain = f"; plain loop {one.plain_samples} samples, cost ratio {one.ratio}" if one.plain_db else ""
     print(
         f"{one.case:12} {one.version} {one.floor:13} {one.method:11} measured {measured} dB,"
-        f" limit {one.limit_db}, seen {excess} dB; worst squares {blocks} dB; JPEG {one.jpeg_psnr_db:.1f} dB;"
-        f" light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}{plain}",
+        f" limit {one.limit_db}, seen {excess} dB, uncertain by {noise} of JPEG; worst squares {blocks} dB;"
+        f" JPEG {one.jpeg_psnr_db:.1f} dB; light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}"
+        f"{plain}",
         flush=True,
     )
 

@@ -7,22 +7,22 @@ from pathlib import Path
 import numpy as np
 
 from blender_scenes.blender_side.engine import FrameTracer, noise_seed, traced_light
-from blender_scenes.render.image_errors import mean_square_errors
+from blender_scenes.render.image_errors import ImageError, image_error
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.probe import Candidate, ImageErrors, probed_numbers, with_candidate
 from sensors.camera.views import FrameView
 from symolo.core.arrays import FloatImage
 
-_REFERENCE_SAMPLES = 8
-"""Of each of two references. Their noise cancels in the mean over an image, whose standard error falls with the number
-of samples and the square root of the number of pixels. Whole images with few samples cost more than small parts with
-many, but no part of an image goes unseen."""
+_REFERENCES, _REFERENCE_SAMPLES = 4, 8
+"""Number of references of an image, and samples of each. Their noise cancels in the mean over an image, whose standard
+error falls with the number of samples and the square roots of the numbers of pixels and of pairs of references. Whole
+images with few samples cost more than small parts with many, but no part of an image goes unseen."""
 
 
 @dataclass(frozen=True)
 class _Measured:
     view: FrameView
-    references: tuple[FloatImage, FloatImage]
+    references: tuple[FloatImage, ...]
     """Linear light (H, W, 3) of the pinhole image."""
 
 
@@ -58,14 +58,14 @@ class Probe:
         errors = (self._errors_in(measured) for measured in self._measured)
         return ImageErrors.until_refused(errors) if job.sampling.hybrid else ImageErrors.of(errors)
 
-    def _errors_in(self, measured: _Measured) -> tuple[float, float]:
+    def _errors_in(self, measured: _Measured) -> ImageError:
         view, response = measured.view, self._job.response
         light = self.tracer.pinhole_light(view)
         self._on_step()
-        return mean_square_errors(light, measured.references, response, self._metered, view.number)
+        return image_error(light, measured.references, response, self._metered, view.number)
 
     def _with_references(self, view: FrameView) -> _Measured:
-        return _Measured(view, (self._reference(view, 1), self._reference(view, 2)))
+        return _Measured(view, tuple(self._reference(view, number + 1) for number in range(_REFERENCES)))
 
     def _reference(self, view: FrameView, number: int) -> FloatImage:
         seed = noise_seed(self._job.sampling.seed, "probe", f"reference {number}", view.number)

@@ -1,6 +1,9 @@
-"""Mean square error of an image, from two references whose noise is independent, and that of its JPEG."""
+"""Mean square error of an image, from references whose noise is independent, and that of its JPEG."""
 
-from dataclasses import replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -8,39 +11,75 @@ from sensors.camera.response import CameraResponse, compressed, develop_part
 from symolo.core.arrays import FloatImage
 
 _STEP = 1 / 16
-"""Share of a difference over which the slope of the response is measured: so much less does its bend count."""
+"""Share of a difference over which the slope of the response is measured: so much less does its bend count. No
+difference is larger than the range of grey values divided by twice the share, however bright a noisy pixel is."""
 
 
-def mean_square_errors(
-    light: FloatImage, references: tuple[FloatImage, FloatImage], response: CameraResponse, metered: float, number: int
-) -> tuple[float, float]:
-    """Return the mean square errors of an image and of its JPEG, in squares of grey values of 8 bits.
+@dataclass(frozen=True)
+class ImageError:
+    """Mean square errors of an image, in squares of grey values of 8 bits."""
 
-    The first may be negative where the error is small.
+    rendering: float
+    """Estimate; it may be negative where the error is small."""
+    standard_error: float
+    """Standard error of the estimate, from the noise of the references."""
+    jpeg: float
+    """Error that JPEG adds to the image with the noise of the camera."""
+
+
+def image_error(
+    light: FloatImage, references: Sequence[FloatImage], response: CameraResponse, metered: float, number: int
+) -> ImageError:
+    """Return the errors of an image and of its JPEG.
 
     Args:
         light: Linear light (H, W, 3) of the image, before the lens bends it.
-        references: The same with other random numbers and without a denoiser.
+        references: Two or more of the same, with other random numbers and without a denoiser.
         response: Response of the camera; only JPEG's error depends on its noise.
         metered: Median luminance of the run.
         number: Number of the frame, for the noise of the camera.
     """
     noisy = (develop_part(light, response, metered, number) + 0.5).astype(np.uint8)
     apart = compressed(noisy, response.jpeg_quality).astype(np.float32) - noisy
-    error = np.mean(square_errors(light, references, response, metered), dtype=np.float64)
-    return float(error), float(np.mean(apart**2, dtype=np.float64))
+    differences = _differences(light, references, response, metered)
+    error = np.mean(_products(differences), dtype=np.float64)
+    return ImageError(float(error), _standard_error(differences), float(np.mean(apart**2, dtype=np.float64)))
 
 
 def square_errors(
-    light: FloatImage, references: tuple[FloatImage, FloatImage], response: CameraResponse, metered: float
+    light: FloatImage, references: Sequence[FloatImage], response: CameraResponse, metered: float
 ) -> FloatImage:
     """Return the square error (H, W, 3) of each grey value, for means over many of them; arguments as above.
 
-    It is the product of the differences from both references, whose noise cancels in a mean.
+    It is the mean product of the differences from two references, over all pairs of them. Their noise cancels in a mean
+    over pixels, where the variance that it leaves is inversely proportional to the number of pairs.
     """
+    return _products(_differences(light, references, response, metered))
+
+
+def _products(differences: Sequence[FloatImage]) -> FloatImage:
+    return np.mean([first * second for first, second in combinations(differences, 2)], axis=0)
+
+
+def _standard_error(differences: Sequence[FloatImage]) -> float:
+    """Return the standard error of the mean product over all pairs, for noise with the same variance in all pixels.
+
+    Products of independent noise of variance s2 have the variance s2^2, and those of different pairs are uncorrelated.
+    The variance is that of all pixels, because few samples show a rare bright pixel in few places, but it may be
+    anywhere; two references that have it in the same place are too rare to be seen in the spread of the products. The
+    noise of the three colours is taken to be the same.
+    """
+    height, width, _ = differences[0].shape
+    count = len(differences)
+    variance = float(np.mean(np.var(differences, axis=0, ddof=1), dtype=np.float64))
+    return variance / math.sqrt(count * (count - 1) / 2 * height * width)
+
+
+def _differences(
+    light: FloatImage, references: Sequence[FloatImage], response: CameraResponse, metered: float
+) -> list[FloatImage]:
     calm = replace(response, shot_noise=0.0, read_noise=0.0)
-    first, second = (_difference(light, reference, calm, metered) for reference in references)
-    return first * second
+    return [_difference(light, reference, calm, metered) for reference in references]
 
 
 def _difference(light: FloatImage, reference: FloatImage, response: CameraResponse, metered: float) -> FloatImage:

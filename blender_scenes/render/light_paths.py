@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 from configs.schema.appearance.light_paths import LightPathPreset, LightPaths
-from configs.schema.scenario import RenderQuality
 
 
 @dataclass(frozen=True)
@@ -32,8 +31,7 @@ LIGHT_PATHS: dict[LightPathPreset, LightPathLimits] = {
 ends paths at random once they carry little light (Russian roulette)."""
 
 
-def light_path_limits(config: LightPaths, quality: RenderQuality) -> LightPathLimits:
-    """Return the limits of a preset, with the numbers of `config` in place of its own."""
-    automatic: LightPathPreset = "complete" if quality == "reference" else "standard"
+def light_path_limits(config: LightPaths, automatic: LightPathPreset) -> LightPathLimits:
+    """Return the limits of the preset, `automatic` for `auto`, with the numbers of `config` in place of its own."""
     preset = LIGHT_PATHS[automatic if config.preset == "auto" else config.preset]
     return replace(preset, **config.model_dump(exclude={"preset"}, exclude_none=True))

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import TypeAdapter
 from typing_extensions import Self
 
+from blender_scenes.render.image_errors import ImageError
 from blender_scenes.render.sampling import HybridSamples, TracingSettings
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.rendering_record import ImageErrorRecord
@@ -28,6 +29,8 @@ four images alone is too uncertain. The worst of five views was 0.6 to 2.0 dB be
 "Five views" of docs/rendering_measurements.md), 1.1 dB on average, and 1.2 standard deviations are expected."""
 _QUANTILE = 1.85
 """95 % quantile of Student's t: 1.89 to 1.80 for the 7 to 11 degrees of freedom of four to eight images."""
+_ONE_SIDED = 1.645
+"""95 % quantile of the standard normal distribution."""
 _MIN_MEAN_SQUARE = 0.01
 """Lower limit of a stated error, which the noise of the estimate may make negative."""
 _MIN_RATIO = 0.1
@@ -57,20 +60,26 @@ class ImageErrors:
     rendering: tuple[float, ...]
     jpeg: tuple[float, ...]
     """Error that JPEG adds to the same images, which have the noise of the camera."""
+    standard_error: tuple[float, ...]
+    """Standard error of `rendering`."""
 
     @classmethod
-    def of(cls, errors: Iterable[tuple[float, float]]) -> Self:
-        """Return the errors of images, each with that of its JPEG."""
-        rendering, jpeg = zip(*errors, strict=True)
-        return cls(rendering, jpeg)
+    def of(cls, errors: Iterable[ImageError]) -> Self:
+        """Return the errors of images."""
+        taken = list(errors)
+        return cls(
+            tuple(error.rendering for error in taken),
+            tuple(error.jpeg for error in taken),
+            tuple(error.standard_error for error in taken),
+        )
 
     @classmethod
-    def until_refused(cls, errors: Iterable[tuple[float, float]]) -> Self:
+    def until_refused(cls, errors: Iterable[ImageError]) -> Self:
         """Return the errors up to the first image that is worse than its JPEG, with which a candidate is refused."""
         taken = []
-        for error, jpeg in errors:
-            taken.append((error, jpeg))
-            if _ratio(error, jpeg) > 1:
+        for error in errors:
+            taken.append(error)
+            if _ratio(error.rendering, error.jpeg) > 1:
                 break
         return cls.of(taken)
 
@@ -81,18 +90,29 @@ class ImageErrors:
         return tuple(10 * math.log10(ratio) for ratio in ratios)
 
     @property
+    def largest_dB(self) -> float:
+        """Return the largest upper confidence limit (95 %) of the errors, relative to those of JPEG.
+
+        The estimate is unbiased, but where the references have rare bright pixels it is too small most of the time, and
+        seldom much too large. So it counts for no more than their noise permits.
+        """
+        errors = zip(self.rendering, self.standard_error, self.jpeg, strict=True)
+        ratios = (_ratio(max(error, 0.0) + _ONE_SIDED * sd, jpeg) for error, sd, jpeg in errors)
+        return 10 * math.log10(max(ratios))
+
+    @property
     def limit_dB(self) -> float:
         """Return the error relative to JPEG's that a further image of the run exceeds with a probability of 5 %.
 
         It is the upper prediction limit for one more value of a normal distribution (Hahn and Meeker, Statistical
-        Intervals, 1991, chapter 4), whose standard deviation is partly assumed beforehand; and never less than the
-        largest error that was measured.
+        Intervals, 1991, chapter 4), whose standard deviation is partly assumed beforehand; and never less than
+        `largest_dB`.
         """
         relative_dB, count = np.array(self.relative_dB), len(self.rendering)
         squares = _SPREAD_WEIGHT * _SPREAD_DB**2 + np.sum((relative_dB - relative_dB.mean()) ** 2)
         variance = squares / (_SPREAD_WEIGHT + count - 1)
         predicted_dB = relative_dB.mean() + _QUANTILE * math.sqrt(variance * (1 + 1 / count))
-        return float(max(predicted_dB, relative_dB.max()))
+        return float(max(predicted_dB, self.largest_dB))
 
     def record(self) -> ImageErrorRecord:
         """Return the facts for metadata.json."""

@@ -89,10 +89,12 @@ def tracing_settings(render: Render, seed: int, device: DeviceKind = "CPU", imag
     """Return the settings of a run of so many images; `render.samples` overrides the samples of its quality and size.
 
     With `render.method: auto`, the renderer chooses the samples of a long run itself; those that are returned are for
-    runs for which it does not.
+    runs for which it does not. A run that chooses follows all light: what is left out is an error that no number of
+    samples makes smaller, and in images of plain walls it can be larger than that of JPEG.
     """
     quality = QUALITIES[render.quality]
     probe = _is_probed(render, images)
+    is_complete = probe or render.quality == "reference"
     is_candidate = probe and device == "CPU" and render.width_px >= _HYBRID_WIDTH_PX and images >= MIN_HYBRID_IMAGES
     return TracingSettings(
         seed=seed,
@@ -100,7 +102,7 @@ def tracing_settings(render: Render, seed: int, device: DeviceKind = "CPU", imag
         denoise=render.denoise,
         prefilter=quality.prefilter,
         denoise_quality=quality.denoise_quality,
-        paths=light_path_limits(render.light_paths, render.quality),
+        paths=light_path_limits(render.light_paths, "complete" if is_complete else "standard"),
         device=device,
         hybrid=hybrid_samples(render) if is_candidate or render.method == "hybrid" else None,
         probe=probe,

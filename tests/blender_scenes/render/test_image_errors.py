@@ -1,11 +1,11 @@
-"""The estimate of a mean square error from two noisy references, on images with known errors."""
+"""The estimate of a mean square error from noisy references, on images with known errors."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from blender_scenes.render.image_errors import mean_square_errors
+from blender_scenes.render.image_errors import ImageError, image_error, square_errors
 from configs.schema.appearance.look import CameraLook
 from sensors.camera.response import CameraResponse
 
@@ -31,7 +31,7 @@ def _grey(light: float) -> float:
 
 @pytest.mark.parametrize("error", [0.0, 0.02, 0.05])
 def test_the_error_of_a_candidate_is_found_below_the_noise_of_the_references(error):
-    measured, _ = mean_square_errors(TRUTH * (1 + error), _references(), RESPONSE, METERED, 1)
+    measured = image_error(TRUTH * (1 + error), _references(), RESPONSE, METERED, 1).rendering
     expected = (_grey(METERED * (1 + error)) - _grey(METERED)) ** 2
     # The estimate of 20,000 values with this noise has a standard error of about 0.1 squared grey values.
     assert measured == pytest.approx(expected, rel=0.1, abs=0.5)
@@ -42,20 +42,45 @@ def test_the_tone_curve_does_not_make_an_error_of_the_noise_of_few_samples(error
     """Noise as large as the light has the right mean as light, but not as grey values: the curve is bent."""
     few = [RANDOM.gamma(2.0, METERED / 2.0, (288, 384, 3)).astype(np.float32) for _ in range(2)]
     light = np.full_like(few[0], METERED * (1 + error))
-    measured, _ = mean_square_errors(light, (few[0], few[1]), RESPONSE, METERED, 1)
+    measured = image_error(light, few, RESPONSE, METERED, 1).rendering
     # The standard deviation of a difference is some 30 grey values, so the mean of their products varies by 1.6.
     assert measured == pytest.approx((_grey(METERED * (1 + error)) - _grey(METERED)) ** 2, abs=5)
 
 
+def test_four_references_leave_a_sixth_of_the_variance_that_two_leave():
+    """They have six pairs, whose products are uncorrelated: two differences with a mean of zero are."""
+    references = [TRUTH + RANDOM.normal(0, NOISE_SD, TRUTH.shape).astype(np.float32) for _ in range(4)]
+    two, four = (square_errors(TRUTH, references[:count], RESPONSE, METERED).var() for count in (2, 4))
+    # Ten repetitions gave 1.00 to 1.03 times the sixth.
+    assert four == pytest.approx(two / 6, rel=0.08)
+
+
+def test_the_standard_error_counts_rare_bright_pixels_wherever_they_may_be():
+    """One pixel of 500 is 100 times as bright: its share of the light is rarely seen in two references at once."""
+    pinhole = replace(RESPONSE, lens_blur_px=0.0, veiling_glare=0.0, sharpening=0.0)
+
+    def estimate() -> ImageError:
+        bright = (RANDOM.random((4, *TRUTH.shape[:2], 1)) < 0.002).astype(np.float32)
+        references = METERED * np.repeat(1 + 0.3 * (bright - 0.002), 3, axis=-1)
+        return image_error(TRUTH, references, pinhole, METERED, 1)
+
+    estimates = [estimate() for _ in range(100)]
+    # Noise of two values has the variance share * (1 - share) * step^2, so the products have the square of it.
+    step = _grey(METERED * 1.001) - _grey(METERED)
+    expected = 0.002 * 0.998 * (300 * step) ** 2 / (6 * TRUTH[..., 0].size) ** 0.5
+    assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.1)
+    assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.4)
+    assert np.median([each.rendering for each in estimates]) < 0
+
+
 def test_a_difference_from_one_reference_would_show_the_noise_instead():
     first, _ = _references()
-    measured, _ = mean_square_errors(TRUTH, (first, first), RESPONSE, METERED, 1)
-    assert measured > 8
+    assert image_error(TRUTH, (first, first), RESPONSE, METERED, 1).rendering > 8
 
 
 def test_the_noise_of_the_camera_makes_the_error_of_jpeg_larger_and_not_that_of_the_candidate():
     noisy = replace(RESPONSE, shot_noise=0.03)
     references = _references()
-    calm, loud = (mean_square_errors(TRUTH, references, response, METERED, 1) for response in (RESPONSE, noisy))
-    assert calm[0] == loud[0]
-    assert loud[1] > calm[1] + 1
+    calm, loud = (image_error(TRUTH, references, response, METERED, 1) for response in (RESPONSE, noisy))
+    assert calm.rendering == loud.rendering
+    assert loud.jpeg > calm.jpeg + 1

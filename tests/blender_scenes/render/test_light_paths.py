@@ -4,7 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits, light_path_limits
-from blender_scenes.render.sampling import tracing_settings
+from blender_scenes.render.sampling import MIN_PROBED_IMAGES, tracing_settings
 from configs.schema.appearance.light_paths import LightPaths
 from configs.schema.scenario import Render
 
@@ -21,6 +21,17 @@ def test_the_complete_preset_has_no_limit_but_bounces_that_carry_no_light():
 def test_only_a_reference_is_complete_by_itself(quality):
     expected = LIGHT_PATHS["complete" if quality == "reference" else "standard"]
     assert tracing_settings(Render(quality=quality), seed=1).paths == expected
+
+
+def test_a_run_that_chooses_its_samples_follows_all_light_unless_it_is_set_otherwise():
+    chosen, asked = (
+        tracing_settings(Render(light_paths=LightPaths(preset=preset)), seed=1, images=MIN_PROBED_IMAGES)
+        for preset in ("auto", "standard")
+    )
+    assert chosen.probe
+    assert asked.probe
+    assert chosen.paths == LIGHT_PATHS["complete"]
+    assert asked.paths == LIGHT_PATHS["standard"]
 
 
 def test_each_number_replaces_that_of_the_preset():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from blender_scenes.render.image_errors import ImageError
 from blender_scenes.render.probe import (
     LADDER,
     PROBE,
@@ -19,11 +20,12 @@ from blender_scenes.render.sampling import HybridSamples, TracingSettings
 
 HYBRID = HybridSamples(4, 2, 8)
 JPEG = (8.0, 8.0, 8.0, 8.0)
+CERTAIN = (0.0, 0.0, 0.0, 0.0)
 OPEN = TracingSettings(seed=1, samples=8, denoise=True, hybrid=HYBRID, probe=True)
 
 
 def _errors(*rendering: float) -> ImageErrors:
-    return ImageErrors(rendering or JPEG, JPEG)
+    return ImageErrors(rendering or JPEG, JPEG, CERTAIN)
 
 
 def _decided(by_samples: dict[int, float], hybrid: float | None = None) -> tuple[Decision, list]:
@@ -76,16 +78,24 @@ def test_the_most_exact_rendering_is_taken_where_none_is_good_enough():
     ],
 )
 def test_an_error_is_small_if_other_images_are_not_expected_to_exceed_that_of_jpeg(rendering, small):
-    assert (ImageErrors(rendering, JPEG[:1] * len(rendering)).excess <= 1) == small
+    assert (ImageErrors.of(ImageError(each, 0.0, 8.0) for each in rendering).excess <= 1) == small
 
 
 def test_no_further_image_is_measured_after_one_that_is_worse_than_its_jpeg():
-    measured = iter([(2.0, 8.0), (9.0, 8.0), (1.0, 8.0)])
+    good, bad, unseen = ImageError(2.0, 0.1, 8.0), ImageError(9.0, 0.2, 8.0), ImageError(1.0, 0.1, 8.0)
+    measured = iter([good, bad, unseen])
     errors = ImageErrors.until_refused(measured)
-    assert errors == ImageErrors((2.0, 9.0), (8.0, 8.0))
+    assert errors == ImageErrors((2.0, 9.0), (8.0, 8.0), (0.1, 0.2))
     assert errors.excess > 1
-    assert next(measured) == (1.0, 8.0)
-    assert ImageErrors.until_refused([(2.0, 8.0), (3.0, 8.0)]) == ImageErrors.of([(2.0, 8.0), (3.0, 8.0)])
+    assert next(measured) == unseen
+    assert ImageErrors.until_refused([good, unseen]) == ImageErrors.of([good, unseen])
+
+
+@pytest.mark.parametrize(("standard_error", "small"), [(3.0, True), (3.1, False), (8.0, False)])
+def test_an_error_whose_noise_may_hide_a_larger_one_than_that_of_jpeg_is_not_small(standard_error, small):
+    """The upper limits of 3 with 95 % confidence are 3 + 1.645 * 3 = 7.9, below JPEG, and 3 + 1.645 * 3.1 = 8.1."""
+    errors = ImageErrors.of([ImageError(3.0, standard_error, 8.0)] + 3 * [ImageError(3.0, 0.0, 8.0)])
+    assert (errors.excess <= 1) == small
 
 
 @pytest.mark.parametrize("count", [4, 8])
@@ -94,7 +104,7 @@ def test_about_one_image_of_twenty_exceeds_the_limit(count, spread_dB, most):
     """More do where images differ much more than most runs do, as few images do not show it."""
     relative_dB = np.random.Generator(np.random.PCG64(3)).normal(-4.0, spread_dB, (700, count + 1))
     errors = 8.0 * 10 ** (relative_dB / 10)
-    limits_dB = np.array([ImageErrors(tuple(row[:-1]), JPEG[:1] * count).limit_dB for row in errors])
+    limits_dB = np.array([ImageErrors.of(ImageError(each, 0.0, 8.0) for each in row[:-1]).limit_dB for row in errors])
     assert np.mean(relative_dB[:, -1] > limits_dB) < most
 
 
@@ -119,7 +129,7 @@ def test_the_choice_replaces_what_the_job_leaves_open():
 
 def test_the_record_has_decibels_of_the_mean_of_all_views():
     """A mean square of 6.5025 is a ten-thousandth of 255^2."""
-    record = ImageErrors((6.5025, 6.5025), (65.025, 65.025)).record()
+    record = ImageErrors((6.5025, 6.5025), (65.025, 65.025), (0.0, 0.0)).record()
     assert (record.views, record.psnr_db, record.jpeg_psnr_db) == (2, 40.0, 30.0)
     assert record.relative_limit_db == round(-10 + 1.85 * (4 / 5 * 1.5) ** 0.5, 1)
 
