@@ -62,9 +62,7 @@ def test_where_nothing_around_counts_a_value_is_its_own():
     np.testing.assert_array_equal(lines, np.concatenate([0 * values, values], axis=-1))
 
 
-# Light on the floor in pixels that show something else as well: from column 16 on
-
-
+# 1 where light is that of the floor alone; from column 16 on, pixels show something else as well.
 BESIDE = (np.arange(WIDTH) < 16).astype(np.float32)[None, :, None] * EVERYWHERE
 
 
