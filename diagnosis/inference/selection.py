@@ -44,6 +44,9 @@ HOPELESS = 4.0
 """Expected fall of the cost up to which a fit is not worth its time."""
 NEARLY = 0.7
 """Share of the best expected fall from which another candidate is fitted too; the expectation is that uncertain."""
+IMITATES = 3.0
+"""Deviation in tolerances from which a nuisance may imitate an effect. Beside the effect it returns into its tolerance,
+but often along a bent valley that a fit does not follow to its end, so that fits begin within the tolerances too."""
 BEAM = 6
 """Number of single effects from which pairs are searched."""
 BEAM_SAMPLES = 2000
@@ -262,10 +265,10 @@ def _extended_all(
     """Return the same for several fits one after the other, computed side by side."""
     prospects = scan_beside(evidence, [(fit, _beside(fit, effects)) for fit in several])
     contests = [
-        Contest(evidence, [_start(fit, prospect) for prospect in promising(each)], fit.cost - RESCUE)
+        Contest(evidence, _starts(fit, promising(each)), fit.cost - RESCUE)
         for fit, each in zip(several, prospects, strict=True)
     ]
-    return [fit for each in fits_of_contests(contests) for fit in ranked(each, effects)]
+    return [fit for each in fits_of_contests(contests) for fit in ranked(_best_of_each(each), effects)]
 
 
 def _beside(fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> tuple[CandidateEffect, ...]:
@@ -274,9 +277,25 @@ def _beside(fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> tuple[Can
     return tuple(effect for effect in effects if effect.kind.name not in names)
 
 
-def _start(fit: HypothesisFit, prospect: Prospect) -> tuple[Hypothesis, Array]:
-    """Return the start of a fit with one effect in addition."""
-    return fit.hypothesis.with_effect(prospect.effect), prospect.start
+def _starts(fit: HypothesisFit, prospects: Sequence[Prospect]) -> list[tuple[Hypothesis, Array]]:
+    """Return the starts of fits with one effect in addition: one of each, or two if nuisances imitate an effect."""
+    if not prospects:
+        return []
+    starts = [(fit.hypothesis.with_effect(prospect.effect), prospect.start) for prospect in prospects]
+    nuisances = len(fit.hypothesis.nuisances)
+    if np.abs(fit.x[:nuisances]).max(initial=0.0) < IMITATES:
+        return starts
+    return [*starts, *((h, np.where(np.arange(len(x)) < nuisances, 0.0, x)) for h, x in starts)]
+
+
+def _best_of_each(several: Sequence[HypothesisFit]) -> list[HypothesisFit]:
+    """Return the best fit of each hypothesis."""
+    best: dict[tuple[CandidateEffect, ...], HypothesisFit] = {}
+    for fit in several:
+        effects = fit.hypothesis.effects
+        if effects not in best or fit.cost < best[effects].cost:
+            best[effects] = fit
+    return list(best.values())
 
 
 def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
@@ -297,7 +316,7 @@ def _scanned(evidence: Evidence, fit: HypothesisFit, effects: tuple[CandidateEff
 def _fitted(
     evidence: Evidence, fit: HypothesisFit, prospects: tuple[Prospect, ...], goal: float
 ) -> list[HypothesisFit]:
-    return fits(evidence, [_start(fit, prospect) for prospect in prospects], goal)
+    return _best_of_each(fits(evidence, _starts(fit, prospects), goal))
 
 
 def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:

@@ -75,6 +75,8 @@ class Observed:
     """(n,), standard deviation of the noise of a good sample, by the nominal robot."""
     correlation: float | None
     """Correlation of the noise of successive samples; None if it must be estimated from the residuals."""
+    correlation_at_most: float = field(default=1.0, kw_only=True)
+    """Greatest correlation that an estimate may give."""
     trial: NDArray[np.int64]
     """(n,), index of the trial."""
     t_s: Array

@@ -57,7 +57,7 @@ def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
     """Return the noise of the residuals z (n,) in some rows (n,)."""
     if quantity.noise_is_stated:
         clipped = np.where(rows, np.clip(z, -CLIP, CLIP), np.nan)
-        return EstimatedNoise(1.0, lasting(clipped, quantity.trial))
+        return EstimatedNoise(1.0, min(lasting(clipped, quantity.trial), quantity.correlation_at_most))
     z, trial = z[rows], quantity.trial[rows]
     together = np.diff(trial) == 0
     noise = noise_of_differences(z, together)

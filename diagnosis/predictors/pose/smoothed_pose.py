@@ -22,6 +22,9 @@ NOISE_SHARE = 0.62
 """Standard deviation of a smoothed pose, relative to that of a row."""
 ROWS = 8
 """Number of rows of which some have a weight."""
+MIN_WEIGHT = 1e-9
+"""Weight up to which a row does not count. At the edge of the reach, rounding errors alone would decide whether a row
+has a weight, and rows without one determine no parabola."""
 MIN_ROWS = 4
 """Smallest number of rows with a weight for a parabola, as many as there are at the start of a log."""
 
@@ -58,6 +61,7 @@ def smoothed_earlier(
         around = first[..., None] + np.arange(ROWS)
         apart = (times[around] - wanted_s[..., None]) / np.median(np.diff(times))
         weight = np.maximum(1.0 - (apart / REACH_ROWS) ** 2, 0.0) ** 2
+        weight = np.where(weight > MIN_WEIGHT, weight, 0.0)
         if trusted is not None:
             weight *= trusted[part][around]
         is_smoothed = np.count_nonzero(weight, axis=-1) >= MIN_ROWS

@@ -7,6 +7,7 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_format import POSE
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.pose.by_counts import PoseNoise, earlier
 from diagnosis.predictors.pose.guided_pose import GuidedPoses
@@ -45,6 +46,11 @@ class TrackedAxle:
     def is_guided(self) -> bool:
         """Whether the poses are smoothed beside the steps of the wheels."""
         return self._guided is not None
+
+    @property
+    def is_right(self) -> Mask:
+        """(n,), rows with a pose that is not known to be wrong."""
+        return self.is_logged if self._guided is None else self._guided.is_right
 
     def at(self, robots: Sequence[RobotConfig], age_s: float | Array) -> Array:
         """Return the poses of the axles an age before the times of the rows, (n, 3) or (M, n, 3)."""

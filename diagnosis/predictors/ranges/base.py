@@ -13,6 +13,7 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
 from diagnosis.predictors.rows import (
     by_other_rows,
@@ -43,6 +44,9 @@ SLOTS = frozenset(
     }
 )
 """Slots of the effects between the logged poses and the readings."""
+SHARED = (1.0 - NOISE_SHARE**2) / (1.0 + NOISE_SHARE**2)
+"""Correlation of successive smoothed poses, which have the sum (1 + p)/(1 - p) of those of independent ones. Noise of
+the readings themselves only makes it smaller."""
 CORNER_M, CORNER_RAD, END_M = 0.02, 0.05, 0.03
 """Distances from a corner, and from the end of the range, within which a row is left out (case format)."""
 
@@ -84,6 +88,8 @@ class Ranges(ABC):
 
     name = "tof"
     at_once = 48
+    correlation: float | None = 0.0
+    """Correlation of the noise of successive readings; None if it must be estimated."""
     resolution_m = 0.0
     """Step to which readings are rounded, if it adds to the stated noise."""
     channels: Mapping[str, str]
@@ -97,7 +103,7 @@ class Ranges(ABC):
         around = self._around(nominal)
         mean, sd = self._expected([nominal])
         incidence_rad = np.broadcast_to(self._sight([nominal]).incidence_rad, mean.shape)[0]
-        clear = around.clear & self._tracked.is_logged[:, None]
+        clear = around.clear & self._tracked.is_right[:, None]
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(
                 measurement,
@@ -156,7 +162,8 @@ class Ranges(ABC):
             unit="m",
             values=np.where(usable, values, np.nan),
             sd=nominal.sd,
-            correlation=0.0,
+            correlation=self.correlation,
+            correlation_at_most=SHARED,
             trial=trial_of_rows(measurement),
             t_s=self._t_s,
             holdout=joined(t.holdout for t in measurement.trials),

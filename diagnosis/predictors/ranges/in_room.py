@@ -26,6 +26,8 @@ class RangesInRoom(Ranges):
     """The room, the sensors and the noise of a drive log of the case format."""
 
     channels = MappingProxyType({f"tof_{sensor}_m": "tof_m" for sensor in RANGE_SIDES})
+    # Successive readings share the noise of the poses that are smoothed over their rows.
+    correlation = None
 
     def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
         if nominal_case.tof is None or nominal_case.world is None:

@@ -1,14 +1,22 @@
 """Which effects are chosen on a bench where a gain and an offset can be told apart, and K from the gain cannot."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import fits
 from diagnosis.inference.rivals import compare_rivals
 from diagnosis.inference.scan import scan
 from diagnosis.inference.selection import select
+from diagnosis.predictors.base import Predicted
+from physics.robot.model import RobotModel
+from sensors.wheels.instruments import read_current_A
 
 SD_A = 0.01
+TOLERANCE = 0.02
+BEND_A = 0.01
 X = np.linspace(-1.0, 1.0, 120)
 
 
@@ -95,3 +103,35 @@ def test_a_nuisance_bent_far_out_of_its_tolerance_is_named(evidence_of, hypothes
     found = select(evidence_of(X, 1.3 * X + noise(7), heldout=30), hypothesis, [scale])
     assert found.fit.hypothesis.effects == (scale,)
     assert found.fit.hypothesis.values(scale, found.fit.x)["scale"] == pytest.approx(1.3, abs=0.01)
+
+
+@dataclass
+class BentBench:
+    """I = offset + BEND * t^2, with the torque constant t tolerances above its nominal value."""
+
+    observed: tuple
+    nominal_constant: float
+    name: str = "motor"
+    at_once: int = 48
+
+    def predict(self, robots):
+        constants = np.array([RobotModel.from_config(robot).motors.right.torque_constant_N_m_A for robot in robots])
+        t = np.log(constants / self.nominal_constant) / TOLERANCE
+        offsets = [float(read_current_A(robot.effects, np.zeros(1), np.zeros(1))[0]) for robot in robots]
+        means = np.array(offsets) + BEND_A * t**2
+        return (Predicted(np.repeat(means[:, None], len(X), axis=1), self.observed[0].sd),)
+
+
+def test_an_effect_is_found_though_a_nuisance_that_imitates_it_is_far_down_a_bent_valley(
+    evidence_of, hypothesis, effects, robot
+):
+    """Without the effect, the torque constant is 8 tolerances off. All along the valley the readings fit equally well,
+    and the prior falls by 64 to its end at 0.
+    """
+    readings = 64.0 * BEND_A + noise(3)
+    bench = BentBench(evidence_of(X, readings).observed, robot.motor.torque_constant_N_m_A)
+    found = select(Evidence((bench,)), hypothesis, effects[:1])
+    assert found.nominal.prior_cost > 30.0
+    (offset,) = found.fit.hypothesis.effects
+    assert found.fit.hypothesis.values(offset, found.fit.x)["offset_A"] == pytest.approx(64.0 * BEND_A, rel=0.1)
+    assert found.fit.prior_cost < 1.0

@@ -436,7 +436,7 @@ class TestSteps:
         work = []
         monkeypatch.setattr(selection, "scan", lambda *_: work.append("scan") or [])
         for module in (selection, removal):
-            monkeypatch.setattr(module, "fits", lambda _, __, goal: work.append(goal) or ["fit"])
+            monkeypatch.setattr(module, "fits", lambda _, __, goal: work.append(goal) or [fake_fit(1.0, A)])
         monkeypatch.setattr(removal, "moved", lambda *_: None)
         fit: Any = Fake(cost=100.0, hypothesis=Fake(without=lambda _: None), x=None)
         for _ in range(2):

@@ -489,6 +489,14 @@ class TestRanges:
         variance = by_polynomial**2 + share**2 * ((0.001 / math.cos(0.3)) ** 2 + (0.003 * by_yaw) ** 2)
         assert front.sd[1] == pytest.approx(math.sqrt(variance), rel=1e-6)
 
+    def test_readings_of_a_row_with_a_wrong_pose_are_left_out_and_the_others_are_correlated_by_an_estimate(self, robot):
+        poses = np.tile([1.0, 0.8, 0.0], (20, 1))
+        poses[9, 1] += 0.1
+        counts = {"enc_left_ticks": np.zeros(20), "enc_right_ticks": np.zeros(20), "tof_front_m": np.full(20, 0.9)}
+        front = stages(robot, trial("1", **counts, **pose_columns(poses)))["tof"].observed[0]
+        assert np.flatnonzero(~front.usable).tolist() == [9]
+        assert front.correlation is None
+
     def test_rays_near_corners_and_near_the_end_of_the_range_are_left_out(self, robot):
         """Straight into a corner; 0.06 rad beside it and so 54 mm off; 1.16 m and 1.18 m from a wall."""
         corner = math.atan2(0.3, 0.4)

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from diagnosis.inference.evidence.noise_level import lasting
 from diagnosis.predictors.pose.by_counts import earlier
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE, smoothed_earlier
+from diagnosis.predictors.ranges.base import SHARED
 
 ROW_S, ROWS = 0.05, 40
 TIMES = ROW_S * np.arange(ROWS)
@@ -42,6 +44,14 @@ def test_the_noise_is_nearly_the_same_at_every_delay_and_less_than_that_of_a_row
     assert variance(earlier, 0.5 * ROW_S) == pytest.approx(0.5)
 
 
+def test_smoothed_poses_of_successive_rows_last_as_long_as_the_estimate_of_their_correlation_may_say():
+    """The shares of a smoothed pose add up to 1, so that a mean over many rows has the noise that it had before."""
+    rows = 4000
+    noise = np.random.default_rng(1).standard_normal((rows, 1))
+    smoothed = smoothed_earlier(noise, ROW_S * np.arange(rows), [rows], 0.0)[:, 0]
+    assert lasting(smoothed / smoothed.std(), np.zeros(rows, dtype=int)) == pytest.approx(SHARED, abs=0.06)
+
+
 def test_trials_do_not_see_each_other_and_a_short_one_is_interpolated():
     poses = np.concatenate([parabola(TIMES), 7.0 + parabola(TIMES), parabola(TIMES[:3])])
     times, trials = np.concatenate([TIMES, TIMES, TIMES[:3]]), [ROWS, ROWS, 3]
@@ -64,6 +74,22 @@ def test_beside_a_gap_a_straight_line_is_followed_and_no_pose_is_noisier_than_a_
         [smoothed_earlier(np.outer(e, [1, 0, 0]), times, [len(times)], delay_s) for e in np.eye(len(times))]
     )
     assert (shares[..., 0] ** 2).sum(axis=0).max() <= 1.0 + 1e-12
+
+
+@pytest.mark.parametrize("share", [1e-13, 1e-14, 4e-15, 1e-15])
+def test_rows_at_the_very_edge_of_the_reach_determine_no_parabola(share):
+    """Half-way between rows 19 and 20, rows 16 and 23 are within the reach by rounding alone. Beside them only rows 21
+    and 22 are trusted, and two rows determine no parabola, so that the pose is interpolated.
+    """
+    steps_s = np.full(ROWS - 1, (1.0 + share) * ROW_S)
+    steps_s[16:23] = ROW_S
+    times = np.append(0.0, np.cumsum(steps_s))
+    line = np.stack([times, 0.5 - 2.0 * times, 3.0 * times], axis=-1)
+    trusted = ~np.isin(np.arange(ROWS), [17, 18, 19, 20])
+    path = smoothed_earlier(line, times, [ROWS], 0.5 * ROW_S, trusted)
+    assert path[20] == pytest.approx(
+        np.interp(times[20] - 0.5 * ROW_S, times, line[:, 0]) * np.array([1.0, -2.0, 3.0]) + [0.0, 0.5, 0.0]
+    )
 
 
 def test_each_robot_and_each_row_may_have_a_delay_of_its_own():
