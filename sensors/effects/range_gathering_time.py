@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from configs.effects.base import Effect, Slot
+from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
 
 
@@ -10,8 +10,8 @@ class RangeGatheringTime(Effect):
     slot = Slot.RANGE_GATHERING
     cause = "light that the device gathers over its timing budget"
     excitation = "targets that jump or move fast, with readings at known times"
-    # In a drive, such a mean is a delay of half the time, which `tof_time_offset` is; on a bench, nothing moves.
-    setups = ()
+    # In the log of a drive, such a mean cannot be told from `tof_time_offset`, a delay of half the time.
+    setups = (Setup.DRIVE,)
 
     duration_s: Annotated[float, Parameter("s", null=0.0, start=0.03, low=0.0, high=1.0)]
     """A reading is the mean over this time before it."""

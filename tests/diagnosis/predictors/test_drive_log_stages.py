@@ -36,6 +36,7 @@ from sensors.effects.marker_offset import MarkerOffset
 from sensors.effects.marker_yaw import MarkerYaw
 from sensors.effects.pose_clock_drift import PoseClockDrift
 from sensors.effects.pose_time_offset import PoseTimeOffset
+from sensors.effects.range_gathering_time import RangeGatheringTime
 from sensors.effects.range_offset import RangeOffset
 from sensors.effects.tof_mount_yaw import TofMountYaw
 from sensors.effects.tof_range_offset import TofRangeOffset
@@ -462,6 +463,9 @@ class TestRanges:
         front = means(stage, robot)[0]
         old = means(stage, robot, TofTimeOffset(delay_s=0.12))[0]
         np.testing.assert_allclose(old[3:], front[3:] + 0.2 * 0.12, rtol=1e-9)
+        # At a constant speed, the mean over a time is the range in the middle of it.
+        gathered = means(stage, robot, RangeGatheringTime(duration_s=0.24))[0]
+        np.testing.assert_allclose(gathered[6:], old[6:], rtol=1e-9)
         late = means(stage, robot, PoseTimeOffset(delay_s=0.12))[0]
         np.testing.assert_allclose(late[:-3], front[:-3] - 0.2 * 0.12, rtol=1e-9)
         drifting = means(stage, robot, PoseClockDrift(rate=0.05))[0]
@@ -547,6 +551,7 @@ SIGNATURES = [
     (TofRangeScale(scale=1.05), {TOF}, set()),
     (TofMountYaw(sensor="left", angle_rad=0.1), {TOF}, set()),
     (TofTimeOffset(delay_s=0.05), {TOF}, set()),
+    (RangeGatheringTime(duration_s=0.1), {TOF}, set()),
     (RangeOffset(offset_m=0.01), {TOF}, set()),
     (WindingResistanceScale(scale=1.15), {WHEELS}, set()),
     (TorqueConstantScale(scale=1.15), {WHEELS}, set()),
