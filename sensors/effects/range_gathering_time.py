@@ -10,7 +10,7 @@ class RangeGatheringTime(Effect):
     slot = Slot.RANGE_GATHERING
     cause = "light that the device gathers over its timing budget"
     excitation = "targets that jump or move fast, with readings at known times"
-    # In the log of a drive, such a mean cannot be told from `tof_time_offset`, a delay of half the time.
+    # In the log of a drive, such a mean cannot be distinguished from `tof_time_offset`, a delay of half the time.
     setups = (Setup.DRIVE,)
 
     duration_s: Annotated[float, Parameter("s", null=0.0, start=0.03, low=0.0, high=1.0)]
