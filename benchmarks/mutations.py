@@ -80,11 +80,14 @@ TESTS = {
     "sensors/camera/response.py": ("tests/sensors/camera/test_response.py",),
     "symolo/core/geometry/pinhole.py": ("tests/sensors/camera/test_pinhole.py",),
     "diagnosis/inference/gain.py": (f"{INFERENCE}/test_gain.py",),
-    "diagnosis/inference/refusal.py": (f"{INFERENCE}/test_selection_rules.py", f"{INFERENCE}/test_at_bound.py"),
-    "diagnosis/inference/selection.py": (
-        f"{INFERENCE}/test_selection_steps.py",
-        f"{INFERENCE}/test_selection_rules.py",
-        f"{INFERENCE}/test_selection.py",
+    "diagnosis/inference/selection/refusal.py": (
+        f"{INFERENCE}/selection/test_selection_rules.py",
+        f"{INFERENCE}/selection/test_at_bound.py",
+    ),
+    "diagnosis/inference/selection/stepwise.py": (
+        f"{INFERENCE}/selection/test_selection_steps.py",
+        f"{INFERENCE}/selection/test_selection_rules.py",
+        f"{INFERENCE}/selection/test_selection.py",
     ),
 }
 """Tests that judge the changes of a module: those of its own package that are about it."""

@@ -10,22 +10,22 @@ from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
-from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.sessions import session_nuisances, within_sessions
 from diagnosis.inference.evidence.whole_runs import over_whole_runs
-from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.gain import Gain, gain
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.named_model import NamedModel, standing
 from diagnosis.inference.naming.transfer import groups
 from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclusion
-from diagnosis.inference.refusal import is_of_noise
-from diagnosis.inference.rivals import AS_GOOD, RivalComparison, compare_rivals
-from diagnosis.inference.selection import Selection, rescued, select
+from diagnosis.inference.selection.candidates import Candidates, candidates
+from diagnosis.inference.selection.refusal import is_of_noise
+from diagnosis.inference.selection.rivals import AS_GOOD, RivalComparison, compare_rivals
+from diagnosis.inference.selection.stepwise import Selection, rescued, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located

@@ -24,7 +24,7 @@ from configs.schema.effect_file import EffectFile
 from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.naming.seen_range import SeenRange
 from diagnosis.nuisances import Nuisance
 from symolo.core.yaml.tree import FieldPath

@@ -17,8 +17,8 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.discovery.law import DiscoveredLaw
-from diagnosis.inference.coordinate import STEP
-from diagnosis.inference.fit import NUISANCE_STEP
+from diagnosis.inference.fitting.coordinate import STEP
+from diagnosis.inference.fitting.fit import NUISANCE_STEP
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.seen_range import conditions
 from diagnosis.inference.unexplained.adequacy import change_by

@@ -25,10 +25,10 @@ from itertools import combinations
 import numpy as np
 
 from diagnosis.camera.model import CameraModel, CameraParameter
-from diagnosis.inference.likelihood import CORNER, robust_weight
-from diagnosis.inference.refusal import THRESHOLD
-from diagnosis.inference.rivals import AS_GOOD, confidence
-from diagnosis.inference.selection import MAX_EFFECTS
+from diagnosis.inference.fitting.likelihood import CORNER, robust_weight
+from diagnosis.inference.selection.refusal import THRESHOLD
+from diagnosis.inference.selection.rivals import AS_GOOD, confidence
+from diagnosis.inference.selection.stepwise import MAX_EFFECTS
 from symolo.core.arrays import Array
 
 LOOSE = 30.0

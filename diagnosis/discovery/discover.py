@@ -22,14 +22,14 @@ from diagnosis.discovery.places import places
 from diagnosis.discovery.search import FittedLaw, fitted, null_start, scan_forms
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.rounding import with_shared_rounding
-from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.gain import gain
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.seen_range import SeenRange, conditions, predicted_readings, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.refusal import is_at_bound
-from diagnosis.inference.removal import without
-from diagnosis.inference.rivals import AS_GOOD
+from diagnosis.inference.selection.refusal import is_at_bound
+from diagnosis.inference.selection.removal import without
+from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import adequacy
 from diagnosis.inference.unexplained.survivors import NEEDED
 from diagnosis.measured.measurement import Measurement

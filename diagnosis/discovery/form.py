@@ -14,7 +14,7 @@ import numpy as np
 from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
 from diagnosis.discovery.place import LawPlace
-from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 
 FILE = Path("law.py")
 """Path in messages about a text that is not written yet."""

@@ -9,9 +9,9 @@ from textwrap import wrap
 
 from configs.effects.registry import EFFECTS
 from diagnosis.discovery.form import LawForm
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.gain import Gain
-from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.naming.seen_range import SeenRange
 from diagnosis.inference.unexplained.adequacy import Structure
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.discovery.form import LawForm
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Contest, HypothesisFit, fits_of_contests
-from diagnosis.inference.hypothesis import moved
-from diagnosis.inference.likelihood import CORNER
-from diagnosis.inference.projection import orthonormal
-from diagnosis.inference.selection import TOLL
+from diagnosis.inference.fitting.fit import Contest, HypothesisFit, fits_of_contests
+from diagnosis.inference.fitting.hypothesis import moved
+from diagnosis.inference.fitting.likelihood import CORNER
+from diagnosis.inference.fitting.projection import orthonormal
+from diagnosis.inference.selection.stepwise import TOLL
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.gain import RESAMPLINGS, row_blocks
 
 _SEED = 20_26

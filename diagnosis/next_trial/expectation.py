@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from diagnosis.inference.likelihood import LEVELS, MEAN_SHARE, WIDTH
-from diagnosis.inference.rivals import AS_GOOD
+from diagnosis.inference.fitting.likelihood import LEVELS, MEAN_SHARE, WIDTH
+from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.next_trial.models import PredictedUnits
 from diagnosis.next_trial.remaining import RemainingModel
 from symolo.core.arrays import Array

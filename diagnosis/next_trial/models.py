@@ -10,7 +10,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.evidence.sessions import session_nuisances
-from diagnosis.inference.fit import at
+from diagnosis.inference.fitting.fit import at
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.next_trial.library.base import Library
 from diagnosis.next_trial.remaining import RemainingModel

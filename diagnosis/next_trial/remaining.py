@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.fit import HypothesisFit, fits
-from diagnosis.inference.hypothesis import CandidateEffect, moved
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.rivals import AS_GOOD, SECOND, relative_weight
-from diagnosis.inference.selection import toll
+from diagnosis.inference.selection.rivals import AS_GOOD, SECOND, relative_weight
+from diagnosis.inference.selection.stepwise import toll
 from symolo.core.errors import InputError
 
 MAX_MODELS = 6
@@ -29,7 +29,7 @@ class RemainingModel:
     rise: float
     """Increase of the cost over the best model, with a toll for each parameter."""
     weight: float
-    """Probability of the model among those that remain (`diagnosis.inference.rivals.relative_weight`)."""
+    """Probability of the model among those that remain (`diagnosis.inference.selection.rivals.relative_weight`)."""
 
 
 def remaining_models(diagnosis: Diagnosis) -> tuple[RemainingModel, ...]:

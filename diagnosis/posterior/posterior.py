@@ -25,10 +25,10 @@ from diagnosis.extended_robot import (
     rounded,
     simulated,
 )
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.naming.seen_range import conditions, predicted_readings, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.rivals import AS_GOOD, SOMETHING_ELSE, relative_weight
+from diagnosis.inference.selection.rivals import AS_GOOD, SOMETHING_ELSE, relative_weight
 from diagnosis.posterior.random_slip import RandomSlipEstimate, random_slip
 from diagnosis.posterior.robot_numbers import RobotNumbers, robot_numbers
 from diagnosis.predictors.pose.by_counts import Pose

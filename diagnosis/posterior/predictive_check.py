@@ -14,8 +14,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.likelihood import WIDTH
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.likelihood import WIDTH
 from diagnosis.measured.channel import Mask
 from diagnosis.posterior.posterior import weighted_fits
 from symolo.core.arrays import Array

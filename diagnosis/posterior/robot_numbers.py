@@ -18,9 +18,9 @@ from configs.loader import RobotAlone
 from configs.schema.robot import RobotConfig
 from configs.validation.shapes import Shape
 from diagnosis.extended_robot import leaf_paths, plain_tree
-from diagnosis.inference.coordinate import STEP
-from diagnosis.inference.fit import NUISANCE_STEP, HypothesisFit
-from diagnosis.inference.hypothesis import POSITIVE_TOLERANCES, Hypothesis
+from diagnosis.inference.fitting.coordinate import STEP
+from diagnosis.inference.fitting.fit import NUISANCE_STEP, HypothesisFit
+from diagnosis.inference.fitting.hypothesis import POSITIVE_TOLERANCES, Hypothesis
 from diagnosis.measured.channel import Mask
 from diagnosis.nuisances import UNITS
 from symolo.core.arrays import Array

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from diagnosis.extended_robot import FILE
 from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.inference.rivals import AS_GOOD
+from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
 from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
 from diagnosis.report import dataset_comparison, engines, verdict

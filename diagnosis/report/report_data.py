@@ -11,13 +11,13 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.engine.gain import EngineComparison, compare_engines
 from diagnosis.extended_robot import ExtendedRobot, extended_robot
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.hypothesis import moved
+from diagnosis.inference.fitting.profile import Interval, profiles
 from diagnosis.inference.gain import Gain, gain, of_quantity
-from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.log_score import LogScoreChange, log_score_change
 from diagnosis.inference.naming.transfer import trial_groups
-from diagnosis.inference.profile import Interval, profiles
-from diagnosis.inference.refusal import is_of_noise
+from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check

@@ -15,11 +15,11 @@ from math import inf, sqrt
 
 import numpy as np
 
-from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.refusal import needed
+from diagnosis.inference.fitting.coordinate import Coordinate
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.refusal import needed
 from symolo.core.arrays import Array
 
 ALIKE = 0.98

@@ -4,9 +4,9 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from diagnosis.inference.fitting.profile import Interval
 from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.inference.profile import Interval
-from diagnosis.inference.rivals import AS_GOOD
+from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import LEVEL
 from diagnosis.measured.overview import summary_line
 from diagnosis.report.dataset_comparison import verdict

@@ -8,14 +8,14 @@ import numpy as np
 from configs.effects.base import Effect
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.stuck_rows import stuck_rows
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.likelihood import LEVELS
+from diagnosis.inference.fitting.profile import Interval
 from diagnosis.inference.gain import Gain
-from diagnosis.inference.likelihood import LEVELS
 from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
-from diagnosis.inference.profile import Interval
-from diagnosis.inference.refusal import needed
+from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.wander import Wander

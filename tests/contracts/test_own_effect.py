@@ -14,8 +14,8 @@ from configs.draw import draw_run
 from configs.effects.registry import EFFECTS
 from configs.loader import load_scenario
 from configs.validation.json_schema import scenario_json_schema
-from diagnosis.inference.candidates import candidates
-from diagnosis.inference.hypothesis import Hypothesis
+from diagnosis.inference.fitting.hypothesis import Hypothesis
+from diagnosis.inference.selection.candidates import candidates
 from diagnosis.measured.measurement import CaseKind
 from pipeline.stages.simulate import simulate
 from symolo.core.errors import InputError

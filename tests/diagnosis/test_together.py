@@ -15,8 +15,8 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.sessions import fitted_errors
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.predictors import STAGES

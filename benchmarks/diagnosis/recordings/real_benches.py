@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers import micromouse
-from diagnosis.inference.plausible import beyond
+from diagnosis.inference.selection.plausible import beyond
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.holdout import of_part
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial

@@ -15,7 +15,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, IMPORTER, TRACK_M, WHEEL_DIAMETER_M
 from diagnosis.inference.evidence.whole_runs import WholeRunFit, fitted_to_whole_runs
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.measurement import Measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances

@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.evidence.stuck_rows import stuck_rows
-from diagnosis.inference.fit import fits
-from diagnosis.inference.refusal import needed
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.leave_one_out import leave_one_out
 from diagnosis.motor_identification import TABLE_1
 from physics.effects.supply_sag import SupplySag

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.noise import noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed

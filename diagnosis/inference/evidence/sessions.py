@@ -17,7 +17,7 @@ import numpy as np
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.measured.measurement import Measurement
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
 from sensors.effects.marker_offset import MarkerOffset

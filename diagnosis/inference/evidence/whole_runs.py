@@ -20,10 +20,10 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, at
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.refusal import needed
-from diagnosis.inference.selection import MAX_EFFECTS
+from diagnosis.inference.fitting.fit import HypothesisFit, at
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.selection.refusal import needed
+from diagnosis.inference.selection.stepwise import MAX_EFFECTS
 from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels

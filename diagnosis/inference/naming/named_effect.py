@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.standard_errors import standard_errors
 from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
-from diagnosis.inference.rivals import RivalComparison
-from diagnosis.inference.standard_errors import standard_errors
+from diagnosis.inference.selection.rivals import RivalComparison
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.gain import gain_of
-from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.naming.transfer import Group, contradiction, supports
 from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, withheld
-from diagnosis.inference.refusal import is_at_bound, is_of_noise, needed
-from diagnosis.inference.removal import cancelled_by, without
-from diagnosis.inference.rivals import RivalComparison, compare_rivals
-from diagnosis.inference.selection import Selection
+from diagnosis.inference.selection.refusal import is_at_bound, is_of_noise, needed
+from diagnosis.inference.selection.removal import cancelled_by, without
+from diagnosis.inference.selection.rivals import RivalComparison, compare_rivals
+from diagnosis.inference.selection.stepwise import Selection
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
 from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.unlisted import advantage, with_forms

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import change_by
 from diagnosis.predictors.base import CovariateShape, Observed
 from symolo.core.arrays import Array

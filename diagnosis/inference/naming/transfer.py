@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Contest, HypothesisFit, fits, fits_of_contests
-from diagnosis.inference.refusal import is_of_noise
+from diagnosis.inference.fitting.fit import Contest, HypothesisFit, fits, fits_of_contests
+from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.measured.channel import Mask
 
 MAX_SESSIONS = 3

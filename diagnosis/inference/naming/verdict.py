@@ -10,7 +10,7 @@ is anywhere near significance. Between explanation and discovery lies what the d
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from diagnosis.inference.refusal import CLEAR
+from diagnosis.inference.selection.refusal import CLEAR
 from diagnosis.inference.unexplained.unlisted import BETTER
 from symolo.core.text_enum import TextEnum
 

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect, moved
-from diagnosis.inference.projection import beyond, orthonormal
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
+from diagnosis.inference.fitting.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, bases, standing_out
 from diagnosis.inference.unexplained.outlier_clusters import cluster
 from diagnosis.measured.channel import Mask

@@ -11,10 +11,10 @@ structure, the named effects are withdrawn.
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.projection import beyond, orthonormal
-from diagnosis.inference.refusal import is_of_noise
-from diagnosis.inference.selection import TOLL
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.projection import beyond, orthonormal
+from diagnosis.inference.selection.refusal import is_of_noise
+from diagnosis.inference.selection.stepwise import TOLL
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
 from diagnosis.inference.unexplained.own_effects import is_same_as_own
 from diagnosis.measured.channel import Mask

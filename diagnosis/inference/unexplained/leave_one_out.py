@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from symolo.core.arrays import Array
 
 MAX_ROWS = 60

@@ -6,8 +6,8 @@ is none, or several, the cause shows in more than one channel, and the most sign
 """
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import Hypothesis
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.unexplained.adequacy import LEVEL, Adequacy, adequacy
 from diagnosis.inference.unexplained.scatter import with_scatter
 

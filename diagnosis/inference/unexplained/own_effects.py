@@ -8,8 +8,8 @@ stays where a curve of nearly the same shape describes a few rows better.
 import numpy as np
 
 from configs.effects.registry import EFFECTS
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.projection import orthonormal
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.projection import orthonormal
 from symolo.core.arrays import Array
 
 SAME = 0.9

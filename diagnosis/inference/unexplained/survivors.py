@@ -9,9 +9,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.projection import orthonormal
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.projection import orthonormal
 from diagnosis.inference.unexplained.adequacy import LEVEL, Adequacy, Structure, change_by
 from diagnosis.inference.unexplained.bases import any_function
 from diagnosis.measured.channel import Mask

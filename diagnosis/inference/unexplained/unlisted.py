@@ -17,11 +17,11 @@ from scipy.optimize import minimize
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
-from diagnosis.inference.fit import HypothesisFit, with_own_level
-from diagnosis.inference.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
-from diagnosis.inference.projection import orthonormal
-from diagnosis.inference.removal import without
-from diagnosis.inference.selection import TOLL
+from diagnosis.inference.fitting.fit import HypothesisFit, with_own_level
+from diagnosis.inference.fitting.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
+from diagnosis.inference.fitting.projection import orthonormal
+from diagnosis.inference.selection.removal import without
+from diagnosis.inference.selection.stepwise import TOLL
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.own_effects import is_same_as_own

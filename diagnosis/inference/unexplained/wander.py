@@ -16,12 +16,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
-from diagnosis.inference.removal import without
-from diagnosis.inference.rivals import confidence
-from diagnosis.inference.selection import TOLL
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
+from diagnosis.inference.selection.removal import without
+from diagnosis.inference.selection.rivals import confidence
+from diagnosis.inference.selection.stepwise import TOLL
 from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask

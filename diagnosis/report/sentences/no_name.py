@@ -1,9 +1,9 @@
 """The sentences about why no effect is named although the fit moves parameters of the nominal robot."""
 
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.hypothesis import deviated
+from diagnosis.inference.fitting.hypothesis import deviated
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.refusal import needed
+from diagnosis.inference.selection.refusal import needed
 from diagnosis.nuisances import Nuisance
 
 MIN_MOVED = 1.0

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.candidates import setups_of
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.refusal import refusal
-from diagnosis.inference.scan import scan
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.candidates import setups_of
+from diagnosis.inference.selection.refusal import refusal
+from diagnosis.inference.selection.scan import scan
 from diagnosis.report.sentences.quantities import with_error
 
 

@@ -7,9 +7,9 @@ import numpy as np
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.stuck_rows import StuckRow, stuck_rows
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.inference.plausible import beyond
+from diagnosis.inference.selection.plausible import beyond
 from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
 from diagnosis.measured.measurement import CaseKind
 

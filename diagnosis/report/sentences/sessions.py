@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from diagnosis.inference.evidence.sessions import FittedError, fitted_errors
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.report.sentences.quantities import with_error
 
 

@@ -9,7 +9,7 @@ from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Covariate, Observed, Predicted
 from physics.robot.model import RobotModel

@@ -17,7 +17,7 @@ from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, WHEEL_DIAMETER_M
 from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.evidence.whole_runs import WholeRuns, fitted_to_whole_runs
-from diagnosis.inference.hypothesis import Hypothesis
+from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import noise_of_differences

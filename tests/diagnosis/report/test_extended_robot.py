@@ -14,11 +14,11 @@ from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import FILE, extended_robot, rounded
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
-from diagnosis.inference.likelihood import stated_noise
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.likelihood import stated_noise
 from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.inference.rivals import RivalComparison
+from diagnosis.inference.selection.rivals import RivalComparison
 from physics.drivetrain.motor_bench import steady_states
 from physics.effects.torque_constant_scale import TorqueConstantScale
 from physics.robot.model import RobotModel

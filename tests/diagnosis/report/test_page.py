@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from diagnosis.extended_robot import FILE
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.profile import Interval
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.profile import Interval
 from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
 from diagnosis.report.page import _parameter_rows, page
 from sensors.effects.tof_range_offset import TofRangeOffset

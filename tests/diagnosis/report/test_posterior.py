@@ -11,9 +11,9 @@ from configs.effects.registry import EFFECTS
 from configs.loader import load_scenario
 from configs.posterior.drawing import mean_robot
 from configs.posterior.schema import FILE
-from diagnosis.inference.fit import HypothesisFit, at
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
-from diagnosis.inference.likelihood import stated_noise
+from diagnosis.inference.fitting.fit import HypothesisFit, at
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.likelihood import stated_noise
 from diagnosis.nuisances import Nuisance, of_section
 from diagnosis.posterior.posterior import posterior, posterior_text
 from diagnosis.posterior.robot_numbers import robot_numbers

@@ -9,8 +9,8 @@ from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.report.signatures import signatures
 
 BY_NAME = EFFECTS.by_name()

@@ -9,7 +9,7 @@ import pytest
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.rivals import FORM
+from diagnosis.inference.selection.rivals import FORM
 from diagnosis.report.report_data import Ablation
 from diagnosis.report.verdict import (
     _gains,

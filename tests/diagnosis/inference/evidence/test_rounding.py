@@ -7,8 +7,8 @@ import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.rounding import with_shared_rounding
-from diagnosis.inference.fit import fits
-from diagnosis.inference.profile import profiles
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.profile import profiles
 
 SD_A = 0.01
 

@@ -17,8 +17,8 @@ from diagnosis.inference.evidence.sessions import (
     session_nuisances,
     within_sessions,
 )
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import Hypothesis
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.nominal_robot import nominal_robot

@@ -5,7 +5,7 @@ import pytest
 
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.evidence.whole_runs import MIN_RUNS, WholeRuns, fitted_to_whole_runs
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.nominal_robot import nominal_robot

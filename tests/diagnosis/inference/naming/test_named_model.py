@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.naming.named_model import NamedModel, _gain_at_most, _name_evidence
 from diagnosis.inference.naming.verdict import withheld
-from diagnosis.inference.rivals import RivalComparison
+from diagnosis.inference.selection.rivals import RivalComparison
 
 X = np.linspace(-1.0, 1.0, 120)
 

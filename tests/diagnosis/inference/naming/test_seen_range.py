@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.naming.seen_range import seen_ranges
 
 

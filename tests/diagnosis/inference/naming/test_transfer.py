@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.naming.transfer import AGAINST, Support, contradiction, groups, supports, trial_groups
 
 SD_A = 0.01

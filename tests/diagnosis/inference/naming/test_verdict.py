@@ -17,8 +17,8 @@ from diagnosis.inference.naming.verdict import (
     conclusion,
     withheld,
 )
-from diagnosis.inference.refusal import CLEAR
-from diagnosis.inference.removal import cancel
+from diagnosis.inference.selection.refusal import CLEAR
+from diagnosis.inference.selection.removal import cancel
 from diagnosis.inference.unexplained.unlisted import BETTER
 
 numbers = st.floats(-200.0, 200.0)

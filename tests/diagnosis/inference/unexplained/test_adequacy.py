@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.unexplained.adequacy import adequacy, run_of_outliers
 from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.predictors.base import Predicted

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
 
 SD_A, TOLERANCE = 0.01, 0.02

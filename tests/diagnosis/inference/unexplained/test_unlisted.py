@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.unexplained.adequacy import Adequacy
 from diagnosis.inference.unexplained.unlisted import BETTER, advantage, best_form, with_forms
 

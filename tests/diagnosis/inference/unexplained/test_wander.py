@@ -9,7 +9,7 @@ import pytest
 from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import extended_robot
 from diagnosis.importers import tof_bench
-from diagnosis.inference.fit import fits
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.unexplained import wander as module

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.selection import Entry
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.stepwise import Entry
 from diagnosis.report.sentences.no_name import why_no_name
 from physics.effects.winding_resistance_scale import WindingResistanceScale
 

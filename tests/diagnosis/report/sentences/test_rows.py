@@ -6,10 +6,10 @@ from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.evidence.stuck_rows import StuckRow
-from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.rivals import RivalComparison
+from diagnosis.inference.selection.rivals import RivalComparison
 from diagnosis.report.sentences import rows
 from diagnosis.report.sentences.rows import row_sentences, too_large
 from diagnosis.report.verdict import headline

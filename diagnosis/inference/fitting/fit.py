@@ -15,10 +15,10 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
-from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
-from diagnosis.inference.likelihood import (
+from diagnosis.inference.fitting.coordinate import STEP
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.likelihood import (
     LEVEL_SD,
     NoiseFit,
     cost,

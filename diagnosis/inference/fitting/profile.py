@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtri
 
-from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, fits
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.coordinate import Coordinate
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from symolo.core.arrays import Array
 
 LEVELS = (0.68, 0.95)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import fits
-from diagnosis.inference.rivals import compare_rivals
-from diagnosis.inference.scan import scan
-from diagnosis.inference.selection import select
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.selection.rivals import compare_rivals
+from diagnosis.inference.selection.scan import scan
+from diagnosis.inference.selection.stepwise import select
 from diagnosis.predictors.base import Predicted
 from physics.robot.model import RobotModel
 from sensors.wheels.instruments import read_current_A

@@ -10,8 +10,8 @@ import numpy as np
 
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import adequacy
 from sensors.effects.noise_scale import NoiseScale
 from symolo.core.arrays import Array

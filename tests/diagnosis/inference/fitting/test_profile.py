@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.fit import fits
-from diagnosis.inference.profile import profiles
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.profile import profiles
 
 SD_A = 0.01
 X = np.linspace(0.5, 1.0, 60)

@@ -1,7 +1,7 @@
 import numpy as np
 
-from diagnosis.inference.fit import fits
-from diagnosis.inference.refusal import is_at_bound, refusal
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.selection.refusal import is_at_bound, refusal
 
 SD_A = 0.01
 X = np.linspace(0.3, 1.0, 60)

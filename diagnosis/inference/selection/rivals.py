@@ -18,12 +18,12 @@ from math import exp
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit, fits
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.likelihood import LEVELS
-from diagnosis.inference.refusal import STATED_WITHIN, is_negligible, needed, refusal
-from diagnosis.inference.removal import without
-from diagnosis.inference.selection import TOLL, replaced, toll
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.likelihood import LEVELS
+from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, needed, refusal
+from diagnosis.inference.selection.removal import without
+from diagnosis.inference.selection.stepwise import TOLL, replaced, toll
 from diagnosis.inference.unexplained.unlisted import advantage
 from sensors.effects.noise_scale import NoiseScale
 

@@ -8,10 +8,10 @@ import pytest
 from scipy.stats import norm
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
-from diagnosis.inference.likelihood import LEVELS, NoiseFit
-from diagnosis.inference.rivals import (
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.likelihood import LEVELS, NoiseFit
+from diagnosis.inference.selection.rivals import (
     SECOND,
     SOMETHING_ELSE,
     SOMETHING_ELSE_BESIDE,
@@ -19,7 +19,7 @@ from diagnosis.inference.rivals import (
     compare_rivals,
     confidence,
 )
-from diagnosis.inference.selection import TOLL
+from diagnosis.inference.selection.stepwise import TOLL
 from diagnosis.predictors.base import Predicted
 from sensors.effects.noise_scale import NoiseScale
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import Hypothesis
-from diagnosis.inference.standard_errors import standard_errors
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
+from diagnosis.inference.fitting.standard_errors import standard_errors
 from diagnosis.predictors.base import Predicted
 from sensors.effects.current_sensor_offset import CurrentSensorOffset
 

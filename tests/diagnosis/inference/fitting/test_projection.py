@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.projection import beyond, orthonormal
+from diagnosis.inference.fitting.projection import beyond, orthonormal
 
 
 def test_parts_beyond_a_span_are_orthonormal_and_span_what_they_should():

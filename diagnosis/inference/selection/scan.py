@@ -12,13 +12,13 @@ from itertools import combinations, product
 
 import numpy as np
 
-from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.likelihood import sample_costs
-from diagnosis.inference.periodogram import waves
-from diagnosis.inference.projection import orthonormal
+from diagnosis.inference.fitting.coordinate import Coordinate
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.fitting.likelihood import sample_costs
+from diagnosis.inference.fitting.projection import orthonormal
+from diagnosis.inference.selection.periodogram import waves
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 

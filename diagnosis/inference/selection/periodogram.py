@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.predictors.turning_response import TurningResponse
 from symolo.core.arrays import Array
 

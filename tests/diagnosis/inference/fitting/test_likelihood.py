@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from diagnosis.inference.evidence.evidence import Prediction
-from diagnosis.inference.likelihood import (
+from diagnosis.inference.fitting.likelihood import (
     LEVEL_SD,
     LEVELS,
     MEAN_SHARE,

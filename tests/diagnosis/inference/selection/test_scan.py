@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.fit import fits
-from diagnosis.inference.scan import _tried, scan, scan_pairs
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.selection.scan import _tried, scan, scan_pairs
 
 
 @pytest.mark.parametrize("size_A", [1.0, 0.06, 40.0])

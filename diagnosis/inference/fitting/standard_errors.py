@@ -9,10 +9,10 @@ small rise proves that the parameter may be further off than the curvature says.
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.likelihood import cost
-from diagnosis.inference.profile import profiles
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.likelihood import cost
+from diagnosis.inference.fitting.profile import profiles
 from symolo.core.arrays import Array
 
 SIGMAS = 3.0

@@ -20,11 +20,11 @@ import numpy as np
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
-from diagnosis.inference.fit import FAR, Contest, HypothesisFit, fits, fits_of_contests
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
-from diagnosis.inference.refusal import THRESHOLD, is_of_noise, needed, refusal
-from diagnosis.inference.removal import cancelled_by, without
-from diagnosis.inference.scan import Prospect, scan, scan_beside, scan_pairs
+from diagnosis.inference.fitting.fit import FAR, Contest, HypothesisFit, fits, fits_of_contests
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.selection.refusal import THRESHOLD, is_of_noise, needed, refusal
+from diagnosis.inference.selection.removal import cancelled_by, without
+from diagnosis.inference.selection.scan import Prospect, scan, scan_beside, scan_pairs
 from diagnosis.inference.unexplained.adequacy import adequacy
 from symolo.core.arrays import Array
 

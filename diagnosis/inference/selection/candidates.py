@@ -13,7 +13,7 @@ import numpy as np
 from configs.effects.base import RANDOM_SLOTS, Effect, Setup
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.measured.measurement import CaseKind, Measurement
 
 SETUPS = {

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.fit import Contest, fits, fits_of_contests
-from diagnosis.inference.hypothesis import moved
+from diagnosis.inference.fitting.fit import Contest, fits, fits_of_contests
+from diagnosis.inference.fitting.hypothesis import moved
 from diagnosis.predictors.base import Predicted
 
 SD_A, TOLERANCE = 0.01, 0.02

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from configs.effects.base import Slot
-from diagnosis.inference import refusal as refusals
-from diagnosis.inference import removal, selection
-from diagnosis.inference.refusal import is_at_bound, refusal
-from diagnosis.inference.selection import Entry, Selection, rescued, select
+from diagnosis.inference.selection import refusal as refusals
+from diagnosis.inference.selection import removal, stepwise
+from diagnosis.inference.selection.refusal import is_at_bound, refusal
+from diagnosis.inference.selection.stepwise import Entry, Selection, rescued, select
 from sensors.effects.noise_scale import NoiseScale
 
 NO_ROWS = np.zeros(0)
@@ -51,7 +51,7 @@ def fake_fit(cost, *effects, **fields) -> Any:
 @pytest.fixture
 def evidence() -> Any:
     """More rows than those up to which all pairs are compared: the steps alone decide."""
-    return Fake(known={}, fit=np.ones(selection.BEAM_SAMPLES + 1, dtype=bool))
+    return Fake(known={}, fit=np.ones(stepwise.BEAM_SAMPLES + 1, dtype=bool))
 
 
 class TestRefusal:
@@ -237,7 +237,7 @@ class TestSteps:
                 thresholds.append((effect, threshold))
                 return "no" if effect in effects else ""
 
-            monkeypatch.setattr(selection, "refusal", refusal)
+            monkeypatch.setattr(stepwise, "refusal", refusal)
             return thresholds
 
         return refuse
@@ -256,8 +256,8 @@ class TestSteps:
         """Of costs that fall from 100, 15 less is strong enough."""
         refusing(A, B)
         candidates = [fake_fit(80.0, A), fake_fit(cost_of_b, B), fake_fit(84.0, C)]
-        monkeypatch.setattr(selection, "_extended", lambda *_: candidates)
-        entered, entries = selection._entered(evidence, fake_fit(100.0), ())
+        monkeypatch.setattr(stepwise, "_extended", lambda *_: candidates)
+        entered, entries = stepwise._entered(evidence, fake_fit(100.0), ())
         assert "".join(entry.effect.name for entry in entries) == tried
         assert entered is (candidates[2] if tried == "ABC" else None)
         assert [entry.accepted for entry in entries] == [False, False, True][: len(tried)]
@@ -265,7 +265,7 @@ class TestSteps:
 
     def test_three_effects_are_enough_and_a_model_no_better_than_none_ends_the_selection(self, evidence, monkeypatch):
         fits_by_size = [fake_fit(100.0), fake_fit(80.0, A), fake_fit(60.0, A, B), fake_fit(40.0, A, B, C)]
-        monkeypatch.setattr(selection, "fits", lambda _, starts: [fits_by_size[len(starts[0][0].effects)]])
+        monkeypatch.setattr(stepwise, "fits", lambda _, starts: [fits_by_size[len(starts[0][0].effects)]])
         grown = [0]
 
         def entered(_, fit, __):
@@ -273,28 +273,28 @@ class TestSteps:
             assert grown[0] <= 4  # instead of going on for ever
             return fits_by_size[len(fit.hypothesis.effects) + 1], ["step"]
 
-        monkeypatch.setattr(selection, "_entered", entered)
-        monkeypatch.setattr(selection, "_swapped", lambda _, fit, __: fit)
-        monkeypatch.setattr(selection, "_pruned", lambda _, fit: fit)
+        monkeypatch.setattr(stepwise, "_entered", entered)
+        monkeypatch.setattr(stepwise, "_swapped", lambda _, fit, __: fit)
+        monkeypatch.setattr(stepwise, "_pruned", lambda _, fit: fit)
         found = select(evidence, fits_by_size[0].hypothesis, ())
         assert (found.nominal, found.fit, len(found.entries)) == (fits_by_size[0], fits_by_size[3], 3)
         worse = fake_fit(100.0, D)
-        monkeypatch.setattr(selection, "_pruned", lambda *_: worse)
+        monkeypatch.setattr(stepwise, "_pruned", lambda *_: worse)
         assert select(evidence, fits_by_size[0].hypothesis, ()).fit is worse
         assert grown[0] == 4
 
     def test_a_better_pair_replaces_the_effects_and_a_third_one_is_tried_beside_it(self, monkeypatch):
-        few: Any = Fake(known={}, fit=np.ones(selection.BEAM_SAMPLES, dtype=bool))
+        few: Any = Fake(known={}, fit=np.ones(stepwise.BEAM_SAMPLES, dtype=bool))
         base, single, pair, three = fake_fit(100.0), fake_fit(80.0, A), fake_fit(40.0, B, C), fake_fit(20.0, B, C, D)
         alone = {B: fake_fit(75.0, C), C: fake_fit(90.0, B)}
         next_of = {base: (single, ["A enters"]), single: (None, ["B is refused"]), pair: (three, ["D enters"])}
-        monkeypatch.setattr(selection, "fits", lambda *_: [base])
-        monkeypatch.setattr(selection, "_entered", lambda _, fit, __: next_of[fit])
-        monkeypatch.setattr(selection, "_swapped", lambda _, fit, __: fit)
-        monkeypatch.setattr(selection, "_pruned", lambda _, fit: fit)
-        monkeypatch.setattr(selection, "without", lambda _, __, effect: alone[effect])
-        monkeypatch.setattr(selection, "_pairs", lambda *_: [pair])
-        monkeypatch.setattr(selection, "_best_pair", lambda *_: pair)
+        monkeypatch.setattr(stepwise, "fits", lambda *_: [base])
+        monkeypatch.setattr(stepwise, "_entered", lambda _, fit, __: next_of[fit])
+        monkeypatch.setattr(stepwise, "_swapped", lambda _, fit, __: fit)
+        monkeypatch.setattr(stepwise, "_pruned", lambda _, fit: fit)
+        monkeypatch.setattr(stepwise, "without", lambda _, __, effect: alone[effect])
+        monkeypatch.setattr(stepwise, "_pairs", lambda *_: [pair])
+        monkeypatch.setattr(stepwise, "_best_pair", lambda *_: pair)
         found = select(few, base.hypothesis, ())
         assert found.fit is three
         assert found.pairs == (pair,)
@@ -303,7 +303,7 @@ class TestSteps:
             (C, 50.0, True),
         ]
         assert found.entries[2:] == ("D enters",)
-        monkeypatch.setattr(selection, "_best_pair", lambda _, __, ___, fit: fit)
+        monkeypatch.setattr(stepwise, "_best_pair", lambda _, __, ___, fit: fit)
         assert select(few, base.hypothesis, ()).entries == ("A enters", "B is refused")
 
     def test_a_selection_goes_on_from_the_effects_of_an_earlier_one(self, evidence, monkeypatch):
@@ -314,8 +314,8 @@ class TestSteps:
             started.extend(starts)
             return [fake_fit(70.0, *starts[0][0].effects)]
 
-        monkeypatch.setattr(selection, "fits", fits)
-        monkeypatch.setattr(selection, "_entered", lambda *_: (None, ["step"]))
+        monkeypatch.setattr(stepwise, "fits", fits)
+        monkeypatch.setattr(stepwise, "_entered", lambda *_: (None, ["step"]))
         nominal: Any = FakeHypothesis()
         found = select(evidence, nominal, (), begin)
         assert started == [(nominal, "x of 90.0"), (begin.fit.hypothesis, "x of 50.0")]
@@ -331,10 +331,10 @@ class TestSteps:
         """From a fall of 9 on."""
         thresholds = refusing(A)
         candidates = [fake_fit(90.0, D, effect) for effect in (A, B, C)]
-        monkeypatch.setattr(selection, "_extended", lambda *_: candidates)
+        monkeypatch.setattr(stepwise, "_extended", lambda *_: candidates)
         adequate = {A, C}
         monkeypatch.setattr(
-            selection, "adequacy", lambda _, fit: SimpleNamespace(is_adequate=fit.hypothesis.effects[-1] in adequate)
+            stepwise, "adequacy", lambda _, fit: SimpleNamespace(is_adequate=fit.hypothesis.effects[-1] in adequate)
         )
         begin = Selection(fake_fit(200.0), fake_fit(100.0, D), (Entry(D, 100.0, accepted=True, reason=""),))
         found = rescued(evidence, begin, ())
@@ -347,34 +347,34 @@ class TestSteps:
 
     def test_no_weak_third_effect_rescues_a_model(self, evidence, monkeypatch, refusing):
         refusing()
-        monkeypatch.setattr(selection, "_extended", lambda *_: [fake_fit(90.0, C, D, A)])
-        monkeypatch.setattr(selection, "adequacy", lambda *_: SimpleNamespace(is_adequate=True))
+        monkeypatch.setattr(stepwise, "_extended", lambda *_: [fake_fit(90.0, C, D, A)])
+        monkeypatch.setattr(stepwise, "adequacy", lambda *_: SimpleNamespace(is_adequate=True))
         assert rescued(evidence, Selection(fake_fit(200.0), fake_fit(100.0, C, D), ()), ()) is None
 
     @pytest.mark.parametrize(("before", "threshold"), [((), 15.0), ((B,), 15.0), ((B, C), 27.0)])
     def test_a_third_effect_needs_12_more(self, evidence, monkeypatch, refusing, before, threshold):
         thresholds = refusing(A)
-        monkeypatch.setattr(selection, "_extended", lambda *_: [fake_fit(80.0, *before, A)])
-        assert selection._entered(evidence, fake_fit(100.0, *before), ())[0] is None
+        monkeypatch.setattr(stepwise, "_extended", lambda *_: [fake_fit(80.0, *before, A)])
+        assert stepwise._entered(evidence, fake_fit(100.0, *before), ())[0] is None
         assert thresholds == [(A, threshold)]
 
     def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_9(self, evidence, monkeypatch):
         scanned, goals = [], []
-        monkeypatch.setattr(selection, "scan", lambda _, __, effects: scanned.extend(effects) or [])
-        monkeypatch.setattr(selection, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
+        monkeypatch.setattr(stepwise, "scan", lambda _, __, effects: scanned.extend(effects) or [])
+        monkeypatch.setattr(stepwise, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
         left = fake_effect("B")
-        assert selection._extended(evidence, fake_fit(100.0, A, B), (A, left, C, D)) == []
+        assert stepwise._extended(evidence, fake_fit(100.0, A, B), (A, left, C, D)) == []
         assert (scanned, goals) == ([C, D], [91.0])
 
     @pytest.mark.parametrize(("last", "rivals"), [(A, [C, D]), (NOISE, [A, C, D])])
     def test_noise_takes_the_place_of_noise_alone(self, evidence, monkeypatch, last, rivals):
         """A slow rival is fitted up to a cost of 40 more."""
         scanned, goals = [], []
-        monkeypatch.setattr(selection, "is_of_noise", lambda _, effect: effect is NOISE)
-        monkeypatch.setattr(selection, "scan", lambda _, __, effects: scanned.extend(effects) or [])
-        monkeypatch.setattr(selection, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
+        monkeypatch.setattr(stepwise, "is_of_noise", lambda _, effect: effect is NOISE)
+        monkeypatch.setattr(stepwise, "scan", lambda _, __, effects: scanned.extend(effects) or [])
+        monkeypatch.setattr(stepwise, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
         wider = fake_effect("WIDER", slot=Slot.RANGE_NOISE)
-        selection.replaced(evidence, fake_fit(100.0, B, last), last, fake_fit(120.0, B), (A, B, C, D, NOISE, wider))
+        stepwise.replaced(evidence, fake_fit(100.0, B, last), last, fake_fit(120.0, B), (A, B, C, D, NOISE, wider))
         assert scanned == ([*rivals, wider] if last is NOISE else rivals)
         assert goals == [140.0]
 
@@ -404,17 +404,17 @@ class TestSteps:
             compared.append(effect)
             return [fake_fit(cost, B, NOISE, rival) for cost, rival in rivals] if effect is A else []
 
-        monkeypatch.setattr(selection, "replaced", replaced)
+        monkeypatch.setattr(stepwise, "replaced", replaced)
         without = lambda _, fit, effect: fake_fit(0.0, *(e for e in fit.hypothesis.effects if e is not effect))  # noqa: E731
-        monkeypatch.setattr(selection, "without", without)
-        swapped = selection._swapped(evidence, fake_fit(100.0, A, B, NOISE), ())
+        monkeypatch.setattr(stepwise, "without", without)
+        swapped = stepwise._swapped(evidence, fake_fit(100.0, A, B, NOISE), ())
         assert compared == [A, B]
         assert swapped.hypothesis.effects == ((A, B, NOISE) if result is A else (B, NOISE, result))
 
     def test_of_equal_fits_the_one_by_an_effect_on_everything_comes_before_one_on_a_single_sensor(self):
         left = fake_effect("LEFT", choices=(("sensor", "left"),))
         fits = [fake_fit(20.0, left), fake_fit(20.0, B), fake_fit(20.0, A)]
-        assert selection.ranked(fits, (left, A, B)) == [fits[2], fits[1], fits[0]]
+        assert stepwise.ranked(fits, (left, A, B)) == [fits[2], fits[1], fits[0]]
 
     def test_effects_whose_lack_costs_too_little_go_one_by_one_the_most_needless_first(self, evidence, monkeypatch):
         """By the cost beyond 15, and 18 for two parameters; a single effect stays."""
@@ -424,23 +424,23 @@ class TestSteps:
             left = tuple(e for e in fit.hypothesis.effects if e is not effect)
             return fake_fit(costs[left], *left)
 
-        monkeypatch.setattr(selection, "without", without)
+        monkeypatch.setattr(stepwise, "without", without)
         # WIDE lacks 6 of what it needs and A 5; then B lacks nothing and A lacks half.
-        pruned = selection._pruned(evidence, fake_fit(100.0, A, B, WIDE))
+        pruned = stepwise._pruned(evidence, fake_fit(100.0, A, B, WIDE))
         assert pruned.hypothesis.effects == (B,)
         costs[B,] = 127.0
-        assert selection._pruned(evidence, fake_fit(100.0, A, B, WIDE)).hypothesis.effects == (A, B)
+        assert stepwise._pruned(evidence, fake_fit(100.0, A, B, WIDE)).hypothesis.effects == (A, B)
 
     def test_what_was_scanned_or_fitted_from_an_evidence_is_known(self, evidence, monkeypatch):
         """A fit without one effect may cost 40 more before it is stopped."""
         work = []
-        monkeypatch.setattr(selection, "scan", lambda *_: work.append("scan") or [])
-        for module in (selection, removal):
+        monkeypatch.setattr(stepwise, "scan", lambda *_: work.append("scan") or [])
+        for module in (stepwise, removal):
             monkeypatch.setattr(module, "fits", lambda _, __, goal: work.append(goal) or [fake_fit(1.0, A)])
         monkeypatch.setattr(removal, "moved", lambda *_: None)
         fit: Any = Fake(cost=100.0, hypothesis=Fake(without=lambda _: None), x=None)
         for _ in range(2):
-            selection._scanned(evidence, fit, (A,))
-            selection._fitted(evidence, fit, (), 91.0)
-            selection.without(evidence, fit, A)
+            stepwise._scanned(evidence, fit, (A,))
+            stepwise._fitted(evidence, fit, (), 91.0)
+            stepwise.without(evidence, fit, A)
         assert work == ["scan", 91.0, 140.0]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from configs.effects.registry import EFFECTS
-from diagnosis.inference.hypothesis import CandidateEffect
-from diagnosis.inference.scan import tried_values
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.scan import tried_values
 from physics.effects.current_limit import CurrentLimit
 from physics.effects.floor_slope import FloorSlope
 from sensors.effects.range_offset import RangeOffset

@@ -3,7 +3,7 @@
 import pytest
 
 from configs.effects.registry import EFFECTS
-from diagnosis.inference.plausible import beyond
+from diagnosis.inference.selection.plausible import beyond
 from physics.effects.supply_sag import SupplySag
 from physics.effects.torque_constant_scale import TorqueConstantScale
 from sensors.effects.marker_offset import MarkerOffset

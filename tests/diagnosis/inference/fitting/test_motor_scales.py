@@ -2,7 +2,7 @@
 
 import pytest
 
-from diagnosis.inference.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.current_limit import CurrentLimit
 from physics.effects.quadratic_drag import QuadraticDrag

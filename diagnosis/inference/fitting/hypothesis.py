@@ -16,8 +16,8 @@ import numpy as np
 
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
-from diagnosis.inference.coordinate import Coordinate
-from diagnosis.inference.motor_scales import UNSCALED, MotorScales, motor_scales
+from diagnosis.inference.fitting.coordinate import Coordinate
+from diagnosis.inference.fitting.motor_scales import UNSCALED, MotorScales, motor_scales
 from diagnosis.measured.channel import Mask
 from diagnosis.nuisances import Nuisance
 from symolo.core.arrays import Array

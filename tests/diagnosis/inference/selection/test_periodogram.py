@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
 from diagnosis.diagnose import _evidence
 from diagnosis.importers import IMPORTERS
-from diagnosis.inference.fit import fits
-from diagnosis.inference.hypothesis import Hypothesis
-from diagnosis.inference.periodogram import waves
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
+from diagnosis.inference.selection.periodogram import waves
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.turning_response import TurningResponse
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
-from diagnosis.inference.fit import FAR, HypothesisFit, fits
-from diagnosis.inference.hypothesis import CandidateEffect, moved
-from diagnosis.inference.refusal import needed
+from diagnosis.inference.fitting.fit import FAR, HypothesisFit, fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
+from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.adequacy import change_by
 from symolo.core.arrays import Array
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from diagnosis.inference import selection as module
-from diagnosis.inference.fit import fits
-from diagnosis.inference.refusal import is_negligible, needed, refusal
-from diagnosis.inference.removal import cancelled_by, without
-from diagnosis.inference.selection import (
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.selection import stepwise as module
+from diagnosis.inference.selection.refusal import is_negligible, needed, refusal
+from diagnosis.inference.selection.removal import cancelled_by, without
+from diagnosis.inference.selection.stepwise import (
     _best_pair,
     _is_better,
     _pairs,

@@ -1,0 +1,1 @@
+"""Hypotheses and their fits: parameters, likelihood, profiles and standard errors."""

@@ -1,0 +1,1 @@
+"""Which effects the data need: candidates, stepwise selection, rivals and refusals."""
