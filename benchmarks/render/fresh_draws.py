@@ -219,7 +219,7 @@ def chosen_lights(views: Views, numbers: list[int], method: str, options: argpar
     sampling = job.sampling
     settings = {"kind": "ours", "hybrid": sampling.hybrid and asdict(sampling.hybrid)}
     if sampling.probe:
-        settings = {"kind": "chosen"}
+        settings = {"kind": "chosen", "run_images": RUN_FRAMES}
     with Painter("painter.py", job, settings, options.threads, sys.executable, checkout=checkout) as painter:
         cost = painter.paint(numbers)
         decision = painter.decision() if sampling.probe else decision
@@ -229,7 +229,7 @@ def chosen_lights(views: Views, numbers: list[int], method: str, options: argpar
 
 def decision_on_card(job: RenderJob, options: argparse.Namespace, checkout: Path) -> Decision:
     job = replace(job, sampling=replace(job.sampling, device=options.card))
-    settings = {"kind": "choice"}
+    settings = {"kind": "choice", "run_images": RUN_FRAMES}
     with Painter("painter.py", job, settings, options.threads, sys.executable, checkout=checkout) as painter:
         return painter.decision()
 

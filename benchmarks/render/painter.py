@@ -4,15 +4,16 @@
 
 Settings: {"kind": "ours", "sampling": fields of `TracingSettings`, "hybrid": fields of `HybridSamples` or null},
 {"kind": "plain", "cycles": properties of Cycles, "each_of": several numbers of samples, if any}, {"kind": "passes",
-"samples": N, "seed": N}, {"kind": "references", "samples": N, "seeds": [N, N]}, {"kind": "chosen"}, which leaves the
-settings to the measurement of a long run, or {"kind": "choice"}, which only measures, on a graphics card.
+"samples": N, "seed": N}, {"kind": "references", "samples": N, "seeds": [N, N]}, {"kind": "chosen", "run_images": N},
+which leaves the settings to the measurement of a run of so many images, or {"kind": "choice", "run_images": N}, which
+only measures, on a graphics card.
 """
 
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from painter_side import Paint, PaintRequest, reply_stream, serve
@@ -24,6 +25,9 @@ from sensors.camera.response import develop, encode_jpeg, median_luminance
 from sensors.camera.views import FrameView
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.exr import read_exr
+
+if TYPE_CHECKING:
+    from blender_scenes.blender_side.measured_images import Probe
 
 PASSES = ("Combined", "DiffCol", "DiffDir", "DiffInd", "Normal")
 _METERED = 1.0
@@ -57,11 +61,8 @@ def _ours(request: PaintRequest) -> Paint:
 
 def _chosen(request: PaintRequest) -> Paint:
     """Return a painter that renders as a long run does; its decision lies in the folder of the images."""
-    from blender_scenes.blender_side.choice import tracer_for  # noqa: PLC0415 - it imports bpy
-
-    images = request.folder / "images"
-    tracer = tracer_for(request.job, "", images, request.threads, request.folder, lambda: None)
-    return _painted(request, lambda view, _warm_up: tracer.light(view))
+    probe = _decided(request, lambda _device: None)
+    return _painted(request, lambda view, _warm_up: probe.tracer.light(view))
 
 
 def _choice(request: PaintRequest) -> Paint:
@@ -71,20 +72,30 @@ def _choice(request: PaintRequest) -> Paint:
     """
     import bpy  # noqa: PLC0415 - as above
 
-    from blender_scenes.blender_side.engine import metered_light  # noqa: PLC0415 - as above
+    def use(device: str) -> None:
+        bpy.context.scene.cycles.device = device
+
+    _decided(request, use)
+    return lambda _numbers, _warm_up: {}
+
+
+def _decided(request: PaintRequest, use: Callable[[str], None]) -> "Probe":
+    """Return the images on which the settings of a run of `run_images` were chosen; `use` sets the device."""
+    from blender_scenes.blender_side.engine import metered_light  # noqa: PLC0415 - it imports bpy
     from blender_scenes.blender_side.measured_images import Probe  # noqa: PLC0415 - as above
 
-    job, cycles = request.job, bpy.context.scene.cycles
-    metered = median_luminance(metered_light(job))
-    probe = Probe(job, request.threads, request.folder, metered, lambda: None)
+    job = request.job
+    probe = Probe(job, request.threads, request.folder, median_luminance(metered_light(job)), lambda: None)
 
-    def errors(candidate: Candidate) -> ImageErrors:
-        cycles.device = "CPU" if isinstance(candidate, HybridSamples) else "GPU"
-        return probe.errors(candidate)
+    def measure(candidate: Candidate, samples: int) -> ImageErrors:
+        use("GPU")
+        probe.refine(samples)
+        use("CPU" if isinstance(candidate, HybridSamples) else "GPU")
+        return probe.measure(candidate, samples)
 
-    decision = decide("", job.sampling.hybrid, errors)
+    decision = decide("", job.sampling.hybrid, request.settings["run_images"], measure)
     write_file(request.folder / PROBE, to_json(decision))
-    return lambda _numbers, _warm_up: {}
+    return probe
 
 
 def _plain(request: PaintRequest) -> Paint:

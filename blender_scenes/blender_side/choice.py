@@ -34,7 +34,7 @@ def tracer_for(  # noqa: PLR0917 - what a measurement takes
     decision = read_decision(images, job_sha256)
     if decision is None:
         probe = Probe(job, threads, scratch, metered, on_step)
-        measured = decide(job_sha256, job.sampling.hybrid, probe.errors)
+        measured = decide(job_sha256, job.sampling.hybrid, len(job.frames), probe.measure)
         decision = read_decision(images, job_sha256)
         if decision is None:
             write_file(images.with_name(PROBE), to_json(measured))

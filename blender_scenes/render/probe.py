@@ -46,10 +46,14 @@ class TracedSamples:
     denoise_quality: str = "HIGH"
 
 
+REFERENCES, FIRST_SAMPLES, _MAX_SAMPLES = 4, 8, 128
+"""Number of references of each image that is measured, and limits of the samples of each."""
 LADDER = tuple(TracedSamples(samples) for samples in (2, 4, 8, 16, 32, 64))
 """Candidates of full rendering by their cost."""
 
 
+_USUAL_SAMPLES = 4
+"""Samples that hybrid rendering saves at least under most looks."""
 Candidate = HybridSamples | TracedSamples
 
 
@@ -114,6 +118,16 @@ class ImageErrors:
         predicted_dB = relative_dB.mean() + _QUANTILE * math.sqrt(variance * (1 + 1 / count))
         return float(max(predicted_dB, self.largest_dB))
 
+    @property
+    def least(self) -> Self:
+        """Return the lower confidence limits (95 %) of the errors, without noise."""
+        lower = (error - _ONE_SIDED * sd for error, sd in zip(self.rendering, self.standard_error, strict=True))
+        return replace(self, rendering=tuple(lower), standard_error=(0.0,) * len(self.rendering))
+
+    def scaled(self, factor: float) -> Self:
+        """Return the errors times a factor, known as exactly as before: their noise is that of the references."""
+        return replace(self, rendering=tuple(factor * error for error in self.rendering))
+
     def record(self) -> ImageErrorRecord:
         """Return the facts for metadata.json."""
         return ImageErrorRecord(
@@ -138,6 +152,8 @@ class Decision:
     full: TracedSamples | None
     """One of the two is None."""
     errors: ImageErrors
+    reference_samples: int
+    """Samples of each reference, when this candidate was measured."""
 
     def applied(self, sampling: TracingSettings) -> TracingSettings:
         """Return the settings of a job with those that were chosen."""
@@ -199,23 +215,55 @@ def is_decided(sampling: TracingSettings, images: Path, job_sha256: str) -> bool
     return not sampling.probe or read_decision(images, job_sha256) is not None
 
 
-def decide(
-    job_sha256: str,
-    hybrid: HybridSamples | None,
-    measure: Callable[[Candidate], ImageErrors],
-) -> Decision:
+Measure = Callable[[Candidate, int], ImageErrors]
+"""Measures the errors of a candidate from references with so many samples each."""
+
+
+def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: Measure) -> Decision:
     """Return the cheapest rendering with a small error; if no error is small, the rendering with the most samples.
+
+    The references get more samples where their noise decides, as long as the run can save more than they cost.
 
     Args:
         job_sha256: SHA-256 of the job.
         hybrid: Samples of hybrid rendering; None where it is no candidate.
-        measure: Measures the error of a candidate.
+        images: Number of images of the run.
+        measure: Measures the errors of a candidate.
     """
-    if hybrid is not None and (errors := measure(hybrid)).excess <= 1:
-        return Decision(job_sha256, hybrid, None, errors)
-    place, errors = 0, measure(LADDER[0])
+    samples = FIRST_SAMPLES
+    if hybrid is not None:
+        errors = measure(hybrid, samples)
+        while _is_open(errors) and _is_worth(samples, errors, images * _USUAL_SAMPLES):
+            samples *= 2
+            errors = measure(hybrid, samples)
+        if errors.excess <= 1:
+            return Decision(job_sha256, hybrid, None, errors, samples)
+    place, errors = 0, measure(LADDER[0], samples)
     while errors.excess > 1 and place + 1 < len(LADDER):
-        # Twice the samples at best halve the mean square error: a step that cannot do is not measured.
-        place = min(place + math.ceil(math.log2(errors.excess)), len(LADDER) - 1)
-        errors = measure(LADDER[place])
-    return Decision(job_sha256, None, LADDER[place], errors)
+        saved = LADDER[_first_small(errors, place)].samples - LADDER[place].samples
+        if _is_open(errors) and _is_worth(samples, errors, images * saved):
+            samples *= 2
+        else:
+            place = max(_first_small(errors.least, place), place + 1)
+        errors = measure(LADDER[place], samples)
+    return Decision(job_sha256, None, LADDER[place], errors, samples)
+
+
+def _is_open(errors: ImageErrors) -> bool:
+    """Return whether an error may be small but for the noise of the references."""
+    return errors.least.excess <= 1 < errors.excess
+
+
+def _is_worth(samples: int, errors: ImageErrors, saved: int) -> bool:
+    """Return whether references with twice the samples cost no more than can be saved, in samples of an image."""
+    return 2 * samples <= _MAX_SAMPLES and 2 * samples * REFERENCES * len(errors.rendering) <= saved
+
+
+def _first_small(errors: ImageErrors, place: int) -> int:
+    """Return the first step of the ladder with a small error, if twice the samples halve the errors of the step `place`.
+
+    They do not do better, so no step before can do; the last one is returned if none can.
+    """
+    steps = range(place, len(LADDER) - 1)
+    factors = ((step, LADDER[place].samples / LADDER[step].samples) for step in steps)
+    return next((step for step, factor in factors if errors.scaled(factor).excess <= 1), len(LADDER) - 1)

@@ -32,13 +32,13 @@ def _decided(by_samples: dict[int, float], hybrid: float | None = None) -> tuple
     """Return the decision for errors by candidate, the same in each view, and the candidates that were measured."""
     asked: list[HybridSamples | TracedSamples] = []
 
-    def measure(candidate: HybridSamples | TracedSamples) -> ImageErrors:
+    def measure(candidate: HybridSamples | TracedSamples, _samples: int) -> ImageErrors:
         asked.append(candidate)
         error = hybrid if isinstance(candidate, HybridSamples) else by_samples[candidate.samples]
         assert error is not None
         return _errors(*(error,) * 4)
 
-    return decide("job", None if hybrid is None else HYBRID, measure), asked
+    return decide("job", None if hybrid is None else HYBRID, 200, measure), asked
 
 
 def test_hybrid_rendering_with_a_small_error_is_taken_and_nothing_else_is_measured():
@@ -59,6 +59,48 @@ def test_steps_that_cannot_do_are_not_measured():
     """With its margin, the error is 25 times too large: halved with each doubling at best, it takes five doublings."""
     _, asked = _decided({2: 140.0, 64: 4.4})
     assert [candidate.samples for candidate in asked] == [2, 64]
+
+
+def _decided_in_noise(images: int, error_of_two: float, standard_error: float, hybrid: float | None = None) -> Decision:
+    """Return the decision of a run of so many images where the error is inversely proportional to the samples, and the
+    standard error of its estimate, that of references of 8 samples, to theirs."""
+
+    def measure(candidate: HybridSamples | TracedSamples, samples: int) -> ImageErrors:
+        error = hybrid if isinstance(candidate, HybridSamples) else error_of_two * 2 / candidate.samples
+        return ImageErrors.of(4 * [ImageError(error or 0.0, standard_error * 8 / samples, 8.0)])
+
+    return decide("job", None if hybrid is None else HYBRID, images, measure)
+
+
+@pytest.mark.parametrize(("images", "samples"), [(200, 32), (5000, 64)])
+def test_references_get_more_samples_until_their_noise_does_not_decide(images, samples):
+    """With 2 samples the error is that of JPEG, 8, with a lower limit of 8 - 1.645 * 6 * 8 / n for references of n.
+
+    It leaves that open for n = 8, 16 and 32 (5.5, and a small error is below 5.6), but not for 64 (6.8). With 4 samples
+    the upper limit is 4 + 1.645 * 6 * 8 / n: 8.9 for n = 16, and 6.5 for n = 32, where only 4 - 2 samples for each image
+    are left to be saved. A short run does not trace 64 * 16 samples for that.
+    """
+    decision = _decided_in_noise(images, 8.0, 6.0)
+    assert (decision.full, decision.reference_samples) == (TracedSamples(4), samples)
+
+
+def test_references_that_show_a_small_error_get_no_more_samples():
+    assert _decided_in_noise(200, 4.0, 2.0).reference_samples == 8
+    assert _decided_in_noise(200, 64.0, 2.0).reference_samples == 8  # 2 and 16 samples are measured
+
+
+@pytest.mark.parametrize(("images", "samples"), [(4, 8), (5, 16), (8, 16), (9, 32), (17, 64), (34, 128), (9999, 128)])
+def test_references_cost_no_more_than_they_can_save(images, samples):
+    """Noise that hides everything makes a run take 64 samples, and 2 might do: 62 for each image. Four references of
+    four images with n samples each cost 16 n."""
+    decision = _decided_in_noise(images, 1.0, 1e6)
+    assert (decision.full, decision.reference_samples) == (LADDER[-1], samples)
+
+
+def test_noise_that_hides_the_error_of_hybrid_rendering_is_made_smaller():
+    """The upper limit is 4 + 1.645 * 3 * 8 / n: 8.9 for n = 8, and 6.5 for n = 16."""
+    decision = _decided_in_noise(200, 8.0, 3.0, hybrid=4.0)
+    assert (decision.hybrid, decision.reference_samples) == (HYBRID, 16)
 
 
 def test_the_most_exact_rendering_is_taken_where_none_is_good_enough():
@@ -121,9 +163,9 @@ def test_long_runs_measure_more_images(images, measured):
 
 
 def test_the_choice_replaces_what_the_job_leaves_open():
-    full = Decision("job", None, TracedSamples(16), _errors()).applied(OPEN)
+    full = Decision("job", None, TracedSamples(16), _errors(), 8).applied(OPEN)
     assert (full.samples, full.hybrid, full.prefilter, full.probe) == (16, None, "ACCURATE", False)
-    hybrid = Decision("job", HYBRID, None, _errors()).applied(OPEN)
+    hybrid = Decision("job", HYBRID, None, _errors(), 8).applied(OPEN)
     assert (hybrid.hybrid, hybrid.probe) == (HYBRID, False)
 
 
@@ -135,7 +177,7 @@ def test_the_record_has_decibels_of_the_mean_of_all_views():
 
 
 def test_only_the_choice_for_the_same_job_counts(tmp_path):
-    images, decision = tmp_path / "images", Decision("this job", None, TracedSamples(4), _errors())
+    images, decision = tmp_path / "images", Decision("this job", None, TracedSamples(4), _errors(), 8)
     assert read_decision(images, "this job") is None
     (tmp_path / PROBE).write_bytes(to_json(decision))
     assert read_decision(images, "this job") == decision
