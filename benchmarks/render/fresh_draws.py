@@ -41,20 +41,17 @@ from painters import CHECKOUT, Painter
 from plain_loop import RUN_FRAMES, RunCost, fewest_samples, plain_cost, plain_lights
 from views import LOOKS, RandomCase, Views, random_cases
 from worst_places import WorstPlace, beside_reference, sheet, worst_place
+from yardstick import Judged, Yardstick, certain_yardstick
 
 from blender_scenes.render.devices import DeviceKind, device_for
-from blender_scenes.render.image_errors import ImageError, image_error
+from blender_scenes.render.image_errors import ImageError
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.light_paths import LIGHT_PATHS
 from blender_scenes.render.probe import MIN_VIEWS, Decision, probed_numbers
 from blender_scenes.render.sampling import tracing_settings
 from configs.schema.scenario import Render
 from sensors.camera.colour import LUMINANCE
-from sensors.camera.response import median_luminance
 from symolo.core.arrays import FloatImage
 
-SEEDS = (101, 202)
-"""Of the two references."""
 LARGEST_EXCESS_DB = 1.0
 """The promise for a single image."""
 
@@ -75,6 +72,8 @@ class Row:
     """Error of the worst square of `BLOCK_PX` x `BLOCK_PX` pixels, relative to JPEG's in the whole view."""
     measured_db: tuple[float, ...]
     """Error of the rendering relative to that of JPEG in the views that the run measured; empty without a choice."""
+    reference_samples: int | None
+    """Samples of each reference of the run's choice."""
     limit_db: float | None
     """The same, as one view of twenty is expected to exceed it."""
     excess_db: float
@@ -122,24 +121,6 @@ class JudgedImage:
     """Image (h, w, 3), RGB: the rendering, and its reference at its right."""
 
 
-@dataclass(frozen=True)
-class Yardstick:
-    """The judged views of a case."""
-
-    views: Views
-    numbers: list[int]
-    references: Mapping[int, tuple[FloatImage, FloatImage]]
-    metered: float
-
-    def error(self, number: int, light: FloatImage) -> ImageError:
-        """Return the mean square error of a view, at least 0.01, and that of its JPEG."""
-        error = image_error(light, self.references[number], self.views.noisy().response, self.metered, number)
-        return replace(error, rendering=max(error.rendering, 0.01))
-
-    def mean_error(self, by_view: Mapping[int, FloatImage]) -> float:
-        return float(np.mean([self.error(number, by_view[number]).rendering for number in self.numbers]))
-
-
 def judged_case(case: RandomCase, options: argparse.Namespace, device: DeviceKind) -> list[JudgedImage]:
     views = case.views(MIN_VIEWS + options.judged, tuple(options.size))
     probed = probed_numbers(len(views.job.frames))
@@ -149,9 +130,9 @@ def judged_case(case: RandomCase, options: argparse.Namespace, device: DeviceKin
         for version, at in options.versions.items()
         for method in options.method
     }
-    references = reference_lights(views.job, numbers, options, device)
-    metered = median_luminance(np.concatenate([light.reshape(-1, 3) for pair in references.values() for light in pair]))
-    yardstick = Yardstick(views, numbers, references, metered)
+    yardstick = certain_yardstick(
+        Judged(views, numbers, options.threads, device), [each.by_view for each in lights.values()], options.samples
+    )
     plain = plain_lights(views.job, numbers, options.threads, device) if options.plain else {}
     plain_errors = {
         samples: yardstick.mean_error({number: plain[number][samples] for number in numbers})
@@ -176,7 +157,7 @@ def judged_case(case: RandomCase, options: argparse.Namespace, device: DeviceKin
 
 def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: str, seen: Lights) -> JudgedImage:
     """Return a view with its errors, which are not yet compared with those of the plain loop."""
-    light, pair, job = seen.by_view[number], yardstick.references[number], yardstick.views.job
+    light, pair, job = seen.by_view[number], yardstick.references[number], yardstick.judged.views.job
     errors = seen.decision and seen.decision.errors
     error = yardstick.error(number, light)
     place = worst_place(light, pair, job.response, yardstick.metered)
@@ -189,6 +170,7 @@ def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: s
         method=seen.method,
         worst_block_db=decibels(max(place.mean_square, 0.01) / error.jpeg),
         measured_db=tuple(round(each, 2) for each in errors.relative_dB) if errors else (),
+        reference_samples=seen.decision and seen.decision.reference_samples,
         limit_db=round(errors.limit_dB, 2) if errors else None,
         excess_db=excess_dB(error),
         standard_error=round(error.standard_error / error.jpeg, 3),
@@ -234,18 +216,6 @@ def decision_on_card(job: RenderJob, options: argparse.Namespace, checkout: Path
         return painter.decision()
 
 
-def reference_lights(
-    job: RenderJob, numbers: list[int], options: argparse.Namespace, device: DeviceKind
-) -> Mapping[int, tuple[FloatImage, FloatImage]]:
-    """Return two images of the light of each view, with other random numbers."""
-    job = replace(job, sampling=replace(job.sampling, paths=LIGHT_PATHS["complete"], device=device))
-    settings = {"kind": "references", "samples": options.samples, "seeds": SEEDS}
-    with Painter("painter.py", job, settings, options.threads, sys.executable) as painter:
-        painter.paint(numbers)
-        pairs = {number: painter.light(number) for number in numbers}
-    return {number: (first, second) for number, (first, second) in pairs.items()}
-
-
 def decibels(ratio: float) -> float:
     return round(float(10 * np.log10(max(ratio, 1e-9))), 2)
 
@@ -278,11 +248,12 @@ def print_case(rows: list[Row]) -> None:
     blocks = ", ".join(f"{row.worst_block_db:+.1f}" for row in rows)
     noise = ", ".join(f"{row.standard_error:.2f}" for row in rows)
     one = rows[0]
+    limit = f"limit {one.limit_db}, references of {one.reference_samples}"
     measured = ", ".join(f"{each:+.1f}" for each in one.measured_db)
     plain = f"; plain loop {one.plain_samples} samples, cost ratio {one.ratio}" if one.plain_db else ""
     print(
         f"{one.case:12} {one.version} {one.floor:13} {one.method:11} measured {measured} dB,"
-        f" limit {one.limit_db}, seen {excess} dB, uncertain by {noise} of JPEG; worst squares {blocks} dB;"
+        f" {limit}, seen {excess} dB, uncertain by {noise} of JPEG; worst squares {blocks} dB;"
         f" JPEG {one.jpeg_psnr_db:.1f} dB; light {one.light:.3f}; {one.core_s:.1f} core-s after {one.set_up_s:.0f}"
         f"{plain}",
         flush=True,
@@ -310,7 +281,7 @@ def main() -> None:
     parser.add_argument("--looks", nargs="*", choices=LOOKS, default=list(LOOKS))
     parser.add_argument("--draws", type=int, default=30, help="of extreme")
     parser.add_argument("--judged", type=int, default=3, help="views of each case that are judged")
-    parser.add_argument("--samples", type=int, default=1024, help="of each reference")
+    parser.add_argument("--samples", type=int, default=1024, help="largest number, of each reference")
     parser.add_argument("--size", nargs=2, type=int, default=[320, 240], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of each process")
     parser.add_argument("--processes", type=int, default=1, help="cases that are judged at a time")

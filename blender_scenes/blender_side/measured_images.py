@@ -22,7 +22,6 @@ from sensors.camera.views import FrameView
 from symolo.core.arrays import FloatImage
 
 
-
 class _Measured:
     """An image that is measured."""
 

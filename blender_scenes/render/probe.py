@@ -152,7 +152,7 @@ class Decision:
     full: TracedSamples | None
     """One of the two is None."""
     errors: ImageErrors
-    reference_samples: int
+    reference_samples: int = FIRST_SAMPLES
     """Samples of each reference, when this candidate was measured."""
 
     def applied(self, sampling: TracingSettings) -> TracingSettings:
@@ -260,7 +260,7 @@ def _is_worth(samples: int, errors: ImageErrors, saved: int) -> bool:
 
 
 def _first_small(errors: ImageErrors, place: int) -> int:
-    """Return the first step of the ladder with a small error, if twice the samples halve the errors of the step `place`.
+    """Return the first step of the ladder with a small error, if twice the samples halve the errors at `place`.
 
     They do not do better, so no step before can do; the last one is returned if none can.
     """

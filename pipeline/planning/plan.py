@@ -24,7 +24,9 @@ RENDER_START_S = 4.0
 RENDER_FRAME_S = 0.05
 """Time [s] on one core for an image, beside that for its pixels."""
 RENDER_SAMPLE_S = 8.5e-6
-"""Time [s] on one core for a sample of a pixel."""
+"""Time [s] on one core for a sample of a pixel, with the light paths `standard`."""
+CAUSTICS_TIMES = 1.25
+"""Ratio of the time of a sample with caustics, as the light paths `complete` have them, to that of one without."""
 DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
 """Time [s] on one core to denoise a pixel, by the prefilter of the denoiser's guides."""
 BYTES_PER_PIXEL = 0.2
@@ -33,9 +35,9 @@ HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
 """Time [s] on one core for an image from hybrid rendering, and for each of its pixels; with its share of the maps."""
 _USUAL = LADDER[1]
 """Full rendering that is assumed for runs that choose, and for which hybrid rendering is no candidate."""
-PROBED_SAMPLES = 30
-"""Samples of a pixel of each image from which a run chooses method and samples: two references of 8, and candidates
-with 2 and 8, whose denoiser takes the time of two each."""
+PROBED_SAMPLES = 46
+"""Samples of a pixel of each image from which a run chooses method and samples: four references of 8, and candidates
+with 2 and 8, whose denoiser takes the time of two each. Noisy references take more."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Time [s] on one core for all annotations of a pixel."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
@@ -176,7 +178,8 @@ class ScenarioPlan:
             prefilters = {_USUAL.prefilter if each.probe else each.prefilter for each in full if each.denoise}
             times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted(DENOISE_S[name] for name in prefilters)]
             denoising = f"{' or '.join(times_us)} us per pixel to denoise, and " if times_us else "and "
-            costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us per pixel and sample, {denoising}")
+            samples_us = [f"{1e6 * cost_s:.3g}" for cost_s in sorted({_sample_s(each) for each in full})]
+            costs.append(f"{' or '.join(samples_us)} us per pixel and sample, {denoising}")
         image = f"{RENDER_FRAME_S:g} s per image on one core; {BYTES_PER_PIXEL:g} bytes per pixel{self._further()}"
         return f"; {''.join(costs)}{image}"
 
@@ -195,8 +198,13 @@ def pixel_s(sampled: TracingSettings) -> float:
     if _is_hybrid(sampled):
         return HYBRID_PIXEL_S
     if sampled.probe:
-        return _USUAL.samples * RENDER_SAMPLE_S + DENOISE_S[_USUAL.prefilter]
-    return sampled.samples * RENDER_SAMPLE_S + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
+        return _USUAL.samples * _sample_s(sampled) + DENOISE_S[_USUAL.prefilter]
+    return sampled.samples * _sample_s(sampled) + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
+
+
+def _sample_s(sampled: TracingSettings) -> float:
+    """Return the time [s] on one core for a sample of a pixel."""
+    return RENDER_SAMPLE_S * (CAUSTICS_TIMES if sampled.paths.caustics else 1.0)
 
 
 def _is_hybrid(sampled: TracingSettings) -> bool:
@@ -227,7 +235,7 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
     sampled = tracing_settings(render, spec.seed, images=images)
     image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     measured = len(probed_numbers(images)) if sampled.probe else 0
-    choice_s = measured * traced * PROBED_SAMPLES * RENDER_SAMPLE_S
+    choice_s = measured * traced * PROBED_SAMPLES * _sample_s(sampled)
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=f"{spec.key} {camera.name}".rstrip(),

@@ -77,8 +77,8 @@ def test_references_get_more_samples_until_their_noise_does_not_decide(images, s
     """With 2 samples the error is that of JPEG, 8, with a lower limit of 8 - 1.645 * 6 * 8 / n for references of n.
 
     It leaves that open for n = 8, 16 and 32 (5.5, and a small error is below 5.6), but not for 64 (6.8). With 4 samples
-    the upper limit is 4 + 1.645 * 6 * 8 / n: 8.9 for n = 16, and 6.5 for n = 32, where only 4 - 2 samples for each image
-    are left to be saved. A short run does not trace 64 * 16 samples for that.
+    the upper limit is 4 + 1.645 * 6 * 8 / n: 8.9 for n = 16, and 6.5 for n = 32, where only 4 - 2 samples for each
+    image are left to be saved. A short run does not trace 64 * 16 samples for that.
     """
     decision = _decided_in_noise(images, 8.0, 6.0)
     assert (decision.full, decision.reference_samples) == (TracedSamples(4), samples)
