@@ -63,8 +63,9 @@ class Probe:
         self._samples = 0
 
     def measure(self, candidate: Candidate, samples: int) -> ImageErrors:
-        """Return the errors of a candidate, from references with so many samples each, or with more if they have more.
+        """Return the errors of a candidate, whose images are rendered as they would be for the run.
 
+        The references have so many samples each, or more if an earlier call asked for more.
         Hybrid rendering is refused at the first image that is too bad, because it needs other maps in other places.
         """
         self.refine(samples)
@@ -90,7 +91,6 @@ class Probe:
     def _errors_in(self, measured: _Measured) -> ImageError:
         view, response = measured.view, self._job.response
         if measured.light is None:
-            # Renders the image as it would be rendered for the run.
             measured.light = self.tracer.pinhole_light(view)
             self._on_step()
         return image_error(measured.light, measured.references, response, self._metered, view.number)
