@@ -45,7 +45,9 @@ class StageStatus:
     text: str
     """Text about what is done or what failed."""
     again: str = ""
-    """Reason why the next command does this stage; empty where it is done."""
+    """Reason why the next command does this stage; empty where it is done or fails again."""
+    has_failed: bool = False
+    """Whether it ended with a problem."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ class RunStatus:
 
     @property
     def done(self) -> bool:
-        return not any(stage.again for stage in self.stages)
+        return not any(stage.again or stage.has_failed for stage in self.stages)
 
 
 @dataclass(frozen=True)
@@ -219,7 +221,7 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     if done.key == simulation_key(current):
         outcome = _outcome(workspace, run)
         if outcome is not None and outcome.problems:
-            return StageStatus("simulate", f"failed: {one_line('; '.join(outcome.problems))}")
+            return StageStatus("simulate", f"failed: {one_line('; '.join(outcome.problems))}", has_failed=True)
         return StageStatus("simulate", "done")
     changed = changes(stored, current, simulation=True)
     return StageStatus(
@@ -237,7 +239,8 @@ def _framed(folder: StageFolder, stage: str, total: str, *, check: bool) -> Stag
             return StageStatus(stage, "damaged", "files of it are damaged or missing")
         return StageStatus(stage, f"done, {_images(total)}")
     if (folder.path / FAILED).exists():
-        return StageStatus(stage, f"failed: {one_line(folder.problem()) or 'for an unknown reason'}")
+        why = one_line(folder.problem()) or "for an unknown reason"
+        return StageStatus(stage, f"failed: {why}", has_failed=True)
     if not files.is_dir():
         return StageStatus(stage, "not begun", "it was never begun")
     there = _frames(files)

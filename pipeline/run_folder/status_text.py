@@ -13,7 +13,9 @@ def status_lines(status: FolderStatus, *, check: bool) -> Iterator[str]:
     """Yield the status as lines of text; `check` as for `status`."""
     runs = status.runs
     yield _worker(status.worker)
-    yield f"runs: {sum(run.done for run in runs)} of {len(runs)} released and up to date"
+    failed = sum(any(stage.has_failed for stage in run.stages) for run in runs)
+    done = f"{sum(run.done for run in runs)} of {len(runs)} released and up to date"
+    yield f"runs: {done}" + (f"; {failed} failed" if failed else "")
     for run in runs:
         if not run.done or check or len(runs) <= MAX_DONE_RUNS:
             yield f"{run.run}: " + "; ".join(f"{stage.stage} {stage.text}" for stage in run.stages)

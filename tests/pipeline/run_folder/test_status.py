@@ -88,7 +88,9 @@ def test_damage_and_failures_are_reported(out, symolo):
     outcome = out / ".stages/simulate/CCW/test_1/outcome.json"
     content = json.loads(outcome.read_text())
     outcome.write_text(json.dumps({**content, "problems": ["touched sill at 0.55 s"]}))
-    assert "CCW/test_1: simulate failed: touched sill at 0.55 s" in symolo("status", out).out
+    printed = symolo("status", out).out
+    assert "CCW/test_1: simulate failed: touched sill at 0.55 s" in printed
+    assert "runs: 1 of 2 released and up to date; 1 failed\n" in printed
 
 
 @pytest.mark.parametrize("name", ["CW/test_1/data.csv", "manifest-sha256.txt"])
