@@ -62,11 +62,14 @@ def read_mapping(path: Path, kinds: Sequence[LogKind]) -> LogMapping:
     root, names, faults = read_yaml(path).root, [kind.name for kind in kinds], FaultList()
     mapping = None
     try:
-        mapping = LogMapping.model_validate(root.plain())
+        content = root.plain()
+        mapping = LogMapping.model_validate({"kind": "", **content} if isinstance(content, dict) else content)
     except ValidationError as error:
         faults.faults += all_explained(error, root, Shape.of(LogMapping))
     node = root.child("kind")
-    if node is not None and isinstance(node.value, str) and node.value not in names:
+    if node is None:
+        faults.faults.append(InputError("kind: missing", where=root.where, allowed=", ".join(names)))
+    elif isinstance(node.value, str) and node.value not in names:
         hint = nearest(node.value, names)
         faults.faults.append(
             InputError("kind", where=node.where, got=node.value, allowed=", ".join(names), nearest=hint)
@@ -143,7 +146,7 @@ def _check_needed(kind: LogKind, names: Mapping[str, object], where: str) -> Non
             where=where,
             got=sorted(names),
             allowed="; or ".join(" ".join(sorted(needed)) for needed in kind.needed),
-            cure=f"name the column of each in {MAPPING}",
+            cure=f"name the column of each in {MAPPING}; a column that it does not name is not read",
         )
 
 

@@ -112,13 +112,19 @@ def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array],
             continue
         source = mapping.columns[name]
         factor = likely_unit(typical, scale.reach, scale.unit) or "check its unit"
+        cure = f"{factor}; correct its unit in {MAPPING} and give that with {kind.mapping_option}"
+        if DUTY & set(taken_apart(source.column).words):
+            cure = (
+                f"if it is a duty cycle, add the volts of a value of 1 in {MAPPING}, such as factor: 0.029 for 7.4 V "
+                f"at 255, and give that with {kind.mapping_option}"
+            )
         faults.append(
             InputError(
                 f"column {source.column or source.constant}: as {source.unit or scale.unit} it gives {name} around "
                 f"{typical:.4g} {scale.unit}",
                 where=str(log.path),
                 allowed=scale.reach.words(scale.unit),
-                cure=f"{factor}; correct its unit in {MAPPING} and give that with {kind.mapping_option}",
+                cure=cure,
             )
         )
     return faults

@@ -6,6 +6,7 @@ factor of a thousand. A single extreme value is an outlier and stays; a column w
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
@@ -60,3 +61,21 @@ def mixed_up_unit(ratio: float, unit: str) -> str:
     """Return the unit whose factor is within 30 % of this ratio, with advice; an empty string if there is none."""
     fits = [f"{name}: divide by {per:.4g}" for name, per in OTHER_UNITS.get(unit, ()) if 0.7 < ratio / per < 1.3]
     return fits[0] if fits else ""
+
+
+def confused_units(ratio: float, unit: str) -> str:
+    """Return the two units whose factor is within 30 % of this ratio, with advice; an empty string if there are none.
+
+    Args:
+        ratio: Values that were taken for those of a stated unit, by what they should be.
+        unit: Our unit, in which both are.
+    """
+    if plain := mixed_up_unit(ratio, unit):
+        return plain
+    units = ((unit, 1.0), *OTHER_UNITS.get(unit, ()))
+    for (actual, per), (stated, stated_per) in permutations(units, 2):
+        factor = per / stated_per
+        if 0.7 < ratio / factor < 1.3:
+            cure = f"divide by {factor:.4g}" if factor > 1.0 else f"multiply by {1.0 / factor:.4g}"
+            return f"{actual} and was taken for {stated}: {cure}"
+    return ""

@@ -29,7 +29,8 @@ def _read_measurement(path: Path, importers: Sequence[Importer], name: str | Non
         raise InputError("--importer", got=name, allowed=", ".join(names), nearest=nearest(name, names))
     if not path.exists() and path.as_posix() not in TABLES:
         close = nearest(path.as_posix(), TABLES)
-        raise InputError("no such file or folder", where=str(path), nearest=close, cure="name a case, a log or a table")
+        cure = "name a case, a log or a table; `symolo case example motor_step --out steps` makes a case to try"
+        raise InputError("no such file or folder", where=str(path), nearest=close, cure=cure)
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise InputError("is neither file nor folder", where=str(path), cure="name a case, a log or a table")
     if path.is_file() and not path.stat().st_size:

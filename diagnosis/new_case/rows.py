@@ -235,11 +235,11 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
     step_s = usual(steps)
     wanted_s = ROW_S if kind is CaseKind.DRIVE_LOG else step_s
     if kind is CaseKind.DRIVE_LOG and step_s > SLOWEST_S:
+        cure = "log at 10 Hz or faster; slower rows say too little about turns and starts"
+        if 1e-3 * step_s <= SLOWEST_S and step_s >= 1.0:
+            cure = f"if the times are in ms, write unit: ms for t_s in {MAPPING}; otherwise, {cure}"
         raise InputError(
-            f"rows are {step_s:.4g} s apart",
-            where=str(log.path),
-            allowed=f"at most {SLOWEST_S:g} s",
-            cure="log at 10 Hz or faster; slower rows say too little about turns and starts",
+            f"rows are {step_s:.4g} s apart", where=str(log.path), allowed=f"at most {SLOWEST_S:g} s", cure=cure
         )
     off = np.quantile(np.abs(steps - wanted_s), 0.9)
     first_s = 0.0 if kind is CaseKind.DRIVE_LOG else wanted_s

@@ -16,7 +16,7 @@ from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.selection.refusal import needed
-from diagnosis.inference.unexplained.adequacy import LEVEL, Structure
+from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Structure
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.wander import Wander
 from diagnosis.measured.measurement import CaseKind
@@ -224,6 +224,7 @@ def unexplained_sentence(structure: Structure) -> str:
     words, _ = quantity_words(structure.covariate)
     shape, _, sign = structure.what.partition(", ")
     shape = {
+        CLUSTER: f"outliers at neighbouring values of {words}",
         "trend": f"a smooth curve over {words}",
         "category": f"another mean for each {words}",
         "turn": f"an oscillation with {words}",

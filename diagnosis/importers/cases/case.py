@@ -17,7 +17,7 @@ from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
 from logs.recognition import is_file
-from logs.scale import mixed_up_unit
+from logs.scale import confused_units
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.table import CsvTable
@@ -108,7 +108,7 @@ def _nominal(file: Path, kind: CaseKind, model: type[Parameters]) -> Parameters:
 
 def scale_note(ratio: float, name: str, unit: str, reference: str) -> list[str]:
     """Return a note if the ratio of a channel to a reference value is that of two units; else an empty list."""
-    other = mixed_up_unit(ratio, unit) if np.isfinite(ratio) and ratio > 0.0 else ""
+    other = confused_units(ratio, unit) if np.isfinite(ratio) and ratio > 0.0 else ""
     if not other:
         return []
     return [f"CHECK THE UNIT of {name}: it is about {ratio:.3g} times {reference}, as if it were in {other}"]

@@ -26,7 +26,8 @@ def motor_noise(nominal: NominalSteady | NominalStep, table: CsvTable, name: str
 def motor_scale_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) -> list[str]:
     """Return a note for each channel that looks as if it were in another unit.
 
-    The typical speed is compared with the no-load speed u / K, and the typical current with the stall current u / R.
+    The speed is compared with the no-load speed u / K, by a ratio that three of four rows do not exceed, since a motor
+    that has just been switched on is slower. The typical current is compared with the stall current u / R.
     """
     motor = nominal.motor
     resistance, constant = motor.winding_resistance_ohm.value, motor.torque_constant_N_m_A.value
@@ -36,8 +37,8 @@ def motor_scale_notes(nominal: NominalSteady | NominalStep, measurement: Measure
     )
     driven = u > CLEAR_OF_STALL * resistance * motor.coulomb_friction_N_m.value / constant
     speed_ratio, current_ratio = (
-        _median_ratio(speed * constant, u, driven),
-        _median_ratio(current * resistance, u, driven),
+        _ratio(speed * constant, u, driven, 0.75),
+        _ratio(current * resistance, u, driven, 0.5),
     )
     return [
         *scale_note(speed_ratio, "omega_rad_s", "rad/s", "the no-load speed at its voltage"),
@@ -45,8 +46,8 @@ def motor_scale_notes(nominal: NominalSteady | NominalStep, measurement: Measure
     ]
 
 
-def _median_ratio(values: Array, reference: Array, rows: NDArray[np.bool_]) -> float:
-    """Return the median ratio of the chosen rows that have both values; NaN if there are none."""
+def _ratio(values: Array, reference: Array, rows: NDArray[np.bool_], quantile: float) -> float:
+    """Return a quantile of the ratios in the chosen rows that have both values; NaN if there are none."""
     ratios = values[rows] / reference[rows]
     known = ratios[np.isfinite(ratios)]
-    return float(np.median(known)) if len(known) else float("nan")
+    return float(np.quantile(known, quantile)) if len(known) else float("nan")

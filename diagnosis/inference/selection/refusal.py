@@ -76,7 +76,7 @@ def refusal(
     """
     drop, min_drop = before.cost - after.cost, needed(effect, threshold)
     if drop < min_drop:
-        return f"the cost falls by {drop:.1f}, and {min_drop:.0f} are needed"
+        return f"the cost falls by {max(drop, 0.0):.1f}, and {min_drop:.0f} are needed"
     if is_negligible(after, effect):
         return "the effect is smaller than the integration steps of a simulation resolve"
     if is_at_bound(after, effect):

@@ -438,3 +438,26 @@ def test_sections_of_a_drive_may_be_left_out_and_what_is_not_compared_is_noted(c
         "nominal.yaml has no section motor: speeds are not compared with voltages",
         "nominal.yaml has no section world: ranges are not compared",
     )
+
+
+def test_millimetres_that_were_taken_for_centimetres_are_recognised_by_what_the_wheels_did(case, text):
+    """Straight on: both wheels count alike, and the pose travels ten times as far as they roll."""
+    per_tick_m = 2 * np.pi * 0.03 / 1920
+    rows = [
+        f"1,fit,{n / 400:.2f},{n / 400:.2f},,,,,{n},{n},,,,{10 * n * per_tick_m:.5f},0.8,0.0" for n in range(0, 800, 20)
+    ]
+    data = "\n".join([text("drive_log").splitlines()[0], *rows]) + "\n"
+    notes = read(case("drive_log", data=data)).notes
+    assert any(
+        re.search("CHECK THE UNIT of x_m and y_m.*10 times.*mm and was taken for cm: divide by 10", n) for n in notes
+    )
+
+
+def test_a_step_log_in_degrees_per_second_is_recognised_although_the_motor_runs_up(case):
+    """Half of each step passes before the motor is fast: a first-order lag of 0.5 s at K = 0.3."""
+    times = 0.005 * np.arange(1, 201)
+    speeds = np.degrees(4.0 / 0.3 * (1.0 - np.exp(-times / 0.5)))
+    rows = [f"1,fit,{t:.3f},{t:.3f},4.0,0.08,{speed:.3f}" for t, speed in zip(times, speeds, strict=True)]
+    data = "\n".join(["trial,split,session_time_s,t_s,u_cmd_V,current_A,omega_rad_s", *rows]) + "\n"
+    (note,) = read(case("motor_step", data=data)).notes
+    assert re.search("CHECK THE UNIT of omega_rad_s.*degrees per second: divide by 57.3", note)

@@ -183,6 +183,25 @@ def test_a_log_that_is_too_slow_is_refused_with_the_reason(log):
         measured(log(drive(np.round(0.2 * np.arange(50), 6))))
 
 
+def test_times_that_are_probably_in_milliseconds_are_named_with_their_unit(log):
+    sources = {"t_s": "t", "enc_left_ticks": "encL", "enc_right_ticks": "encR", "x_m": "x", "y_m": "y"}
+    columns = {name: {"column": column} for name, column in {**sources, "theta_rad": "theta"}.items()}
+    mapping = LogMapping.model_validate({"kind": "drive_log", "columns": columns})
+    with pytest.raises(InputError, match=r"rows are 20 s apart.*if the times are in ms, write unit: ms for t_s in"):
+        measurement_of(log(drive(20.0 * np.arange(50))), mapping, "run")
+
+
+def test_a_duty_cycle_that_a_mapping_takes_for_volts_is_named_with_its_factor(log):
+    steps = np.arange(60)
+    columns = {"t_s": "t", "u_left_V": "PWM L", "u_right_V": "PWM R", "enc_left_ticks": "a", "enc_right_ticks": "b"}
+    mapping = LogMapping.model_validate(
+        {"kind": "drive_log", "columns": {n: {"column": c} for n, c in columns.items()}}
+    )
+    counted = log(table("t,PWM L,PWM R,a,b", 0.05 * steps, 120 + 0 * steps, 150 + 0 * steps, 10 * steps, 12 * steps))
+    with pytest.raises(InputError, match=r"column PWM L: as V it gives.*if it is a duty cycle, add .* factor: 0.029"):
+        measurement_of(counted, mapping, "run")
+
+
 def test_values_that_were_measured_later_than_their_row_are_moved_back(log):
     t = np.round(0.05 * np.arange(100), 6)
     sources = {"t_s": "t", "enc_left_ticks": "encL", "enc_right_ticks": "encR", "x_m": "x", "y_m": "y"}
@@ -397,6 +416,9 @@ def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
         r"too few columns for a log of the kind drive_log",
     ):
         assert re.search(pattern, text), text
+    path.write_text("columns: {t_s: {column: t}}\n")
+    with pytest.raises(InputError, match=r"kind: missing; allowed: drive_log, tof_bench, motor_step, motor_steady"):
+        read_mapping(path, list(KINDS.values()))
     path.write_text("kind: drive\ncolumns: {t_s: {colum: t}}\n")
     with pytest.raises(InputError, match=r"2 faults:[\s\S]*mapping.yaml:2: columns.t_s.colum: unknown key"):
         read_mapping(path, list(KINDS.values()))
