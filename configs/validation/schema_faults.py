@@ -109,6 +109,8 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
         close = "rates.camera_hz"
     elif above == ("robot", "effects"):
         cure = "an effect of your own needs its file: robot.effect_files, or symolo --effect-file FILE ..."
+    elif not close and len(missing) == 1 and missing == known:
+        close = missing[0]
     elif not close:
         close = next((dotted(place) for place in shape.paths() if place[-1] == key), "")
     return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)

@@ -56,6 +56,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         as_good=AS_GOOD,
         file=FILE,
         posterior_file=POSTERIOR_FILE,
+        drawn_supply=_drawn_supply(data),
         predictive_sentence=predictive_sentence(data.predictive),
         too_large=too_large,
         dataset_comparison=dataset_comparison,
@@ -63,6 +64,14 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         quantities=quantities,
         verdict=verdict,
     )
+
+
+def _drawn_supply(data: ReportData) -> str:
+    """Return the option that leaves the battery, which the shipped scenarios draw, to the posterior; or no text."""
+    supply_V = data.diagnosis.carrier.power.battery_voltage_V
+    if data.robot.config.power.battery_voltage_V == supply_V:
+        return ""
+    return f" --set robot.power.battery_voltage_V={supply_V:g}"
 
 
 def _parameter_rows(named: NamedEffect, data: ReportData) -> Iterator[tuple[str, ...]]:

@@ -103,6 +103,9 @@ def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequ
     yield from _entry("  without it", without_effect(ablation))
     for name, excitation in to_measure(named):
         yield from _entry(f"  {name} shows in", excitation)
+    if named.comparison.ambiguous_with:
+        command = "symolo next DIR --out next, where DIR is the folder of this diagnosis"
+        yield from _entry("  next trial", f"designed by: {command}")
 
 
 def _entry(label: str, text: str) -> list[str]:

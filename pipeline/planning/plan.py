@@ -9,7 +9,7 @@ from configs.posterior.schema import LoadedPosterior
 from configs.schema.scenario import RunSpec
 from pipeline.planning.demands import demand_lines, source_line
 from pipeline.stages.cameras import RunCamera, cameras_of
-from pipeline.stages.suspicious_run import start_warnings
+from pipeline.stages.suspicious_run import plan_warnings
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import seconds
@@ -94,7 +94,7 @@ class ScenarioPlan:
     demands: tuple[str, ...] = ()
     """Lines about demands of the scenario that leave what this diagnosis measured."""
     warnings: tuple[str, ...] = ()
-    """What is suspicious about the starts, each with the name of its run."""
+    """What is suspicious about starts, lines and walls, each with the name of its run."""
 
     @classmethod
     def of(cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None) -> "ScenarioPlan":
@@ -102,7 +102,7 @@ class ScenarioPlan:
         planned = [(camera.name, _planned(spec, camera)) for spec, camera in cameras]
         runs = tuple(run for name, run in planned if not name)
         further = tuple(replace(run, rows=0) for name, run in planned if name)
-        warnings = tuple(f"{spec.key}: {text}" for spec in specs for text in start_warnings(spec))
+        warnings = tuple(f"{spec.key}: {text}" for spec in specs for text in plan_warnings(spec))
         return cls(runs, further, cores, source_line(like), demand_lines(like, specs), warnings)
 
     @property

@@ -6,6 +6,7 @@ from math import cos, degrees, pi, radians, sin
 import numpy as np
 
 from configs.schema.scenario import RunSpec
+from symolo.arena.footprints import wall_footprint
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
@@ -26,6 +27,35 @@ def start_warnings(spec: RunSpec) -> tuple[str, ...]:
     """Return what is suspicious about the start of a run, before it is simulated."""
     is_small = 0.0 < abs(spec.start.yaw_deg) <= 2.0 * pi
     return tuple(_in_radians(spec, Arena.from_config(spec.arena).line)) if is_small else ()
+
+
+def plan_warnings(spec: RunSpec) -> tuple[str, ...]:
+    """Return what is suspicious about a run of the built-in controller in its arena, before anything is simulated."""
+    line = Arena.from_config(spec.arena).line
+    if not line.pieces or spec.board is not None or spec.controller is not None:
+        return start_warnings(spec)
+    return (*start_warnings(spec), *_starts_beside(spec, line), *_through_walls(spec, line))
+
+
+def _starts_beside(spec: RunSpec, line: Line) -> Iterator[str]:
+    away_m = float(_nearest(line, spec)[0])
+    if away_m > BESIDE_M:
+        yield f"the run starts {away_m:.2f} m away from the line, which its line sensor does not see there"
+
+
+def _through_walls(spec: RunSpec, line: Line) -> Iterator[str]:
+    points = np.concatenate([piece.at(_along(piece.length_m)) for piece in line.pieces])
+    for wall in spec.arena.walls:
+        body = wall_footprint(wall)
+        turn = np.array([[cos(body.yaw_rad), -sin(body.yaw_rad)], [sin(body.yaw_rad), cos(body.yaw_rad)]])
+        inside = np.all(np.abs((points - body.center) @ turn) < 0.5 * np.array(body.size), axis=1)
+        if inside.any():
+            x, y = points[int(np.argmax(inside))]
+            yield (
+                f"the line leads through wall {wall.name} at x = {x:.2f}, y = {y:.2f} m, where the robot cannot follow "
+                "it: move one of them, or leave out the wall (an arena that extends another keeps its walls, until it "
+                "lists `walls` itself)"
+            )
 
 
 def run_warnings(spec: RunSpec, recording: Recording) -> tuple[str, ...]:
@@ -71,7 +101,7 @@ def _nearest(line: Line, spec: RunSpec) -> tuple[float, Array]:
     distances: list[float] = []
     directions: list[Array] = []
     for piece in line.pieces:
-        points = piece.at(np.linspace(0.0, piece.length_m, 2 + int(piece.length_m / SPACING_M)))
+        points = piece.at(_along(piece.length_m))
         away = np.hypot(*(points - start).T)
         nearest = int(np.argmin(away))
         step = points[max(nearest, 1)] - points[max(nearest, 1) - 1]
@@ -79,6 +109,11 @@ def _nearest(line: Line, spec: RunSpec) -> tuple[float, Array]:
         directions.append(step / np.hypot(*step))
     best = int(np.argmin(distances))
     return distances[best], directions[best]
+
+
+def _along(length_m: float) -> Array:
+    """Return places [m] along a piece of line, with both of its ends."""
+    return np.linspace(0.0, length_m, 2 + int(length_m / SPACING_M))
 
 
 def _angle(along: Array, yaw_rad: float) -> float:

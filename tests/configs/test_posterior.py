@@ -149,7 +149,10 @@ def test_a_file_that_does_not_fit_is_refused_with_its_place(before, after, messa
             "robot.effects.torque_constant_scale.scale=1.1",
             "robot.effects.torque_constant_scale.scale: the scenario sets",
         ),
-        ("robot.power.motor_voltage_limit_V=7", "write 6.0, and its value comes from posterior.yaml"),
+        (
+            "robot.power.motor_voltage_limit_V=7",
+            "write 6.0, and its value comes from posterior.yaml (here: --set robot.power.motor_voltage_limit_V=6.0)",
+        ),
     ],
 )
 def test_a_number_that_the_scenario_chooses_itself_is_an_error_with_its_key(override, message):

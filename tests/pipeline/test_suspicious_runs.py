@@ -1,6 +1,7 @@
 """Warnings of runs that are probably not what their scenario was meant to make."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +9,9 @@ import pytest
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
+from configs.references import shipped_names
 from pipeline.stages.simulate import simulate
-from pipeline.stages.suspicious_run import run_warnings
+from pipeline.stages.suspicious_run import plan_warnings, run_warnings
 
 
 def spec_of(x_m=0.55, yaw_deg=-90.0):
@@ -43,6 +45,32 @@ def test_a_start_beside_the_line_is_named_with_its_distance():
     """The line is at x = 0.55 m."""
     (warning,) = warnings_of(x_m=0.2)
     assert "the run starts 0.35 m away from the line" in warning
+
+
+def test_a_plan_names_a_start_far_from_the_line():
+    """The line is at x = 0.55 m."""
+    (warning,) = plan_warnings(spec_of(x_m=0.2))
+    assert warning.startswith("the run starts 0.35 m away from the line")
+
+
+def test_a_plan_names_a_wall_across_the_line():
+    """Wall B of the arena that is extended leads from (-0.52, -0.72) to (-0.49, 0.30), over the lower left corner."""
+    course = "arena.line.course={points: [[-0.7, -0.6], [0.7, -0.6], [0.7, 0.6], [-0.7, 0.6]], bend_radius_m: 0.3}"
+    route = "routes=[{name: CW, start: {x_m: 0.0, y_m: -0.6, yaw_deg: 0}, runs: 1}]"
+    (spec,) = draw_all(load_scenario("symolo", [course, route]))
+    (warning,) = plan_warnings(spec)
+    named = re.match(r"the line leads through wall B at x = (-0\.\d\d), y = (-0\.\d\d) m", warning)
+    assert named is not None
+    x, y = map(float, named.groups())
+    assert x == pytest.approx(-0.51, abs=0.02)
+    assert np.hypot(x + 0.4, y + 0.3) == pytest.approx(0.3, abs=0.01), "on the bend of 0.3 m around (-0.4, -0.3)"
+    (free,) = draw_all(load_scenario("symolo", [course, route, "arena.walls=[]"]))
+    assert plan_warnings(free) == ()
+
+
+@pytest.mark.parametrize("name", shipped_names("scenario"))
+def test_plans_of_the_shipped_scenarios_have_no_warning(name):
+    assert [text for spec in draw_all(load_scenario(name)) for text in plan_warnings(spec)] == []
 
 
 def test_a_robot_that_stands_still_is_named():

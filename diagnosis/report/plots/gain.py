@@ -35,15 +35,22 @@ def gain_plot(data: ReportData) -> bytes:
     axes.set_xscale("log")
     all_errors = np.concatenate([errors for *_, errors in points])
     axes.set_xlim(0.7 * min(float(all_errors.min()), noise_alone()), 1.4 * max(float(all_errors.max()), 1.0))
-    ticks = [tick for power in range(-3, 6) for tick in (10.0**power, 2.0 * 10.0**power, 5.0 * 10.0**power)]
-    low, high = axes.get_xlim()
-    axes.set_xticks([tick for tick in ticks if low <= tick <= high])
+    axes.set_xticks(round_ticks(*axes.get_xlim()))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_yticks(places.tolist(), [quantity.name for quantity in by_quantity], fontsize="small")
     axes.set_ylim(len(by_quantity) - 0.5, -0.5)
     finished(axes, "Error on the held-out rows", "error [σ]", "", beside=True)
     return png(figure)
+
+
+def round_ticks(low: float, high: float) -> list[float]:
+    """Return round numbers between two limits: 1, 2 and 5 of each decade, or every tenth where the axis is short."""
+    ticks = [tick * 10.0**power for power in range(-3, 6) for tick in (1.0, 2.0, 5.0)]
+    inside = [tick for tick in ticks if low <= tick <= high]
+    if len(inside) > 1:
+        return inside
+    return [tick / 10.0 for tick in range(1, 100) if low <= tick / 10.0 <= high]
 
 
 def noise_alone() -> float:

@@ -6,6 +6,9 @@ from diagnosis.discovery.law import DiscoveredLaw, Discovery
 from diagnosis.discovery.search import SIGN_DRAWS
 from diagnosis.report.sentences.quantities import along, cost, gain_text, with_error
 
+_CLEAR_FALL = 10.0
+"""Fall of the cost of held-out rows, which outliers hardly change, from which these rows show a law."""
+
 
 def sentences(discovery: Discovery | None) -> Iterator[str]:
     """Yield the sentences about a search; none if there was none."""
@@ -97,7 +100,9 @@ def _evidence(law: DiscoveredLaw) -> str:
             f"{gain_text(law.gain)}"
         )
         if law.gain.low <= 0.0:
-            text += ", so that the held-out rows alone do not show it"
+            is_clear = law.heldout_fall is not None and law.heldout_fall >= _CLEAR_FALL
+            weak = "an error in which outliers count fully and hide it"
+            text += f", {weak if is_clear else 'so that the held-out rows alone do not show it'}"
     as_good = round(law.chance * (SIGN_DRAWS + 1)) - 1
     return (
         f"{text}. It is the best of {law.forms_tried} forms; with random signs of the residuals, some form does as "

@@ -56,6 +56,8 @@ class RenderingRecord(Record):
         """Phrase for people."""
         samples = "" if self.samples is None else f", {self.samples} samples per pixel"
         parts = [f"{self.method}{samples}", self.light_paths.text]
-        if self.error is not None:
+        if self.error is None:
+            parts.append("error not measured")
+        else:
             parts.append(f"estimated PSNR {self.error.psnr_db:.1f} dB (JPEG: {self.error.jpeg_psnr_db:.1f} dB)")
         return "; ".join(parts)

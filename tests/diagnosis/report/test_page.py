@@ -14,6 +14,8 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.profile import Interval
 from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
 from diagnosis.report.page import _parameter_rows, page
+from diagnosis.report.plots.gain import round_ticks
+from diagnosis.report.summary import summary
 from sensors.effects.tof_range_offset import TofRangeOffset
 
 BENCHES = ("weak", "plain", "bumped")
@@ -87,6 +89,36 @@ def test_markup_in_the_data_is_text(findings_of, files_of):
     html = page(replace(data, diagnosis=replace(data.diagnosis, measurement=hostile)), images)
     assert {element.tag for element in ET.fromstring(html).iter()}.isdisjoint({"b", "script"})  # noqa: S314 - our own page
     assert text_of(html).count("alert(1)") >= 4
+
+
+def test_effects_that_are_not_distinguished_lead_to_the_design_of_the_next_trial(findings_of, files_of):
+    data = findings_of("weak")
+    (named,) = data.diagnosis.named
+    rival = replace(named.comparison.rivals[0], worse=0.0)
+    alike = replace(named, comparison=replace(named.comparison, rivals=(rival,)))
+    images = {name[6:-4]: data for name, data in files_of("weak").items() if name.startswith("plots/")}
+    undecided = replace(data, diagnosis=replace(data.diagnosis, named=(alike,)))
+    assert "symolo next DIR --out next" in text_of(page(undecided, images))
+    assert "symolo next DIR --out next" in "\n".join(summary(undecided))
+    assert "symolo next" not in files_of("weak")[PAGE].decode() + files_of("weak")[SUMMARY].decode()
+
+
+def test_the_command_for_drawn_robots_leaves_another_supply_to_the_posterior(findings_of, files_of):
+    """The shipped scenarios draw the voltage of the battery, whose place --like takes only at the carrier's value."""
+    data = findings_of("weak")
+    images = {name[6:-4]: data for name, data in files_of("weak").items() if name.startswith("plots/")}
+    for supply_V, option in ((7.4, ""), (11.1, " --set robot.power.battery_voltage_V=7.4")):
+        config = data.robot.config.with_section("power", {"battery_voltage_V": supply_V})
+        html = text_of(page(replace(data, robot=replace(data.robot, config=config)), images))
+        assert f"--like posterior.yaml{option} --out simulated" in html
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ticks"),
+    [(0.64, 5.9, [1.0, 2.0, 5.0]), (0.64, 1.45, [0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4])],
+)
+def test_a_short_axis_of_errors_has_several_ticks(low, high, ticks):
+    assert round_ticks(low, high) == pytest.approx(ticks)
 
 
 def test_the_answer_is_that_of_the_format(files_of):
