@@ -14,6 +14,7 @@ from pipeline.work.supervisor import UnitFailure
 from pipeline.work.units import SimulateUnit
 from symolo.core.progress import LineReport
 from symolo.dataset.documents.metadata import FailedRun, Metadata, RunRecord, describe, made_with
+from symolo.dataset.documents.rendering_record import ImageErrorRecord, LightPathsRecord, RenderingRecord
 from symolo.dataset.tables.rows import Rows
 from symolo.verification.run_checks import check_run
 
@@ -122,3 +123,13 @@ def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(capsys, tmp_path
     (failed,) = simulate_runs.failed_runs("simulate", [UnitFailure(unit, text)], LineReport())
     assert failed.problem == "cannot open x.urdf"
     assert text in capsys.readouterr().err
+
+
+def test_a_rendering_states_whether_its_error_was_measured():
+    paths = LightPathsRecord(
+        diffuse_bounces=32, glossy_bounces=32, transmission_bounces=32, caustics=False, clamp=256.0
+    )
+    rendering = RenderingRecord(method="full", samples=8, light_paths=paths)
+    assert rendering.text.endswith("; error not measured")
+    error = ImageErrorRecord(views=4, psnr_db=42.9, jpeg_psnr_db=39.6)
+    assert rendering.model_copy(update={"error": error}).text.endswith("; estimated PSNR 42.9 dB (JPEG: 39.6 dB)")
