@@ -11,6 +11,9 @@ from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
 from symolo.core.time_series import TimeSeries
 
+CHECK_UNIT = "CHECK THE UNIT"
+"""Words in each note about a column that is probably in another unit."""
+
 
 class CaseKind(TextEnum):
     """Kinds of measurement, each of which has its own prediction."""
@@ -120,6 +123,11 @@ class Measurement:
     @property
     def rows(self) -> int:
         return sum(len(trial.t_s) for trial in self.trials)
+
+    @property
+    def unit_warnings(self) -> tuple[str, ...]:
+        """Return the notes about columns that are probably in another unit."""
+        return tuple(note for note in self.notes if CHECK_UNIT in note)
 
     @property
     def heldout_rows(self) -> int:

@@ -14,7 +14,7 @@ from diagnosis.importers.cases.held_voltages import with_held
 from diagnosis.importers.cases.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAGES, channel_columns
 from diagnosis.measured.csv_table import read_csv
-from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
+from diagnosis.measured.measurement import CHECK_UNIT, CaseKind, Measurement, MeasurementSource
 from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
 from logs.recognition import is_file
 from logs.scale import confused_units
@@ -111,4 +111,4 @@ def scale_note(ratio: float, name: str, unit: str, reference: str) -> list[str]:
     other = confused_units(ratio, unit) if np.isfinite(ratio) and ratio > 0.0 else ""
     if not other:
         return []
-    return [f"CHECK THE UNIT of {name}: it is about {ratio:.3g} times {reference}, as if it were in {other}"]
+    return [f"{CHECK_UNIT} of {name}: it is about {ratio:.3g} times {reference}, as if it were in {other}"]

@@ -101,8 +101,8 @@ def _evidence(law: DiscoveredLaw) -> str:
         )
         if law.gain.low <= 0.0:
             is_clear = law.heldout_fall is not None and law.heldout_fall >= _CLEAR_FALL
-            weak = "an error in which outliers count fully and hide it"
-            text += f", {weak if is_clear else 'so that the held-out rows alone do not show it'}"
+            hidden = "but outliers count in this error and hide it"
+            text += f", {hidden if is_clear else 'so that the held-out rows alone do not show it'}"
     as_good = round(law.chance * (SIGN_DRAWS + 1)) - 1
     return (
         f"{text}. It is the best of {law.forms_tried} forms; with random signs of the residuals, some form does as "

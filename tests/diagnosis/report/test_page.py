@@ -121,6 +121,18 @@ def test_a_short_axis_of_errors_has_several_ticks(low, high, ticks):
     assert round_ticks(low, high) == pytest.approx(ticks)
 
 
+def test_a_unit_that_is_probably_wrong_comes_before_all_results(findings_of, files_of):
+    data = findings_of("plain")
+    note = "CHECK THE UNIT of omega_rad_s: it is about 57.3 times the no-load speed at its voltage"
+    suspected = replace(data.diagnosis.measurement, notes=("not logged: t_s", note))
+    doubtful = replace(data, diagnosis=replace(data.diagnosis, measurement=suspected))
+    images = {name[6:-4]: data for name, data in files_of("plain").items() if name.startswith("plots/")}
+    for text in (" ".join(summary(doubtful)), text_of(page(doubtful, images))):
+        assert note in text
+        assert text.index(note) < text.index("The nominal simulation explains these data")
+    assert "If the unit is wrong" not in files_of("plain")[SUMMARY].decode()
+
+
 def test_the_answer_is_that_of_the_format(files_of):
     answer = json.loads(files_of("weak")[ANSWER])
     (effect,) = answer["effects"]
