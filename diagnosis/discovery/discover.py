@@ -86,9 +86,10 @@ def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
     measurement, evidence, fit = diagnosis.measurement, diagnosis.evidence, diagnosis.fit
     where = () if measurement.cases else places(measurement.kind, evidence, fit.robot.motor)
     if not where:
-        searched = "benches and step logs of motors, on benches of range sensors and in scans"
-        reason = f"laws are looked for on {searched}, not in data of kind {measurement.kind}"
+        reason = "laws are looked for in single benches, step logs, scans and drives of the case format"
         return None, reason, LawSearch(1.0, 0)
+    if fit.is_of_whole_runs:
+        return None, "the numbers are fitted to the ends of whole runs, and not to rows", LawSearch(1.0, 0)
     if np.count_nonzero(evidence.fit) < MIN_ROWS:
         return None, f"fewer than {MIN_ROWS} samples to fit", LawSearch(1.0, 0)
     materials = _materials(measurement)
@@ -172,14 +173,16 @@ def _law(diagnosis: Diagnosis, best: FittedLaw, search: LawSearch) -> tuple[Disc
 def _ranges(diagnosis: Diagnosis, fit: HypothesisFit, form: LawForm) -> Iterator[SeenRange]:
     """Yield the range of each condition; that of the law's own ones has all rows, since any of them shows the law."""
     evidence = diagnosis.evidence
-    usable, data = evidence.fit | evidence.heldout, dict[str, Array]()
+    usable, data = evidence.fit | evidence.heldout, dict[str, list[Array]]()
     readings = predicted_readings(evidence, fit)
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
         # The time of a session is no condition, but the law may depend on it.
         covariates = {each.name: each.values for each in observed.covariates} | dict(conditions(observed, readings))
-        data |= {name: values[usable[place] & np.isfinite(values)] for name, values in covariates.items()}
+        for name, values in covariates.items():
+            data.setdefault(name, []).append(values[usable[place] & np.isfinite(values)])
     for name in form.covariates:
-        yield SeenRange(name, float(data[name].min()), float(data[name].max()))
+        values = np.concatenate(data[name])
+        yield SeenRange(name, float(values.min()), float(values.max()))
     for seen in seen_ranges(evidence, diagnosis.selection.nominal, fit, form.candidate):
         if seen.covariate not in form.covariates:
             yield seen

@@ -1,14 +1,15 @@
-"""The places of a motor on a bench: friction, windings, bridge and supply, and the instruments."""
+"""The places of a motor, on a bench or in a drive: friction, windings, bridge and supply, and the instruments."""
 
 from collections.abc import Iterator
 
 from configs.effects.base import Slot
 from configs.schema.robot import Motor
-from diagnosis.discovery.place import LawPlace, QuantityRead, varying
+from diagnosis.discovery.place import LawPlace, QuantityRead, SlotCovariate, varying
 from diagnosis.inference.evidence.evidence import Evidence
 
 _MOTION = "from physics.drivetrain.motion import ShaftMotion"
 _BENCH, _BENCH_AND_DRIVE = ("Setup.MOTOR_BENCH",), ("Setup.MOTOR_BENCH", "Setup.DRIVE")
+WHEELS = ("wheel_left_rad_s", "wheel_right_rad_s")
 MAX_FACTOR = 0.5
 """Largest change of a factor at which a fit starts."""
 
@@ -26,7 +27,7 @@ def of_motor(evidence: Evidence, motor: Motor, *, by_steps: bool) -> Iterator[La
     for name, read in reads.items():
         is_current = name == "current_A"
         if is_current:
-            yield _friction(read, motor)
+            yield _friction(read, motor.torque_constant_N_m_A * read.visible)
         yield from _reading(read, name, is_current=is_current)
         yield _gain(read, is_current=is_current)
         if by_steps:
@@ -41,7 +42,20 @@ def of_motor(evidence: Evidence, motor: Motor, *, by_steps: bool) -> Iterator[La
             return
 
 
-def _friction(read: QuantityRead, motor: Motor) -> LawPlace:
+def of_wheels(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
+    """Yield the places of the motors of a drive, whose currents are not known."""
+    sides = [observed.name for observed in evidence.observed if observed.name in WHEELS and observed.usable.any()]
+    if not sides:
+        return
+    read = QuantityRead(evidence, *sides)
+    # A settled speed falls by R/K^2 for each torque.
+    torque_N_m = motor.torque_constant_N_m_A**2 / motor.winding_resistance_ohm * read.visible
+    yield _friction(read, torque_N_m)
+    yield from _voltage(read, motor, by_speed=True)
+    yield from _winding(read, motor, by_speed=True)
+
+
+def _friction(read: QuantityRead, visible_N_m: float) -> LawPlace:
     speed = read.covariate("omega_rad_s", "speed", "speed [rad/s]", "rad/s", "np.abs(motion.speed_rad_s)", is_size=True)
     trend = read.covariate(
         "voltage_step_V",
@@ -58,7 +72,7 @@ def _friction(read: QuantityRead, motor: Motor) -> LawPlace:
         first="friction_N_m",
         arguments="friction_N_m: Array, motion: ShaftMotion",
         unit="N m",
-        size=motor.torque_constant_N_m_A * read.visible,
+        size=visible_N_m,
         covariates=varying((speed, read.time("motion.time_s"), trend)),
         imports=(_MOTION,),
         setups=_BENCH_AND_DRIVE,
@@ -144,7 +158,7 @@ def _voltage(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
     """Yield what reaches the motor of each voltage, and the supply over time."""
     arguments = "voltage_V: Array, time_s: float | Array"
     volts = read.visible * (motor.torque_constant_N_m_A if by_speed else motor.winding_resistance_ohm)
-    size = read.covariate("u_cmd_V", "voltage", "voltage [V]", "V", "np.abs(voltage_V)", is_size=True)
+    size = _of_voltage(read, "np.abs(voltage_V)")
     yield LawPlace(
         Slot.BATTERY,
         prefix="voltage",
@@ -197,7 +211,7 @@ def _winding(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
             setups=_BENCH_AND_DRIVE,
             is_factor=True,
         )
-    voltage = read.covariate("u_cmd_V", "voltage", "voltage [V]", "V", "voltage_V", is_size=True, is_past=True)
+    voltage = _of_voltage(read, "voltage_V", is_past=True)
     time = read.covariate("t_s", "time", "time since power-on [s]", "s", "duration_s", is_past=True)
     yield LawPlace(
         Slot.WINDING_HEAT,
@@ -211,3 +225,12 @@ def _winding(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
         imports=(),
         setups=_BENCH_AND_DRIVE,
     )
+
+
+def _of_voltage(read: QuantityRead, expression: str, *, is_past: bool = False) -> SlotCovariate | None:
+    """Return the size of the commanded voltage, which has one name on a bench and another one in a drive."""
+    both = (
+        read.covariate(name, "voltage", "voltage [V]", "V", expression, is_size=True, is_past=is_past)
+        for name in ("u_cmd_V", "u_V")
+    )
+    return next((each for each in both if each is not None), None)

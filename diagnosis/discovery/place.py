@@ -80,23 +80,24 @@ def varying(covariates: Sequence[SlotCovariate | None]) -> dict[str, SlotCovaria
 
 
 class QuantityRead:
-    """The covariates of one observed quantity."""
+    """The covariates of an observed quantity, or of several that a law changes alike, such as those of both wheels."""
 
-    def __init__(self, evidence: Evidence, name: str) -> None:
-        number = next(k for k, observed in enumerate(evidence.observed) if observed.name == name)
-        self._observed = evidence.observed[number]
-        self._rows = evidence.fit[evidence.places[number]]
-        sd = evidence.sd[evidence.places[number]][self._rows]
+    def __init__(self, evidence: Evidence, *names: str) -> None:
+        numbers = [k for k, observed in enumerate(evidence.observed) if observed.name in names]
+        self._observed = [(evidence.observed[k], evidence.fit[evidence.places[k]]) for k in numbers]
+        sd = np.concatenate([evidence.sd[evidence.places[k]][evidence.fit[evidence.places[k]]] for k in numbers])
         self.visible = VISIBLE_SIGMAS * float(np.median(sd)) if len(sd) else 1.0
         """A visible change of the reading."""
-        sizes = np.abs(self._observed.values[self._rows])
+        sizes = np.abs(np.concatenate([observed.values[rows] for observed, rows in self._observed]))
         sizes = sizes[np.isfinite(sizes) & (sizes > 0.0)]
         self.typical = float(np.median(sizes)) if len(sizes) else 1.0
         """Median size of a reading that is not 0."""
 
     def time(self, expression: str) -> SlotCovariate | None:
         """Return the time since power-on, which in a log of several trials is not that since the start of a trial."""
-        has_session = any(each.name == "session_time_s" for each in self._observed.covariates)
+        has_session = any(
+            each.name == "session_time_s" for observed, _ in self._observed for each in observed.covariates
+        )
         name = "session_time_s" if has_session else "t_s"
         return self.covariate(name, "time", "time since power-on [s]", "s", expression)
 
@@ -113,9 +114,14 @@ class QuantityRead:
         is_angle: bool = False,
     ) -> SlotCovariate | None:
         """Return a covariate over the rows of the fit; None if the quantity has none of this name."""
-        listed = next((each for each in self._observed.covariates if each.name == name), None)
-        if listed is None:
+        parts = [
+            each.values[rows & np.isfinite(each.values)]
+            for observed, rows in self._observed
+            for each in observed.covariates
+            if each.name == name
+        ]
+        if not parts:
             return None
-        values = listed.values[self._rows & np.isfinite(listed.values)]
+        values = np.concatenate(parts)
         sizes = np.sort(np.abs(values) if is_size else values)
         return SlotCovariate(name, word, words, unit, expression, sizes, is_past, is_angle)

@@ -1,12 +1,15 @@
 """The places of a kind of case where a law may act, with those of range sensors."""
 
+from collections.abc import Iterator
+
 from configs.effects.base import Slot
 from configs.schema.robot import Motor
-from diagnosis.discovery.motor_places import of_motor
+from diagnosis.discovery.motor_places import of_motor, of_wheels
 from diagnosis.discovery.place import LawPlace, QuantityRead, varying
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import CaseKind
 
+RANGE_CHANNEL = "tof_m"
 _VIEW = "from sensors.ranging.range_view import RangeView"
 
 
@@ -19,16 +22,25 @@ def places(kind: CaseKind, evidence: Evidence, motor: Motor) -> tuple[LawPlace, 
         motor: The nominal motor, by which a current is a torque.
     """
     if kind is CaseKind.TOF_BENCH:
-        return (_range(evidence),)
+        return (_range(QuantityRead(evidence, "reading_m"), ("Setup.RANGE_BENCH",)),)
     if kind is CaseKind.RANGE_SCAN:
         return (_rays(evidence),)
     if kind in {CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP}:
         return tuple(of_motor(evidence, motor, by_steps=kind is CaseKind.MOTOR_STEP))
+    if kind is CaseKind.DRIVE_LOG:
+        return tuple(_of_drive(evidence, motor))
     return ()
 
 
-def _range(evidence: Evidence) -> LawPlace:
-    read = QuantityRead(evidence, "reading_m")
+def _of_drive(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
+    """Yield the places of both motors, which have the same laws, and of all range sensors, likewise."""
+    yield from of_wheels(evidence, motor)
+    ranges = [observed.name for observed in evidence.observed if observed.channel == RANGE_CHANNEL]
+    if ranges:
+        yield _range(QuantityRead(evidence, *ranges), ("Setup.DRIVE",))
+
+
+def _range(read: QuantityRead, setups: tuple[str, ...]) -> LawPlace:
     covariates = (
         read.covariate("distance_m", "distance", "distance [m]", "m", "view.distance_m"),
         read.covariate(
@@ -56,7 +68,7 @@ def _range(evidence: Evidence) -> LawPlace:
         size=read.visible,
         covariates=varying(covariates),
         imports=(_VIEW,),
-        setups=("Setup.RANGE_BENCH",),
+        setups=setups,
     )
 
 

@@ -2,10 +2,11 @@
 
     python -m benchmarks.diagnosis.exams.discovery_exam --cases 100 --nothing 60 --seed 606 --out exam.jsonl
     python -m benchmarks.diagnosis.exams.discovery_exam --kinds motor_step --cases 48 --seed 606 --out steps.jsonl
+    python -m benchmarks.diagnosis.exams.discovery_exam --kinds drive_log --cases 22 --seed 606 --out drives.jsonl
 
 The cases come from `independent_cases`, whose simulator shares no code with symolo: benches, half of them motors and
-half range sensors, or step logs of motors. Each effect outside the list comes about equally often. The results are
-written case by case, so that the same command goes on where it was interrupted.
+half range sensors, step logs of motors, or drives. Each effect outside the list comes about equally often. The results
+are written case by case, so that the same command goes on where it was interrupted.
 
 A law has the same structure as the hidden effect if slot, shape, covariates and material agree (`SAME`); its numbers
 are not judged. A straight line counts as a power law with an exponent of 0.7 to 1.4.
@@ -37,7 +38,7 @@ from diagnosis.inference.gain import trimmed_rms
 from pipeline.diagnosing.importers import IMPORTERS
 
 BENCHES = ("motor_steady", "tof_bench")
-EXAMINED = (*BENCHES, "motor_step")
+EXAMINED = (*BENCHES, "motor_step", "drive_log")
 SAME: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
     "friction_bump": ("friction", "bump", ("omega_rad_s",)),
     "parameter_jump Tc": ("friction", "step", ("t_s",)),
@@ -71,6 +72,10 @@ SAME: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
     "hum current_A": ("current_error", "wave", ("t_s",)),
     "hum omega_rad_s": ("speed_error", "wave", ("t_s",)),
     "tacho_compression": ("speed_reading", "power", ("omega_rad_s",)),
+    "friction_jump": ("friction", "step", ("t_s",)),
+    "command_dead_zone": ("voltage", "dead_zone", ("u_V",)),
+    "range_periodic": ("range", "wave", ("distance_m",)),
+    "range_gain_drift": ("range", "line", ("t_s", "distance_m")),
 }
 """Place, shape and covariates by hidden effect, with the parameter or the channel that it changes; `t_s` is the time
 since power-on.
@@ -178,9 +183,12 @@ def is_same(name: str, variant: Variant, diagnosis: Diagnosis) -> bool:
 
 
 def errors(diagnosis: Diagnosis, setting: Setting, variant: Variant) -> list[float]:
-    """Return the held-out errors in sigmas of the calibrated nominal robot, the extended robot, and the truth."""
+    """Return the held-out errors in sigmas of the calibrated nominal robot, the extended robot, and the truth.
+
+    There are none for a drive, whose speeds and motions are differences of noisy rows.
+    """
     evidence, nominal = diagnosis.measured, diagnosis.selection.nominal
-    if not evidence.heldout.any():
+    if not evidence.heldout.any() or setting.KIND == "drive_log":
         return []
     robots = [nominal.robot, diagnosis.extended]
     means = [*evidence.predicted(robots).mean, readings(setting, variant)]

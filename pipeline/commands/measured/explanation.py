@@ -147,7 +147,7 @@ def diagnose(
         bool,
         typer.Option(
             "--discover",
-            help="Where something stays unexplained on a bench or in a step log, look for a law that describes it, and "
+            help="Where something stays unexplained in a case, look for a law that describes it, and "
             "write it as an effect file.",
         ),
     ] = False,

@@ -1,0 +1,78 @@
+"""A law that is hidden in the ranges of a drive by its closed form."""
+
+import numpy as np
+import pytest
+
+from diagnosis.diagnose import diagnose
+from diagnosis.discovery.discover import with_law
+from diagnosis.importers import IMPORTERS
+from diagnosis.importers.choose import read_measurement
+
+ROOM_X_M, ROOM_Y_M, FRONT_M, SIDE_M = 2.0, 1.6, 0.06, 0.05
+FAR_M, STEP_M, SD_M = 0.7, 0.008, 0.002
+ROW_S, SWING_M, RATE_RAD_S = 0.09, 0.45, 0.7
+FASTEST_M_S = SWING_M * RATE_RAD_S
+NOMINAL = f"""kind: drive_log
+robot:
+  wheel_radius_m: {{value: 0.035, tolerance: 0.0001}}
+  wheel_separation_m: {{value: 0.15, tolerance: 0.0005}}
+  encoder_ticks_per_revolution: 2000
+tof:
+  range_offset_m: {{value: 0.0, tolerance: 0.0005}}
+  max_range_m: 1.2
+  mount:
+    front: {{x_m: {FRONT_M}, y_m: 0.0, yaw_rad: 0.0}}
+    left: {{x_m: 0.0, y_m: {SIDE_M}, yaw_rad: {np.pi / 2.0}}}
+    right: {{x_m: 0.0, y_m: -{SIDE_M}, yaw_rad: {-np.pi / 2.0}}}
+world: {{room_x_m: {ROOM_X_M}, room_y_m: {ROOM_Y_M}}}
+noise:
+  pose_xy_m: 0.0002
+  pose_theta_rad: 0.0005
+  travel_m_per_sqrt_m: 0.0005
+  wheel_speed_rad_s: 0.05
+  tof_polynomial_mm: [{1000.0 * SD_M}, 0.0, 0.0, 0.0]
+  tof_polynomial_origin_m: 0.18
+"""
+
+
+def drive_along_the_room(folder):
+    """Return a log of a robot that drives to and fro along the room, each time nearer to one side, with three sensors
+    that read 8 mm too much beyond 0.7 m. It looks along the x axis, so that the ranges are differences.
+    """
+    noise = np.random.Generator(np.random.PCG64(5))
+    lines = ["trial,split,session_time_s,t_s,tof_front_m,tof_left_m,tof_right_m,x_m,y_m,theta_rad"]
+    for trial in range(1, 7):
+        y_m = 0.45 + 0.1 * trial
+        for row in range(80):
+            t_s = ROW_S * row
+            x_m = 1.3 + SWING_M * np.sin(RATE_RAD_S * t_s + trial)
+            far_m = np.array([ROOM_X_M - x_m - FRONT_M, ROOM_Y_M - y_m - SIDE_M, y_m - SIDE_M])
+            read_m = far_m + np.where(far_m > FAR_M, STEP_M, 0.0) + SD_M * noise.standard_normal(3)
+            pose = np.array([x_m, y_m, 0.0]) + np.array([2e-4, 2e-4, 5e-4]) * noise.standard_normal(3)
+            cells = ",".join(f"{value:.5f}" for value in (*read_m, *pose))
+            split = "holdout" if trial % 3 == 0 else "fit"
+            lines.append(f"{trial},{split},{100.0 * trial + t_s:.2f},{t_s:.2f},{cells}")
+    (folder / "nominal.yaml").write_text(NOMINAL)
+    (folder / "data.csv").write_text("\n".join(lines) + "\n")
+    return read_measurement(folder, IMPORTERS)
+
+
+@pytest.fixture(scope="module")
+def diagnosis(tmp_path_factory):
+    return with_law(diagnose(drive_along_the_room(tmp_path_factory.mktemp("drive"))))
+
+
+def test_a_step_of_all_ranges_is_found_at_its_distance(diagnosis):
+    law = diagnosis.law
+    assert law.name == "range_step_over_distance"
+    assert law.values["step_m"] == pytest.approx(STEP_M, abs=3.0 * law.std["step_m"])
+    assert law.values["edge_m"] == pytest.approx(FAR_M, abs=FASTEST_M_S * ROW_S)
+    assert law.gain.after < 1.1 < law.gain.before
+    assert law.ranges[0].covariate == "distance_m"
+    assert (law.ranges[0].low, law.ranges[0].high) == pytest.approx((0.19, 1.09), abs=0.02)
+
+
+def test_its_file_acts_in_drives(diagnosis):
+    text = diagnosis.law.form.text()
+    assert "setups = (Setup.DRIVE,)" in text
+    assert "slot = Slot.RANGE" in text
