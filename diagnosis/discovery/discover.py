@@ -122,7 +122,9 @@ def _curves(where: Sequence[LawPlace]) -> list[LawForm]:
         curve
         for place in where
         for covariate in place.covariates.values()
-        if not place.is_factor and can_have_law(covariate) and (curve := smooth(place, covariate)) is not None
+        if not (place.is_factor or covariate.is_of_path)
+        and can_have_law(covariate)
+        and (curve := smooth(place, covariate)) is not None
     ]
 
 
@@ -131,7 +133,7 @@ def _refusal(evidence: Evidence, before: HypothesisFit, tried: FittedLaw, chance
     if chance > MAX_CHANCE:
         return f"some form does as well in {100.0 * chance:.2g} % of random signs of the residuals"
     if tried.score < MIN_SCORE:
-        return f"the cost falls by {tried.score:.1f} after the tolls, and {MIN_SCORE:.0f} are needed"
+        return f"the fall of the cost is {tried.score:.1f} after the tolls, and {MIN_SCORE:.0f} is needed"
     if is_at_bound(tried.fit, tried.form.candidate):
         return "a number lies at its bound"
     for effect in before.hypothesis.effects:

@@ -23,8 +23,8 @@ WIDTHS = (0.03, 0.06, 0.12, 0.25)
 EXPONENTS = (0.5, 2.0, 3.0)
 HALVES = (0.05, 0.2, 0.6)
 """Values of a covariate at which a saturation is half of its end, as shares of its range."""
-OF_FACTOR = frozenset({"step", "rise"})
-"""Shapes with an edge that a factor may have."""
+JUMP_OR_DRIFT = frozenset({"step", "rise"})
+"""Shapes with an edge that a factor, or anything over the time of a drive, may have."""
 CYCLES = (1.0, 40.0)
 """Smallest and largest number of waves within the range of a covariate."""
 TRIED_CYCLES = 96
@@ -66,7 +66,8 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
         if covariate.is_angle:
             yield from _turning(place, covariate)
     for covariate in several:
-        yield from _of_factor(place, covariate) if place.is_factor else _along(place, covariate)
+        is_slow = place.is_factor or covariate.is_of_path
+        yield from _jumps_and_drifts(place, covariate) if is_slow else _along(place, covariate)
     if place.slot is Slot.RANGE:
         yield from _of_range(place, several, materials)
     if place.is_odd:
@@ -126,9 +127,9 @@ def _along(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         yield _wave(place, c)
 
 
-def _of_factor(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
-    """Yield the forms of a factor, which jumps, drifts or settles."""
-    yield from (form for form in _edged(place, c) if form.shape in OF_FACTOR)
+def _jumps_and_drifts(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+    """Yield the forms of what jumps, drifts or settles."""
+    yield from (form for form in _edged(place, c) if form.shape in JUMP_OR_DRIFT)
     yield from _powers(place, c, None)
 
 

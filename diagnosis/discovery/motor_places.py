@@ -47,7 +47,7 @@ def of_wheels(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
     sides = [observed.name for observed in evidence.observed if observed.name in WHEELS and observed.usable.any()]
     if not sides:
         return
-    read = QuantityRead(evidence, *sides)
+    read = QuantityRead(evidence, *sides, drives=True)
     # A settled speed falls by R/K^2 for each torque.
     torque_N_m = motor.torque_constant_N_m_A**2 / motor.winding_resistance_ohm * read.visible
     yield _friction(read, torque_N_m)

@@ -1,7 +1,7 @@
 """The places where a law may act: slots of the simulator, with the covariates that their functions can see."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,9 @@ class SlotCovariate:
     """Whether only forms that depend on its past may have it, since the code sees what is kept of it."""
     is_angle: bool = False
     """Whether only what repeats with each turn may depend on it."""
+    is_of_path: bool = False
+    """Whether only a jump or a drift may depend on it: the time in a drive, in which the path repeats itself, so that a
+    bump or a wave in time may be a place of the room."""
 
     @property
     def low(self) -> float:
@@ -82,7 +85,8 @@ def varying(covariates: Sequence[SlotCovariate | None]) -> dict[str, SlotCovaria
 class QuantityRead:
     """The covariates of an observed quantity, or of several that a law changes alike, such as those of both wheels."""
 
-    def __init__(self, evidence: Evidence, *names: str) -> None:
+    def __init__(self, evidence: Evidence, *names: str, drives: bool = False) -> None:
+        self._drives = drives
         numbers = [k for k, observed in enumerate(evidence.observed) if observed.name in names]
         self._observed = [(evidence.observed[k], evidence.fit[evidence.places[k]]) for k in numbers]
         sd = np.concatenate([evidence.sd[evidence.places[k]][evidence.fit[evidence.places[k]]] for k in numbers])
@@ -99,7 +103,8 @@ class QuantityRead:
             each.name == "session_time_s" for observed, _ in self._observed for each in observed.covariates
         )
         name = "session_time_s" if has_session else "t_s"
-        return self.covariate(name, "time", "time since power-on [s]", "s", expression)
+        time = self.covariate(name, "time", "time since power-on [s]", "s", expression)
+        return time and replace(time, is_of_path=self._drives)
 
     def covariate(
         self,

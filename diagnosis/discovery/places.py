@@ -37,7 +37,7 @@ def _of_drive(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
     yield from of_wheels(evidence, motor)
     ranges = [observed.name for observed in evidence.observed if observed.channel == RANGE_CHANNEL]
     if ranges:
-        yield _range(QuantityRead(evidence, *ranges), ("Setup.DRIVE",))
+        yield _range(QuantityRead(evidence, *ranges, drives=True), ("Setup.DRIVE",))
 
 
 def _range(read: QuantityRead, setups: tuple[str, ...]) -> LawPlace:

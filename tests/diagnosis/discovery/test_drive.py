@@ -5,6 +5,8 @@ import pytest
 
 from diagnosis.diagnose import diagnose
 from diagnosis.discovery.discover import with_law
+from diagnosis.discovery.grammar import forms
+from diagnosis.discovery.places import places
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 
@@ -76,3 +78,10 @@ def test_its_file_acts_in_drives(diagnosis):
     text = diagnosis.law.form.text()
     assert "setups = (Setup.DRIVE,)" in text
     assert "slot = Slot.RANGE" in text
+
+
+def test_only_jumps_and_drifts_depend_on_the_time_of_a_drive(diagnosis):
+    """A bump or a wave in time may be a place that the robot passes again and again."""
+    (place,) = places(diagnosis.measurement.kind, diagnosis.evidence, diagnosis.fit.robot.motor)
+    over_time = {form.shape for form in forms(place, ()) if form.covariates[0] == "session_time_s"}
+    assert over_time == {"step", "rise", "line", "power", "saturation"}
