@@ -5,7 +5,7 @@ random place, direction and pitch. Each case is a run of several views. The rend
 run of 200 images, which must have 160 x 120 pixels at least, from measurements on some of the views; it is judged on
 the others. Their error is the mean product of the differences from two references of complete light paths, with
 independent random numbers and without a denoiser, beside the error that JPEG adds to the image with the noise of its
-camera.
+camera. The references have 128 samples, and up to `--samples` where their noise is larger than a tenth of that error.
 
     python benchmarks/render/fresh_draws.py [--draws 30] [--looks classroom lab] [--judged 3] [--samples 1024]
         [--size 320 240] [--method auto] [--device cpu] [--choose-on-card] [--seed N] [--beside FOLDER] [--plain]
