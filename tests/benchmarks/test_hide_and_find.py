@@ -217,7 +217,8 @@ def sure(scoring):
 
 def test_the_reliability_table_has_the_share_of_right_names_in_each_bin(sure):
     """9 of 10 is 0.596 to 0.982 by Wilson's formula."""
-    header, *lines = importlib.import_module("reliability").reliability_table([sure])
+    reliability = importlib.import_module("reliability")
+    header, *lines = reliability.reliability_table(reliability.names_of([sure]))
     assert header.split()[:2] == ["stated", "confidence"]
     assert [line.split() for line in lines] == [
         ["95", "to", "99", "%", "10", "97.0%", "9", "90.0", "%", "(59.6-98.2)", "9"],
@@ -226,7 +227,8 @@ def test_the_reliability_table_has_the_share_of_right_names_in_each_bin(sure):
 
 
 def test_the_reliability_diagram_shows_shares_beside_confidences(sure):
-    (axes,) = importlib.import_module("reliability").reliability_figure([sure], "x").axes
+    reliability = importlib.import_module("reliability")
+    (axes,) = reliability.reliability_figure(reliability.names_of([sure]), "x").axes
     heights = {line.get_label(): line.get_ydata() for line in axes.lines}
     assert heights["mean stated confidence"] == pytest.approx([0.97, 0.9995])
     assert axes.containers[0].lines[0].get_ydata() == pytest.approx([0.9, 0.0])

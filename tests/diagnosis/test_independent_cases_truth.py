@@ -7,7 +7,7 @@ from benchmarks.diagnosis.independent_cases.case import make_cases
 from benchmarks.diagnosis.independent_cases.detectability import left_over
 from benchmarks.diagnosis.independent_cases.drives.room import cast
 from benchmarks.diagnosis.independent_cases.files import write_case, write_truth
-from benchmarks.diagnosis.independent_cases.judge import grade, parameter_hits, wilson
+from benchmarks.diagnosis.independent_cases.judge import grade, parameter_hits, stated_names, wilson
 from benchmarks.diagnosis.independent_cases.ranges.tof_bench import CHANNEL, RangeSetting
 from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
 
@@ -102,3 +102,11 @@ def test_an_effect_is_right_among_three_names_and_wrong_with_another_sensor():
     assert right(name="tof_range_offset", ambiguous_with=["tof_mount_yaw[left]"])
     assert not right(name="tof_range_offset", ambiguous_with=["tof_mount_yaw[right]"])
     assert not right(name="tof_range_offset", ambiguous_with=["tof_mount_yaw", "turn_slip", "marker_yaw"])
+
+
+def test_stated_names_are_right_or_near_rivals_or_wrong():
+    truth = {"effects": [{"name": "supply_sag", "parameters": {}}], "near_rivals": {"speed_scale": 5.0}}
+    answers = [{"name": name, "confidence": 0.9} for name in ("supply_sag", "speed_scale", "current_limit")]
+    expected = [(0.9, True, True), (0.9, False, True), (0.9, False, False)]
+    assert stated_names(truth, {"effects": [*answers, {"name": "no_confidence"}]}) == expected
+    assert stated_names(truth, None) == []

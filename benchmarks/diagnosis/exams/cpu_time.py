@@ -1,10 +1,11 @@
-"""CPU seconds of a diagnosis, beside another checkout, and whether both give the same answer.
+"""CPU seconds of a diagnosis; beside another checkout, and whether both give the same answer, if one is given.
 
 The checkouts take turns at every case, each in a process of its own on one thread, so that a slow spell of the machine
-meets both. The time is from the file's rows to the answer, without what it takes to start.
+meets both. The time is from the file's rows to the answer, without what it takes to start. For drives, it is the time
+for each minute of log.
 
-    python benchmarks/diagnosis/exams/cpu_time.py OTHER_CHECKOUT [--cases 12] [--seed 1] [--kinds motor_step]
-    python benchmarks/diagnosis/exams/cpu_time.py OTHER_CHECKOUT --folder DIR
+    python benchmarks/diagnosis/exams/cpu_time.py [OTHER_CHECKOUT] [--cases 12] [--seed 1] [--kinds motor_step]
+    python benchmarks/diagnosis/exams/cpu_time.py [OTHER_CHECKOUT] --folder DIR [--every 10]
 
 With --folder, the cases are those in DIR, such as independent ones (benchmarks/diagnosis/independent_cases).
 """
@@ -17,9 +18,10 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from statistics import median
 
+import numpy as np
 from hidden_cases import KINDS, hidden_case, plans, write
 from score import variant
 
@@ -31,9 +33,11 @@ from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 measurement = read_measurement(Path(sys.argv[1]), IMPORTERS)
+is_drive = measurement.kind.value in ("drive_log", "symolo_csv")
+minutes = sum(trial.t_s[-1] for trial in measurement.trials) / 60 if is_drive else 1.0
 begin = time.process_time()
 answer = diagnose(measurement).answer()
-print(json.dumps({"seconds": time.process_time() - begin, "answer": answer}))
+print(json.dumps({"seconds": (time.process_time() - begin) / minutes, "answer": answer}))
 """
 
 
@@ -59,30 +63,36 @@ class Run:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("other", type=Path)
+    parser.add_argument("other", type=Path, nargs="?")
     parser.add_argument("--cases", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kinds", default="motor_step")
     parser.add_argument("--folder", type=Path, help="folder of cases, in place of new ones")
+    parser.add_argument("--every", type=int, default=1, help="of the cases, one of so many")
     arguments = parser.parse_args()
     kinds = arguments.kinds.split(",")
     if unknown := [kind for kind in kinds if kind not in KINDS]:
         parser.error(f"--kinds: got {unknown[0]}, allowed: {', '.join(KINDS)}")
-    if not (arguments.other / "diagnosis").is_dir():
+    if arguments.other and not (arguments.other / "diagnosis").is_dir():
         parser.error(f"OTHER_CHECKOUT: got {arguments.other}, which has no folder diagnosis")
-    print(f"{'case':30} {'other s':>8} {'here s':>8} {'ratio':>6}  found here")
-    pairs = []
-    for case in cases_in(arguments.folder) if arguments.folder else new_cases(arguments.cases, arguments.seed, kinds):
-        other, here = (run(checkout, case) for checkout in (arguments.other, HERE))
-        pairs.append((other, here))
-        names = ", ".join(name for name, _ in here.effects) or "nothing"
-        times = f"{other.seconds:8.1f} {here.seconds:8.1f} {other.seconds / here.seconds:6.2f}"
-        print(f"{case.name:30} {times}  {names}{difference(other, here)}", flush=True)
-    alike = sum(other.answer == here.answer for other, here in pairs)
-    print(f"{alike} of {len(pairs)} answers are the same in every digit")
-    for name, statistic in (("median", median), ("longest", max)):
-        was, now = (statistic(pair[k].seconds for pair in pairs) for k in (0, 1))
-        print(f"{name:30} {was:8.1f} {now:8.1f} {was / now:6.2f}")
+    checkouts = [HERE] if arguments.other is None else [arguments.other, HERE]
+    titles = "".join(f"{title:>9}" for title in ("other s", "here s")[-len(checkouts) :])
+    print(f"{'case':30}{titles}  found here")
+    several = []
+    cases = cases_in(arguments.folder) if arguments.folder else new_cases(arguments.cases, arguments.seed, kinds)
+    for case in islice(cases, 0, None, arguments.every):
+        runs = [run(checkout, case) for checkout in checkouts]
+        several.append(runs)
+        names = ", ".join(name for name, _ in runs[-1].effects) or "nothing"
+        times = "".join(f"{each.seconds:9.1f}" for each in runs)
+        print(f"{case.name:30}{times}  {names}{difference(runs[0], runs[-1])}", flush=True)
+    if arguments.other is not None:
+        alike = sum(other.answer == here.answer for other, here in several)
+        print(f"{alike} of {len(several)} answers are the same in every digit")
+    seconds = np.array([[each.seconds for each in runs] for runs in several])
+    for share in (0.5, 0.9, 1.0):
+        times = "".join(f"{value:9.1f}" for value in np.quantile(seconds, share, axis=0))
+        print(f"{f'not exceeded by {share:.0%}':30}{times}")
 
 
 def cases_in(folder: Path) -> Iterator[Path]:

@@ -46,7 +46,7 @@ from hidden_cases import (
     plans,
     write,  # pyright: ignore[reportAttributeAccessIssue]
 )
-from reliability import reliability_figure, reliability_table
+from reliability import names_of, reliability_figure, reliability_table
 from score import Score, score
 
 from symolo.pages.plotting import png, svg
@@ -84,7 +84,9 @@ def main() -> None:
     todo = plans(arguments.cases, arguments.seed, kinds, arguments.family)
     scores = scores_of(todo, arguments.out, arguments.workers, arguments.verdicts)
     show(list(scores.values()))
-    figure = reliability_figure(list(scores.values()), f"{len(scores)} cases of the family {arguments.family}")
+    figure = reliability_figure(
+        names_of(list(scores.values())), f"{len(scores)} cases of the family {arguments.family}"
+    )
     (arguments.out / "reliability.png").write_bytes(png(figure))
     (arguments.out / "reliability.svg").write_bytes(svg(figure))
     if arguments.compare:
@@ -94,7 +96,7 @@ def main() -> None:
 
 def show(scores: Sequence[Score]) -> None:
     """Print the figures, the reliability table, and what is hardest."""
-    print("\n".join([*table(scores), "", *reliability_table(scores), "", *by_day(scores)]))
+    print("\n".join([*table(scores), "", *reliability_table(names_of(scores)), "", *by_day(scores)]))
 
 
 def _same_run(parser: argparse.ArgumentParser, out: Path, settings: dict) -> None:

@@ -138,6 +138,17 @@ def _grade_two(truth: Truth, named: list[Named]) -> tuple[Marks, bool]:
     return {row: (int(hit), 1) for row, hit in zip(ROWS[4:7], results, strict=True)}, right
 
 
+def stated_names(truth: Truth, answer: Answer | None) -> list[tuple[float, bool, bool]]:
+    """Return the confidence of each name that has one, whether it is right, and whether right or a near rival."""
+    names = []
+    for named in (answer or {}).get("effects") or []:
+        if isinstance(named, dict) and _is_number(named.get("confidence")):
+            is_right = any(_directly(effect, named) for effect in truth["effects"])
+            is_near = _split_name(str(named.get("name", "")))[0] in truth.get("near_rivals", {})
+            names.append((float(named["confidence"]), is_right, is_right or is_near))
+    return names
+
+
 def grade(truth: Truth, answer: Answer | None) -> tuple[Marks, bool]:
     """Grade one case, and return whether it is right; the answer is None where the file is missing."""
     named = [a for a in (answer or {}).get("effects") or [] if isinstance(a, dict)]
@@ -153,10 +164,10 @@ def grade(truth: Truth, answer: Answer | None) -> tuple[Marks, bool]:
         right = unexplained and not named
         marks = {ROWS[9]: (int(right), 1), ROWS[10]: (int(unexplained), 1)}
     effects = truth["effects"]
+    stated = stated_names(truth, answer)
     for level in LEVELS:
-        sure = [a for a in named if _is_number(a.get("confidence")) and a["confidence"] >= level]
-        wrong = sum(not any(_directly(effect, a) for effect in effects) for a in sure)
-        marks[f"wrong among names with confidence >= {level}"] = (wrong, len(sure))
+        sure = [is_right for confidence, is_right, _ in stated if confidence >= level]
+        marks[f"wrong among names with confidence >= {level}"] = (len(sure) - sum(sure), len(sure))
     first = [next((a for a in named if _directly(effect, a)), None) for effect in effects]
     hits = [parameter_hits(effect, a) for effect, a in zip(effects, first, strict=True) if a is not None]
     marks[WITHIN] = (sum(hit for hit, _ in hits), sum(judged for _, judged in hits))
@@ -194,6 +205,16 @@ def _print_table(group: str, totals: Marks) -> None:
             print(f"  {row:50s} {hits:4d} of {judged:4d}  {hits / judged:6.1%}  [{low:.1%}, {high:.1%}]")
 
 
+def answered(truth_path: Path, answers: Path) -> list[tuple[Truth, Answer | None]]:
+    """Return the truth of each case of a truth.json, with the answer, or None where the file is missing."""
+    cases = []
+    for truth in json.loads(truth_path.read_text(encoding="utf-8")):
+        path = answers / f"{truth['case']}.json"
+        path = path if path.exists() else answers / truth["case"] / "answer.json"
+        cases.append((truth, json.loads(path.read_text(encoding="utf-8")) if path.exists() else None))
+    return cases
+
+
 def run(truth_path: Path, answers: Path) -> None:
     """Print the tables and the wrong cases.
 
@@ -203,10 +224,7 @@ def run(truth_path: Path, answers: Path) -> None:
     """
     totals: dict[str, Marks] = {}
     wrong = []
-    for truth in json.loads(truth_path.read_text(encoding="utf-8")):
-        path = answers / f"{truth['case']}.json"
-        path = path if path.exists() else answers / truth["case"] / "answer.json"
-        answer = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+    for truth, answer in answered(truth_path, answers):
         marks, right = grade(truth, answer)
         if not right:
             lines = f"true: {_truth_line(truth)} | answer: {_answer_line(answer)}"
