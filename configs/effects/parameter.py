@@ -25,6 +25,8 @@ class Parameter:
     """Whether the parameter is a direction or a phase, for which a whole turn is no change."""
     is_frequency: bool = False
     """Whether the parameter is a number of cycles per turn: a fit has many local optima along it."""
+    is_floor: bool = False
+    """Whether no sample is below the parameter, so that only the samples show where a fit may start."""
     is_known: bool = False
     """Whether a fit takes the field's default instead of a value of its own, because no measurement would show it."""
     tries: tuple[float, ...] = ()

@@ -92,8 +92,7 @@ class LineReadings:
         holdout = joined(t.holdout for t in measurement.trials)[self._rows]
         t_s = joined(t.t_s for t in measurement.trials)[self._rows]
         values = np.stack([good_values(measurement, name)[self._rows] for name in LINE_READINGS], axis=-1)
-        # The first and the last code of the converter say only that a reading is beyond its range.
-        usable = self._tracked.is_logged[self._rows, None] & (values > 0.0) & (values < 1.0)
+        usable = self._tracked.is_logged[self._rows, None] & np.isfinite(values)
         self._values = np.where(usable, values, np.nan)
         self._fitted, self._heldout = usable & ~holdout[:, None], usable & holdout[:, None]
         bare = self._expected(nominal)

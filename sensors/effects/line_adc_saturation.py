@@ -17,7 +17,7 @@ class LineAdcSaturation(Effect):
     excitation = "line and bare floor"
     setups = (Setup.LINE_LOG,)
 
-    low: Annotated[float, Parameter("1", null=0.0, start=0.1, low=0.0, high=0.5)]
+    low: Annotated[float, Parameter("1", null=0.0, start=0.1, low=0.0, high=0.5, is_floor=True)]
     """Smallest reading."""
     high: Annotated[float, Parameter("1", null=1.0, start=0.8, low=0.3, high=1.0)]
     """Largest reading: readings are clipped to [low, high]."""

@@ -38,6 +38,8 @@ class Coordinate:
     """Whether the parameter is a number of cycles per turn. The cost has a local optimum every few hundredths."""
     is_time: bool = False
     """Whether the parameter is a delay or a lag. Fast logs show much shorter ones than slow logs."""
+    is_floor: bool = False
+    """Whether the parameter is a limit below which there is no sample."""
     tries: tuple[float, ...] = ()
     """Further sizes to try, relative to the distance of the start from the null value."""
 
@@ -66,7 +68,18 @@ class Coordinate:
         start = parameter.null + scale * (parameter.start - parameter.null)
         low, high, null, start = (x / unit for x in (parameter.low, parameter.high, parameter.null, start))
         is_time = parameter.unit == "s"
-        return cls(name, low, high, null, start, is_log=False, unit=unit, is_time=is_time, tries=parameter.tries)
+        return cls(
+            name,
+            low,
+            high,
+            null,
+            start,
+            is_log=False,
+            unit=unit,
+            is_time=is_time,
+            is_floor=parameter.is_floor,
+            tries=parameter.tries,
+        )
 
     @classmethod
     def of_spread(cls, name: str, tolerance: float) -> "Coordinate":

@@ -14,6 +14,7 @@ from configs.effects.base import RANDOM_SLOTS, Effect, Setup
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.selection.scan import starts
 from diagnosis.measured.measurement import CaseKind, Measurement
 
 SETUPS = {
@@ -56,7 +57,9 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     robots = [hypothesis.robot(hypothesis.null())]
     for effect in effects:
         extended = hypothesis.with_effect(effect)
-        robots.append(extended.robot(np.array([c.start for c in extended.coordinates])))
+        x = np.array([c.start for c in extended.coordinates])
+        x[extended.parameters(effect)] = starts(evidence, effect)
+        robots.append(extended.robot(x))
     prediction = evidence.predicted(robots)
     # Effects are visible if the mean or the noise of any sample changes.
     moves = np.abs((prediction.mean[1:] - prediction.mean[:1]) / evidence.sd)[:, evidence.fit].max(axis=1, initial=0.0)

@@ -33,6 +33,8 @@ ANGLES = tuple((np.pi / 3.0 * np.arange(-2, 4)).tolist())
 CEILINGS = (0.2, 0.35, 0.5, 0.6, 0.7, 0.78, 0.84, 0.88, 0.91, 0.94, 0.96, 0.975, 0.985, 0.992, 0.997)
 """Shares of the samples below a limit that is tried. A limit a little above all samples does nothing, and one that is
 too low does much, so that only the samples themselves show where to try."""
+FLOORS = (0.003, 0.01, 0.03, 0.06, 0.12)
+"""Shares of the samples below a floor that is tried."""
 MAX_MULTIPLE = 4.0
 """Multiple of the tried size up to which the change is assumed to be linear."""
 MIN_SHARE = 1e-12
@@ -229,17 +231,27 @@ class _Lines:
 def _tried(evidence: Evidence, effect: CandidateEffect) -> list[list[float]]:
     """Return the coordinates at which each parameter of an effect is tried."""
     units = {name: parameter.unit for name, parameter in effect.kind.parameters().items()}
-    return [
-        _ceilings(evidence, coordinate, units[coordinate.name]) if coordinate.is_ceiling else tried_values(coordinate)
-        for coordinate in effect.coordinates
-    ]
+    tried = []
+    for coordinate in effect.coordinates:
+        shares = CEILINGS if coordinate.is_ceiling else FLOORS if coordinate.is_floor else ()
+        if shares:
+            tried.append(_limits(evidence, coordinate, units[coordinate.name], shares))
+        else:
+            tried.append(tried_values(coordinate))
+    return tried
 
 
-def _ceilings(evidence: Evidence, coordinate: Coordinate, unit: str) -> list[float]:
+def starts(evidence: Evidence, effect: CandidateEffect) -> Array:
+    """Return coordinates at which an effect should be visible: the start values, and floors between the samples."""
+    tried = zip(effect.coordinates, _tried(evidence, effect), strict=True)
+    return np.array([values[-1] if c.is_floor and values else c.start for c, values in tried])
+
+
+def _limits(evidence: Evidence, coordinate: Coordinate, unit: str, shares: Sequence[float]) -> list[float]:
     """Return the coordinates of limits between the samples of the fit with the unit of the limit."""
     of_unit = np.repeat([observed.unit == unit for observed in evidence.observed], evidence.counts)
     sizes = np.abs(evidence.values[of_unit & evidence.fit])
-    levels = np.quantile(sizes[sizes > 0.0], CEILINGS) if (sizes > 0.0).any() else np.zeros(0)
+    levels = np.quantile(sizes[sizes > 0.0], shares) if (sizes > 0.0).any() else np.zeros(0)
     values = [coordinate.coordinate(level) for level in np.unique(levels).tolist()] or [coordinate.start]
     return [x for x in values if coordinate.low <= x <= coordinate.high]
 

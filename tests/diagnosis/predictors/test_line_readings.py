@@ -9,6 +9,9 @@ from scipy.stats import norm
 from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.scan import starts
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import LogNoise, NominalLog
@@ -167,12 +170,21 @@ class TestUnitWithTolerances:
         assert self.mean_squares(stage, shifted, slice(None)) == pytest.approx(1.0, abs=0.35)
         assert self.mean_squares(stage, usual, slice(None)) > 5.0
 
-    def test_a_reading_at_the_end_of_the_converters_range_is_not_used(self, usual):
-        """With so much light every channel reads 1 on the floor, whatever its gain."""
+    def test_a_reading_at_the_end_of_the_converters_range_says_only_that_the_unit_is_beyond(self, usual):
+        """With a light of 0.4 every channel reads 1 on the floor. Otherwise the floor would read 3 tolerances more."""
         stage = stage_of(usual, run("1", np.clip(self.readings(5) + 0.4, 0.0, 1.0)))
-        usable = np.stack([observed.usable for observed in stage.observed], axis=-1)
-        assert not usable[ink(SPOT_SD_M) < 1e-9].any()
-        assert usable[ink(SPOT_SD_M) > 0.9].all()
+        lit = usual.with_effect(LineAmbient(offset=0.4))
+        predicted = stage.predict([usual, lit])
+        means = np.stack([each.mean[1] for each in predicted], axis=-1)
+        np.testing.assert_array_equal(means[ink(SPOT_SD_M) < 1e-9], 1.0)
+        nominal, bright = predicted[0].by_tolerances
+        assert nominal - bright > 5.0
+
+    def test_the_search_for_a_lower_limit_starts_at_the_least_readings(self, usual):
+        stage = stage_of(usual, run("1", np.clip(self.readings(5), 0.3, 1.0)))
+        limit = CandidateEffect(LineAdcSaturation)
+        low, _ = starts(Evidence([stage]), limit)
+        assert limit.coordinates[0].value(low) == pytest.approx(0.3)
 
     def test_a_reading_at_a_limit_that_a_robot_has_says_only_that_the_unit_is_beyond(self, usual):
         """A converter that reads 0.3 at least reads just that on the tape of 0.08, whatever the offsets are."""
