@@ -255,11 +255,16 @@ def predictive(workspace: Path) -> None:
 
 
 def reliability(workspace: Path) -> None:
-    """Write the diagram of stated confidences from 1,000 cases, which take a quarter of an hour."""
-    script = HERE.parents[1] / "benchmarks/diagnosis/exams/hide_and_find.py"
-    cases = ["--family=wide_b", "--cases=1000", "--seed=7070", "--kinds=motor_steady,tof_bench"]
-    subprocess.run([sys.executable, script, *cases, f"--out={workspace / 'reliability'}"], check=True)
-    _save_smaller("reliability.png", workspace / "reliability/reliability.png", 780)
+    """Write the diagram of stated confidences from 1,000 independent benches, which take half an hour."""
+    repository, cases, answers = HERE.parents[1], workspace / "benches", workspace / "benches_answers"
+    for kind in ("motor_steady", "tof_bench"):
+        make = ["-m", "benchmarks.diagnosis.independent_cases", "--kind", kind, "--cases=500", "--seed=8102"]
+        subprocess.run([sys.executable, *make, f"--out={cases.absolute()}"], check=True, cwd=repository)
+    _command("diagnose", *sorted(path.parent for path in cases.glob("*/nominal.yaml")), "--out", answers)
+    script, diagram = repository / "benchmarks/diagnosis/exams/reliability.py", workspace / "reliability.png"
+    files = [f"--truth={cases / 'truth.json'}", f"--answers={answers}", f"--out={diagram}"]
+    subprocess.run([sys.executable, script, *files], check=True)
+    _save_smaller("reliability.png", diagram, 780)
 
 
 def _remake(command: str, source: Path, out: Path, *options: str) -> None:
