@@ -230,25 +230,24 @@ class _Lines:
 
 def _tried(evidence: Evidence, effect: CandidateEffect) -> list[list[float]]:
     """Return the coordinates at which each parameter of an effect is tried."""
-    units = {name: parameter.unit for name, parameter in effect.kind.parameters().items()}
-    tried = []
-    for coordinate in effect.coordinates:
-        shares = CEILINGS if coordinate.is_ceiling else FLOORS if coordinate.is_floor else ()
-        if shares:
-            tried.append(_limits(evidence, coordinate, units[coordinate.name], shares))
-        else:
-            tried.append(tried_values(coordinate))
-    return tried
+    return [
+        _limits(evidence, effect, coordinate)
+        if coordinate.is_ceiling or coordinate.is_floor
+        else tried_values(coordinate)
+        for coordinate in effect.coordinates
+    ]
 
 
 def starts(evidence: Evidence, effect: CandidateEffect) -> Array:
     """Return coordinates at which an effect should be visible: the start values, and floors between the samples."""
-    tried = zip(effect.coordinates, _tried(evidence, effect), strict=True)
-    return np.array([values[-1] if c.is_floor and values else c.start for c, values in tried])
+    between = [_limits(evidence, effect, c)[-1:] if c.is_floor else [] for c in effect.coordinates]
+    return np.array([floor[0] if floor else c.start for c, floor in zip(effect.coordinates, between, strict=True)])
 
 
-def _limits(evidence: Evidence, coordinate: Coordinate, unit: str, shares: Sequence[float]) -> list[float]:
-    """Return the coordinates of limits between the samples of the fit with the unit of the limit."""
+def _limits(evidence: Evidence, effect: CandidateEffect, coordinate: Coordinate) -> list[float]:
+    """Return the coordinates of a limit, upper or lower, between the samples of the fit with its unit."""
+    unit = effect.kind.parameters()[coordinate.name].unit
+    shares = CEILINGS if coordinate.is_ceiling else FLOORS
     of_unit = np.repeat([observed.unit == unit for observed in evidence.observed], evidence.counts)
     sizes = np.abs(evidence.values[of_unit & evidence.fit])
     levels = np.quantile(sizes[sizes > 0.0], shares) if (sizes > 0.0).any() else np.zeros(0)
