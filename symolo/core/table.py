@@ -198,7 +198,7 @@ def table_of(
         rows.append(row)
     if not rows and not faults:
         faults.append(LineFault(0, "has no rows below the header", "log again, or leave it out"))
-    of_numbers = np.array([] if faults else values, np.float64).reshape(-1, len(numbers))
+    of_numbers = np.array([] if faults else values, np.float64).reshape(0 if faults else len(values), len(numbers))
     return CsvTable(
         text.path,
         np.array([] if faults else rows, np.int64),

@@ -162,6 +162,7 @@ BAD_STEPS = {
     "blank row": (lambda text: text.replace("1,fit,0.010", "\n1,fit,0.010"), "row 3: 1 column; allowed: 7"),
     "empty file": (lambda _: "", "data.csv: is empty"),
     "header alone": (lambda text: text.partition("\n")[0] + "\n", "has no rows below the header"),
+    "header of a column of words alone": (lambda _: "split", "has no rows below the header"),
     "no text": (lambda _: b"\xff\xfa\x00\n", "row 1: is no UTF-8 text"),
     "UTF-16": (lambda text: text.encode("utf-16"), "is UTF-16 text; save it as UTF-8"),
     "old line ends": (lambda text: text.replace("\n", "\r"), "row 1: a carriage return within the row"),
