@@ -5,6 +5,7 @@ Names are those of the attributes id, class and inkscape:label of an element or 
 
 import io
 import math
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import pairwise
@@ -33,6 +34,9 @@ _CONTROLS = {
     "QuadraticBezier": ("start", "control", "end"),
 }
 """Control points of a curve, by the class of svgelements."""
+MAX_DIGITS = 300
+"""The reader of SVG takes a time that grows with the square of the digits of a number."""
+_LONG_NUMBER = re.compile(rb"[0-9]{%d}" % (MAX_DIGITS + 1))
 _ROUND = 1e-3
 """Relative difference of the half axes up to which an arc is a part of a circle."""
 
@@ -50,6 +54,8 @@ def drawing_from_svg(data: bytes, where: str, width_m: float | None) -> Drawing:
     """
     if len(data) > MAX_BYTES or b"<!ENTITY" in data:
         raise InputError("an SVG file", where=where, allowed=f"at most {MAX_BYTES >> 20} MiB, without entities")
+    if _LONG_NUMBER.search(data):
+        raise InputError("a number", where=where, allowed=f"at most {MAX_DIGITS} digits in a row")
     from svgelements import SVG  # noqa: PLC0415 - only for an SVG file
 
     try:
