@@ -86,6 +86,13 @@ class QuantityRead:
     """The covariates of an observed quantity, or of several that a law changes alike, such as those of both wheels."""
 
     def __init__(self, evidence: Evidence, *names: str, drives: bool = False) -> None:
+        """Take the rows of the fit.
+
+        Args:
+            evidence: The observations.
+            names: Names of the quantities.
+            drives: Whether they were measured while the robot drove, so that time is a matter of its path.
+        """
         self._drives = drives
         numbers = [k for k, observed in enumerate(evidence.observed) if observed.name in names]
         self._observed = [(evidence.observed[k], evidence.fit[evidence.places[k]]) for k in numbers]
