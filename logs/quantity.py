@@ -83,7 +83,7 @@ class LogKind:
     """Reading that a single range sensor without a side has, if there is one of this kind."""
     mapping_option: str = "--mapping"
     """Option of the command that reads such logs, with which a user names a mapping file."""
-    page: str = "docs/diagnosis.md"
+    page: str = "docs/case_from_log.md"
     """Page on mapping files."""
 
     @property

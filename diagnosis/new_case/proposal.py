@@ -47,7 +47,7 @@ def _check_wheels(log: LogFile) -> None:
             where=f"{log.path}: row 1",
             allowed="one left and one right wheel on a common axle, which is all that the simulator can drive",
             cure="a robot with three omnidirectional wheels cannot be compared; if two of the wheels are such a pair, "
-            f"or each side has several wheels on one motor, write a {MAPPING} (docs/diagnosis.md) with one column for "
+            f"or each side has several wheels on one motor, write a {MAPPING} (docs/case_from_log.md) with one column for "
             "each side, and name it with --mapping",
         )
 
@@ -65,7 +65,7 @@ def _kind(log: LogFile) -> CaseKind:
             where=f"{log.path}: row 1",
             got=list(log.columns),
             allowed="; ".join(f"for {kind}: {' '.join(sorted(KINDS[kind].needed[0]))}" for kind in KINDS),
-            cure=f"rename the columns, or write a {MAPPING} (docs/diagnosis.md) and name it with --mapping",
+            cure=f"rename the columns, or write a {MAPPING} (docs/case_from_log.md) and name it with --mapping",
         )
     best = max(fitting, key=lambda kind: len(columns_of_kind[kind]))
     if best in {CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY}:

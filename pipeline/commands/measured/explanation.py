@@ -171,14 +171,14 @@ def diagnose(
       effects are named
 
     `symolo inspect --help` lists the data that can be read.
-    docs/diagnosis.md explains the result.
+    docs/diagnosis.md and docs/diagnosis_report.md explain the result.
 
     The command writes these files into DIR, or into DIR/CASE for several
     cases:
 
     - report.html: one page with all results; begin with this file
 
-    - answer.json: the result for programs (docs/diagnosis.md)
+    - answer.json: the result for programs (docs/diagnosis_report.md)
 
     - extended.yaml: the extended robot, for --set robot=FILE
 
