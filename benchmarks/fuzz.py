@@ -1,4 +1,4 @@
-"""Give a reader of files from strangers changed inputs until the time is over: `python benchmarks/fuzz.py READER`.
+"""Give a reader of untrusted files changed inputs until the time is over: `python benchmarks/fuzz.py READER`.
 
     python benchmarks/fuzz.py [READER ...] [--seconds 60] [--processor] [--seed 0] [--keep DIR] [--corpus DIR]
 

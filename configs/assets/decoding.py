@@ -1,4 +1,4 @@
-"""Decoding of images that the user gives, in the child that decodes images of strangers."""
+"""Decoding of images that the user gives, in the child process that decodes untrusted images."""
 
 import numpy as np
 from numpy.typing import NDArray

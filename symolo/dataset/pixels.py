@@ -42,7 +42,7 @@ def decoded_bytes(data: bytes, *, in_colour: bool = False) -> np.ndarray | None:
 
     Raises:
         MemoryError: The machine lacks the memory for it.
-        EnvironmentLacking: The child that decodes images cannot be started.
+        EnvironmentLacking: The child process that decodes images cannot be started.
     """
     return next(decoded_contents([data], in_colour=in_colour))
 

@@ -1,1 +1,1 @@
-"""Readers of files from strangers, and inputs that they have to refuse in one line, at once and without a traceback."""
+"""Readers of untrusted files, and inputs that they have to refuse in one line, at once and without a traceback."""

@@ -1,4 +1,4 @@
-"""The readers of files from strangers, each as a function of bytes, with valid inputs to begin with.
+"""The readers of untrusted files, each as a function of bytes, with valid inputs to begin with.
 
 An input that begins with `@NAME` and a line end replaces the file of that name in a folder of valid files; the reader
 then reads the whole folder. `corpus/READER/valid` holds valid files, and `corpus/READER` the inputs that once failed.

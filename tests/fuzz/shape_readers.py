@@ -1,4 +1,4 @@
-"""Readers of meshes, drawings and robots of strangers, as `readers.py` has them."""
+"""Readers of meshes, drawings and robots from untrusted sources, as `readers.py` has them."""
 
 from pathlib import Path
 

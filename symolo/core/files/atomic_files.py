@@ -246,7 +246,7 @@ def remove_leftovers(folder: Path, *, below: bool = False, of: str = "") -> None
     Nobody else may be writing there, but where only what is `of` one `WRITER` is to go.
     """
     folders = [folder] if folder.is_dir() else []
-    while folders:  # a recursion would end on folders of strangers that are a thousand deep
+    while folders:  # a recursion would end on untrusted folders that are a thousand levels deep
         for path in list(folders.pop().iterdir()):
             if path.is_symlink():
                 continue

@@ -5,7 +5,7 @@ Format: OpenEXR file layout, https://openexr.com/en/latest/OpenEXRFileLayout.htm
 
 The OpenEXR library (3.5) was tried in its place and is not used. It reads files only by name; it decodes all channels
 before a caller can limit size and channels; and it answers a damaged file with a warning on the terminal and an object
-without parts. It would also be one more compiled library that reads files of strangers.
+without parts. It would also be one more compiled library that reads untrusted files.
 """
 
 import struct

@@ -1,4 +1,4 @@
-"""Decoding of images from strangers in a child process, with limits of processor time and memory.
+"""Decoding of untrusted images in a child process, with limits of processor time and memory.
 
 A decoder is a large library in C that reads what somebody else wrote. If it crashes, does not end or takes all memory,
 this is a fault of that one file, and the command goes on. The child starts with the first image and is replaced if it
