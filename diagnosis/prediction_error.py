@@ -59,16 +59,17 @@ class Beyond:
 
     @property
     def text(self) -> str:
+        """Return what is used outside its range, and how far, as a line of a list."""
         share = f"{100.0 * self.share:.0f} % of the samples are outside"
         if self.condition.startswith(SIZE):
             quantity = self.condition.removeprefix(f"{SIZE} in ")
             return (
-                f"{self.effect} was seen where it changes {quantity} by up to {self.high:.3g}, and changes it here by "
-                f"up to {self.furthest:.3g}: {share}"
+                f"{self.effect} changes {quantity} by up to {self.furthest:.3g}, and was seen with changes of up to "
+                f"{self.high:.3g}; {share}"
             )
         return (
-            f"{self.effect} was seen for {self.condition} from {self.low:.3g} to {self.high:.3g}, and is used here up "
-            f"to {self.furthest:.3g}: {share}"
+            f"{self.effect} is used up to {self.condition} = {self.furthest:.3g}, and was seen from {self.low:.3g} to "
+            f"{self.high:.3g}; {share}"
         )
 
 

@@ -24,6 +24,8 @@ FASTEST_TURN_RAD_S = 12.0
 LARGEST_ROOM_M = 20.0
 FULL_DUTIES = (1.0, 100.0, 255.0, 1023.0, 4095.0)
 """Values of a full duty cycle in logs: share, per cent, 8, 10 and 12 bit."""
+MIN_MILLIVOLTS = 1023.0
+"""Largest value of a column from which on it may be in millivolts rather than a duty cycle of 10 bit."""
 USUAL_SUPPLY_V = 7.4
 SMALLEST_MM = 600.0
 """Extent from which a length that is no metre is in millimetres rather than in centimetres."""
@@ -57,13 +59,10 @@ def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_
     for name, column in recognised.items():
         unit, ours = taken_apart(column).unit if column != name else "", kind.unit_of(name)
         if DUTY & set(taken_apart(column).words) and not unit:
-            factor, reason = _of_duty(
-                log, [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
-            )
-            sources[name] = Source(column=column, factor=factor * (supply_V or USUAL_SUPPLY_V))
-            cure = "which is not known: give it with --set supply_voltage_V=NUMBER"
-            supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, {cure}"
-            warnings.append(f"{column} ({name}): {reason}, times {supply}")
+            duties = [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
+            factor, reason = _of_duty(log, duties, supply_V)
+            sources[name] = Source(column=column, factor=factor)
+            warnings.append(f"{column} ({name}): {reason}")
             continue
         if ours and not unit and column != name and name not in left_open:
             with suppress(InputError):  # wrong cells are reported together, when the rows are read
@@ -149,14 +148,18 @@ def _are_per_row(log: LogFile, name: str, sources: Mapping[str, Source]) -> bool
     return False
 
 
-def _of_duty(log: LogFile, columns: Sequence[str]) -> tuple[float, str]:
-    """Return the share of the supply for a value of 1, and the reason, by the largest value of all such columns."""
+def _of_duty(log: LogFile, columns: Sequence[str], supply_V: float | None) -> tuple[float, str]:
+    """Return the voltage for a value of 1, and the reason, by the largest value of all columns of duty cycles."""
     largest = 0.0
     for column in columns:
         with suppress(InputError):
             largest = max(largest, float(np.nanmax(np.abs(log.numbers(column)), initial=0.0)))
     full = next((full for full in FULL_DUTIES if largest <= full), largest)
-    return 1.0 / full, f"taken for a duty cycle of which {full:g} is full, since the values are up to {largest:.4g}"
+    cure = "which is not known: give it with --set supply_voltage_V=NUMBER"
+    supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, {cure}"
+    reason = f"taken for a duty cycle of which {full:g} is full, since the values are up to {largest:.4g}"
+    doubt = f"; if the values are millivolts, write unit: mV without a factor in {MAPPING}"
+    return (supply_V or USUAL_SUPPLY_V) / full, f"{reason}, times {supply}{doubt if largest > MIN_MILLIVOLTS else ''}"
 
 
 def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
@@ -188,6 +191,8 @@ def _guessed(kind: LogKind, name: str, values: Array, log: LogFile, step_s: floa
         return _guessed_length(known, largest, is_range=name in kind.ranges)
     if ours == "rad":
         return _guessed_angle(known, step_s)
+    if ours == "V" and 0.0 < largest <= 1.0:
+        return "", f"taken for V, since the values are up to {largest:.4g}; a duty cycle needs a factor"
     if ours in {"V", "A"} and largest > 60.0:
         return f"m{ours}", f"taken for m{ours}, since the values are up to {largest:.4g}; a duty cycle needs a factor"
     if ours == "rad/s":

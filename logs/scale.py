@@ -22,6 +22,9 @@ OTHER_UNITS: Mapping[str, tuple[tuple[str, float], ...]] = {
     "m/s": (("mm/s", 1e3), ("cm/s", 1e2)),
 }
 """Other units in which logs come, by our unit, and how many of them make one of ours."""
+MIN_NONZERO = 5
+"""Number of values other than zero from which on these alone show the unit; a single one may be an outlier."""
+DUTY_ADVICE = "a duty cycle: multiply by the supply voltage, and divide by the value of a full duty cycle"
 
 
 @dataclass(frozen=True)
@@ -40,8 +43,13 @@ class Reach:
 
 
 def beyond_scale(values: Array, reach: Reach) -> float | None:
-    """Return the median size of the values if more than half of them are out of reach, else None; NaN are left out."""
+    """Return the median size of the values if more than half of them are out of reach, else None.
+
+    Missing values are left out, and so are zeros beside enough other values: a motor that rests has 0 V in any unit.
+    """
     known = values[np.isfinite(values)]
+    if np.count_nonzero(known) >= MIN_NONZERO:
+        known = known[known != 0.0]
     if not len(known) or 2 * np.count_nonzero(~reach.holds(known)) <= len(known):
         return None
     return float(np.median(np.abs(known)))
@@ -54,7 +62,8 @@ def likely_unit(typical: float, reach: Reach, unit: str) -> str:
         return ""
     names = " or ".join(name for name, _ in fits)
     factors = " or ".join(f"{per:.4g}" for _, per in fits)
-    return f"this looks like {names}: divide by {factors}"
+    or_duty = f"; or like {DUTY_ADVICE}" if unit == "V" else ""
+    return f"this looks like {names}: divide by {factors}{or_duty}"
 
 
 def mixed_up_unit(ratio: float, unit: str) -> str:

@@ -116,6 +116,11 @@ def trimmed_rms(size: Array) -> float:
     return float(np.sqrt(np.mean(smallest**2)))
 
 
+def left_out(rows: int) -> int:
+    """Return the number of the largest residuals of some rows that an error leaves out: 3 %, rounded up."""
+    return rows - _count(rows) if rows else 0
+
+
 def _count(rows: int) -> int:
     return max(1, int(np.floor(KEPT_SHARE * rows)))
 

@@ -133,7 +133,7 @@ def _reach_faults(read: CsvTable, columns: Sequence[CaseColumn]) -> list[InputEr
         beyond = np.flatnonzero(~column.reach.holds(values)).tolist()
         if typical is not None:
             cure = likely_unit(typical, column.reach, column.unit) or "check the column's unit"
-            what = f"column {column.name}: most values are out of scale, in the middle {typical:.4g}"
+            what = f"column {column.name}: most values are out of scale, typically {typical:.4g}"
             faults.append(InputError(what, where=str(read.path), allowed=allowed, cure=cure))
         elif beyond and column.role is Role.INPUT:
             cure = "repair or remove the row: inputs must be known"

@@ -47,8 +47,8 @@ def _check_wheels(log: LogFile) -> None:
             where=f"{log.path}: row 1",
             allowed="one left and one right wheel on a common axle, which is all that the simulator can drive",
             cure="a robot with three omnidirectional wheels cannot be compared; if two of the wheels are such a pair, "
-            f"or each side has several wheels on one motor, write a {MAPPING} (docs/case_from_log.md) with one column for "
-            "each side, and name it with --mapping",
+            f"or each side has several wheels on one motor, write a {MAPPING} (docs/case_from_log.md) with one column "
+            "for each side, and name it with --mapping",
         )
 
 

@@ -11,7 +11,14 @@ from diagnosis.report import dataset_comparison, engines, verdict
 from diagnosis.report.matrix import matrix_rows
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences import discovered, quantities
-from diagnosis.report.sentences.compared import quantity_rows, rows_sentence, source_text
+from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
+from diagnosis.report.sentences.compared import (
+    left_out_sentence,
+    misfit_caption,
+    quantity_rows,
+    rows_sentence,
+    source_text,
+)
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.predictive import predictive_sentence
 from diagnosis.report.sentences.rows import too_large
@@ -29,7 +36,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
             with PyBullet.
     """
     diagnosis = data.diagnosis
-    covariates = {structure.observed: quantities.along(structure.covariate) for structure in data.structures}
+    structures = {structure.observed: structure for structure in data.structures}
     return render_page(
         "diagnosis.report",
         title=f"{diagnosis.measurement.name}: diagnosis",
@@ -40,11 +47,15 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         headline=verdict.headline(diagnosis),
         effect_sentences=[*verdict.effect_sentences(diagnosis), *filter(None, [why_no_name(diagnosis)])],
         gain_sentences=verdict.gain_sentences(data),
+        left_out=left_out_sentence(diagnosis.measured),
         measured=source_text(diagnosis.measurement),
         stages=", ".join(stage.name for stage in diagnosis.evidence.stages),
         rows_sentence=rows_sentence(diagnosis.measurement, diagnosis.evidence),
         quantity_rows=quantity_rows(diagnosis.evidence),
-        misfit=[(observed.name, covariates.get(observed.name)) for observed in diagnosis.evidence.observed],
+        misfit=[
+            (observed.name, misfit_caption(observed.name, structures.get(observed.name), diagnosis.unexplained))
+            for observed in diagnosis.evidence.observed
+        ],
         effects=[
             (named, ablation, list(_parameter_rows(named, data)))
             for named, ablation in zip(diagnosis.named, data.ablations, strict=True)
@@ -57,6 +68,8 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         file=FILE,
         posterior_file=POSTERIOR_FILE,
         drawn_supply=_drawn_supply(data),
+        beyond_sentence=BEYOND_SENTENCE,
+        beyond=list(beyond_list(data.unseen)),
         predictive_sentence=predictive_sentence(data.predictive),
         too_large=too_large,
         dataset_comparison=dataset_comparison,

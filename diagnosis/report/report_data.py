@@ -1,6 +1,6 @@
 """Data of the report beyond the diagnosis itself: the model without each effect, gains by quantity, signatures."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -18,7 +18,8 @@ from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.log_score import LogScoreChange, log_score_change
 from diagnosis.inference.naming.transfer import trial_groups
 from diagnosis.inference.selection.refusal import is_of_noise
-from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
+from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.posterior.random_slip import random_slip
@@ -65,7 +66,8 @@ class ReportData:
     diagnosis: Diagnosis
     robot: ExtendedRobot
     structures: tuple[Structure, ...]
-    """Strongest structure in the residuals of each observed quantity, for the nominal robot with fitted nuisances."""
+    """Structure along whose covariate the misfit of each observed quantity is shown: that which the verdict reports, or
+    else that of the nominal robot with fitted nuisances."""
     ablations: tuple[Ablation, ...]
     """Model without each named effect, in the order of the effects."""
     intervals: Mapping[str, Mapping[str, tuple[Interval, ...]]]
@@ -118,12 +120,12 @@ def report_data(
     changes = (0.0, nominal.local_change, diagnosis.fit.local_change)
     means = [mean + change for mean, change in zip(prediction.mean, changes, strict=True)]
     usable = measured.fit | measured.heldout
-    slip = random_slip(diagnosis)
+    slip, names = random_slip(diagnosis), [observed.name for observed in evidence.observed]
     z = np.where(usable, (measured.values - np.stack(means)) / measured.sd, np.nan)
     return ReportData(
         diagnosis=diagnosis,
         robot=extended_robot(diagnosis, () if slip is None else (slip.effect,)),
-        structures=tuple(_strongest(evidence, nominal)),
+        structures=tuple(shown_structures(diagnosis.unexplained, adequacy(evidence, nominal), names)),
         ablations=tuple(_ablations(diagnosis)),
         intervals=profiles(evidence, diagnosis.fit),
         by_quantity=tuple(_by_quantity(diagnosis)),
@@ -146,14 +148,20 @@ def report_data(
     )
 
 
-def _strongest(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
-    """Yield one structure for each observed quantity: of the significant ones that which explains most."""
-    structures = adequacy(evidence, fit).structures
-    for observed in evidence.observed:
-        candidates = [structure for structure in structures if structure.observed == observed.name]
-        significant = [structure for structure in candidates if structure.p < LEVEL]
-        if candidates:
-            yield max(significant, key=lambda structure: structure.explainable) if significant else candidates[0]
+def shown_structures(unexplained: Structure | None, nominal: Adequacy, observed: Iterable[str]) -> Iterator[Structure]:
+    """Yield the structure along which the misfit of each observed quantity is shown, if there is any.
+
+    Args:
+        unexplained: The structure that the verdict reports; None if there is none.
+        nominal: Structures in the residuals of the nominal robot with fitted nuisances.
+        observed: Names of the observed quantities.
+    """
+    for name in observed:
+        of_quantity = nominal.of(name)
+        if unexplained is not None and unexplained.observed == name and not unexplained.what.startswith(SCATTER):
+            yield unexplained
+        elif of_quantity.structures:
+            yield of_quantity.worst
 
 
 def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:

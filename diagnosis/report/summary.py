@@ -13,6 +13,7 @@ from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences import discovered
+from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.quantities import meaning, with_error
 from diagnosis.report.sentences.rows import too_large
@@ -56,9 +57,9 @@ def summary(data: ReportData) -> list[str]:
         lines += ["", first, *(part for text in rest for part in wrap(f"  {text}", WIDTH, subsequent_indent="    "))]
     if data.engines is not None:
         lines += ["", *(part for line in in_lines(data.engines) for part in wrap(line, WIDTH))]
-    for prediction in data.unseen:
-        for left in prediction.beyond:
-            lines += ["", *wrap(f"warning: {prediction.file}: {left.text}. The intervals are wider there.", WIDTH)]
+    if beyond := list(beyond_list(data.unseen)):
+        lines += ["", *wrap(f"warning: {BEYOND_SENTENCE}", WIDTH)]
+        lines += [part for text in beyond for part in wrap(f"  {text}", WIDTH, subsequent_indent="    ")]
     if diagnosis.candidates.untestable:
         lines += ["", *_entry("not visible here", ", ".join(diagnosis.candidates.untestable))]
     for effect in data.robot.left_out:

@@ -84,7 +84,7 @@ class PlanResult(JsonResult):
     beyond_measured: list[str] = []
     """Demands of the scenario that leave what this diagnosis measured."""
     warnings: list[str] = []
-    """What is suspicious about starts, lines and walls of runs, such as a yaw in radians."""
+    """What is suspicious about starts, lines and walls, such as a yaw in radians, each with the runs it concerns."""
     price: PricePart | None = None
     """Measured cost of the images of --images; null without it."""
 

@@ -1,6 +1,6 @@
 """Estimates of what a scenario makes, its size and its time, with the assumptions behind them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from blender_scenes.render.probe import LADDER, probed_numbers
@@ -94,7 +94,7 @@ class ScenarioPlan:
     demands: tuple[str, ...] = ()
     """Lines about demands of the scenario that leave what this diagnosis measured."""
     warnings: tuple[str, ...] = ()
-    """What is suspicious about starts, lines and walls, each with the name of its run."""
+    """What is suspicious about starts, lines and walls, each with the runs that it concerns."""
 
     @classmethod
     def of(cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None) -> "ScenarioPlan":
@@ -102,8 +102,14 @@ class ScenarioPlan:
         planned = [(camera.name, _planned(spec, camera)) for spec, camera in cameras]
         runs = tuple(run for name, run in planned if not name)
         further = tuple(replace(run, rows=0) for name, run in planned if name)
-        warnings = tuple(f"{spec.key}: {text}" for spec in specs for text in plan_warnings(spec))
-        return cls(runs, further, cores, source_line(like), demand_lines(like, specs), warnings)
+        return cls(runs, further, cores, source_line(like), demand_lines(like, specs), plan_warnings(specs))
+
+    def notes(self) -> Iterator[str]:
+        """Yield what a user should know before the runs are simulated."""
+        if self.robots:
+            yield f"robots: {self.robots}"
+        yield from (f"beyond what was measured: {line}" for line in self.demands)
+        yield from (f"warning: {line}" for line in self.warnings)
 
     @property
     def _all(self) -> tuple[PlannedRun, ...]:

@@ -1,6 +1,7 @@
 """Warnings of a run that is probably not what its scenario was meant to make, with the suspected cause."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from math import cos, degrees, pi, radians, sin
 
 import numpy as np
@@ -9,6 +10,7 @@ from configs.schema.scenario import RunSpec
 from symolo.arena.footprints import wall_footprint
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
+from symolo.core.progress import plural
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import State
 
@@ -23,27 +25,50 @@ ALONG_RAD, ACROSS_RAD = radians(10.0), radians(20.0)
 SPACING_M = 0.005
 
 
-def start_warnings(spec: RunSpec) -> tuple[str, ...]:
-    """Return what is suspicious about the start of a run, before it is simulated."""
-    is_small = 0.0 < abs(spec.start.yaw_deg) <= 2.0 * pi
-    return tuple(_in_radians(spec, Arena.from_config(spec.arena).line)) if is_small else ()
+@dataclass(frozen=True)
+class _Suspicion:
+    """Something suspicious about a run, before it is simulated."""
+
+    about: str
+    """What it is about; the same for all runs whose texts differ in numbers alone."""
+    text: str
 
 
-def plan_warnings(spec: RunSpec) -> tuple[str, ...]:
-    """Return what is suspicious about a run of the built-in controller in its arena, before anything is simulated."""
+def plan_warnings(specs: Sequence[RunSpec]) -> tuple[str, ...]:
+    """Return what is suspicious about runs before anything is simulated, each once with the runs that it concerns."""
+    runs_of: dict[str, list[tuple[str, str]]] = {}
+    for spec in specs:
+        for suspicion in _suspicions(spec):
+            runs_of.setdefault(suspicion.about, []).append((spec.key, suspicion.text))
+    return tuple(_of_runs(runs) for runs in runs_of.values())
+
+
+def _of_runs(runs: Sequence[tuple[str, str]]) -> str:
+    """Return the text of the first run, with the number of the others."""
+    run, text = runs[0]
+    if len(runs) == 1:
+        return f"{run}: {text}"
+    varied = "" if all(other == text for _, other in runs) else ", with other numbers,"
+    return f"{run} and{varied} {plural(len(runs) - 1, 'more run')}: {text}"
+
+
+def _suspicions(spec: RunSpec) -> Iterator[_Suspicion]:
+    """Yield what is suspicious about a run, and about the way of the built-in controller through its arena."""
     line = Arena.from_config(spec.arena).line
-    if not line.pieces or spec.board is not None or spec.controller is not None:
-        return start_warnings(spec)
-    return (*start_warnings(spec), *_starts_beside(spec, line), *_through_walls(spec, line))
+    yield from _in_radians(spec, line)
+    if line.pieces and spec.board is None and spec.controller is None:
+        yield from _starts_beside(spec, line)
+        yield from _through_walls(spec, line)
 
 
-def _starts_beside(spec: RunSpec, line: Line) -> Iterator[str]:
+def _starts_beside(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
     away_m = float(_nearest(line, spec)[0])
     if away_m > BESIDE_M:
-        yield f"the run starts {away_m:.2f} m away from the line, which its line sensor does not see there"
+        text = f"the run starts {away_m:.2f} m away from the line, which its line sensor does not see there"
+        yield _Suspicion("start beside the line", text)
 
 
-def _through_walls(spec: RunSpec, line: Line) -> Iterator[str]:
+def _through_walls(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
     points = np.concatenate([piece.at(_along(piece.length_m)) for piece in line.pieces])
     for wall in spec.arena.walls:
         body = wall_footprint(wall)
@@ -51,17 +76,19 @@ def _through_walls(spec: RunSpec, line: Line) -> Iterator[str]:
         inside = np.all(np.abs((points - body.center) @ turn) < 0.5 * np.array(body.size), axis=1)
         if inside.any():
             x, y = points[int(np.argmax(inside))]
-            yield (
+            yield _Suspicion(
+                f"wall {wall.name}",
                 f"the line leads through wall {wall.name} at x = {x:.2f}, y = {y:.2f} m, where the robot cannot follow "
                 "it: move one of them, or leave out the wall (an arena that extends another keeps its walls, until it "
-                "lists `walls` itself)"
+                "lists `walls` itself)",
             )
 
 
 def run_warnings(spec: RunSpec, recording: Recording) -> tuple[str, ...]:
     """Return what is suspicious about a run; nothing for nearly all runs."""
     line = Arena.from_config(spec.arena).line
-    return (*_standing(recording), *_without_the_line(spec, line, recording), *start_warnings(spec))
+    of_start = [suspicion.text for suspicion in _in_radians(spec, line)]
+    return (*_standing(recording), *_without_the_line(spec, line, recording), *of_start)
 
 
 def _standing(recording: Recording) -> Iterator[str]:
@@ -83,15 +110,16 @@ def _without_the_line(spec: RunSpec, line: Line, recording: Recording) -> Iterat
     )
 
 
-def _in_radians(spec: RunSpec, line: Line) -> Iterator[str]:
+def _in_radians(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
     yaw = spec.start.yaw_deg
-    if not line.pieces:
+    if not line.pieces or not 0.0 < abs(yaw) <= 2.0 * pi:
         return
     _, along = _nearest(line, spec)
     if _angle(along, radians(yaw)) > ACROSS_RAD and _angle(along, yaw) < ALONG_RAD:
-        yield (
+        yield _Suspicion(
+            "yaw in radians",
             f"yaw_deg {yaw:g} looks like radians: as degrees, the start leads away from the line; if it is in radians,"
-            f" write yaw_deg: {degrees(yaw):.0f}"
+            f" write yaw_deg: {degrees(yaw):.0f}",
         )
 
 

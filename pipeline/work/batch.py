@@ -35,6 +35,8 @@ class Batch:
     workspace: Workspace
     executor: Executor
     device: DeviceKind = "CPU"
+    notes: tuple[str, ...] = ()
+    """Lines for the user before the runs are simulated, such as suspicious starts."""
 
     @classmethod
     def open(
@@ -57,10 +59,11 @@ class Batch:
         executor.check()
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
-        check_disk(out, ScenarioPlan.of(specs, cores()).bytes_needed)
+        plan = ScenarioPlan.of(specs, cores(), loaded.like)
+        check_disk(out, plan.bytes_needed)
         renders = renders and any(map(cameras_of, specs))
         device = device_for(specs[0].render.device) if renders else "CPU"
-        return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
+        return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device, tuple(plan.notes()))
 
     @property
     def has_images(self) -> bool:

@@ -81,7 +81,7 @@ def test_a_warning_names_effect_condition_range_and_value(slow_bench):
     (left,) = [each for each in prediction.beyond if each.condition == "u_cmd_V"]
     assert (left.effect, left.high, left.furthest) == ("current_sensor_gain", SEEN_V, 5.0)
     assert left.share == pytest.approx(3 / 7)
-    assert "current_sensor_gain was seen for u_cmd_V from -2.5 to 2.5, and is used here up to 5: 43 % of" in left.text
+    assert "current_sensor_gain is used up to u_cmd_V = 5, and was seen from -2.5 to 2.5; 43 % of" in left.text
 
 
 def test_the_files_have_standard_deviations_and_warnings(slow_bench):
@@ -90,9 +90,11 @@ def test_the_files_have_standard_deviations_and_warnings(slow_bench):
     header, *rows = contents["case.csv"].decode().splitlines()
     assert header == "current_A,omega_rad_s,sd_current_A,sd_omega_rad_s"
     assert len(rows) == 7
-    warning = "current_sensor_gain was seen for u_cmd_V from -2.5 to 2.5"
-    assert warning in contents[PAGE].decode()
-    assert warning in " ".join(contents[SUMMARY].decode().split())
+    warning = "case.csv: current_sensor_gain is used up to u_cmd_V = 5, and was seen from -2.5 to 2.5"
+    for text in (contents[PAGE].decode(), " ".join(contents[SUMMARY].decode().split())):
+        assert text.count(warning) == 1
+        assert text.count("Effects are used outside the range in which they were seen") == 1
+    assert b'"condition": "current_A"' in contents[ANSWER]
     assert b'"condition": "u_cmd_V"' in contents[ANSWER]
     assert contents["plots/case.png"].startswith(b"\x89PNG")
 
@@ -138,6 +140,6 @@ def test_the_error_of_a_path_is_the_scatter_of_slipping_wheels():
 def test_a_warning_of_a_larger_effect_says_which_quantity_it_changes():
     left = Beyond("tof_range_scale", f"{SIZE} in tof_front_m", 0.0, 0.0322, 0.041, 0.06)
     assert left.text == (
-        "tof_range_scale was seen where it changes tof_front_m by up to 0.0322, and changes it here by up to 0.041: "
-        "6 % of the samples are outside"
+        "tof_range_scale changes tof_front_m by up to 0.041, and was seen with changes of up to 0.0322; 6 % of the "
+        "samples are outside"
     )

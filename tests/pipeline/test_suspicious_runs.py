@@ -49,8 +49,17 @@ def test_a_start_beside_the_line_is_named_with_its_distance():
 
 def test_a_plan_names_a_start_far_from_the_line():
     """The line is at x = 0.55 m."""
-    (warning,) = plan_warnings(spec_of(x_m=0.2))
-    assert warning.startswith("the run starts 0.35 m away from the line")
+    (warning,) = plan_warnings([spec_of(x_m=0.2)])
+    assert warning.startswith("CW/test_1: the run starts 0.35 m away from the line")
+
+
+def test_a_warning_of_several_runs_is_stated_once_with_their_number_and_the_first():
+    beside, further = (spec_of(x_m=x_m).model_copy(update={"run": 2}) for x_m in (0.2, 0.0))
+    same = beside.model_copy(update={"run": 3})
+    (warning,) = plan_warnings([spec_of(), beside, same])
+    assert warning.startswith("CW/test_2 and 1 more run: the run starts 0.35 m away from the line")
+    (warning,) = plan_warnings([beside, same, further.model_copy(update={"run": 4})])
+    assert warning.startswith("CW/test_2 and, with other numbers, 2 more runs: the run starts 0.35 m away")
 
 
 def test_a_plan_names_a_wall_across_the_line():
@@ -58,19 +67,19 @@ def test_a_plan_names_a_wall_across_the_line():
     course = "arena.line.course={points: [[-0.7, -0.6], [0.7, -0.6], [0.7, 0.6], [-0.7, 0.6]], bend_radius_m: 0.3}"
     route = "routes=[{name: CW, start: {x_m: 0.0, y_m: -0.6, yaw_deg: 0}, runs: 1}]"
     (spec,) = draw_all(load_scenario("symolo", [course, route]))
-    (warning,) = plan_warnings(spec)
-    named = re.match(r"the line leads through wall B at x = (-0\.\d\d), y = (-0\.\d\d) m", warning)
+    (warning,) = plan_warnings([spec])
+    named = re.match(r"CW/test_1: the line leads through wall B at x = (-0\.\d\d), y = (-0\.\d\d) m", warning)
     assert named is not None
     x, y = map(float, named.groups())
     assert x == pytest.approx(-0.51, abs=0.02)
     assert np.hypot(x + 0.4, y + 0.3) == pytest.approx(0.3, abs=0.01), "on the bend of 0.3 m around (-0.4, -0.3)"
     (free,) = draw_all(load_scenario("symolo", [course, route, "arena.walls=[]"]))
-    assert plan_warnings(free) == ()
+    assert plan_warnings([free]) == ()
 
 
 @pytest.mark.parametrize("name", shipped_names("scenario"))
 def test_plans_of_the_shipped_scenarios_have_no_warning(name):
-    assert [text for spec in draw_all(load_scenario(name)) for text in plan_warnings(spec)] == []
+    assert plan_warnings(draw_all(load_scenario(name))) == ()
 
 
 def test_a_robot_that_stands_still_is_named():
@@ -97,7 +106,9 @@ def test_terminal_metadata_and_report_have_the_warning(tmp_path, symolo, hands, 
     out = tmp_path / "data"
     ended = symolo("release", "smoke", "--out", out, "--set", setting, *tiny)
     assert ended.code == 0
-    assert "CW/test_1: yaw_deg -1.57 looks like radians" in ended.err + ended.out
+    before, _, after = (ended.err + ended.out).partition("simulate: ")
+    assert "warning: CW/test_1: yaw_deg -1.57 looks like radians" in before
+    assert "CW/test_1: yaw_deg -1.57 looks like radians" in after
     (run,) = json.loads((out / "metadata.json").read_text())["runs"]
     assert any("looks like radians" in text for text in run["warnings"])
     assert "looks like radians" in (out / "README.md").read_text()

@@ -115,6 +115,10 @@ class Adequacy:
         """Return whether there is a significant structure that is no mere disturbance of the log."""
         return any(s.p < LEVEL and not s.may_lack_cause for s in self.structures)
 
+    def of(self, observed: str) -> "Adequacy":
+        """Return the same with the structures of one observed quantity only."""
+        return Adequacy(tuple(structure for structure in self.structures if structure.observed == observed))
+
     @property
     def worst(self) -> Structure:
         """The most significant structure; of covariates that explain a quantity equally well, the first."""

@@ -52,7 +52,7 @@ def misfit_plot(data: ReportData, k: int) -> bytes:
 
 
 def _covariate(data: ReportData, observed: Observed) -> Covariate | None:
-    """Return the covariate along which the residuals of the fitted nominal robot show most structure."""
+    """Return the covariate of the structure that is shown of a quantity, or else its first one."""
     for structure in data.structures:
         if structure.observed == observed.name:
             return next(c for c in observed.covariates if c.name == structure.covariate)

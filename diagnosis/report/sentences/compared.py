@@ -6,8 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.gain import KEPT_SHARE, left_out
+from diagnosis.inference.unexplained.adequacy import LEVEL, Structure
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import timing
+from diagnosis.report.sentences.quantities import along, percent
 from diagnosis.report.verdict import listed
 
 _MAX_FILES = 4
@@ -61,3 +64,36 @@ def quantity_rows(evidence: Evidence) -> Iterator[tuple[str, ...]]:
             noise = f"{low:.3g}" if high - low < 1e-3 * high else f"{low:.3g} to {high:.3g}"
         counts = (f"{fitted}", f"{heldout}", f"{unusable}")
         yield observed.name, observed.unit, stage, *counts, noise, f"{correlation:.2g}"
+
+
+def misfit_caption(observed: str, structure: Structure | None, unexplained: Structure | None) -> str:
+    """Return what the misfit plot of a quantity shows.
+
+    Args:
+        observed: Name of the quantity.
+        structure: The structure along whose covariate it is drawn; None if there is none.
+        unexplained: The structure that the verdict reports; None if there is none.
+    """
+    if structure is None:
+        return f"{observed}."
+    text = f"{observed} along {along(structure.covariate)}"
+    if structure is unexplained:
+        return f"{text}, where the residuals have the structure that no effect explains."
+    if structure.p < LEVEL:
+        return f"{text}, where the residuals of the nominal robot with fitted parameters show most structure."
+    return f"{text}."
+
+
+def left_out_sentence(evidence: Evidence) -> str:
+    """Return what the errors on held-out rows are, and how many of the largest residuals they leave out; empty if no
+    row is held out.
+    """
+    rows = [int(np.count_nonzero(evidence.heldout[place])) for place in evidence.places]
+    count, values = sum(map(left_out, rows)), sum(rows)
+    if not values:
+        return ""
+    return (
+        "Each error is the root mean square of the residuals on held-out rows, in standard deviations of the noise. "
+        f"The largest {percent(1.0 - KEPT_SHARE)} of each quantity are left out, rounded up: here {count} of {values} "
+        f"values ({percent(count / values)})."
+    )

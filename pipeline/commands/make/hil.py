@@ -89,7 +89,7 @@ def hil(
     batch = Batch.open(scenario, overrides, out, Local.of(workers, memory), report)
     check_board(batch.workspace, batch.specs, port or "")
     with batch.workspace.locked():
-        for line in again(batch.workspace, batch.specs):
+        for line in (*batch.notes, *again(batch.workspace, batch.specs)):
             report.say(line)
         batch.keep_user_files()
         failures = drive_runs(batch.workspace, batch.specs, port or "", report)

@@ -276,15 +276,10 @@ def _do_stages(
     along: "Along | None",
 ) -> "list[FailedRun]":
     """Do the stages and return all failures; `along` uploads each run as soon as it is complete."""
-    from pipeline.planning.demands import demand_lines, source_line
     from pipeline.run_folder.status import again
 
     failed = [*failures]
-    if "simulate" in stages and batch.loaded.like is not None:
-        report.say(f"robots: {source_line(batch.loaded.like)}")
-        for line in demand_lines(batch.loaded.like, batch.specs):
-            report.say(f"beyond what was measured: {line}")
-    for line in again(batch.workspace, batch.specs):
+    for line in (*(batch.notes if "simulate" in stages else ()), *again(batch.workspace, batch.specs)):
         report.say(line)
     if "render" in stages and batch.has_images:
         batch.keep_user_files()

@@ -14,6 +14,7 @@ from diagnosis.measured.overview import overview
 from diagnosis.measured.write_case import csv_of, write_case
 from symolo.core.errors import InputError
 
+TIMES_S = [0.005 * step for step in range(60)]
 KINDS = ("motor_steady", "motor_step", "tof_bench", "drive_log")
 GOOD, MISSING, NO_TARGET = SampleQuality.GOOD, SampleQuality.MISSING, SampleQuality.NO_TARGET
 
@@ -189,7 +190,18 @@ BAD_STEPS = {
     ),
     "voltages in mV": (
         lambda text: text.replace(",3.0,", ",3000,").replace(",-3.0,", ",-3000,"),
-        "column u_cmd_V: most values are out of scale.*this looks like mV: divide by 1000",
+        "column u_cmd_V: most values are out of.*looks like mV: divide by 1000; or like a duty cycle: multiply by the",
+    ),
+    "voltages in mV between pauses": (
+        lambda text: (
+            "\n".join(
+                [text.splitlines()[0]]
+                + [f"1,fit,{t:g},{t:g},{-2130 if 30 <= k < 40 else 0},0.1,0.5" for k, t in enumerate(TIMES_S)]
+                + [f"2,holdout,{2 + t:g},{t:g},0,0.1,0.5" for t in TIMES_S]
+            )
+            + "\n"
+        ),
+        "column u_cmd_V: most values are out of scale, typically 2130; .*this looks like mV",
     ),
     "one voltage out of reach": (changed(3, 5, "300"), "row 3: column u_cmd_V: got 300.*allowed: -60 to 60 V"),
 }

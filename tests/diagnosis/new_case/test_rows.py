@@ -264,6 +264,27 @@ def test_a_duty_cycle_is_a_share_of_the_supply(log, largest, supply_V, factor):
     np.testing.assert_allclose(trial["u_right_V"].values[-1], -0.5 * factor * largest)
 
 
+@pytest.mark.parametrize(
+    ("names", "largest", "suspicion"),
+    [
+        ("pwmL,pwmR", 3000, r"pwmL \(u_left_V\): taken for a duty .* if the values are millivolts, write unit: mV"),
+        ("pwmL,pwmR", 7400, r"pwmL \(u_left_V\): taken for a duty .* if the values are millivolts, write unit: mV"),
+        ("uL,uR", 0.9, r"uL \(u_left_V\): the name has no unit; taken for V, .* a duty cycle needs a factor"),
+    ],
+)
+def test_a_voltage_that_may_be_in_another_unit_is_named_with_that_unit(log, names, largest, suspicion):
+    t = np.round(0.05 * np.arange(40), 6)
+    text = drive(t, volts=np.where(t > 1, 0.5, 1.0) * largest, header=DRIVE.replace("uL,uR", names))
+    assert any(re.search(suspicion, warning) for warning in propose(log(text)).warnings)
+
+
+@pytest.mark.parametrize(("names", "largest"), [("pwmL,pwmR", 255), ("uL,uR", 6.0)])
+def test_a_voltage_without_doubt_has_no_suspicion(log, names, largest):
+    t = np.round(0.05 * np.arange(40), 6)
+    text = drive(t, volts=largest + 0.0 * t, header=DRIVE.replace("uL,uR", names))
+    assert not re.search("millivolt|needs a factor", " ".join(propose(log(text)).warnings))
+
+
 def test_a_constant_takes_the_place_of_a_column(log):
     distances = np.repeat([0.1, 0.2, 0.3, 0.4], 3)
     readings = log(table("distance_m,tof_m", distances, distances + 0.01))

@@ -4,17 +4,23 @@ import json
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from math import floor
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from diagnosis.extended_robot import FILE
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.profile import Interval
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure
 from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
 from diagnosis.report.page import _parameter_rows, page
 from diagnosis.report.plots.gain import round_ticks
+from diagnosis.report.report_data import shown_structures
+from diagnosis.report.sentences.compared import misfit_caption
+from diagnosis.report.sentences.quantities import along
 from diagnosis.report.summary import summary
 from sensors.effects.tof_range_offset import TofRangeOffset
 
@@ -64,6 +70,40 @@ def test_what_has_no_name_is_reported_with_channel_covariate_and_plot(files_of, 
     assert left.channel == "current_A"
     assert f"The residuals of current_A have structure along predicted {left.covariate}" in text
     assert "plots/unexplained.png" in files_of("bumped")
+    assert f"current_A along {along(left.covariate)}, where the residuals have the structure that no effect" in text
+
+
+def test_the_misfit_is_shown_along_the_covariate_of_the_verdict():
+    """Along another one only where the verdict is of another quantity, or of a scatter, which has no covariate."""
+    of_voltage, of_time = (a_structure(covariate=name, p=1e-9) for name in ("u_cmd_V", "t_s"))
+    nominal = Adequacy((of_voltage,))
+    assert list(shown_structures(of_time, nominal, ["current_A"])) == [of_time]
+    for other in (None, replace(of_time, observed="omega_rad_s"), replace(of_time, what="scatter of 3 times")):
+        assert list(shown_structures(other, nominal, ["current_A"])) == [of_voltage]
+    assert list(shown_structures(None, Adequacy(()), ["current_A"])) == []
+
+
+def test_a_caption_speaks_of_structure_only_if_there_is_any():
+    certain, chance = a_structure(p=1e-9), a_structure(p=0.2)
+    assert misfit_caption("current_A", None, None) == "current_A."
+    assert misfit_caption("current_A", chance, None) == "current_A along u_cmd_V."
+    assert "nominal robot with fitted parameters show most structure" in misfit_caption("current_A", certain, None)
+    assert "that no effect explains" in misfit_caption("current_A", certain, certain)
+
+
+def a_structure(*, covariate="u_cmd_V", p):
+    basis = np.zeros((0, 0))
+    return Structure("current_A", "current_A", covariate, "trend", p, 50.0, 0, basis, 1.0, is_over_time=False)
+
+
+def test_the_table_of_errors_states_how_many_rows_it_leaves_out(files_of, diagnosis_of):
+    """GAP_FORMAT keeps the smallest 97 % of the rows, rounded down, so that of few rows more than 3 % are left out."""
+    evidence = diagnosis_of("weak").measured
+    rows = [int(evidence.heldout[place].sum()) for place in evidence.places]
+    count = sum(n - floor(0.97 * n) for n in rows)
+    assert count > 0.03 * sum(rows)
+    text = text_of(files_of("weak")[PAGE].decode())
+    assert f"are left out, rounded up: here {count} of {sum(rows)} values ({100 * count / sum(rows):.3g} %)" in text
 
 
 def test_a_bench_without_effects_says_so(files_of):
