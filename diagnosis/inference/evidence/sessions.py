@@ -5,11 +5,14 @@ tracked body is off therefore differs from session to session, while wheels, mot
 session has these errors of its own, each with a normal prior, and they are fitted together with everything else. Only
 an error that all sessions share, and that is larger than the prior allows, may be an effect with a name.
 
+If the source states no sessions, somebody may still have set the tracked body again during a long pause of a drive. Its
+heading may then change at the pause. Before the pause an error of the heading is an effect of the robot.
+
 They are small, so that the prediction is linear in them. It is linearised once at no error, and again at the errors
 that were fitted then: a delay of a whole row is not ten times a delay of a tenth of it.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +21,7 @@ from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
-from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
 from sensors.effects.marker_offset import MarkerOffset
 from sensors.effects.marker_yaw import MarkerYaw
@@ -36,6 +39,8 @@ class SessionError:
     """Name of its parameter."""
     tolerance: float
     """Standard deviation between sessions, in the unit of the parameter."""
+    is_change: bool = False
+    """Whether the number is the change since the first session, whose error is one of the robot."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,9 @@ SESSION_ERRORS = (
 )
 """A body set by eye is off by a degree and two millimetres; clocks that are aligned by hand, to a row of
 50 ms; and a clock with a ceramic resonator runs wrong by a thousandth."""
+AFTER_PAUSE = (SessionError(MarkerYaw, "angle_rad", 0.02, is_change=True),)
+PAUSE_S = 600.0
+"""Time between two trials from which the tracked body may have been set again."""
 DETERMINED = 0.5
 """Standard error in tolerances up to which the data determine an error."""
 FURTHEST = 3.0
@@ -66,7 +74,7 @@ VISIBLE = 1e-3
 def session_nuisances(
     measurement: Measurement, evidence: Evidence, nominal: RobotConfig, around: HypothesisFit | None = None
 ) -> tuple[SessionNuisance, ...]:
-    """Return the nuisances of the sessions of a measurement; none if it does not say which trial is of which session.
+    """Return the nuisances of the sessions of a measurement, or those after long pauses if it states no sessions.
 
     Args:
         measurement: The measurement.
@@ -80,28 +88,43 @@ def session_nuisances(
 def _nuisances(
     measurement: Measurement, evidence: Evidence, nominal: RobotConfig, sizes: Mapping[tuple[str, SessionError], float]
 ) -> Iterator[SessionNuisance]:
-    sessions = tuple(dict.fromkeys(trial.session for trial in measurement.trials if trial.session))
+    of_trials, errors = [trial.session for trial in measurement.trials], SESSION_ERRORS
+    sessions = tuple(dict.fromkeys(session for session in of_trials if session))
+    if not sessions:
+        of_trials, errors = _after_pauses(measurement), AFTER_PAUSE
+        sessions = tuple(dict.fromkeys(of_trials))[1:]
     if not sessions:
         return
-    session = np.array([trial.session for trial in measurement.trials])[evidence.trial]
+    session = np.array(of_trials)[evidence.trial]
     (bare,) = evidence.predicted([nominal]).mean
     for name in sessions:
         here = (session == name) & np.isfinite(evidence.values)
-        x = np.array([sizes.get((name, error), 0.0) for error in SESSION_ERRORS])
+        x = np.array([sizes.get((name, error), 0.0) for error in errors])
         # Either sign is possible, and a delay interpolates between other rows than its negative.
         # A step of a drifting clock is less than a row at the end of a minute.
-        steps = STEP * np.eye(len(SESSION_ERRORS))
-        robots = [_with_errors(nominal, sizes) for sizes in (x, *(x + steps), *(x - steps))]
+        steps = STEP * np.eye(len(errors))
+        robots = [_with_errors(nominal, errors, sizes) for sizes in (x, *(x + steps), *(x - steps))]
         at, *beside = np.where(here, evidence.predicted(robots).mean - bare, 0.0)
         more, less = np.split(np.array(beside), 2)
         changes = change_by_tolerance(more, less)
         rest = at - x @ changes
-        for error, change in zip(SESSION_ERRORS, changes, strict=True):
+        for error, change in zip(errors, changes, strict=True):
             if np.abs(change / evidence.sd)[evidence.fit].max(initial=0.0) > VISIBLE:
                 title = f"{error.effect.name} of session {name}"
                 unit = error.effect.parameters()[error.number].unit
                 yield SessionNuisance(title, 0.0, error.tolerance, unit, _same, change, rest, name, error)
                 rest = None
+
+
+def _after_pauses(measurement: Measurement) -> list[str]:
+    """Return for each trial of a drive the name of the first trial since the last long pause."""
+    names: list[str] = []
+    ended_s = -np.inf
+    for trial in measurement.trials if measurement.kind is CaseKind.DRIVE_LOG else ():
+        begins_s = trial.begins_s or 0.0
+        names.append(trial.name if begins_s - ended_s > PAUSE_S else names[-1])
+        ended_s = begins_s + float(trial.t_s[-1])
+    return names
 
 
 def _sizes(fit: HypothesisFit) -> Mapping[tuple[str, SessionError], float]:
@@ -125,13 +148,23 @@ class FittedError:
     std: float
     """Standard error."""
     unit: str
+    is_change: bool = False
+    """Whether the value is the change at the pause before the trial `session`."""
 
 
 def fitted_errors(fit: HypothesisFit) -> tuple[FittedError, ...]:
     """Return the errors of all sessions that the data determine better than their priors do."""
     errors = np.sqrt(np.diag(fit.covariance)).tolist()
     return tuple(
-        FittedError(n.session, n.error.effect.name, n.error.number, x * n.tolerance, error * n.tolerance, n.unit)
+        FittedError(
+            n.session,
+            n.error.effect.name,
+            n.error.number,
+            x * n.tolerance,
+            error * n.tolerance,
+            n.unit,
+            n.error.is_change,
+        )
         for n, x, error in zip(fit.hypothesis.nuisances, fit.x.tolist(), errors, strict=False)
         if isinstance(n, SessionNuisance) and n.error is not None and error < DETERMINED
     )
@@ -141,13 +174,14 @@ def within_sessions(fit: HypothesisFit) -> Collection[type[Effect]]:
     """Return the effects that are no effects of the robot, since the sessions share no large error of one sign."""
     sizes: dict[type[Effect], list[float]] = {}
     for (_, error), size in _sizes(fit).items():
-        sizes.setdefault(error.effect, []).append(size)
+        if not error.is_change:
+            sizes.setdefault(error.effect, []).append(size)
     return {effect for effect, each in sizes.items() if min(each) < FURTHEST and max(each) > -FURTHEST}
 
 
-def _with_errors(robot: RobotConfig, sizes: Array) -> RobotConfig:
+def _with_errors(robot: RobotConfig, errors: Sequence[SessionError], sizes: Array) -> RobotConfig:
     """Return a robot with the errors of a session, given in tolerances, on top of its effects."""
-    for error, size in zip(SESSION_ERRORS, sizes.tolist(), strict=True):
+    for error, size in zip(errors, sizes.tolist(), strict=True):
         present = robot.effects.get(error.effect)
         before = 0.0 if present is None else float(getattr(present, error.number))
         robot = robot.with_effect(error.effect.model_construct(**{error.number: before + size * error.tolerance}))

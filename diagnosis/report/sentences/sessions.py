@@ -37,7 +37,15 @@ def session_sentences(fit: HypothesisFit) -> Iterator[str]:
     """Yield a sentence for each kind of error, with its size in every session that determines it."""
     by_effect: dict[str, list[FittedError]] = {}
     for error in fitted_errors(fit):
-        by_effect.setdefault(error.effect, []).append(error)
+        if error.is_change:
+            side = "ahead of" if error.value > 0.0 else "behind"
+            size = with_error(1e3 * abs(error.value), 1e3 * error.std)
+            yield (
+                f"Since the pause before trial {error.session}, the tracked heading is {size} mrad {side} where it was "
+                "before the first pause. This is fitted with the robot and is no part of it."
+            )
+        else:
+            by_effect.setdefault(error.effect, []).append(error)
     for effect, errors in by_effect.items():
         words = WORDS[effect]
         positive, negative = [e for e in errors if e.value >= 0.0], [e for e in errors if e.value < 0.0]

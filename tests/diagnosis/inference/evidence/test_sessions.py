@@ -26,6 +26,7 @@ from diagnosis.nuisances import Nuisance
 from diagnosis.predictors import STAGES
 from diagnosis.report.sentences.sessions import session_sentences
 from diagnosis.usual_tolerances import usual_wheels
+from sensors.effects.marker_yaw import MarkerYaw
 from symolo.core.time_series import TimeSeries
 
 COUNTS = 20_000
@@ -166,3 +167,30 @@ def test_an_angle_far_beyond_a_body_set_by_eye_is_an_effect_by_name():
     (named,) = diagnosis.named
     assert named.name == "marker_yaw"
     assert named.values["angle_rad"] == pytest.approx(0.25, abs=0.05)
+
+
+def test_beside_a_long_pause_the_heading_before_it_is_an_effect_and_its_change_is_none(effect):
+    """Nobody says that the tracked body was set again, but somebody had an hour for it."""
+    trials = without_sessions(measured({"1": -0.03, "2": -0.01}, runs=2)).trials
+    trials = tuple(
+        replace(trial, begins_s=at_s) for trial, at_s in zip(trials, (0.0, 60.0, 3660.0, 3720.0), strict=True)
+    )
+    measurement = replace(measured({"1": 0.0}), trials=trials)
+    evidence, robot = simulated(measurement)
+    hypothesis = Hypothesis(robot, session_nuisances(measurement, evidence, robot)).with_effect(effect("marker_yaw"))
+    (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
+    assert within_sessions(fit) == set()
+    (change,) = fitted_errors(fit)
+    assert abs(change.value - 0.02) < 3.0 * change.std < 0.006
+    assert abs(fit.robot.effects.get(MarkerYaw).angle_rad + 0.03) < 3.0 * change.std
+    (text,) = session_sentences(fit)
+    assert re.match(
+        r"Since the pause before trial 2/100, the tracked heading is (19|2\d)\.\d+ ± .* mrad ahead of", text
+    )
+
+
+def test_after_a_short_pause_the_heading_is_the_same():
+    trials = without_sessions(measured({"1": 0.0}, runs=2)).trials
+    trials = tuple(replace(trial, begins_s=at_s) for trial, at_s in zip(trials, (0.0, 90.0), strict=True))
+    measurement = replace(measured({"1": 0.0}), trials=trials)
+    assert session_nuisances(measurement, *simulated(measurement)) == ()
