@@ -80,11 +80,22 @@ class NameEvidence:
     """Upper end of the 95 % interval of what the effect gains on the held-out rows; None if these cannot show it."""
 
     @property
+    def is_imitated(self) -> bool:
+        """Return whether nominal parameters far off imitate the effect, so that held-out rows cannot say anything."""
+        return self.rise_of_prior > MAX_BY_PRIOR * self.rise
+
+    @property
     def heldout_rise_that_counts(self) -> float:
         """Return the rise of the cost of the held-out rows; 0 where they cannot say anything about the effect."""
-        if self.heldout_rise is None or self.rise_of_prior > MAX_BY_PRIOR * self.rise:
-            return 0.0
-        return self.heldout_rise
+        return 0.0 if self.heldout_rise is None or self.is_imitated else self.heldout_rise
+
+    @property
+    def gains_nothing(self) -> bool:
+        """Return whether the held-out rows are further off with the effect, and not less likely without it."""
+        if self.gain_at_most is None or self.is_imitated:
+            return False
+        # Unlike the error, the likelihood knows the noise of each row and leaves outliers out.
+        return self.gain_at_most < 0.0 and (self.heldout_rise is None or self.heldout_rise <= 0.0)
 
 
 @dataclass(frozen=True)
@@ -104,7 +115,7 @@ def withheld(evidence: NameEvidence) -> str:
     heldout_rise = evidence.heldout_rise_that_counts
     if heldout_rise < -CLEAR:
         return "the held-out rows are predicted better without it"
-    if evidence.gain_at_most is not None and evidence.gain_at_most < 0.0:
+    if evidence.gains_nothing:
         return "the error of the held-out rows is smaller without it, over its whole 95 % interval"
     if evidence.contradicted_by:
         return f"it is a description and no cause: fitted to the rest, it is contradicted by {evidence.contradicted_by}"
