@@ -51,13 +51,28 @@ class Covariate:
     labels: tuple[str, ...] = ()
     """Names of the categories 0, 1, ..., if they have names."""
     size: Array | None = None
-    """(n,), signed size of the event since which a time is counted, or of what turns; the effect grows with it."""
+    """(n,), signed size of the event since which a time is counted, or of what moves; the effect grows with it."""
     beside: str = ""
     """Name of a covariate that acts together with this one, as the current value does with the previous one."""
     response: TurningResponse | None = None
     """Response of the quantity to a torque that depends on this angle; None if this is no angle of a shaft."""
+    most_waves: float = 40.0
+    """Largest number of waves within its range that are looked for."""
     as_rate: "tuple[str, Array] | None" = None
     """Name of the rate, and the duration [s] (n,) by which this is divided to get it; None if it is no change."""
+
+
+@dataclass(frozen=True)
+class SharedReading:
+    """A logged reading that a sample adds and a later one subtracts, so that its noise is in both with opposite signs.
+
+    It makes the sum of many samples more certain, but structure that turns over between the two samples less so.
+    """
+
+    later: int
+    """Number of samples of a trial after which the reading is subtracted."""
+    correlation: Array
+    """(n,), correlation of the noise of a sample with that of the later one."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +92,10 @@ class Observed:
     """Correlation of the noise of successive samples; None if it must be estimated from the residuals."""
     correlation_at_most: float = field(default=1.0, kw_only=True)
     """Greatest correlation that an estimate may give."""
+    shared: SharedReading | None = field(default=None, kw_only=True)
+    """The reading that samples share with later ones; None if there is none."""
+    readings: int = field(default=1, kw_only=True)
+    """Number of logged readings that a sample consists of, each of which may be an outlier."""
     trial: NDArray[np.int64]
     """(n,), index of the trial."""
     t_s: Array
@@ -102,6 +121,8 @@ class Observed:
     def __post_init__(self) -> None:
         rows = len(self.values)
         arrays = (self.sd, self.trial, self.t_s, self.holdout, self.usable, *(c.values for c in self.covariates))
+        if self.shared is not None:
+            arrays = (*arrays, self.shared.correlation)
         if any(array.shape != (rows,) for array in arrays):
             raise ValueError(f"{self.name}: arrays of {[array.shape for array in arrays]} for {rows} samples")
 

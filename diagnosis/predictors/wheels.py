@@ -124,6 +124,13 @@ class Wheels:
             Covariate("session_time_s", session_time_s(measurement)),
             trial_covariate(measurement),
             Covariate("theta_rad", good_values(measurement, "theta_rad"), CovariateShape.PERIODIC),
+            Covariate(
+                "position",
+                good_values(measurement, "x_m"),
+                second=good_values(measurement, "y_m"),
+                # The floor may brake the wheel, which turns either way.
+                size=np.sign(np.nan_to_num(predicted)),
+            ),
         )
         return Observed(
             name=f"wheel_{side}_rad_s",

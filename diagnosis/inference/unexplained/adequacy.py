@@ -19,8 +19,8 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
 from diagnosis.inference.fitting.projection import beyond, orthonormal
-from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, bases, standing_out
-from diagnosis.inference.unexplained.outlier_clusters import cluster
+from diagnosis.inference.unexplained.bases import OUTLIERS_IN_A_ROW, RUNS_OF_ROWS, Basis, bases, standing_out
+from diagnosis.inference.unexplained.outlier_clusters import APART, cluster, wild
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME, Covariate
 from symolo.core.arrays import Array
@@ -43,14 +43,9 @@ errors would show."""
 DRIFT = 1.0
 """Root mean square in sigmas up to which the zero of an instrument may drift, within a session and from one to the
 next. It is reported as unexplained, but does not speak against effects that do not depend on time."""
-OUTLIERS_IN_A_ROW = 8
-"""Number of successive rows up to which outliers may come from the logger. They are reported as unexplained, but do not
-speak against effects, which act in all rows. GAP_FORMAT has runs of up to six; a run is found with a few rows more."""
 MAX_RUNS = 2
 """Number of runs of outliers that may lie near each other in time by chance. A run is one event in the logger, and not
 as many as it has outliers."""
-APART = 2
-"""Distance in rows beyond which two outliers are of different runs."""
 SESSION = ("row", "session_time_s", "sweep", "trial")
 """Covariates that tell when a row was taken; `t_s` too, where a quantity has no time since the session began."""
 
@@ -150,10 +145,11 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
     quantity, place, level = evidence.observed[number], evidence.places[number], float(fit.noise.levels[number])
     rows = evidence.fit[place]
     inside = np.arange(place.start, place.stop)[rows]
+    wild_rows = wild(tangents.z[inside], quantity.trial[rows])
     session = any(covariate.name == "session_time_s" for covariate in quantity.covariates)
     along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
     along += [
-        (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows]))
+        (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows], wild_rows))
         for rank, covariate, _ in along
         if covariate.name == ROW_TIME
     ]
@@ -161,7 +157,7 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
     for rank, covariate, functions in along:
         best: Structure | None = None
         for basis in functions:
-            p, gain = tangents.test(inside, basis)
+            p, gain = tangents.test(number, inside, basis)
             p = min(1.0, p * basis.tries) if gain * level**2 >= MATERIAL else 1.0
             if best is None or p < best.p:
                 columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
@@ -188,7 +184,7 @@ def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterato
     quantity, place = evidence.observed[number], evidence.places[number]
     rows, z = evidence.fit[place], tangents.z[place]
     for rank, covariate in enumerate(quantity.covariates):
-        found = cluster(z, covariate, rows)
+        found = cluster(z, covariate, rows, quantity.trial if quantity.is_series else None)
         if found is None:
             continue
         column = np.zeros((len(evidence.values), 1))
@@ -242,8 +238,8 @@ class _Tangents:
         self.residuals = residuals - self._basis @ (self._basis.T @ residuals)
         """(N + P,), weighted clipped residuals in sigmas without all that the parameters could still explain."""
 
-    def test(self, inside: NDArray[np.intp], basis: Basis) -> tuple[float, float]:
-        """Return the p-value of a basis over the samples `inside`, and the fall of the cost beyond chance."""
+    def test(self, number: int, inside: NDArray[np.intp], basis: Basis) -> tuple[float, float]:
+        """Return the p-value of a basis over samples `inside` of a quantity, and the fall of the cost beyond chance."""
         columns = basis.columns * self._root[inside, None]
         taken = self._basis[inside].T @ columns
         combined = beyond(columns, taken)
@@ -252,14 +248,36 @@ class _Tangents:
             return 1.0, 0.0
         residuals = self.residuals[inside]
         along = combined.T @ (columns.T @ residuals)
-        explained = float(along @ along)
-        outside = residuals - columns @ (combined @ along) + self._basis[inside] @ (taken @ (combined @ along))
+        free = columns @ combined - self._basis[inside] @ (taken @ combined)
+        outside = residuals - free @ along
+        explained = float(along @ along) / self._more_noise(number, inside, free)
         # Inside the span of a smooth function, correlated noise has (1 + p)/(1 - p) times the squares of independent
         # noise. The weight in `explained` corrects that. The level is that of single rows, without the weight.
         weight = float(self._evidence.weight[inside[0]])
         degrees = max(1, len(inside) - k - 1)
         level = float(outside @ outside) / weight / degrees
         return f_test(explained, level, k, degrees), max(0.0, explained - k * level)
+
+    def _more_noise(self, number: int, inside: NDArray[np.intp], functions: Array) -> float:
+        """Return the squares of the noise inside the span of functions, relative to independent noise; at least 1.
+
+        Two samples with a reading of opposite signs add up along a wave of which they are half a cycle apart.
+
+        Args:
+            number: Number of the quantity.
+            inside: Its samples in the fit.
+            functions: (n, k), orthonormal functions over these samples.
+        """
+        quantity, first = self._evidence.observed[number], self._evidence.places[number].start
+        if quantity.shared is None:
+            return 1.0
+        whole = np.zeros((len(quantity.values), functions.shape[1]))
+        whole[inside - first] = functions
+        later = quantity.shared.later
+        together = quantity.trial[later:] == quantity.trial[:-later]
+        products = (whole[:-later] * whole[later:]).sum(axis=1) * together
+        shared = float(products @ quantity.shared.correlation[:-later])
+        return max(1.0, 1.0 + 2.0 * shared / functions.shape[1])
 
 
 def f_test(explained: float, level: float, functions: int, degrees: float) -> float:

@@ -5,6 +5,9 @@ rows they hit does not depend on the speed or the distance. If most of them lie 
 the same side, they are no mistakes, but what the model lacks there. Given the number of outliers, the number of them in
 a range has a hypergeometric distribution (Fisher's exact test), and the best of all ranges is taken (scan statistic:
 Glaz, Naus and Wallenstein, Scan Statistics, 2001), so that its probability is multiplied by their number.
+
+In a series, a few wild readings in a row are one mistake of the logger. While a robot drives straight on, they also lie
+at neighbouring values of its heading, which says nothing about the heading; so each such run counts once.
 """
 
 from collections.abc import Iterator
@@ -15,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
-from diagnosis.inference.unexplained.bases import SHARE_OF_SIGN
+from diagnosis.inference.unexplained.bases import OUTLIERS_IN_A_ROW, SHARE_OF_SIGN
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, CovariateShape
 from symolo.core.arrays import Array
@@ -29,6 +32,8 @@ MAX_OPPOSITE = 0.125
 are outliers of both sides."""
 CANDIDATES = 32
 """Number of ranges whose probability is computed exactly: those that are the least likely by its largest term."""
+APART = 2
+"""Distance in rows beyond which two outliers are of different runs."""
 MAX_SHARE = 0.25
 """Greatest share of outliers; with more of them, they are no outliers, and other tests see what they are."""
 
@@ -43,16 +48,20 @@ class Cluster:
     """Probability that chance gathers as many, over all ranges of the covariate and both sides."""
 
 
-def cluster(z: Array, covariate: Covariate, rows: Mask) -> Cluster | None:
+def cluster(z: Array, covariate: Covariate, rows: Mask, trial: NDArray[np.int64] | None = None) -> Cluster | None:
     """Return the most improbable cluster of outliers along a covariate; None if there is none.
 
     Args:
         z: (n,), residuals in sigmas.
         covariate: A covariate of n rows.
         rows: (n,), rows of the fit.
+        trial: (n,), trial of each row of a series; None if the rows do not follow each other.
     """
     known = rows & np.isfinite(covariate.values)
-    sign = np.where(np.abs(z) > FAR, np.sign(z), 0.0)
+    sign = np.where(known, _sides(z), 0.0)
+    if trial is not None:
+        for run in short_runs(sign.copy(), trial):
+            sign[run[1:]] = 0.0
     outliers = int(np.count_nonzero(sign[known]))
     if outliers < MIN_OUTLIERS or outliers > MAX_SHARE * np.count_nonzero(known) or covariate.second is not None:
         return None
@@ -66,6 +75,32 @@ def cluster(z: Array, covariate: Covariate, rows: Mask) -> Cluster | None:
             if members is not None and (best is None or p < best.p):
                 best = Cluster(members, p)
     return best
+
+
+def short_runs(sign: Array, trial: NDArray[np.int64]) -> Iterator[NDArray[np.intp]]:
+    """Yield the places of the outliers of each run of one side, single ones too, that a logger may cause.
+
+    Args:
+        sign: (n,), sides of the outliers; 0 for other rows.
+        trial: (n,), trial of each row.
+    """
+    for side in (-1.0, 1.0):
+        places = np.flatnonzero(sign == side)
+        apart = (np.diff(places) > APART) | (np.diff(trial[places]) != 0)
+        yield from (run for run in np.split(places, 1 + np.flatnonzero(apart)) if 0 < len(run) <= OUTLIERS_IN_A_ROW)
+
+
+def wild(z: Array, trial: NDArray[np.int64]) -> Mask:
+    """Return the readings (n,) that are far off in a short run: what a logger may cause."""
+    rows = np.zeros(len(z), dtype=bool)
+    for run in short_runs(_sides(z), trial):
+        rows[run] = True
+    return rows
+
+
+def _sides(z: Array) -> Array:
+    """Return the side (n,) of each residual that is an outlier; 0 for the others."""
+    return np.where(np.abs(z) > FAR, np.sign(z), 0.0)
 
 
 def _views(covariate: Covariate, known: Mask, sign: Array) -> Iterator[tuple[Array, Array]]:

@@ -2,7 +2,8 @@
 
 With few rows a large misfit has no shape that a test could recognise: it looks like outliers or wide noise. If the
 source states the noise, its level is evidence too. The mean of the clipped squares is compared with the chi-square
-distribution, widened for some outliers among the rows and for a noise that is not known exactly.
+distribution, widened for some outliers among the rows and for a noise that is not known exactly. A sample of several
+readings, such as a change of the pose, is an outlier as soon as one of them is.
 """
 
 from dataclasses import replace
@@ -14,8 +15,9 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Structure
 
-WIDENED = 1.5
-"""Factor on the mean square: one outlier in twenty rows gives 1.4 if squares are clipped at 9, a noise 10 % off 1.2."""
+OUTLIERS = 1.0 / 16.0
+"""Share of outliers among the readings that is no structure. Squares are clipped at 9, so that their mean is 1.5 times
+that of good readings: one outlier in twenty gives 1.4, a noise 10 % off 1.2."""
 MIN_ROWS = 8
 SCATTER = "scatter of"
 """Beginning of what a structure is if it has no shape along its covariate."""
@@ -28,21 +30,27 @@ def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Ad
     was estimated from the residuals.
     """
     tested = [
-        (quantity.name, place)
+        (quantity, place)
         for quantity, place in zip(evidence.observed, evidence.places, strict=True)
         if quantity.noise_is_stated and np.count_nonzero(evidence.fit[place]) >= MIN_ROWS
     ]
     scatters: list[Structure] = []
-    for name, place in tested:
-        best = next((structure for structure in result.structures if structure.observed == name), None)
+    for quantity, place in tested:
+        best = next((structure for structure in result.structures if structure.observed == quantity.name), None)
         rows = evidence.fit[place]
         weight, z = evidence.weight[place][rows], fit.z[place][rows]
         independent = float(weight.sum())
         squares = float((weight * np.minimum(z**2, CLIP**2)).sum())
         # The fitted parameters use up degrees of freedom in proportion to the rows of a quantity.
         degrees = max(1.0, independent - len(fit.x) * np.count_nonzero(rows) / np.count_nonzero(evidence.fit))
-        p = float(chdtrc(degrees, squares / WIDENED)) * len(tested)
+        p = float(chdtrc(degrees, squares / widened(quantity.readings))) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
             scatters.append(replace(best, p=p, what=f"{SCATTER} {times:.1f} times the stated noise"))
     return Adequacy(tuple(sorted((*scatters, *result.structures), key=lambda structure: structure.p)))
+
+
+def widened(readings: int) -> float:
+    """Return the mean of the clipped squares, relative to that of good samples, where each has so many readings."""
+    outliers = 1.0 - (1.0 - OUTLIERS) ** readings
+    return 1.0 + (CLIP**2 - 1.0) * outliers

@@ -2,7 +2,8 @@
 
 Windows begin at every fifth row, so that each row is in two of them: twice as many measured poses are used as with
 adjacent windows, and neighbours have no pose in common. They share half of the slip noise, which is a few per cent of
-the total. A window and the next but one share a pose, which can only make slow structure more visible, not less.
+the total. A window and the next but one share a pose, at the end of the one and at the start of the other. Its noise
+cancels in slow structure, and adds up in structure that turns over between the two.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalDrive, NominalLog
 from diagnosis.measured.screening import noise_of
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, SharedReading
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
@@ -61,6 +62,9 @@ UNSTATED_SLIP = 1e-3
 """Noise of the travelled distance [m / sqrt m] if it is not stated: a millimetre per metre."""
 SIDES = ("right", "left")
 COMPONENTS = (("pose_dx_m", "m"), ("pose_dy_m", "m"), ("pose_dtheta_rad", "rad"))
+READINGS = (4, 4, 2)
+"""Number of logged readings that each component consists of: x and y of two poses, seen from the body, or two headings.
+"""
 
 
 @dataclass(frozen=True)
@@ -276,7 +280,9 @@ class Pose:
             Covariate("wheel_angle_rad[left]", angle_rad[:, 1], CovariateShape.PERIODIC),
             Covariate("wheel_angle_rad[right]", angle_rad[:, 0], CovariateShape.PERIODIC),
         )
-        sds, correlations = self._noise(measurement, nominal)
+        sds, correlations, of_poses = self._noise(measurement, nominal)
+        # A place is seen from the body, which has turned until the later window begins.
+        alike = (np.cos(predicted[:, 2]), np.cos(predicted[:, 2]), 1.0)
         holdout = joined(trial.holdout for trial in measurement.trials)
         holdout = holdout[first] | holdout[last]
         usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
@@ -293,6 +299,8 @@ class Pose:
                 values=np.where(usable, values[:, k], np.nan),
                 sd=sds[k],
                 correlation=correlations[k],
+                shared=SharedReading(WINDOW // STRIDE, -0.5 * of_poses[k] * alike[k]),
+                readings=READINGS[k],
                 trial=trial,
                 t_s=self._t_s[first],
                 holdout=holdout,
@@ -303,8 +311,12 @@ class Pose:
             for k, (name, unit) in enumerate(COMPONENTS)
         )
 
-    def _noise(self, measurement: Measurement, nominal: RobotConfig) -> tuple[tuple[Array, ...], tuple[float, ...]]:
-        """Return the standard deviations (m,) of each component and the correlations of successive windows."""
+    def _noise(
+        self, measurement: Measurement, nominal: RobotConfig
+    ) -> tuple[tuple[Array, ...], tuple[float, ...], tuple[Array, ...]]:
+        """Return the standard deviations (m,) of each component, the correlations of successive windows, and the shares
+        (m,) of the variance that come from the noise of the two poses.
+        """
         noise, travel_m = PoseNoise.of(measurement), np.cumsum(self.travel_m(nominal))
         q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
         by_log = self._added_variance(measurement)
@@ -317,7 +329,11 @@ class Pose:
             0.5 * float(slip_heading.sum() / (heading.sum() or 1.0)),
         )
         sd = np.sqrt(place)
-        return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1])
+        of_place, of_heading = (
+            np.divide(2.0 * pose_sd**2, whole, out=np.zeros(len(whole)), where=whole > 0.0)
+            for pose_sd, whole in ((noise.xy_m, place), (noise.theta_rad, heading))
+        )
+        return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1]), (of_place, of_place, of_heading)
 
 
 def _with_slots(robot: RobotConfig, slots: frozenset[Slot]) -> RobotConfig:

@@ -267,6 +267,16 @@ class TestPose:
             np.testing.assert_allclose(of.sd**2, variance, rtol=1e-9)
         assert pose.observed[0].correlation == pytest.approx(0.25 * q / place)
 
+    def test_windows_one_after_the_other_share_a_pose_of_opposite_signs(self, pose):
+        """Its x and y are seen from bodies that differ by the turn in between."""
+        q = 0.0006**2 * RADIUS * 5.0 * 10 * ROW_S
+        place = 2.0 * 0.001**2 + (0.12 * 0.003) ** 2 + q / 2.0
+        of_place = -(0.001**2) / place * math.cos(self.W * 10 * ROW_S)
+        of_heading = -(0.003**2) / (2.0 * 0.003**2 + 2.0 * q / BASE**2)
+        for of, expected in zip(pose.observed, (of_place, of_place, of_heading), strict=True):
+            assert of.shared.later == 2
+            np.testing.assert_allclose(of.shared.correlation, expected, rtol=1e-3)
+
     @pytest.mark.parametrize(
         ("effect", "changed"),
         [
@@ -583,6 +593,14 @@ def tour(robot):
     columns = ticks_of(*turned) | pose_columns(pose) | {"u_left_V": left, "u_right_V": right}
     columns |= {f"tof_{name}_m": np.full(160, 0.5) for name in MOUNTS}
     return stages(robot, trial("1", 600.0, **columns))
+
+
+def test_the_wheels_are_compared_by_the_place_of_the_robot_and_by_the_way_they_turn(tour):
+    for of in tour["wheels"].observed:
+        (place,) = (covariate for covariate in of.covariates if covariate.name == "position")
+        assert (place.values[0], place.second[0]) == pytest.approx((0.6, 0.7), abs=1e-3)
+        turning = of.usable & (np.abs(of.values) > 1.0)
+        np.testing.assert_array_equal(place.size[turning], np.sign(of.values[turning]))
 
 
 @pytest.mark.parametrize(("effect", "stages_but_pose", "of_pose"), SIGNATURES, ids=lambda of: type(of).__name__)

@@ -7,7 +7,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.unexplained.adequacy import adequacy, run_of_outliers
 from diagnosis.inference.unexplained.survivors import survivors
-from diagnosis.predictors.base import Predicted
+from diagnosis.predictors.base import Predicted, SharedReading
 
 SD_A = 0.01
 X = np.linspace(-1.0, 1.0, 160)
@@ -83,6 +83,19 @@ def test_a_curve_far_below_the_noise_is_no_structure_though_nothing_scatters(evi
     """A twentieth of a sigma of what is stated, as a simulated log leaves: 160 rows hold 0.2 of cost in it."""
     evidence = evidence_of(X, X + 0.05 * SD_A * np.cos(4.0 * X) + 0.005 * noise(1))
     assert adequacy(evidence, fitted(evidence, hypothesis)).is_adequate
+
+
+@pytest.mark.parametrize(("correlation", "is_structure"), [(0.0, True), (-0.5, False)])
+def test_what_a_change_shares_with_a_later_one_adds_up_along_a_wave(evidence_of, hypothesis, correlation, is_structure):
+    """Changes over two places with independent noise have 1 - cos(2 pi 2/5) = 1.8 times their noise along a wave of
+    five samples, so that 36 of cost there are worth 20, as chance brings them among so many waves.
+    """
+    when = np.arange(len(X)) * 1.0
+    wave = 0.67 * SD_A * np.sin(2.0 * np.pi * when / 5.0)
+    (stage,) = evidence_of(np.zeros(len(X)), wave + noise(3), when=when).stages
+    shared = SharedReading(2, np.full(len(X), correlation))
+    evidence = Evidence((replace(stage, observed=(replace(stage.observed[0], shared=shared),)),))
+    assert adequacy(evidence, fitted(evidence, hypothesis)).is_adequate is not is_structure
 
 
 @dataclass

@@ -32,6 +32,23 @@ def test_a_wave_along_few_rows(length):
     assert explained(Covariate("distance_m", x), np.sin(2.0 * np.pi * x / length)) > 0.7
 
 
+def test_finer_waves_are_found_where_a_covariate_may_have_them():
+    """A range sensor with an error every 5 cm, in a room of 4 m."""
+    x = np.random.default_rng(1).permutation(np.linspace(0.1, 4.1, 800))
+    wave = np.sin(2.0 * np.pi * x / 0.05)
+    assert explained(Covariate("distance_m", x, most_waves=100.0), wave) > 0.7
+    assert explained(Covariate("distance_m", x), wave) < 0.1
+
+
+def test_a_floor_that_brakes_in_one_place_brakes_either_way():
+    """Along a line there and back, over a rough part of half a metre."""
+    x = np.concatenate([np.linspace(0.0, 3.0, 300), np.linspace(3.0, 0.0, 300)])
+    way = np.repeat([1.0, -1.0], 300)
+    braked = -way * (np.abs(x - 1.0) < 0.25)
+    assert explained(Covariate("position", x, second=0.1 * x, size=way), braked) > 0.3
+    assert explained(Covariate("position", x, second=0.1 * x), braked) < 1e-9
+
+
 @pytest.mark.parametrize("teeth", [1, 3, 5, 11])
 def test_a_gear_with_so_many_faults_in_a_turn_changes_the_speed_by_a_share(teeth):
     speed = np.abs(np.sin(np.linspace(0.0, 9.0, 1500))) * 10.0
@@ -50,13 +67,14 @@ def test_harmonics_that_rows_cannot_show_are_not_looked_for():
 
 class TestRunsOfRows:
     TRIAL = np.repeat([0, 1, 2, 3], 250)
+    TAME = np.zeros(1000, dtype=bool)
 
     def max_taken(self, left):
         """Greatest fall of the squares less what so many tries bring by chance, 2 ln(tries)."""
         falls = [
             float(basis.columns[:, 0] @ left) ** 2 / float(basis.columns[:, 0] @ basis.columns[:, 0])
             - 2.0 * np.log(float(basis.tries))
-            for basis in standing_out(left, self.TRIAL)
+            for basis in standing_out(left, self.TRIAL, self.TAME)
         ]
         return max(falls)
 
@@ -73,11 +91,18 @@ class TestRunsOfRows:
             left[rng.choice(1000, 20, replace=False)] = 3.0
             assert self.max_taken(left) < 10.0
 
+    def test_wild_rows_that_a_logger_may_cause_make_no_long_run(self):
+        left = np.zeros(1000)
+        wild = np.isin(np.arange(1000), [300, 301, 302, 303, 304, 308, 309, 310])
+        left[wild] = 3.0
+        assert next(standing_out(left, self.TRIAL, self.TAME)).longest_run > 8
+        assert next(standing_out(left, self.TRIAL, wild)).longest_run <= 8
+
     def test_a_run_lies_in_one_trial(self):
         left = np.zeros(1000)
         left[246:254] = 1.0
-        column = next(standing_out(left, self.TRIAL)).columns[:, 0]
+        column = next(standing_out(left, self.TRIAL, self.TAME)).columns[:, 0]
         assert set(np.flatnonzero(column)) in ({246, 247, 248, 249}, {250, 251, 252, 253})
 
     def test_few_rows_have_none(self):
-        assert not list(standing_out(np.ones(40), np.zeros(40, dtype=int)))
+        assert not list(standing_out(np.ones(40), np.zeros(40, dtype=int), np.zeros(40, dtype=bool)))

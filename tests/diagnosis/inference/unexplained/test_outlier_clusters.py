@@ -66,6 +66,22 @@ def test_one_material_can_have_all_outliers():
     assert found.p == pytest.approx(2.0 * 4.0 * comb(15, 6) / comb(60, 6))
 
 
+def test_a_few_wild_rows_of_a_series_in_a_row_are_one_mistake_and_many_are_a_cause():
+    """Along a straight way, rows in a row are neighbours along any covariate."""
+    ordered = Covariate("x", np.sort(X))
+    z = np.zeros(ROWS)
+    z[20:28] = 9.0
+    assert cluster(z, ordered, ALL, np.zeros(ROWS, dtype=int)) is None
+    assert np.count_nonzero(cluster(z, ordered, ALL).rows) == 8
+    z[20:30] = 9.0
+    assert np.count_nonzero(cluster(z, ordered, ALL, np.zeros(ROWS, dtype=int)).rows) == 10
+    # Three trials with a few wild rows at the same place each have more than chance to do with it.
+    z = np.zeros(ROWS)
+    z[[5, 6, 25, 26, 45, 46]] = 9.0
+    found = cluster(z, Covariate("x", np.arange(ROWS) % 20.0), ALL, np.arange(ROWS) // 20)
+    assert found.rows.nonzero()[0].tolist() == [5, 25, 45]
+
+
 def test_of_all_ranges_the_least_likely_is_taken():
     """By Fisher's test of each of the ranges between two outliers, in whole numbers."""
     for seed in range(5):

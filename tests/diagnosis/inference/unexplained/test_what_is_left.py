@@ -43,6 +43,21 @@ def test_an_outlier_or_noise_a_little_wider_than_stated_is_normal(evidence_of, h
     assert alarms <= 2
 
 
+def test_a_sample_of_several_readings_is_an_outlier_as_soon_as_one_of_them_is(evidence_of, hypothesis):
+    """One reading in twenty is wild: of changes between two places, each with x and y, nearly one in five."""
+    x = np.linspace(0.3, 1.0, 400)
+    alarms = {1: 0, 4: 0}
+    for seed in range(10):
+        generator = np.random.default_rng(seed)
+        wild = (generator.random((400, 4)) < 0.05).any(axis=1)
+        evidence = evidence_of(x, x + SD_A * generator.standard_normal(400) + 0.3 * generator.permuted(wild))
+        (stage,) = evidence.stages
+        for readings in alarms:
+            stage.observed = (replace(stage.observed[0], readings=readings),)
+            alarms[readings] += not left(Evidence((stage,)), hypothesis).is_adequate
+    assert alarms == {1: 10, 4: 0}
+
+
 def test_noise_that_nobody_stated_cannot_be_too_wide(evidence_of, hypothesis):
     readings = X + 5.0 * SD_A * np.random.default_rng(2).standard_normal(16)
     evidence = evidence_of(X, readings)
