@@ -27,7 +27,7 @@ LIGHT_PATHS: dict[LightPathPreset, LightPathLimits] = {
     "standard": LightPathLimits(32, 32, 32, caustics=False, clamp=256.0),
     "complete": LightPathLimits(64, 64, 64, caustics=True, clamp=0.0),
 }
-"""`benchmarks/render/light_left.py` measures how much light each leaves out. More bounces cost little, because Cycles
+"""`benchmarks/render/errors/light_left.py` measures how much light each leaves out. More bounces cost little, as Cycles
 ends paths at random once they carry little light (Russian roulette)."""
 
 

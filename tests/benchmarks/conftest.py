@@ -7,6 +7,5 @@ import pytest
 def _benchmarks_on_the_path(monkeypatch):
     """Benchmarks are scripts that import each other as they do when they are run."""
     folder = Path(__file__).parents[2] / "benchmarks"
-    monkeypatch.syspath_prepend(str(folder / "render"))
     monkeypatch.syspath_prepend(str(folder / "photographs"))
     monkeypatch.syspath_prepend(str(folder / "speed"))

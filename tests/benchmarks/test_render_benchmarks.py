@@ -10,12 +10,12 @@ import pytest
 
 @pytest.fixture
 def errors():
-    return importlib.import_module("image_error")
+    return importlib.import_module("benchmarks.render.yardsticks.image_error")
 
 
 @pytest.fixture
 def reference():
-    return importlib.import_module("reference")
+    return importlib.import_module("benchmarks.render.yardsticks.reference")
 
 
 def grey(values):
@@ -59,20 +59,21 @@ def test_a_reference_of_few_samples_is_refused(reference, tmp_path):
 
 
 def test_the_cheapest_plain_loop_has_the_fewest_samples_whose_error_is_no_larger():
-    plain = importlib.import_module("plain_loop")
+    plain = importlib.import_module("benchmarks.render.contenders.plain_loop")
     errors = {8: 3.0, 2: 9.0, 4: 5.0}
     assert [plain.fewest_samples(errors, largest) for largest in (2.9, 3.0, 6.0, 9.0)] == [None, 8, 4, 2]
 
 
 def test_the_start_of_a_run_is_spread_over_200_images():
-    assert importlib.import_module("plain_loop").RunCost(set_up_s=50.0, image_s=1.5).per_image_s == pytest.approx(1.75)
+    plain = importlib.import_module("benchmarks.render.contenders.plain_loop")
+    assert plain.RunCost(set_up_s=50.0, image_s=1.5).per_image_s == pytest.approx(1.75)
 
 
 @pytest.fixture
 def judge(monkeypatch):
     """Judges named cases by a function that stands for the rendering."""
-    fresh_draws = importlib.import_module("fresh_draws")
-    views = importlib.import_module("views")
+    fresh_draws = importlib.import_module("benchmarks.render.errors.fresh_draws")
+    views = importlib.import_module("benchmarks.render.yardsticks.views")
 
     def judge(judged_case, names, **options):
         monkeypatch.setattr(fresh_draws, "judged_case", lambda case, _options, _device: judged_case(case.look))

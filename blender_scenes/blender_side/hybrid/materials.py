@@ -1,9 +1,12 @@
 """Copies of a surface's material for the scenes of hybrid rendering."""
 
+from collections.abc import Mapping
+
 import bpy
 
 COVER, SURFACE_DATA = "cover", "surface_data"
 """Additional passes: share of a pixel that is floor; height of the relief, number of the material, and roughness."""
+WHITE = (1.0, 1.0, 1.0, 1.0)
 MIDDLE_GREY = 0.5
 """Reflectance of the floor in the light image, in place of its real one."""
 
@@ -52,7 +55,7 @@ def turned(material: bpy.types.Material) -> bpy.types.Material:
     # This option softens shadows where the normal leans away from the geometry, as it does here on purpose.
     copy.cycles.use_bump_map_correction = False
     white = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    white.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    white.inputs["Color"].default_value = WHITE
     normal = tree.nodes.new("ShaderNodeVectorMath")
     normal.operation = "MULTIPLY_ADD"
     normal.inputs[1].default_value, normal.inputs[2].default_value = (2.0, 2.0, 2.0), (-1.0, -1.0, -1.0)
@@ -68,28 +71,18 @@ def as_color(normal: tuple[float, float, float]) -> tuple[float, float, float, f
     return x, y, z, 1.0
 
 
-def covering() -> bpy.types.Material:
-    """Return a black material that is marked as floor."""
-    material = bpy.data.materials.new("covering")
+def plain(name: str, shader: str, inputs: Mapping[str, object], *, is_floor: bool = False) -> bpy.types.Material:
+    """Return a material of a single shader without texture or relief; `is_floor` marks it as floor."""
+    material = bpy.data.materials.new(name)
     material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
-    black = tree.nodes.new("ShaderNodeEmission")
-    black.inputs["Strength"].default_value = 0.0
-    _mark_as_floor(tree)
-    tree.links.new(black.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
-    return material
-
-
-def matt_white() -> bpy.types.Material:
-    """Return a white material without gloss, texture or relief."""
-    material = bpy.data.materials.new("matt white")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    white = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    white.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    tree.links.new(white.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    node = tree.nodes.new(shader)
+    for key, value in inputs.items():
+        node.inputs[key].default_value = value
+    if is_floor:
+        _mark_as_floor(tree)
+    tree.links.new(node.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
     return material
 
 
@@ -114,7 +107,7 @@ def _feed(tree: bpy.types.NodeTree, source: bpy.types.NodeSocket, target: bpy.ty
 def _mark_as_floor(tree: bpy.types.NodeTree) -> None:
     output = tree.nodes.new("ShaderNodeOutputAOV")
     output.aov_name = COVER
-    output.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    output.inputs["Color"].default_value = WHITE
 
 
 def _show_to_the_camera(tree: bpy.types.NodeTree, shader: bpy.types.NodeSocket) -> None:

@@ -19,10 +19,10 @@ from blender_scenes.blender_side.hybrid.joints import MaterialJoints
 from blender_scenes.blender_side.hybrid.materials import (
     COVER,
     SURFACE_DATA,
+    WHITE,
     as_color,
-    covering,
     in_grey,
-    matt_white,
+    plain,
     shining,
     turned,
 )
@@ -71,10 +71,10 @@ class HybridScenes:
         self._floor = [bpy.data.objects[mesh.name] for mesh in scene.meshes if lies_on_the_floor(mesh.name)]
         self._dressed: dict[tuple[Dresser, str], bpy.types.Material] = {}
         self._view = self._scene("view", _LIGHT_PASSES)
-        black = covering()
+        black = plain("covering", "ShaderNodeEmission", {"Strength": 0.0}, is_floor=True)
         self._grey_floor = self._dress_floor(self._view, in_grey)
         self._black_floor = self._add_floor(self._view, lambda _: black)
-        white = matt_white()
+        white = plain("matt white", "ShaderNodeBsdfDiffuse", {"Color": WHITE})
         self._white_floor = self._add_floor(self._view, lambda _: white)
         self._lamps = [item.data for item in bpy.data.objects if item.type == "LIGHT"]
         _add_pass(self._view, COVER)

@@ -1,6 +1,6 @@
 """Cost of an image besides Cycles: placing, Blender's own copies, reading, developing, encoding, writing.
 
-    python benchmarks/render/overhead.py [--look classroom] [--size 640 480] [--frames 10]
+    python -m benchmarks.render.costs.overhead [--look classroom] [--size 640 480] [--frames 10]
 
 Prints medians of one thread's time for a frame: all of it, what Cycles takes to render and denoise, and the rest as a
 share of that.
@@ -14,8 +14,7 @@ from pathlib import Path
 from statistics import median
 from types import ModuleType
 
-from views import LOOKS, job_along_the_line
-
+from benchmarks.render.yardsticks.views import LOOKS, job_along_the_line
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.frame_files import put_in_place
 from blender_scenes.render.sampling import tracing_settings

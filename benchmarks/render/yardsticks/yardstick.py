@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from painters import Painter
-from views import Views
 
+from benchmarks.render.contenders.painters import Painter
+from benchmarks.render.yardsticks.views import Views
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.image_errors import ImageError, image_error
 from blender_scenes.render.light_paths import LIGHT_PATHS

@@ -4,8 +4,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from painters import Painter
-
+from benchmarks.render.contenders.painters import Painter
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.job import RenderJob
 from symolo.core.arrays import FloatImage

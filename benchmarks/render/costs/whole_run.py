@@ -1,6 +1,7 @@
 """Cost of a run of images along the line, all of it: start, scene, maps, tracing, developing, encoding.
 
-    python benchmarks/render/whole_run.py [--look classroom] [--size 640 480] [--frames 200] [--plain 2] [--every 10]
+    python -m benchmarks.render.costs.whole_run [--look classroom] [--size 640 480] [--frames 200] [--plain 2]
+        [--every 10]
 
 Images from hybrid rendering make all frames, so that their maps grow and are used again as in a run; the plain loop
 with Blender's default denoiser, whose frames cost the same each, makes every tenth.
@@ -11,10 +12,10 @@ import sys
 from dataclasses import asdict, replace
 
 import numpy as np
-from painters import Painter
-from plain_loop import BLENDERS_DEFAULT
-from views import LOOKS, job_along_the_line
 
+from benchmarks.render.contenders.painters import Painter
+from benchmarks.render.contenders.plain_loop import BLENDERS_DEFAULT
+from benchmarks.render.yardsticks.views import LOOKS, job_along_the_line
 from blender_scenes.render.sampling import hybrid_samples
 from configs.schema.scenario import Render
 

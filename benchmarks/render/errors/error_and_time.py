@@ -6,7 +6,7 @@ time, BlenderProc writes its own OpenEXR instead. Light of all goes through one 
 images are compared with a converged reference's, beside what JPEG does to that. BlenderProc's defaults leave out
 mirror images and more, which counts as error; "our light paths" sets these as ours are.
 
-    python benchmarks/render/error_and_time.py --cache refs --out bench [--looks classroom lab] [--size 320 240]
+    python -m benchmarks.render.errors.error_and_time --cache refs --out bench [--looks classroom lab] [--size 320 240]
         [--poses 0.55,-0.20,90 ...] [--reference-samples 256] [--repetitions 3] [--blenderproc DIR/bin/python]
 
 See `blenderproc_loop.py` for its environment. FLIP needs `pip install flip-evaluator`, also in a folder on PYTHONPATH.
@@ -25,12 +25,12 @@ from typing import Any
 import cv2
 import matplotlib as mpl
 import numpy as np
-from image_error import HAS_FLIP, Image, flip, mean_square, psnr_dB, ssim
-from painters import Cost, Painter
-from plain_loop import BLENDERS_DEFAULT, RUN_FRAMES
-from reference import MIN_SAMPLES, Reference, references
-from views import LOOKS, POSES, Views, views_of
 
+from benchmarks.render.contenders.painters import Cost, Painter
+from benchmarks.render.contenders.plain_loop import BLENDERS_DEFAULT, RUN_FRAMES
+from benchmarks.render.yardsticks.image_error import HAS_FLIP, Image, flip, mean_square, psnr_dB, ssim
+from benchmarks.render.yardsticks.reference import MIN_SAMPLES, Reference, references
+from benchmarks.render.yardsticks.views import LOOKS, POSES, Views, views_of
 from blender_scenes.render.sampling import (
     HYBRID_QUALITIES,
     QUALITIES,

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from painter import PASSES
-from painters import Painter
 
+from benchmarks.render.contenders.painter import PASSES
+from benchmarks.render.contenders.painters import Painter
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.light_paths import LIGHT_PATHS

@@ -4,7 +4,7 @@ Cases are one draw of each shipped look and several draws of `extreme`, with a n
 random place, direction and pitch. All settings trace the same views with the same random numbers, without denoiser, and
 the table has the ratio of the mean luminance over all views of a case. Its standard error comes from independent seeds.
 
-    python benchmarks/render/light_left.py [--draws 30] [--poses 3] [--seeds 4] [--samples 8] [--seed N]
+    python -m benchmarks.render.errors.light_left [--draws 30] [--poses 3] [--seeds 4] [--samples 8] [--seed N]
         [--size 64 48] [--clamps 4 16 64] [--bounces 8 32] [--out light.json]
 """
 
@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from painter_side import reply_stream
-from views import LOOKS, RandomCase, Views, random_cases
 
+from benchmarks.render.contenders.painter_side import reply_stream
+from benchmarks.render.yardsticks.views import LOOKS, RandomCase, Views, random_cases
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits
 from sensors.camera.colour import LUMINANCE

@@ -3,7 +3,7 @@
 Renders small frames along the line, round after round and no view twice, in one process and reads its resident memory
 after each. Hybrid rendering keeps maps of the floor, which grow in the first round.
 
-    python benchmarks/render/many_frames.py [--method hybrid] [--frames 2000] [--size 64 48] [--plot memory.png]
+    python -m benchmarks.render.costs.many_frames [--method hybrid] [--frames 2000] [--size 64 48] [--plot memory.png]
 """
 
 import argparse
@@ -15,8 +15,8 @@ from pathlib import Path
 from statistics import mean
 
 import numpy as np
-from views import LOOKS, job_along_the_line
 
+from benchmarks.render.yardsticks.views import LOOKS, job_along_the_line
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.renderer import render_job
 from blender_scenes.render.sampling import hybrid_samples

@@ -1,7 +1,7 @@
 """Images per second on a graphics card, by the number of processes that share it, and how equal they are to the CPU's.
 
-    python benchmarks/render/graphics_card.py --out trial [--scenario smoke] [--set PATH=VALUE ...] [--workers 1 2 4]
-        [--processor N] [--again] [--simulated DIR]
+    python -m benchmarks.render.costs.graphics_card --out trial [--scenario smoke] [--set PATH=VALUE ...]
+        [--workers 1 2 4] [--processor N] [--again] [--simulated DIR]
 
 Every row is the whole of `symolo render`, in a folder of its own, after one simulation for all. "from first to last"
 leaves out the start of Blender and the building of the scene, and, on a card whose kernels the driver must compile

@@ -7,7 +7,7 @@ the others. Their error is the mean product of the differences from two referenc
 independent random numbers and without a denoiser, beside the error that JPEG adds to the image with the noise of its
 camera. The references have 128 samples, and up to `--samples` where their noise is larger than a tenth of that error.
 
-    python benchmarks/render/fresh_draws.py [--draws 30] [--looks classroom lab] [--judged 3] [--samples 1024]
+    python -m benchmarks.render.errors.fresh_draws [--draws 30] [--looks classroom lab] [--judged 3] [--samples 1024]
         [--size 320 240] [--method auto] [--device cpu] [--choose-on-card] [--seed N] [--beside FOLDER] [--plain]
         [--processes N] [--stop-after SECONDS] [--out draws.json] [--sheet worst.png] [--images FOLDER]
 
@@ -37,12 +37,12 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from painters import CHECKOUT, Painter
-from plain_loop import RUN_FRAMES, RunCost, fewest_samples, plain_cost, plain_lights
-from views import LOOKS, RandomCase, Views, random_cases
-from worst_places import WorstPlace, beside_reference, sheet, worst_place
-from yardstick import Judged, Yardstick, certain_yardstick
 
+from benchmarks.render.contenders.painters import CHECKOUT, Painter
+from benchmarks.render.contenders.plain_loop import RUN_FRAMES, RunCost, fewest_samples, plain_cost, plain_lights
+from benchmarks.render.yardsticks.views import LOOKS, RandomCase, Views, random_cases
+from benchmarks.render.yardsticks.worst_places import WorstPlace, beside_reference, sheet, worst_place
+from benchmarks.render.yardsticks.yardstick import Judged, Yardstick, certain_yardstick
 from blender_scenes.render.devices import DeviceKind, device_for
 from blender_scenes.render.image_errors import ImageError
 from blender_scenes.render.job import RenderJob

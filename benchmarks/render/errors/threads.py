@@ -4,7 +4,8 @@ Renders the same frames of each look with 1, 2 and 4 threads, in one Blender pro
 interruption, in another order each time, and compares SHA-256 of the JPEG files, camera noise included. Ends with
 status 1 if any differs.
 
-    python benchmarks/render/threads.py [--looks night extreme] [--qualities draft high] [--size 64 48] [--samples 2]
+    python -m benchmarks.render.errors.threads [--looks night extreme] [--qualities draft high] [--size 64 48]
+        [--samples 2]
 
 Of a quality the denoiser is taken; the samples are `--samples`. `hybrid` has the samples of `standard` for hybrid
 rendering, whose light has fewer pixels than they have from 160 x 120 on.
@@ -18,8 +19,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from views import LOOKS, POSES, views_of
-
+from benchmarks.render.yardsticks.views import LOOKS, POSES, views_of
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.renderer import render_job
 from blender_scenes.render.sampling import QUALITIES, hybrid_samples

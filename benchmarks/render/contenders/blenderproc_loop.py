@@ -22,8 +22,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from painter_side import Paint, PaintRequest, reply_stream, serve
 
+from benchmarks.render.contenders.painter_side import Paint, PaintRequest, reply_stream, serve
 from symolo.core.files.exr import read_exr
 from symolo.core.geometry.poses import pose_X_WR
 

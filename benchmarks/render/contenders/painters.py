@@ -16,8 +16,7 @@ from blender_scenes.render.job import RenderJob
 from blender_scenes.render.probe import Decision, read_decision
 from blender_scenes.render.surroundings import without_blender_settings
 
-_HERE = Path(__file__).parent
-CHECKOUT = _HERE.parents[1]
+CHECKOUT = Path(__file__).parents[3]
 _LOG_LINES = 15
 
 
@@ -50,7 +49,7 @@ class Painter:
         folder = Path(self._folder.name)
         self._log = (folder / "log").open("w+b")
         (folder / "job.json").write_text(job.to_json())
-        program = checkout / _HERE.relative_to(CHECKOUT) / script
+        (program,) = (checkout / "benchmarks/render").rglob(script)  # its folder differs between versions
         command = [python, str(program), str(folder / "job.json"), json.dumps(settings)]
         environment = {**without_blender_settings(os.environ), "TMPDIR": str(folder)}
         environment["PYTHONPATH"] = str(checkout)

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from painter_side import Paint, PaintRequest, reply_stream, serve
 
+from benchmarks.render.contenders.painter_side import Paint, PaintRequest, reply_stream, serve
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.probe import PROBE, Candidate, ImageErrors, decide, to_json
 from blender_scenes.render.sampling import HybridSamples

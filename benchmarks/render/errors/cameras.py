@@ -1,6 +1,6 @@
 """Further cameras against geometry: depth of a rectified stereo pair by OpenCV, and the line behind a fisheye lens.
 
-    .venv/bin/python benchmarks/render/cameras.py
+    python -m benchmarks.render.errors.cameras
 
 It makes two short runs from a config alone, with a stereo pair and a fisheye lens at the rear, and prints
 
