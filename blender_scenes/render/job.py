@@ -119,5 +119,5 @@ def _views(  # noqa: PLR0917 - likewise
     if exposure.length_s == 0:
         return tuple(views)
     if path is None:
-        raise ValueError("an exposure that is no instant needs the robot's path, and there is none")
+        raise ValueError("an exposure time above 0 needs the path of the robot, and there is none")
     return exposed(views, arena, X_RC, path, exposure)

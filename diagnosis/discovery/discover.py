@@ -131,9 +131,9 @@ def _curves(where: Sequence[LawPlace]) -> list[LawForm]:
 def _refusal(evidence: Evidence, before: HypothesisFit, tried: FittedLaw, chance: float) -> str:
     """Return why a form is no law; empty if it is one."""
     if chance > MAX_CHANCE:
-        return f"some form does as well in {100.0 * chance:.2g} % of random signs of the residuals"
+        return f"some form does as well in {100.0 * chance:.2g} % of the draws with random signs of the residuals"
     if tried.score < MIN_SCORE:
-        return f"the fall of the cost is {tried.score:.1f} after the tolls, and {MIN_SCORE:.0f} is needed"
+        return f"the cost falls by {tried.score:.1f} less penalties for its numbers, and {MIN_SCORE:.0f} is needed"
     if is_at_bound(tried.fit, tried.form.candidate):
         return "a number lies at its bound"
     for effect in before.hypothesis.effects:

@@ -15,7 +15,7 @@ from sensors.camera.response import corner_share, untoned
 from symolo.core.arrays import Array
 
 MIN_FLOOR_SHARE = 0.05
-"""Smallest share of an image that must be floor well off the line."""
+"""Smallest share of an image that must be floor at a clear distance from the line."""
 _PROFILES = 40
 """Number of rows, evenly spread, whose profiles are averaged."""
 _FAR_PX = 10

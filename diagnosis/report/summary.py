@@ -65,7 +65,7 @@ def summary(data: ReportData) -> list[str]:
     for effect in data.robot.left_out:
         lines += _entry("not in the robot file", f"{effect.name}: {effect.why}")
     if data.robot.problem:
-        lines += _entry("not yet driveable", data.robot.problem)
+        lines += _entry("cannot drive yet", data.robot.problem)
     return lines
 
 

@@ -46,8 +46,8 @@ class Errors:
     """Relative pose error [m] over one metre of the true path; None where no two poses are so far apart."""
     rpe_per_m_rad: float | None
     nees: float
-    """Mean over the run divided by 3, its degrees of freedom: about 1 where the stated covariance is honest,
-    above where the method is too sure of itself."""
+    """Mean over the run divided by 3, its degrees of freedom: about 1 where the stated covariance is consistent,
+    more where the method is overconfident."""
     within: float
     """Share of the poses whose truth lies in the method's own 95 % region."""
 

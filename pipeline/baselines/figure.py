@@ -47,8 +47,8 @@ def figure(compared: BaselineComparison) -> bytes:
         turn.set_yscale("log")
         turn.set_ylim(bottom=0.01)
         finished(floor, f"{run.name}, from the dot on", "x [m]", "y [m]", legend=False)
-        finished(place, "Off the true place", "time [s]", "distance [mm]", legend=False)
-        finished(turn, "Off the true heading", "time [s]", "angle [deg]", legend=False)
+        finished(place, "Position error", "time [s]", "distance [mm]", legend=False)
+        finished(turn, "Heading error", "time [s]", "angle [deg]", legend=False)
         if row == 0:
             handles, labels = floor.get_legend_handles_labels()
             drawn.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False)

@@ -39,7 +39,7 @@ _COLUMNS = (
 _ABOUT = """\
 Against the true poses; nothing is aligned, because every method knows the start. ATE is the root mean square over all
 poses of a run, RPE that of the error of a movement over one second or one metre of the path. NEES is divided by its
-degrees of freedom: 1 where the stated covariance is honest, more where the method is too sure of itself. "in 95%" is
+degrees of freedom: 1 where the stated covariance is consistent, more where the method is overconfident. "in 95%" is
 the share of poses whose truth lies in the method's own 95 % region.
 """
 
@@ -63,7 +63,8 @@ def table(compared: BaselineComparison) -> str:
     lines = ["# Localisation baselines", "", _ABOUT]
     accuracy = f"to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation)"
     slip_mm = f"{1e3 * compared.slip_m_sqrt_m:g} mm"
-    lines += [f"The robot is put down {accuracy}. Its wheels are assumed to slip by {slip_mm} at random after 1 m.", ""]
+    slip = f"Its wheels are assumed to slip by {slip_mm} at random after 1 m."
+    lines += [f"The start pose of the robot is known {accuracy}. {slip}", ""]
     lines += [f"- {method.name}: {method.what}" for method in compared.methods]
     lines += [f"- {name}: left out, {why}" for name, why in compared.left_out.items()]
     lines += ["", f"**Warning:** {compared.warning}."] if compared.warning else []

@@ -1,4 +1,4 @@
-"""Particle filter: odometry, weighed by ToF and line readings (Thrun, Burgard and Fox, Probabilistic Robotics, 2005,
+"""Particle filter: odometry, weighted by ToF and line readings (Thrun, Burgard and Fox, Probabilistic Robotics, 2005,
 sections 4.3, 6.3 and 8.3).
 
 A particle is a pose and, as in the EKF, the parameters of the wheels. Resampling moves each particle a little towards
@@ -57,7 +57,7 @@ def scattered(particles: Array, rng: np.random.Generator) -> Array:
 
 
 class ParticleCloud:
-    """Particles that follow the wheels, and are weighed by whatever a method reads."""
+    """Particles that follow the wheels, and are weighted by whatever a method reads."""
 
     def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator, count: int = PARTICLES) -> None:
         self._rng, self._count = rng, count
@@ -97,7 +97,7 @@ class ParticleCloud:
 
 
 class _ParticleFilter(ParticleCloud):
-    """Particles that are weighed by ranges and line readings."""
+    """Particles that are weighted by ranges and line readings."""
 
     def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator) -> None:
         super().__init__(knowledge, rng)
@@ -144,4 +144,4 @@ def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: n
     return Estimate(np.arange(len(knowledge)), np.array(poses), np.array(covariances))
 
 
-METHOD = Method("particles", "particle filter", "odometry, weighed by ToF and line readings by the map", _estimate)
+METHOD = Method("particles", "particle filter", "odometry; particles weighted by ToF and line readings", _estimate)

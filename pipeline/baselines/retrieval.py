@@ -133,4 +133,6 @@ def _estimate(knowledge: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: n
     return Estimate(knowledge.images.rows.copy(), pose, covariance)
 
 
-METHOD = Method("retrieval", "image retrieval", "one image, beside those of the other runs", _estimate, learns=True)
+METHOD = Method(
+    "retrieval", "image retrieval", "one image, compared with those of the other runs", _estimate, learns=True
+)

@@ -64,5 +64,5 @@ def unpacked(text: str) -> TriangleMesh:
     vertices = np.frombuffer(data, "<f4", 3 * vertex_count, 8).astype(float).reshape(-1, 3)
     triangles = np.frombuffer(data, "<u4", 3 * triangle_count, 8 + 12 * vertex_count).astype(np.int64).reshape(-1, 3)
     if not triangle_count or not np.isfinite(vertices).all() or triangles.max() >= vertex_count:
-        raise ValueError("is no packed mesh: it has no triangles, or numbers that are none")
+        raise ValueError("is no packed mesh: it has no triangles, or values that are not numbers")
     return TriangleMesh(vertices, triangles)

@@ -158,9 +158,9 @@ class ChildProcess(Generic[M]):
                 heard_s = time.monotonic()
             now, reason = time.monotonic(), ""
             if now - heard_s > silence_s:
-                reason = f"it gave no sign of life for {silence_s:g} s"
+                reason = f"it did not respond for {silence_s:g} s"
             elif now - moved_s > limit_s:
-                reason = f"it got no further in {limit_s:g} s"
+                reason = f"it made no progress in {limit_s:g} s"
             elif memory_bytes and (used := memory_of(self._child.pid)) > memory_bytes:
                 reason = f"it used {used / GB:.2f} GB of memory, and {memory_bytes / GB:.2f} GB are allowed"
             if reason:

@@ -175,7 +175,7 @@ def _parse_normal(arguments: Node, faulty: Callable[..., InputError]) -> Normal:
     if normal.sd < 0:
         raise faulty(allowed="sd >= 0")
     if not (math.isfinite(low) and math.isfinite(high)):
-        raise faulty(allowed="mean and sd whose ends are numbers that a computer can hold")
+        raise faulty(allowed="mean and sd whose range, 4 sd to both sides, is finite")
     if low > high:
         raise faulty(allowed="low below high")
     if normal.share_within() < _MIN_SHARE:

@@ -57,7 +57,7 @@ def _blamed(root: Path, files: Files, tags: Sequence[Finding]) -> Iterator[Findi
     whole = _as_made(root, files)
     for finding in tags:
         if whole.get(finding.file) and files.digests.get(finding.file) == whole[finding.file]:
-            yield Finding(TAG_MANIFEST, f"was changed: what it says of {finding.file} is not so")
+            yield Finding(TAG_MANIFEST, f"was changed: its entry for {finding.file} is wrong")
         else:
             yield finding
 

@@ -263,7 +263,7 @@ def _edited(listed: Mapping[str, str], released: Mapping[str, str]) -> str:
     """Return a text with the first line of the manifest that is not as it was released; empty if all are."""
     other = sorted(name for name in {*listed, *released} if listed.get(name) != released.get(name))
     more = f" and {len(other) - 1} more" if len(other) > 1 else ""
-    return f"was changed: not as released is what it says of {other[0]}{more}" if other else ""
+    return f"was changed: not as released is its entry for {other[0]}{more}" if other else ""
 
 
 def _parsed(data: bytes | None, strange: str | None) -> tuple[dict[str, str], str]:

@@ -77,7 +77,7 @@ def in_json(discovery: Discovery | None) -> dict[str, object]:
 def _structure(law: DiscoveredLaw) -> str:
     words = law.form.words
     if law.is_curve:
-        return f"No form with few numbers describes it better than {words}, which has a value at each of some knots"
+        return f"No form with few numbers describes it better than {words}, a cubic spline with a value at each knot"
     return f"{words[0].upper()}{words[1:]} describes what no listed effect explains"
 
 

@@ -1,4 +1,4 @@
-"""Particle filter whose particles are weighed by the heat maps of a trained network."""
+"""Particle filter whose particles are weighted by the heat maps of a trained network."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -76,7 +76,7 @@ def _of_model(model: LocalisationModel) -> Method:
         readings = NetworkReadings.of(knowledge)
         return filtered(knowledge, model.likelihood, heat_maps(model, readings), rng)
 
-    what = f"odometry, weighed by a trained network on {' and '.join(model.about.inputs)}"
+    what = f"odometry; particles are weighted by a trained network on {' and '.join(model.about.inputs)}"
     return replace(METHOD, what=what, estimate=estimate, lacks=lambda _: "")
 
 
@@ -87,7 +87,7 @@ def _no_model(_knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng:
 METHOD = Method(
     "learned",
     "learned heat maps",
-    "odometry, weighed by a trained network",
+    "odometry; particles are weighted by a trained network",
     _no_model,
     lacks=lambda _: NO_MODEL,
 )

@@ -238,7 +238,7 @@ class _Child:
         try:
             code = self._process.wait(_LAST_SECONDS)
         except subprocess.TimeoutExpired:
-            return Undecodable("cannot be decoded: the decoder answers what no decoder would")
+            return Undecodable("cannot be decoded: the decoder sent an invalid reply")
         # Where memory is limited, libraries crash that do not get any.
         was_killed = sys.platform != "win32" and code == -signal.SIGKILL
         if was_killed or is_memory_limited():

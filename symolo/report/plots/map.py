@@ -155,7 +155,7 @@ def _legend(one: RouteMap) -> list[Line2D | Patch]:
     for state in sorted(seen):
         style = STATE_STYLES[state]
         handles.append(Line2D([], [], color=style.colour, linestyle=style.dash, label=named(state)))
-    handles.append(Line2D([], [], color=BLACK, marker="o", linestyle="none", label="start, and where it faces"))
+    handles.append(Line2D([], [], color=BLACK, marker="o", linestyle="none", label="start pose"))
     if one.arena.line.pieces:
         handles.append(Patch(facecolor=_TAPE, label="line"))
     kinds = {box.kind for box in one.arena.boxes}

@@ -164,7 +164,7 @@ def test_a_child_killed_before_it_reads_its_job_is_an_error_too(job, tmp_path):
 def test_a_child_that_says_nothing_is_given_up(job, tmp_path, monkeypatch):
     _pretend_bpy(tmp_path, monkeypatch, "import time\ntime.sleep(60)")
     monkeypatch.setattr(renderer, "_PATIENCE_S", 0.2)
-    with pytest.raises(RenderError, match="got no further in"):
+    with pytest.raises(RenderError, match="made no progress in"):
         render_job(_written(job, tmp_path), tmp_path / "images")
 
 

@@ -267,8 +267,8 @@ def scan_of_a_ball(mounted, power, radius_m=0.03):
 def test_the_planted_law_of_light_and_the_ball_are_recovered(mounted):
     result = ball_edge(mounted, scan_of_a_ball(mounted, 2.0))
     assert result is not None
-    assert any("NOT IN THIS ROBOT: near things outshine far ones" in note for note in result.notes)
-    fit = result.tables["ball by falling light"]
+    assert any("NOT IN THIS ROBOT: near objects return more light than far ones" in note for note in result.notes)
+    fit = result.tables["ball by inverse-square light"]
     assert (fit["x_mm"], fit["y_mm"]) == pytest.approx((72.0, 64.0), abs=1.0)
     assert (fit["nearest_mm"], fit["radius_mm"]) == pytest.approx((160.0, 30.0), abs=2.0)
     assert fit["inner_rms_mm"] < 0.4 * result.tables["ball by the sensor's light"]["inner_rms_mm"]
@@ -279,7 +279,7 @@ def test_a_scan_by_the_sensors_own_law_accuses_the_model_of_nothing(mounted):
     result = ball_edge(mounted, scan_of_a_ball(mounted, 0.0, radius_m=0.07))
     assert result is not None
     assert result.tables["ball by the sensor's light"]["radius_mm"] == pytest.approx(70.0, abs=2.0)
-    assert not any("near things outshine far ones" in note for note in result.notes)
+    assert not any("near objects return more light than far ones" in note for note in result.notes)
 
 
 def test_where_every_move_changes_the_range_the_spacing_of_readings_is_unknown(mounted):

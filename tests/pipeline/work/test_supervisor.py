@@ -85,7 +85,7 @@ def test_a_worker_takes_the_next_unit_and_the_next(tmp_path):
     ("what", "limits", "why"),
     [
         ("die_once", WorkerLimits(), "signal SIGKILL"),
-        ("hang_once", IMPATIENT, "no sign of life for 3 s"),
+        ("hang_once", IMPATIENT, "did not respond for 3 s"),
         # On a loaded machine it takes seconds to fill the memory, so this worker may be silent for longer.
         ("eat_once", FRUGAL, "GB of memory"),
     ],

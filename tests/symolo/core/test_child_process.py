@@ -75,9 +75,9 @@ def test_what_an_engine_prints_is_a_log_and_no_message(started):
             "was ended by signal SIGKILL (too little memory? Take fewer --workers or smaller",
         ),
         ("os._exit(3)", {}, "the child was ended by exit code 3"),
-        ("os.kill(os.getpid(), 19)", {"silence_s": 0.5}, "it gave no sign of life for 0.5 s"),
-        ("time.sleep(60)", {"patience_s": 0.5}, "it got no further in 0.5 s"),
-        ("time.sleep(60)", {"patience_s": 0.1, "start_s": 0.5}, "it got no further in 0.5 s"),
+        ("os.kill(os.getpid(), 19)", {"silence_s": 0.5}, "it did not respond for 0.5 s"),
+        ("time.sleep(60)", {"patience_s": 0.5}, "it made no progress in 0.5 s"),
+        ("time.sleep(60)", {"patience_s": 0.1, "start_s": 0.5}, "it made no progress in 0.5 s"),
         ("x = b'x' * 300_000_000; time.sleep(60)", {"memory_bytes": 200_000_000}, "0.20 GB are allowed"),
     ],
 )

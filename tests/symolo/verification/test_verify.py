@@ -258,17 +258,17 @@ UNSIGNED = {
     "checksum edited": (
         edit("manifest-sha256.txt", lambda t: re.sub(rf"[0-9a-f]{{8}}  {CSV}", f"00000000  {CSV}", t)),
         "manifest-sha256.txt",
-        f"not as released is what it says of {CSV}",
+        f"not as released is its entry for {CSV}",
     ),
     "checksum removed": (
         edit("manifest-sha256.txt", without_line(2)),
         "manifest-sha256.txt",
-        "not as released is what it says of CCW/test_1/images/000001.jpg",
+        "not as released is its entry for CCW/test_1/images/000001.jpg",
     ),
     "name edited in the manifest": (
         edit("manifest-sha256.txt", lambda t: t.replace(f"  {CSV}", f"  {RUN}/date.csv")),
         "manifest-sha256.txt",
-        f"not as released is what it says of {CSV} and 1 more",
+        f"not as released is its entry for {CSV} and 1 more",
     ),
     "checksum of the manifest edited": (
         edit("tagmanifest-sha256.txt", lambda t: re.sub(r"[0-9a-f]{8}  man", "00000000  man", t)),
@@ -359,7 +359,7 @@ def test_an_edited_file_and_an_edited_checksum_are_both_reported_where_the_stage
     digest = hashlib.sha256((root / CSV).read_bytes()).hexdigest()
     edit("manifest-sha256.txt", lambda t: re.sub(rf"[0-9a-f]{{64}}  {CSV}", f"{digest}  {CSV}", t))(root)
     findings = [str(finding) for finding in verify(root)]
-    assert f"manifest-sha256.txt: was changed: not as released is what it says of {CSV}" in findings
+    assert f"manifest-sha256.txt: was changed: not as released is its entry for {CSV}" in findings
     assert any(text.startswith(f"{CSV}: was changed: its SHA-256") for text in findings)
     assert {text.partition(": ")[0] for text in findings} == {"manifest-sha256.txt", CSV}
 

@@ -64,7 +64,7 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
         for k in range(count)
     ]
     note = (
-        "NOT IN THIS ROBOT: the device gathers light for its whole period; without range_gathering_time, a reading "
+        "NOT IN THIS ROBOT: the device integrates light over its whole period; without range_gathering_time, a reading "
         "shows one moment. A scan that stands still at each point cannot show the difference"
     )
     number = np.arange(1, count + 1)

@@ -50,15 +50,15 @@ def ball_edge(mounted: SensorOnStand, scan: ScanRecording) -> ExperimentResult |
     tables = {
         "board": {"board_mm": half.board_mm, "rim_footprint_mm": rim_footprint_mm},
         "ball by the sensor's light": vars(plain),
-        "ball by falling light": vars(falling),
+        "ball by inverse-square light": vars(falling),
         "edge measured": real,
         "edge by the model": model,
-        "edge by falling light": with_light,
+        "edge by inverse-square light": with_light,
     }
     better = falling.inner_rms_mm < CLEARLY * plain.inner_rms_mm
-    outshine = (
-        ". NOT IN THIS ROBOT: near things outshine far ones. Without range_signal_weighting, a ray is weighed by beam "
-        "and incidence only, so that ranges at edges are too long and near things look too small"
+    near_light = (
+        ". NOT IN THIS ROBOT: near objects return more light than far ones. Without range_signal_weighting, a ray is "
+        "weighted by beam and incidence only, so that ranges at edges are too long and near objects look too small"
     )
     notes = (
         (
@@ -69,9 +69,9 @@ def ball_edge(mounted: SensorOnStand, scan: ScanRecording) -> ExperimentResult |
         (
             f"across the edge of that ball of {falling.radius_mm:.0f} mm, the real range is half-way to the board "
             f"{real['middle_mm']:.0f} mm from the centre, and goes from 10 to 90 % in {real['width_10_90_mm']:.0f} mm; "
-            f"by the model these are {model['middle_mm']:.0f} and {model['width_10_90_mm']:.0f} mm, by falling light "
-            f"{with_light['middle_mm']:.0f} and {with_light['width_10_90_mm']:.0f} mm (the footprint there is "
-            f"{rim_footprint_mm:.0f} mm){outshine if better else '; falling light does not explain it better'}"
+            f"by the model these are {model['middle_mm']:.0f} and {model['width_10_90_mm']:.0f} mm, by inverse-square "
+            f"light {with_light['middle_mm']:.0f} and {with_light['width_10_90_mm']:.0f} mm (the footprint there is "
+            f"{rim_footprint_mm:.0f} mm){near_light if better else '; inverse-square light does not explain it better'}"
         ),
     )
     curves = (

@@ -164,7 +164,7 @@ def test_answers_that_no_decoder_gives_are_refused(reply, monkeypatch):
     with contextlib.closing(liar):
         (answer,) = liar.decode([file(b"a")])
     assert isinstance(answer, Undecodable)
-    assert "what no decoder would" in str(answer)
+    assert "the decoder sent an invalid reply" in str(answer)
 
 
 def test_a_decoder_that_cannot_start_is_no_fault_of_an_image():
