@@ -68,8 +68,8 @@ class Beyond:
                 f"{self.high:.3g}; {share}"
             )
         return (
-            f"{self.effect} is used up to {self.condition} = {self.furthest:.3g}, and was seen from {self.low:.3g} to "
-            f"{self.high:.3g}; {share}"
+            f"{self.effect} is used as far as {self.condition} = {self.furthest:.3g}, and was seen from "
+            f"{self.low:.3g} to {self.high:.3g}; {share}"
         )
 
 

@@ -81,7 +81,7 @@ def test_a_warning_names_effect_condition_range_and_value(slow_bench):
     (left,) = [each for each in prediction.beyond if each.condition == "u_cmd_V"]
     assert (left.effect, left.high, left.furthest) == ("current_sensor_gain", SEEN_V, 5.0)
     assert left.share == pytest.approx(3 / 7)
-    assert "current_sensor_gain is used up to u_cmd_V = 5, and was seen from -2.5 to 2.5; 43 % of" in left.text
+    assert "current_sensor_gain is used as far as u_cmd_V = 5, and was seen from -2.5 to 2.5; 43 % of" in left.text
 
 
 def test_the_files_have_standard_deviations_and_warnings(slow_bench):
@@ -90,7 +90,7 @@ def test_the_files_have_standard_deviations_and_warnings(slow_bench):
     header, *rows = contents["case.csv"].decode().splitlines()
     assert header == "current_A,omega_rad_s,sd_current_A,sd_omega_rad_s"
     assert len(rows) == 7
-    warning = "case.csv: current_sensor_gain is used up to u_cmd_V = 5, and was seen from -2.5 to 2.5"
+    warning = "case.csv: current_sensor_gain is used as far as u_cmd_V = 5, and was seen from -2.5 to 2.5"
     for text in (contents[PAGE].decode(), " ".join(contents[SUMMARY].decode().split())):
         assert text.count(warning) == 1
         assert text.count("Effects are used outside the range in which they were seen") == 1
