@@ -5,10 +5,11 @@ AS_GOOD more cannot be distinguished by the data, and are reported. That there i
 too; it is as good as the effect if the fall of the cost is just the threshold for naming one. The confidence in a name
 is its weight among all alternatives, each by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and
 Multimodel Inference, 2nd ed., section 2.9), tempered. One or two effects also compete with pairs of others, and an
-effect of the noise with a statement that is wrong. The costs of fitted and held-out rows add up here, though not in the
-selection. Causes that are in no list have the weight of the best simple form of an error (`unexplained/unlisted.py`)
-and a constant one. Temperature and constant were set on the cases `wide_a` (docs/diagnosis_evaluation.md), where 97 %
-of the surest names were right.
+effect of the noise with a statement that is wrong. Held-out rows count here, though not in the selection: whatever
+comes near the named effect is fitted to all rows. Predictions of the held-out rows would instead count against a rival
+what the other rows cannot know, such as a friction in the one direction. Causes that are in no list have the weight of
+the best simple form of an error (`unexplained/unlisted.py`) and a constant one. Temperature and constant were set on
+the cases `wide_a` (docs/diagnosis_evaluation.md), where 97 % of the surest names were right.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,12 +19,13 @@ from math import exp
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import LEVELS
 from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, needed, refusal
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.selection.stepwise import TOLL, replaced, toll
+from diagnosis.inference.selection.stepwise import replaced, toll
 from diagnosis.inference.unexplained.unlisted import advantage
 from sensors.effects.noise_scale import NoiseScale
 
@@ -31,6 +33,9 @@ AS_GOOD = 4.6
 """Increase of the cost up to which a rival explains the data as well: its weight is then a tenth of the name's."""
 
 STATEMENT = f"a stated noise that is wrong by a factor of {STATED_WITHIN:g}"
+NEAR = 20.0
+"""Rise of the cost up to which a rival is fitted to all rows; at the end of it, its weight is below a hundredth of the
+name's."""
 FORM = "an error of simple form, whose cause is in no list,"
 SECOND = 6.0
 """Rise of the cost that counts as much as that two given effects are rarer than one: twice the logarithm of the number
@@ -52,7 +57,7 @@ class Rival:
 
     effect: CandidateEffect
     worse: float
-    """Increase of the cost over the named effect, held-out rows included, with a toll for each parameter."""
+    """Increase of the cost of all rows over the named effect, with a toll for each parameter."""
     fit: HypothesisFit
     refused: str
     """Why the rival is not accepted although it explains more; empty if it is, or if it does not explain more."""
@@ -102,12 +107,12 @@ def compare_rivals(
         if is_negligible(candidate, other):
             continue
         # Only a rival that would win must pass the tests of the selection; others are reported as they are.
-        worse = candidate.whole_cost - fit.whole_cost + TOLL * (len(other.coordinates) - len(effect.coordinates))
+        worse = _rise(evidence, fit, candidate)
         refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
         rivals.append(Rival(other, worse, candidate, refused))
     others = [
         (FORM, -advantage(evidence, base, fit)),
-        *_of_pairs(fit, pairs),
+        *_of_pairs(evidence, fit, pairs),
         *_of_statement(evidence, fit, effect),
     ]
     # A noise at the end of its range is more than a wrong statement, so that something else is behind it.
@@ -121,7 +126,27 @@ def compare_rivals(
     )
 
 
-def _of_pairs(fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
+def _rise(evidence: Evidence, fit: HypothesisFit, other: HypothesisFit) -> float:
+    """Return the rise of the cost of all rows with another fit, with the tolls of both."""
+    tolls = toll(other) - toll(fit)
+    rise = other.whole_cost - fit.whole_cost + tolls
+    if min(rise, other.cost - fit.cost + tolls) > NEAR:
+        return rise
+    return _cost_of_all_rows(evidence, other) - _cost_of_all_rows(evidence, fit) + tolls
+
+
+@remembered
+def _cost_of_all_rows(evidence: Evidence, fit: HypothesisFit) -> float:
+    """Return the cost of a hypothesis that is fitted to the held-out rows as well."""
+    if not evidence.heldout.any():
+        return fit.cost
+    none = np.zeros_like(evidence.heldout)
+    all_rows = evidence.with_rows(fit=evidence.fit | evidence.heldout, heldout=none)
+    (refit,) = fits(all_rows, [(fit.hypothesis, fit.x)])
+    return refit.cost
+
+
+def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
     """Return the best two effects in place of a single one or of both, and the rise of the cost; empty if none.
 
     Two effects that share one with the fit are among the rivals of the other one.
@@ -132,7 +157,7 @@ def _of_pairs(fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[
     rises = [
         (
             " and ".join(other.name for other in pair.hypothesis.effects),
-            pair.whole_cost + toll(pair) - fit.whole_cost - toll(fit),
+            _rise(evidence, fit, pair),
         )
         for pair in pairs
         if kinds.isdisjoint(other.kind for other in pair.hypothesis.effects)

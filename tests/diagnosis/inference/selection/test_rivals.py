@@ -20,16 +20,23 @@ from diagnosis.inference.selection.rivals import (
     confidence,
 )
 from diagnosis.inference.selection.stepwise import TOLL
+from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Predicted
 from sensors.effects.noise_scale import NoiseScale
 
+SD_A = 0.01
 X = np.linspace(-1.0, 1.0, 120)
+NOISE = np.random.default_rng(6).standard_normal(120)
+
+
+def scaled(robot, value):
+    return robot.model_copy(update={"motor": robot.motor.model_copy(update={"torque_constant_N_m_A": value})})
 
 
 @pytest.fixture
 def bench(evidence_of, hypothesis, effect):
-    """A gain of 1.3, with its fit."""
-    evidence = evidence_of(X, 1.3 * X + 0.01 * np.random.default_rng(6).standard_normal(120), heldout=30)
+    """A gain of 1.3, with its fit; the noise of all rows has a mean of zero, so that an offset explains nothing."""
+    evidence = evidence_of(X, 1.3 * X + SD_A * (NOISE - NOISE.mean()), heldout=30)
     gain = effect("current_sensor_gain")
     model = hypothesis.with_effect(gain)
     (fit,) = fits(evidence, [(model, model.null())])
@@ -37,14 +44,19 @@ def bench(evidence_of, hypothesis, effect):
 
 
 @pytest.fixture
-def bench_beyond_zero(evidence_of, hypothesis, effect):
-    """The same about a current of 2 A, where an offset of 0.6 A would be similar."""
-    x = X + 2.0
-    evidence = evidence_of(x, 1.3 * x + 0.01 * np.random.default_rng(6).standard_normal(120), heldout=30)
-    gain = effect("current_sensor_gain")
-    model = hypothesis.with_effect(gain)
+def bench_near_zero(evidence_of, robot, effect):
+    """An offset of 0.4 sigma, seen at small readings, with its fit; only held-out rows show that a number is 10 % off.
+
+    That number has a tolerance of 10 %.
+    """
+    constant = robot.motor.torque_constant_N_m_A
+    nuisance = Nuisance("motor.torque_constant_N_m_A", constant, 0.1 * constant, "N m/A", scaled)
+    x = np.append(0.02 + 0.001 * X[:90], np.linspace(0.02, 1.0, 30))
+    evidence = evidence_of(x, 1.1 * x + 0.4 * SD_A + SD_A * NOISE, heldout=30)
+    offset = effect("current_sensor_offset")
+    model = Hypothesis(robot, (nuisance,), (offset,))
     (fit,) = fits(evidence, [(model, model.null())])
-    return evidence, fit, gain
+    return evidence, fit, offset
 
 
 def test_a_rival_that_is_as_good_halves_the_confidence_and_one_far_away_leaves_it():
@@ -58,11 +70,12 @@ def test_two_effects_that_explain_as_much_as_one_leave_it_less_sure(bench, effec
     evidence, fit, gain = bench
     alone = compare_rivals(evidence, fit, gain, [gain])
     others = fit.hypothesis.without(gain).with_effect(effect("current_sensor_offset"))
-    (two,) = fits(evidence, [(others.with_effect(effect("torque_constant_scale")), np.zeros(3))])
-    pair = replace(two, cost=two.cost + fit.whole_cost - two.whole_cost)
+    (pair,) = fits(evidence, [(others.with_effect(effect("torque_constant_scale")), np.zeros(3))])
     found = compare_rivals(evidence, fit, gain, [gain], pairs=[pair])
-    assert 1.0 / found.confidence - 1.0 / alone.confidence == pytest.approx(exp(-0.5 * (TOLL + SECOND) / TEMPERATURE))
-    assert found.others[0] == ("current_sensor_offset and torque_constant_scale together", pytest.approx(TOLL + SECOND))
+    weight = exp(-0.5 * (TOLL + SECOND) / TEMPERATURE)
+    assert 1.0 / found.confidence - 1.0 / alone.confidence == pytest.approx(weight, rel=0.03)
+    name = "current_sensor_offset and torque_constant_scale together"
+    assert found.others[0] == (name, pytest.approx(TOLL + SECOND, abs=0.1))
     with_itself = replace(pair, hypothesis=fit.hypothesis.with_effect(effect("current_sensor_offset")))
     assert compare_rivals(evidence, fit, gain, [gain], pairs=[with_itself]).confidence == alone.confidence
 
@@ -79,21 +92,29 @@ def test_two_effects_compete_with_two_others_but_not_with_a_pair_that_shares_one
         for each in effects:
             model = model.with_effect(each)
         (two,) = fits(evidence, [(model, model.null())])
-        return replace(two, cost=two.cost + fit.whole_cost - two.whole_cost)
+        return two
 
     both, others, sharing = fitted(gain, offset), fitted(scale, warmup), fitted(gain, scale)
     found = compare_rivals(evidence, both, offset, [], pairs=[sharing, others])
     # The warm-up has two parameters, so that the others have one more than gain and offset.
-    assert ("torque_constant_scale and friction_warmup in place of both", pytest.approx(TOLL)) in found.others
+    assert ("torque_constant_scale and friction_warmup in place of both", pytest.approx(TOLL, abs=0.1)) in found.others
     assert "in place of both" not in str(compare_rivals(evidence, both, offset, [], pairs=[sharing]).others)
 
 
-def test_held_out_rows_count_as_much_as_fitted_ones_against_a_rival(bench_beyond_zero, effect):
-    evidence, fit, gain = bench_beyond_zero
-    offset = effect("current_sensor_offset")
-    (rival,) = compare_rivals(evidence, fit, gain, [gain, offset]).rivals
-    worse = rival.fit.cost - fit.cost + float((rival.fit.costs - fit.costs)[evidence.heldout].sum())
-    assert rival.worse == pytest.approx(worse)
+def test_a_rival_is_compared_by_all_rows_and_not_by_what_some_rows_leave_open(bench_near_zero, effect):
+    """Each model, with the prior of the number, is a linear least-squares problem over all rows.
+
+    From the fitted rows alone, the number may be right, so that the named offset predicts the held-out rows badly.
+    """
+    evidence, fit, offset = bench_near_zero
+    (rival,) = compare_rivals(evidence, fit, offset, [offset, effect("current_sensor_gain")]).rivals
+    assert float(fit.costs[evidence.heldout].sum()) > 200.0
+    x, y = np.append(0.02 + 0.001 * X[:90], np.linspace(0.02, 1.0, 30)), evidence.values
+    with_offset = np.append(np.stack([x, np.ones(120)], axis=1) / SD_A, [[10.0, 0.0]], axis=0)
+    squares = np.linalg.lstsq(with_offset, np.append(y / SD_A, 10.0), rcond=None)[1][0]
+    squares_with_gain = np.linalg.lstsq(x[:, None] / SD_A, y / SD_A, rcond=None)[1][0]
+    assert rival.worse == pytest.approx(squares_with_gain - squares, abs=1.5)
+    assert rival.worse > 5.0
 
 
 @dataclass
