@@ -76,6 +76,18 @@ class SharedReading:
 
 
 @dataclass(frozen=True)
+class InputError:
+    """An error of the input of a stage which no effect of the list describes, and how a quantity responds to it."""
+
+    covariate: str
+    """Name of the covariate with the input, or of the time over which the error drifts."""
+    what: str
+    """Description for reports, such as `gain of the voltage`."""
+    response: Array
+    """(n,), change of the prediction by a small error, in any unit that the quantities of a stage share."""
+
+
+@dataclass(frozen=True)
 class Observed:
     """One measured quantity that a stage predicts, with n samples in the order of trials and time."""
 
@@ -114,6 +126,8 @@ class Observed:
     in common is misfit, and never correlated noise."""
     samples: str = "rows"
     """What the samples are, in the plural: the rows of the log, a part of them, or windows of several rows."""
+    input_errors: tuple[InputError, ...] = ()
+    """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
     is_state: Mask | None = None
     """(n,), samples of which only a state is known, such as that a motor stands still. Their residual is what the state
     says against the model, and no error in the unit of the quantity. None if there are none."""

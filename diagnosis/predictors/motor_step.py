@@ -9,11 +9,12 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.base import Covariate, CovariateShape, InputError, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
 from diagnosis.predictors.turning_response import TurningResponse
+from physics.drivetrain.motion import voltage_trend
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
 from physics.robot.stack import CURVED, alike, stacked, stacked_effects
@@ -23,6 +24,9 @@ from symolo.core.arrays import Array
 PARTS = ("motor", "power")
 SLOTS = CURVED | {Slot.MOTORS, Slot.COMMAND_DELAY, Slot.ACTUATOR, Slot.BATTERY, Slot.GEARBOX}
 """Slots of the effects on the motion; those of the instruments act on its readings."""
+
+INPUT_ERROR = 0.01
+"""Error of the voltage, as a share, at which the responses to it are computed."""
 
 
 class MotorStep:
@@ -44,6 +48,7 @@ class MotorStep:
         self._voltage_V = self._grid.held(trials, "u_cmd_V")
         self._known = KnownPredictions(PARTS, SLOTS, self._motions)
         current, speed = (mean[0] for mean in self._means([nominal]))
+        input_errors = self._input_errors(nominal)
         voltage_V = self._grid.of_rows(self._voltage_V)
         since_s, step_V = (self._grid.of_rows(samples) for samples in self._since_step())
         measured = good_values(measurement, "omega_rad_s")
@@ -66,9 +71,11 @@ class MotorStep:
             tuple(replace(c, size=size, response=response) if c.name == "angle_rad" else c for c in covariates)
             for size, response in ((None, by_current), (speed, by_speed))
         )
-        self.observed: tuple[Observed, ...] = (
-            observed_channel(measurement, "current_A", everywhere, of_current),
-            observed_channel(measurement, "omega_rad_s", everywhere, of_speed),
+        self.observed: tuple[Observed, ...] = tuple(
+            replace(observed_channel(measurement, name, everywhere, covariates), input_errors=errors)
+            for name, covariates, errors in zip(
+                ("current_A", "omega_rad_s"), (of_current, of_speed), input_errors, strict=True
+            )
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
@@ -77,11 +84,14 @@ class MotorStep:
         )
 
     def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
+        return self._read(robots, self._known.of(robots))
+
+    def _read(self, robots: Sequence[RobotConfig], motions: Array) -> tuple[Array, Array]:
+        """Return the readings of currents and speeds (M, n) from the true ones at all samples, (M, 2, T, N)."""
         rows = sum(len(place) for place in self._grid.places)
         current, speed = np.empty((len(robots), rows)), np.empty((len(robots), rows))
         t_s = self._grid.period_s * np.arange(len(self._voltage_V))
         since_on_s = t_s[:, None, None] + self._grid.begins_s
-        motions = self._known.of(robots)
         for group in alike(robots):
             effects = stacked_effects([robots[k] for k in group], axes=1)
             amperes, rad_s = (np.moveaxis(motions[group, k], 0, 1) for k in range(2))
@@ -99,6 +109,33 @@ class MotorStep:
             for k, motion in enumerate(moving):
                 motions[group, k, 1:] = np.moveaxis(motion.reshape(samples - 1, -1, trials), 1, 0)
         return motions
+
+    def _input_errors(self, nominal: RobotConfig) -> tuple[tuple[InputError, ...], ...]:
+        """Return errors of the voltage with the responses of current and speed to them: its gain, and what changes it.
+
+        The gain may drift over the session, and a bridge may give more after a rise of the voltage than after a fall.
+        """
+        samples, trials = self._voltage_V.shape
+        session_s = self._grid.period_s * np.arange(samples)[:, None] + self._grid.begins_s
+        errors = {
+            ("u_cmd_V", "gain of the voltage"): np.ones((samples, trials)),
+            ("u_cmd_V", "gain of the voltage that depends on rise or fall"): voltage_trend(self._voltage_V),
+            ("session_time_s", "gain of the voltage that drifts"): session_s
+            / max(float(session_s.max()), self._grid.period_s),
+        }
+        # Both ways, so that a dead zone of the motor is not on one side only.
+        shares = [size * share for share in errors.values() for size in (INPUT_ERROR, -INPUT_ERROR)]
+        voltage_V = np.concatenate([self._voltage_V[1:] * (1.0 + share[1:]) for share in shares], axis=1)
+        model = RobotModel.from_config(stacked([nominal], axes=2, times=voltage_V.shape[1]))
+        moving = step_responses(model, voltage_V, self._grid.period_s, np.tile(self._grid.begins_s, len(shares)))
+        motions = np.zeros((len(shares), 2, samples, trials))
+        for k, motion in enumerate(moving):
+            motions[:, k, 1:] = np.moveaxis(motion.reshape(samples - 1, -1, trials), 1, 0)
+        readings = self._read([nominal] * len(shares), motions)
+        return tuple(
+            tuple(InputError(*key, change) for key, change in zip(errors, each[::2] - each[1::2], strict=True))
+            for each in readings
+        )
 
     def _responses(
         self, measurement: Measurement, nominal: RobotConfig, angle_rad: Array, speed_rad_s: Array

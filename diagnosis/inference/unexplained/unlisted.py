@@ -4,7 +4,8 @@ Effects of the list are flexible enough to imitate many a cause that is in none,
 rows far off are cheap if they are outliers. So errors of simple form (`forms`) compete with both: each is fitted beside
 a model, with all coordinates linearised, with noise and outliers fitted again, and is charged TOLL for its size and for
 each number that was chosen for it, like an effect for its parameters. Outliers have random sizes, so that no form goes
-through them. This is for the rows of a bench only, which are separate states.
+through them. The rows of a bench are separate states, so that errors of any simple shape are tried; of a time series,
+only those that the model itself describes (`series_forms`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,14 +26,17 @@ from diagnosis.inference.selection.stepwise import TOLL
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.own_effects import is_same_as_own
+from diagnosis.inference.unexplained.series_forms import series_forms
 from symolo.core.arrays import Array
 
 MAX_SAMPLES = 2000
-"""Largest number of samples with this test. With more of them, `adequacy` sees what the forms would."""
+"""Largest number of samples with the forms of a bench. With more of them, `adequacy` sees what the forms would."""
 MIN_ROWS = 8
 """Smallest number of rows of a quantity that is tested."""
 PROMISING = 8
 """Number of forms that are fitted, by each of two linear rankings."""
+PROMISING_OF_SERIES = 2
+"""The same for a time series, which has few forms and many samples."""
 ALIKE = 2
 """Largest number of forms among them of one kind along one covariate."""
 ALIKE_FALL = 1.0
@@ -105,15 +109,17 @@ def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, r
 def advantage(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> float:
     """Return by how much the best form beside a base explains more than the effects by which a fit goes beyond it.
 
-    Log-likelihoods of fitted and held-out rows add up. Each number has the toll of the selection. A form that is the
-    same error as effects of the user's own is no rival of them.
+    Log-likelihoods of fitted and held-out rows add up on a bench. The held-out trials of a time series do not count: a
+    model is extrapolated to them, and what the fitted trials leave open would decide. Each number has the toll of the
+    selection. A form that is the same error as effects of the user's own is no rival of them.
     """
     form = best_form(evidence, base)
     if form is None or is_same_as_own(base, fit, form.column[:, None]):
         return -np.inf
-    numbers = len(fit.x) - len(base.x)
-    by_effects = base.cost - fit.cost - TOLL * numbers + float((base.costs - fit.costs)[evidence.heldout].sum())
-    return form.fall + form.heldout_fall - by_effects
+    by_effects = base.cost - fit.cost - TOLL * (len(fit.x) - len(base.x))
+    if evidence.observed[form.quantity].is_series:
+        return form.fall - by_effects
+    return form.fall + form.heldout_fall - by_effects - float((base.costs - fit.costs)[evidence.heldout].sum())
 
 
 def _structure(evidence: Evidence, found: FittedForm, explainable: float, longest_run: int) -> Structure:
@@ -144,31 +150,39 @@ def _run_of_rows(evidence: Evidence, found: FittedForm) -> int:
 @remembered
 def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
     """Return the form that lowers the cost of a fit most, tolls included; None if no form can be tested."""
-    if np.count_nonzero(evidence.fit) > MAX_SAMPLES:
-        return None
-    listed = [(number, form) for number in range(len(evidence.observed)) for form in _forms_of(evidence, fit, number)]
+    listed = list(_bench_forms(evidence, fit))
+    most = PROMISING if listed else PROMISING_OF_SERIES
+    listed += series_forms(evidence, fit)
     if not listed:
         return None
-    columns = np.zeros((len(listed), len(fit.z)))
-    for column, (number, form) in zip(columns, listed, strict=True):
-        place = evidence.places[number]
-        column[place] = form.column / fit.sd[place]
+    columns = np.stack([column for _, _, column in listed])
     fitted = []
     # With the robust weights, rows far off count little; with Huber's they count in proportion to their distance.
     huber = np.where(evidence.fit, evidence.weight / np.maximum(1.0, np.abs(fit.z) / CORNER), 0.0)
     for weight in (fit.root_weights() ** 2, huber):
-        best = list(islice(_promising(fit, listed, columns, np.sqrt(weight)), PROMISING))
-        tried = [_fitted(evidence, fit, *listed[k], columns[k], weight) for k, _ in best]
+        best = list(islice(_promising(fit, listed, columns, np.sqrt(weight)), most))
+        tried = [_fitted(evidence, fit, *listed[k], weight) for k, _ in best]
         # Without a fall of the weighted squares, no other middle and width will matter.
         bumps = [f for f, (_, fall) in zip(tried, best, strict=True) if isinstance(f.form, Bump) and fall > TOLL]
         fitted += [*tried, *(_refined(evidence, fit, bump, weight) for bump in bumps[:REFINED])]
     more_than_outliers = [f for f in fitted if f.beyond_chance >= MORE_THAN_OUTLIERS]
     if not more_than_outliers:
         return None
-    most = max(f.fall for f in more_than_outliers)
+    top = max(f.fall for f in more_than_outliers)
     # Along a sweep, voltage, current and speed grow together, so that a form is the same along each of them.
-    best = min((f for f in more_than_outliers if f.fall >= most - ALIKE_FALL), key=lambda f: (f.form.rank, -f.fall))
-    return replace(best, kinds=len({(number, form.covariate, form.what) for number, form in listed}))
+    best = min((f for f in more_than_outliers if f.fall >= top - ALIKE_FALL), key=lambda f: (f.form.rank, -f.fall))
+    return replace(best, kinds=len({(number, form.covariate, form.what) for number, form, _ in listed}))
+
+
+def _bench_forms(evidence: Evidence, fit: HypothesisFit) -> Iterator[tuple[int, Form, Array]]:
+    """Yield the forms of each quantity whose rows are separate states, with their columns (N,) in sigmas."""
+    if np.count_nonzero(evidence.fit) > MAX_SAMPLES:
+        return
+    for number, place in enumerate(evidence.places):
+        for form in _forms_of(evidence, fit, number):
+            column = np.zeros(len(fit.z))
+            column[place] = form.column / fit.sd[place]
+            yield number, form, column
 
 
 def _forms_of(evidence: Evidence, fit: HypothesisFit, number: int) -> Sequence[Form]:
@@ -190,7 +204,7 @@ def _forms_of(evidence: Evidence, fit: HypothesisFit, number: int) -> Sequence[F
 
 
 def _promising(
-    fit: HypothesisFit, listed: Sequence[tuple[int, Form]], columns: Array, root: Array
+    fit: HypothesisFit, listed: Sequence[tuple[int, Form, Array]], columns: Array, root: Array
 ) -> Iterator[tuple[int, float]]:
     """Yield which forms lower the weighted squares most, and the fall, with the tolls of what was chosen for them."""
     basis = orthonormal(fit.tangents(root))
@@ -200,10 +214,10 @@ def _promising(
     squares = (weighed**2).sum(axis=1)
     free = squares - ((weighed @ basis[: len(root)]) ** 2).sum(axis=1)
     falls = np.where(free > 1e-6 * squares, (weighed @ residual[: len(root)]) ** 2 / np.maximum(free, 1e-300), -np.inf)
-    falls -= TOLL * np.array([form.chosen for _, form in listed])
+    falls -= TOLL * np.array([form.chosen for _, form, _ in listed])
     seen: dict[tuple[int, str, str], int] = {}
     for k in np.argsort(-falls, kind="stable").tolist():
-        number, form = listed[k]
+        number, form, _ = listed[k]
         kind = number, form.covariate, form.what
         seen[kind] = seen.get(kind, 0) + 1
         if np.isfinite(falls[k]) and seen[kind] <= ALIKE:
