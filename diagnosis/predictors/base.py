@@ -24,6 +24,8 @@ from symolo.core.text_enum import TextEnum
 
 ROW_TIME = "t_s"
 """Name of the covariate with the time of a row, in which the rows of a trial are in order."""
+SESSION_TIME = "session_time_s"
+"""Name of the covariate with the time since the session began."""
 
 
 class CovariateShape(TextEnum):

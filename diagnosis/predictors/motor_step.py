@@ -9,7 +9,7 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import Covariate, CovariateShape, InputError, Observed, Predicted
+from diagnosis.predictors.base import SESSION_TIME, Covariate, CovariateShape, InputError, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
@@ -61,7 +61,7 @@ class MotorStep:
             Covariate("current_A", current),
             Covariate("u_cmd_V", voltage_V),
             Covariate("angle_rad", angle_rad, CovariateShape.PERIODIC),
-            Covariate("session_time_s", since_start_s + self._grid.begins_s[trial_of_rows(measurement)]),
+            Covariate(SESSION_TIME, since_start_s + self._grid.begins_s[trial_of_rows(measurement)]),
             trial_covariate(measurement),
         )
         everywhere = np.ones(len(voltage_V), dtype=bool)
@@ -101,40 +101,40 @@ class MotorStep:
 
     def _motions(self, robots: Sequence[RobotConfig]) -> Array:
         """Return true currents [A] and speeds [rad/s] at all samples, (M, 2, T, N)."""
-        samples, trials = self._voltage_V.shape
-        motions = np.zeros((len(robots), 2, samples, trials))
+        motions = np.empty((len(robots), 2, *self._voltage_V.shape))
         for group in alike(robots):
-            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2, times=trials))
-            moving = step_responses(model, self._voltage_V[1:], self._grid.period_s, self._grid.begins_s)
-            for k, motion in enumerate(moving):
-                motions[group, k, 1:] = np.moveaxis(motion.reshape(samples - 1, -1, trials), 1, 0)
+            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2, times=len(self._grid.begins_s)))
+            motions[group] = self._moved(model, self._voltage_V, self._grid.begins_s)
         return motions
 
-    def _input_errors(self, nominal: RobotConfig) -> tuple[tuple[InputError, ...], ...]:
-        """Return errors of the voltage with the responses of current and speed to them: its gain, and what changes it.
+    def _moved(self, model: RobotModel, voltage_V: Array, begins_s: Array) -> Array:
+        """Return the same by M times as many voltages as the log has, (T, N) or (T, M N), from rest at time 0."""
+        samples, trials = self._voltage_V.shape
+        moving = step_responses(model, voltage_V[1:], self._grid.period_s, begins_s)
+        rows = [np.moveaxis(motion.reshape(samples - 1, -1, trials), 1, 0) for motion in moving]
+        return np.pad(np.stack(rows, axis=1), ((0, 0), (0, 0), (1, 0), (0, 0)))
 
-        The gain may drift over the session, and a bridge may give more after a rise of the voltage than after a fall.
+    def _input_errors(self, nominal: RobotConfig) -> tuple[tuple[InputError, ...], ...]:
+        """Return errors of the voltage with the responses of current and speed to them.
+
+        Its gain may be wrong, may drift over the session, or may be greater after a rise of the voltage than after a
+        fall.
         """
         samples, trials = self._voltage_V.shape
         session_s = self._grid.period_s * np.arange(samples)[:, None] + self._grid.begins_s
         errors = {
             ("u_cmd_V", "gain of the voltage"): np.ones((samples, trials)),
             ("u_cmd_V", "gain of the voltage that depends on rise or fall"): voltage_trend(self._voltage_V),
-            ("session_time_s", "gain of the voltage that drifts"): session_s
-            / max(float(session_s.max()), self._grid.period_s),
+            (SESSION_TIME, "gain of the voltage that drifts"): session_s / max(float(session_s.max()), 1e-9),
         }
         # Both ways, so that a dead zone of the motor is not on one side only.
-        shares = [size * share for share in errors.values() for size in (INPUT_ERROR, -INPUT_ERROR)]
-        voltage_V = np.concatenate([self._voltage_V[1:] * (1.0 + share[1:]) for share in shares], axis=1)
+        factors = [1.0 + size * share for share in errors.values() for size in (INPUT_ERROR, -INPUT_ERROR)]
+        voltage_V = np.concatenate([self._voltage_V * factor for factor in factors], axis=1)
         model = RobotModel.from_config(stacked([nominal], axes=2, times=voltage_V.shape[1]))
-        moving = step_responses(model, voltage_V, self._grid.period_s, np.tile(self._grid.begins_s, len(shares)))
-        motions = np.zeros((len(shares), 2, samples, trials))
-        for k, motion in enumerate(moving):
-            motions[:, k, 1:] = np.moveaxis(motion.reshape(samples - 1, -1, trials), 1, 0)
-        readings = self._read([nominal] * len(shares), motions)
+        motions = self._moved(model, voltage_V, np.tile(self._grid.begins_s, len(factors)))
         return tuple(
             tuple(InputError(*key, change) for key, change in zip(errors, each[::2] - each[1::2], strict=True))
-            for each in readings
+            for each in self._read([nominal] * len(factors), motions)
         )
 
     def _responses(

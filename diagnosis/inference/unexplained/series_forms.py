@@ -13,10 +13,8 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.forms import Form
-from diagnosis.predictors.base import Observed
+from diagnosis.predictors.base import SESSION_TIME, Observed
 from symolo.core.arrays import Array
-
-SESSION_TIME = "session_time_s"
 
 
 def series_forms(evidence: Evidence, fit: HypothesisFit) -> Iterator[tuple[int, Form, Array]]:

@@ -351,3 +351,21 @@ class TestRowsNearBreakaway:
         """No reading is exactly 0: below three standard deviations it stands still, above six it turns."""
         current, _ = self.stage(robot, [0.05, -0.02, 0.45, 1.0, 16.0]).observed
         assert current.usable.tolist() == [True, True, False, True, True]
+
+
+def test_errors_of_the_voltage_have_the_responses_of_a_linear_motor(robot):
+    """A motor that has settled at u turns by K u / (R D) minus its friction; behind a ramp, it lags by a time constant.
+
+    The responses are differences between 1 % more and 1 % less.
+    """
+    stage = bound(CaseKind.MOTOR_STEP, robot, trial("1", ROWS_S, np.where(ROWS_S < 0.5025, 4.0, 2.0)))
+    current, speed = (quantity.input_errors for quantity in stage.observed)
+    assert [error.covariate for error in speed] == ["u_cmd_V", "u_cmd_V", "session_time_s"]
+    at_4_V = 0.02 * 4.0 * K / (R * DAMPING)
+    whole, with_trend, drifting = (error.response for error in speed)
+    assert whole[[99, 199]] == pytest.approx([at_4_V, 0.5 * at_4_V], rel=0.01)
+    assert with_trend[[99, 199]] == pytest.approx([at_4_V, -0.5 * at_4_V], rel=0.03)
+    assert drifting[199] == pytest.approx(0.5 * at_4_V * (1.0 - TAU_S), rel=0.02)
+    np.testing.assert_allclose(
+        current[0].response[[99, 199]], (0.02 * np.array([4.0, 2.0]) - K * whole[[99, 199]]) / R, rtol=0.01
+    )

@@ -126,7 +126,7 @@ def test_friction_that_differs_while_a_voltage_falls_changes_sign_with_the_curre
     assert found.worst.what.endswith("changing sign with the reading")
 
 
-def test_a_time_series_has_no_forms(evidence_of, hypothesis):
+def test_a_time_series_has_no_forms_along_a_covariate(evidence_of, hypothesis):
     """Errors that last for some rows are chance there."""
     bump = 40.0 * SD_A * np.exp(-(((X - 0.62) / 0.05) ** 2))
     evidence = evidence_of(X[MIXED], (X + bump)[MIXED] + noise(1))
