@@ -27,6 +27,7 @@ from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.own_effects import is_same_as_own
 from diagnosis.inference.unexplained.series_forms import series_forms
+from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
 MAX_SAMPLES = 2000
@@ -73,7 +74,7 @@ class FittedForm:
     fall: float
     """Fall of the cost of the model by the form, with a toll for each of its numbers."""
     heldout_fall: float
-    """Fall of the cost of the held-out rows."""
+    """Fall of the cost of the held-out rows, which do not count in a time series."""
     explainable: float
     """Fall of the cost without a toll."""
     beyond_chance: float
@@ -116,10 +117,15 @@ def advantage(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> fl
     form = best_form(evidence, base)
     if form is None or is_same_as_own(base, fit, form.column[:, None]):
         return -np.inf
-    by_effects = base.cost - fit.cost - TOLL * (len(fit.x) - len(base.x))
-    if evidence.observed[form.quantity].is_series:
-        return form.fall - by_effects
-    return form.fall + form.heldout_fall - by_effects - float((base.costs - fit.costs)[evidence.heldout].sum())
+    heldout = _heldout(evidence, form.quantity)
+    numbers = len(fit.x) - len(base.x)
+    by_effects = base.cost - fit.cost - TOLL * numbers + float((base.costs - fit.costs)[heldout].sum())
+    return form.fall + form.heldout_fall - by_effects
+
+
+def _heldout(evidence: Evidence, number: int) -> Mask:
+    """Return the held-out samples (N,) that count for a form of a quantity: none in a time series."""
+    return evidence.heldout & (not evidence.observed[number].is_series)
 
 
 def _structure(evidence: Evidence, found: FittedForm, explainable: float, longest_run: int) -> Structure:
@@ -252,7 +258,7 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
             break
         of_rows, _ = weights(evidence, z / own, sd * own, noise)
         weight = np.where(rows, evidence.weight * of_rows * (level / own) ** 2, 0.0)
-    heldout_fall = float((fit.costs - best_costs)[evidence.heldout].sum())
+    heldout_fall = float((fit.costs - best_costs)[_heldout(evidence, number)].sum())
     fall, numbers = fit.cost - best_cost, 1 + form.chosen
     falls = np.maximum((fit.costs - best_costs)[rows], 0.0)
     beyond_chance = float(np.sort(falls)[: len(falls) - numbers].sum())
