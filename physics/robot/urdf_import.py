@@ -1,6 +1,7 @@
 """A robot of ours from a URDF file, with a list of what was read and what had to be assumed."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,6 +17,11 @@ _LEVEL = 0.1
 """Largest vertical part of the axis of a wheel."""
 _ON_FLOOR_M = 0.006
 """Height of the lowest point of a caster above the floor, as in files with a little play."""
+_MIN_TRACK_M, _MAX_RISE = 1e-3, 0.05
+"""Least distance of the wheels, and the largest difference of their heights as a share of it."""
+_SIDE_BY_SIDE = "two wheels side by side, on one level axle"
+_WHEEL_M = (0.001, 1.0)
+"""Radius or diameter of a wheel that a plug-in may state."""
 _CASTERS = ("caster", "ball")
 _CAMERAS = ("camera",)
 
@@ -220,8 +226,9 @@ def _pair(tree: UrdfTree, where: str, names: tuple[str, str] | None) -> tuple[_W
             allowed = ", ".join(turning) or "a joint that turns about a level axis"
             raise InputError("--wheels", where=where, got=name, allowed=allowed)
     left, right = (_wheel(tree, turning[name], where) for name in chosen)
-    if np.linalg.norm(left.center - right.center) < 1e-3:
-        raise InputError("wheels", where=where, got=", ".join(chosen), allowed="two wheels at different places")
+    *beside_m, above_m = (left.center - right.center).tolist()
+    if math.hypot(*beside_m) < _MIN_TRACK_M or abs(above_m) > _MAX_RISE * math.hypot(*beside_m):
+        raise InputError("wheels", where=where, got=", ".join(chosen), allowed=_SIDE_BY_SIDE)
     return left, right
 
 
@@ -249,12 +256,20 @@ def _wheel(tree: UrdfTree, joint: UrdfJoint, where: str) -> _Wheel:
         shape = max(round_shapes, key=lambda one: one.size_m[0])
         width_m = shape.size_m[1] if shape.kind == "cylinder" else None
         return _Wheel(joint, shape.X_root[:3, 3], shape.size_m[0], width_m)
-    stated = tree.settings.get("wheel_radius") or tree.settings.get("wheel_diameter")
-    if not stated:
-        cure = "add a cylinder as its collision, or a plug-in with wheel_radius"
-        raise InputError(f"wheel {joint.child}: no cylinder and no sphere", where=where, cure=cure)
-    radius_m = float(stated) * (1.0 if "wheel_radius" in tree.settings else 0.5)
-    return _Wheel(joint, link.X_root[:3, 3], radius_m, None)
+    for setting, factor in (("wheel_radius", 1.0), ("wheel_diameter", 0.5)):
+        if setting in tree.settings:
+            return _Wheel(joint, link.X_root[:3, 3], factor * _length_m(tree, setting, where), None)
+    cure = "add a cylinder as its collision, or a plug-in with wheel_radius"
+    raise InputError(f"wheel {joint.child}: no cylinder and no sphere", where=where, cure=cure)
+
+
+def _length_m(tree: UrdfTree, setting: str, where: str) -> float:
+    low, high = _WHEEL_M
+    text = tree.settings[setting]
+    with suppress(ValueError):
+        if low <= float(text) <= high:
+            return float(text)
+    raise InputError(setting, where=where, got=text, allowed=f"a length in metres, from {low:g} to {high:g}")
 
 
 def _rounded(value: float) -> float:

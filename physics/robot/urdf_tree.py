@@ -117,7 +117,7 @@ class _Reader:
         settings = {element.tag: (element.text or "").strip() for element in reversed(plugins)}
         return UrdfTree(
             self._root.get("name", ""),
-            {name: _link(name, link, poses[name]) for name, link in links.items() if name in poses},
+            {name: _link(name, link, poses[name]) for name, link in links.items()},
             tuple(self._joint(joint, poses) for joint in joints),
             settings,
         )
@@ -143,6 +143,9 @@ class _Reader:
                 _, child = _ends(joint)
                 poses[child] = poses[parent] @ _origin(joint)
                 open_links.append(child)
+        if cut_off := [name or "one without a name" for name in links if name not in poses]:
+            what = f"links that no joint connects with {roots[0]}: {', '.join(cut_off[:5])}"
+            raise InputError(what, where=self._where, allowed="one tree of links")
         return poses
 
     @staticmethod

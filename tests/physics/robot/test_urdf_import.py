@@ -16,6 +16,13 @@ from symolo.core.errors import InputError
 BURGER = (Path(__file__).parents[3] / "examples/burger.urdf").read_text()
 
 
+ROUND = "".join(
+    f'<link name="{one}"/><joint name="to_{one}" type="fixed"><parent link="{other}"/><child link="{one}"/></joint>'
+    for one, other in (("front", "rear"), ("rear", "front"))
+)
+"""Two links, each the child of the other."""
+
+
 def imported(text, **options):
     return robot_from_urdf(read_urdf(text.encode(), "robot.urdf"), "mine", "robot.urdf", **options)
 
@@ -83,6 +90,9 @@ def test_a_plug_in_names_wheels_that_are_meshes():
         imported(text)
     with pytest.raises(InputError, match=r"wheel wheel_left_link: no cylinder and no sphere.*wheel_radius"):
         imported(text, wheels=("port", "starboard"))
+    for radius in ("${r}", "nan", "-0.033"):
+        with pytest.raises(InputError, match=r"wheel_radius: got .*, allowed: a length in metres, from 0.001 to 1"):
+            imported(text.replace("</robot>", plugin.replace("0.033", radius)))
 
 
 @pytest.mark.parametrize(
@@ -96,6 +106,8 @@ def test_a_plug_in_names_wheels_that_are_meshes():
         (BURGER.replace('radius="0.033"', 'radius="${r}"'), r"a number cannot be read.*without xacro"),
         (re.sub(r'xyz="0.0 -0.08 0.023"', 'xyz="nan 0 0"', BURGER), "3 finite numbers"),
         (BURGER.replace("wheel_right_joint", "other"), "0 pairs of wheels"),
+        (BURGER.replace('xyz="0.0 -0.08 0.023"', 'xyz="0.0 0.08 0.223"'), "two wheels side by side, on one level axle"),
+        (BURGER.replace("</robot>", ROUND + "</robot>"), "no joint connects with base_footprint: front, rear"),
     ],
 )
 def test_a_file_that_is_not_such_a_robot_is_refused(text, message):
