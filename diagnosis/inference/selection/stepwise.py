@@ -278,14 +278,22 @@ def _beside(fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> tuple[Can
 
 
 def _starts(fit: HypothesisFit, prospects: Sequence[Prospect]) -> list[tuple[Hypothesis, Array]]:
-    """Return the starts of fits with one effect in addition: one of each, or two if nuisances imitate an effect."""
+    """Return the starts of fits with one effect in addition: one of each, or two if nuisances imitate an effect.
+
+    The second start has nuisances of their nominal size. A delay or lag is twice as long there, because it alone has to
+    explain what they imitate, and because a fit that starts with too short a delay ends at a minimum between samples.
+    """
     if not prospects:
         return []
     starts = [(fit.hypothesis.with_effect(prospect.effect), prospect.start) for prospect in prospects]
     nuisances = len(fit.hypothesis.nuisances)
     if np.abs(fit.x[:nuisances]).max(initial=0.0) < IMITATES:
         return starts
-    return [*starts, *((h, np.where(np.arange(len(x)) < nuisances, 0.0, x)) for h, x in starts)]
+    for prospect, (hypothesis, x) in zip(prospects, tuple(starts), strict=True):
+        is_time = any(coordinate.is_time for coordinate in prospect.effect.coordinates)
+        longer = hypothesis.scaled(prospect.effect, x, 2.0 if is_time else 1.0)
+        starts.append((hypothesis, np.where(np.arange(len(x)) < nuisances, 0.0, longer)))
+    return starts
 
 
 def _best_of_each(several: Sequence[HypothesisFit]) -> list[HypothesisFit]:

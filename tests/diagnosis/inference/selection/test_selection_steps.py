@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -11,11 +11,13 @@ from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.selection import stepwise as module
 from diagnosis.inference.selection.refusal import is_negligible, needed, refusal
 from diagnosis.inference.selection.removal import cancelled_by, without
+from diagnosis.inference.selection.scan import Prospect
 from diagnosis.inference.selection.stepwise import (
     _best_pair,
     _is_better,
     _pairs,
     _pruned,
+    _starts,
     _swapped,
     promising,
     ranked,
@@ -240,3 +242,14 @@ def test_no_pairs_are_tried_beside_three_effects(evidence_of, hypothesis, effect
 def test_no_fourth_effect_rescues_a_model(evidence_of, effect):
     three: Any = SimpleNamespace(fit=SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3))))
     assert rescued(evidence_of(X, X), three, [effect("current_sensor_gain")]) is None
+
+
+@pytest.mark.parametrize(("tolerances", "numbers"), [(2.9, [0.5, 0.5]), (4.0, [0.5, 0.5, 1.0, 0.5])])
+def test_where_nuisances_imitate_an_effect_a_fit_also_starts_without_them_and_with_twice_the_delay(
+    hypothesis, effect, tolerances, numbers
+):
+    x = np.full(len(hypothesis.nuisances), tolerances)
+    prospects = [Prospect(effect(name), np.append(x, 0.5), 20.0) for name in ("input_delay", "current_sensor_offset")]
+    starts = _starts(cast("Any", SimpleNamespace(hypothesis=hypothesis, x=x)), prospects)
+    assert [start[-1] for _, start in starts] == numbers
+    assert all(not start[:-1].any() for _, start in starts[2:])
