@@ -65,7 +65,7 @@ def test_importing_the_stage_loads_neither_blender_nor_pybullet():
 def test_an_instant_says_nothing_of_an_exposure_and_an_exposure_needs_a_path(job, arena, robot):
     assert all("exposure" not in view for view in json.loads(job.to_json())["frames"])
     look = LookConfig(name="plain", camera=CameraLook(exposure_time_s=0.01))
-    with pytest.raises(ValueError, match="the robot's path"):
+    with pytest.raises(ValueError, match="path of the robot"):
         build_job(arena, robot, look, Render(), FRAMES, seed=5)
     rows = np.array([[f.x_m, f.y_m, f.yaw_rad] for f in FRAMES])
     path = RobotPath(np.array([f.t_s for f in FRAMES]), rows, np.tile([0.15, 0.0], (3, 1)))
