@@ -141,7 +141,7 @@ CASES = {
     "uniform of a mapping": sun("{uniform: {low: 20}}", ".uniform", "2 numbers; write {uniform: [low, high]}"),
     "normal with negative sd": sun("{normal: [30, -2]}", ".normal", "sd >= 0; write {normal: [mean, sd]}"),
     "normal beyond its bounds": sun("{normal: [30, 10]}", "", "got -10.0, allowed: number >= 1 and <= 90"),
-    "normal without end": look("lamps: {rows: {normal: [1e308, 1e308]}} #!", "look.lamps.rows.normal", "can hold"),
+    "normal without end": look("lamps: {rows: {normal: [1e308, 1e308]}} #!", "look.lamps.rows.normal", "is finite"),
     "normal with an unknown key": sun("{normal: {mean: 30, std: 2}}", ".normal", "the keys mean, sd, low, high"),
     "normal without sd": sun(
         "{normal: {mean: 30}}", ".normal", "mean and sd, and low and high where wanted; write {normal: {mean: m, sd: s,"

@@ -283,16 +283,13 @@ def _starts(fit: HypothesisFit, prospects: Sequence[Prospect]) -> list[tuple[Hyp
     The second start has nuisances of their nominal size. A delay or lag is twice as long there, because it alone has to
     explain what they imitate, and because a fit that starts with too short a delay ends at a minimum between samples.
     """
-    if not prospects:
-        return []
     starts = [(fit.hypothesis.with_effect(prospect.effect), prospect.start) for prospect in prospects]
-    nuisances = len(fit.hypothesis.nuisances)
-    if np.abs(fit.x[:nuisances]).max(initial=0.0) < IMITATES:
+    if not starts or np.abs(fit.x[: len(fit.hypothesis.nuisances)]).max(initial=0.0) < IMITATES:
         return starts
-    for prospect, (hypothesis, x) in zip(prospects, tuple(starts), strict=True):
-        is_time = any(coordinate.is_time for coordinate in prospect.effect.coordinates)
-        longer = hypothesis.scaled(prospect.effect, x, 2.0 if is_time else 1.0)
-        starts.append((hypothesis, np.where(np.arange(len(x)) < nuisances, 0.0, longer)))
+    nuisances = len(fit.hypothesis.nuisances)
+    for prospect, (h, x) in zip(prospects, tuple(starts), strict=True):
+        factor = 2.0 if any(coordinate.is_time for coordinate in prospect.effect.coordinates) else 1.0
+        starts.append((h, np.where(np.arange(len(x)) < nuisances, 0.0, h.scaled(prospect.effect, x, factor))))
     return starts
 
 

@@ -39,7 +39,7 @@ def test_help_and_pages_name_every_format(symolo):
     page = (DOCS / "exports.md").read_text()
     assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == names.split(", ")
     overview = page.partition("\n## ")[0]
-    assert re.findall(r"^\| (\w+) \|", overview, re.MULTILINE) == ["format", *names.split(", ")]
+    assert re.findall(r"^\| \[(\w+)\]\(#\1\) \|", overview, re.MULTILINE) == names.split(", ")
 
 
 @pytest.mark.usefixtures("here")
