@@ -58,7 +58,7 @@ class Covariate:
     """Name of a covariate that acts together with this one, as the current value does with the previous one."""
     response: TurningResponse | None = None
     """Response of the quantity to a torque that depends on this angle; None if this is no angle of a shaft."""
-    most_waves: float = 40.0
+    max_waves: float = 40.0
     """Largest number of waves within its range that are looked for."""
     as_rate: "tuple[str, Array] | None" = None
     """Name of the rate, and the duration [s] (n,) by which this is divided to get it; None if it is no change."""
@@ -78,7 +78,7 @@ class SharedReading:
 
 
 @dataclass(frozen=True)
-class InputError:
+class InputResponse:
     """An error of the input of a stage which no effect of the list describes, and how a quantity responds to it."""
 
     covariate: str
@@ -128,7 +128,7 @@ class Observed:
     in common is misfit, and never correlated noise."""
     samples: str = "rows"
     """What the samples are, in the plural: the rows of the log, a part of them, or windows of several rows."""
-    input_errors: tuple[InputError, ...] = ()
+    input_errors: tuple[InputResponse, ...] = ()
     """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
     is_state: Mask | None = None
     """(n,), samples of which only a state is known, such as that a motor stands still. Their residual is what the state

@@ -9,7 +9,7 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import SESSION_TIME, Covariate, CovariateShape, InputError, Observed, Predicted
+from diagnosis.predictors.base import SESSION_TIME, Covariate, CovariateShape, InputResponse, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
@@ -114,7 +114,7 @@ class MotorStep:
         rows = [np.moveaxis(motion.reshape(samples - 1, -1, trials), 1, 0) for motion in moving]
         return np.pad(np.stack(rows, axis=1), ((0, 0), (0, 0), (1, 0), (0, 0)))
 
-    def _input_errors(self, nominal: RobotConfig) -> tuple[tuple[InputError, ...], ...]:
+    def _input_errors(self, nominal: RobotConfig) -> tuple[tuple[InputResponse, ...], ...]:
         """Return errors of the voltage with the responses of current and speed to them.
 
         Its gain may be wrong, may drift over the session, or may be greater after a rise of the voltage than after a
@@ -133,7 +133,7 @@ class MotorStep:
         model = RobotModel.from_config(stacked([nominal], axes=2, times=voltage_V.shape[1]))
         motions = self._moved(model, voltage_V, np.tile(self._grid.begins_s, len(factors)))
         return tuple(
-            tuple(InputError(*key, change) for key, change in zip(errors, each[::2] - each[1::2], strict=True))
+            tuple(InputResponse(*key, change) for key, change in zip(errors, each[::2] - each[1::2], strict=True))
             for each in self._read([nominal] * len(factors), motions)
         )
 

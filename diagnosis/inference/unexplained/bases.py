@@ -41,7 +41,7 @@ MIN_ROWS = 4
 """Rows in which a column must differ from zero."""
 SCANNED_ROWS = 24
 """Rows from which waves are tested."""
-LEAST_WAVES = 1.5
+MIN_WAVES = 1.5
 """Smallest number of waves within the range of a covariate."""
 MIN_ROWS_PER_WAVE = 2.0
 """Least mean number of distinct values in a wave, as at the Nyquist frequency; values of a bench are mostly uneven, and
@@ -84,7 +84,7 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
             yield from _enough(_odd(values, known), "trend, either way")
         if covariate.shape is CovariateShape.SINCE:
             yield from _enough(_settling(covariate, rows), "settling")
-        yield from _waves(values, known, covariate.most_waves)
+        yield from _waves(values, known, covariate.max_waves)
 
 
 def any_function(covariate: Covariate, rows: Mask) -> Array:
@@ -227,7 +227,7 @@ def _waves(values: Array, known: Mask, most: float) -> Iterator[Basis]:
     reach = float(np.ptp(values[known]))
     if np.count_nonzero(known) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
         return
-    counts = np.arange(LEAST_WAVES, min(most, distinct / MIN_ROWS_PER_WAVE), 0.5)
+    counts = np.arange(MIN_WAVES, min(most, distinct / MIN_ROWS_PER_WAVE), 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
         columns = _where(known, np.stack([np.cos(angle), np.sin(angle)], axis=1))

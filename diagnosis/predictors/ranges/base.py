@@ -47,7 +47,7 @@ SLOTS = frozenset(
 SHARED = (1.0 - NOISE_SHARE**2) / (1.0 + NOISE_SHARE**2)
 """Correlation of successive smoothed poses, which have the sum (1 + p)/(1 - p) of those of independent ones. Noise of
 the readings themselves only makes it smaller."""
-MOST_WAVES = 100.0
+MAX_WAVES = 100.0
 """Largest number of waves along the distance: a cyclic error of a few centimetres repeats that often within a room."""
 CORNER_M, CORNER_RAD, END_M = 0.02, 0.05, 0.03
 """Distances from a corner, and from the end of the range, within which a row is left out (case format)."""
@@ -150,7 +150,7 @@ class Ranges(ABC):
         usable = clear & np.isfinite(values)
         x_m, y_m, theta_rad = by_other_rows(self._tracked.pose, trial_of_rows(measurement)).T
         covariates = (
-            Covariate("distance_m", by_other_rows(nominal.mean, trial_of_rows(measurement)), most_waves=MOST_WAVES),
+            Covariate("distance_m", by_other_rows(nominal.mean, trial_of_rows(measurement)), max_waves=MAX_WAVES),
             *around,
             Covariate("position", x_m, second=y_m),
             Covariate("theta_rad", theta_rad, CovariateShape.PERIODIC),

@@ -36,7 +36,7 @@ def test_finer_waves_are_found_where_a_covariate_may_have_them():
     """A range sensor with an error every 5 cm, in a room of 4 m."""
     x = np.random.default_rng(1).permutation(np.linspace(0.1, 4.1, 800))
     wave = np.sin(2.0 * np.pi * x / 0.05)
-    assert explained(Covariate("distance_m", x, most_waves=100.0), wave) > 0.7
+    assert explained(Covariate("distance_m", x, max_waves=100.0), wave) > 0.7
     assert explained(Covariate("distance_m", x), wave) < 0.1
 
 

@@ -9,7 +9,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.unexplained.adequacy import Adequacy
 from diagnosis.inference.unexplained.unlisted import BETTER, advantage, best_form, with_forms
-from diagnosis.predictors.base import InputError
+from diagnosis.predictors.base import InputResponse
 
 ROWS, SD_A = 120, 0.01
 X = np.random.default_rng(1).uniform(-1.0, 1.0, ROWS)
@@ -21,7 +21,7 @@ RISES = np.where(np.diff(np.abs(X), prepend=0.0) < 0.0, -1.0, 1.0)
 def series(evidence_of, readings, heldout=0):
     """Evidence of a log whose input may be wrong by a share that depends on its rise or fall."""
     (stage,) = evidence_of(X, readings + NOISE_A, heldout, session_time_s=TIME_S).stages
-    error = InputError("x", "gain that depends on rise or fall", RISES * X)
+    error = InputResponse("x", "gain that depends on rise or fall", RISES * X)
     stage.observed = (replace(stage.observed[0], input_errors=(error,)),)
     return Evidence((stage,))
 
