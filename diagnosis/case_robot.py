@@ -11,18 +11,18 @@ from diagnosis.together import joint_robot
 from diagnosis.usual_tolerances import usual, usual_of_log
 
 
-def carrier_of(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:
-    """Return the robot that has everything which the measurement does not define, the shipped one by default."""
+def base_robot_of(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:
+    """Return the robot whose parameters the measurement replaces where it defines them; the shipped one by default."""
     if isinstance(measurement.nominal, NominalLog):
         return measurement.nominal.robot
     return robot or draw_robot(load_section("robot", "nominal"), 0, "diagnosis")[0]
 
 
-def nominal_of(measurement: Measurement, carrier: RobotConfig) -> RobotConfig:
+def nominal_of(measurement: Measurement, base_robot: RobotConfig) -> RobotConfig:
     """Return a robot with the nominal parameters of the measurement."""
     if measurement.cases:
-        return joint_robot(measurement, carrier)
-    return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
+        return joint_robot(measurement, base_robot)
+    return base_robot if measurement.nominal is None else nominal_robot(measurement.nominal, base_robot)
 
 
 def spreads_of(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:

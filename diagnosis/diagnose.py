@@ -8,7 +8,7 @@ import numpy as np
 
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
-from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
+from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
@@ -58,7 +58,7 @@ class Alternative:
 
     fit: HypothesisFit
     worse: float
-    """Increase of the cost over the named effects, with a toll for each parameter."""
+    """Increase of the cost over the named effects, with a penalty for each parameter."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Diagnosis:
     """The observations, to which the effects are fitted; without the error `wander` if there is one."""
     measured: Evidence
     """The observations as they were measured, with all errors. Every gain is computed on them."""
-    carrier: RobotConfig
+    base_robot: RobotConfig
     """The robot that the nominal parameters of the measurement were put into."""
     nominal: RobotConfig
     candidates: Candidates
@@ -186,8 +186,8 @@ def diagnose(
     check_kind(measurement)
     progress = progress or unreported()
     where = measurement.where
-    carrier = carrier_of(measurement, nominal)
-    robot = nominal_of(measurement, carrier)
+    base_robot = base_robot_of(measurement, nominal)
+    robot = nominal_of(measurement, base_robot)
     if measurement.cases:
         stages = joint_stages(measurement, robot)
         bare = Hypothesis(robot, joint_nuisances(measurement, robot, Evidence(stages)) if stages else ())
@@ -241,7 +241,7 @@ def diagnose(
         measurement=measurement,
         evidence=evidence,
         measured=measured,
-        carrier=carrier,
+        base_robot=base_robot,
         nominal=robot,
         candidates=library,
         selection=selection,

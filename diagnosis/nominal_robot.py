@@ -28,13 +28,13 @@ PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
 """A single ray along the axis, without the error of Eq. 24."""
 
 
-def nominal_robot(nominal: Nominal, carrier: RobotConfig) -> RobotConfig:
-    """Return `carrier` without its effects and with the parameters that the case defines.
+def nominal_robot(nominal: Nominal, base_robot: RobotConfig) -> RobotConfig:
+    """Return `base_robot` without its effects and with the parameters that the case defines.
 
     A log that names its robot defines all of it. In other cases, a range sensor is a single ray with the offset and
-    scale of the case, without the cone and the error of `carrier`.
+    scale of the case, without the cone and the error of `base_robot`.
     """
-    robot = carrier.model_copy(update={"effects": RobotEffects()})
+    robot = base_robot.model_copy(update={"effects": RobotEffects()})
     match nominal:
         case NominalLog():
             return nominal.robot

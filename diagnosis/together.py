@@ -82,9 +82,9 @@ def _stated(case: Measurement) -> tuple[Nuisance, ...]:
     return () if case.nominal is None else nuisances(case.nominal)
 
 
-def joint_robot(measurement: Measurement, carrier: RobotConfig) -> RobotConfig:
+def joint_robot(measurement: Measurement, base_robot: RobotConfig) -> RobotConfig:
     """Return a robot with the nominal parameters of all cases of a measurement."""
-    robot = carrier
+    robot = base_robot
     for case in sorted(measurement.cases, key=lambda case: ORDER.index(case.kind)):
         if case.nominal is not None:
             before, robot = robot, nominal_robot(case.nominal, robot)

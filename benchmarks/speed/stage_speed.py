@@ -65,8 +65,8 @@ def changes_prediction(stage: Stage, robots: Sequence[RobotConfig], with_effect:
 
 def report(path: Path, robots: int) -> None:
     measurement = read_measurement(path, IMPORTERS)
-    carrier = draw_robot(load_section("robot", "nominal"), 1, "benchmark")[0]
-    nominal = nominal_robot(measurement.nominal, carrier) if measurement.nominal else carrier
+    base_robot = draw_robot(load_section("robot", "nominal"), 1, "benchmark")[0]
+    nominal = nominal_robot(measurement.nominal, base_robot) if measurement.nominal else base_robot
     begin = process_time()
     stages = STAGES[measurement.kind](measurement, nominal)
     print(f"{path.name}: {measurement.rows} rows, bound in {1e3 * (process_time() - begin):.0f} ms")

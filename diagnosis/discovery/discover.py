@@ -3,7 +3,7 @@
 A law describes; it is no name. The verdict stays as it is, and the law extends the model. It is accepted if no draw of
 signs does as well (`search`), if the fitted rows show it clearly, and if all named effects are still needed beside it.
 Held-out rows choose nothing; they can only refuse the best form. A form with few numbers competes with smooth curves
-over each covariate, with a toll for each number; if none is better, the best curve is the law.
+over each covariate, with a penalty for each number; if none is better, the best curve is the law.
 """
 
 from collections.abc import Iterator, Sequence
@@ -40,7 +40,7 @@ OPEN = (CaseVerdict.UNEXPLAINED, CaseVerdict.NAMED_IN_PART, CaseVerdict.UNDECIDE
 MAX_CHANCE = 0.01
 """Share of draws of signs in which chance may do as well as the best form: one of 199 at most."""
 MIN_SCORE = 15.0
-"""Smallest fall of the cost, less the tolls for numbers and forms."""
+"""Smallest fall of the cost, less the penalties for numbers and forms."""
 MAX_HELDOUT_RISE = 2.0
 """Largest rise of the cost of the held-out rows. Few held-out rows may hardly show a law."""
 MIN_ROWS = 12
@@ -96,10 +96,10 @@ def _best(diagnosis: Diagnosis) -> tuple[FittedLaw | None, str, LawSearch]:
     tried = [form for place in where for form in forms(place, materials)]
     scan = scan_forms(evidence, fit, tried)
     # Each form was chosen from many, of which the best one fits by chance.
-    toll = 2.0 * log(max(1, len(tried)))
+    choice_penalty = 2.0 * log(max(1, len(tried)))
     laws = fitted(evidence, fit, scan.promising)
     curves = fitted(evidence, fit, [(form, [null_start(fit, form)]) for form in _curves(where)])
-    every = [*(replace(each, score=each.score - toll) for each in laws), *curves]
+    every = [*(replace(each, score=each.score - choice_penalty) for each in laws), *curves]
     every.sort(key=lambda each: -each.score)
     reasons = [_refusal(evidence, fit, each, scan.chance) for each in every]
     accepted = [each for each, reason in zip(every, reasons, strict=True) if not reason]

@@ -19,7 +19,7 @@ from diagnosis.inference.fitting.fit import Contest, HypothesisFit, fits_of_cont
 from diagnosis.inference.fitting.hypothesis import moved
 from diagnosis.inference.fitting.likelihood import CORNER
 from diagnosis.inference.fitting.projection import orthonormal
-from diagnosis.inference.selection.stepwise import TOLL
+from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 
@@ -62,7 +62,7 @@ class FittedLaw:
     heldout_fall: float
     """Fall of the cost of the held-out rows."""
     score: float
-    """Fall over the rows of the fit, less a toll for each number. Held-out rows choose nothing."""
+    """Fall over the rows of the fit, less a penalty for each number. Held-out rows choose nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ def fitted(
         after = min(every, key=lambda each: each.cost)
         fall = fit.cost - after.cost
         heldout_fall = float((fit.costs - after.costs)[evidence.heldout].sum())
-        laws.append(FittedLaw(form, after, fall, heldout_fall, fall - TOLL * form.size))
+        laws.append(FittedLaw(form, after, fall, heldout_fall, fall - PARAMETER_PENALTY * form.size))
     return laws
 
 
@@ -149,7 +149,7 @@ def _tried(evidence: Evidence, fit: HypothesisFit, forms: Iterable[LawForm]) -> 
 
 
 class _LinearTest:
-    """The fall of the weighted squares by the best multiple of a change, less the toll, and that by chance.
+    """The fall of the weighted squares by the best multiple of a change, less the penalty, in the data and by chance.
 
     Args:
         fit: The fit without the changes.
@@ -174,7 +174,7 @@ class _LinearTest:
 
     def add(self, tried: Sequence[TriedForm], columns: Array) -> None:
         """Test the changes (M, N) by some forms, in sigmas."""
-        tolls = TOLL * np.array([each.form.size for each in tried])[:, None]
+        penalties = PARAMETER_PENALTY * np.array([each.form.size for each in tried])[:, None]
         is_fixed = np.array([each.form.is_result for each in tried])[:, None]
         weighed = columns[:, self._rows] * self._root
         square = (weighed**2).sum(axis=1, keepdims=True)
@@ -187,7 +187,7 @@ class _LinearTest:
         def falls(along: Array) -> tuple[Array, Array]:
             best = np.clip(along / free, -LARGEST_MULTIPLE, LARGEST_MULTIPLE)
             multiple = np.where(is_fixed, 1.0, best)
-            return np.where(is_new, 2.0 * multiple * along - multiple**2 * free, -np.inf) - tolls, multiple
+            return np.where(is_new, 2.0 * multiple * along - multiple**2 * free, -np.inf) - penalties, multiple
 
         fall, multiple = falls(along.sum(axis=1, keepdims=True))
         self.tried += tried

@@ -10,7 +10,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.rivals import AS_GOOD, SECOND, relative_weight
-from diagnosis.inference.selection.stepwise import toll
+from diagnosis.inference.selection.stepwise import parameter_penalty
 from symolo.core.errors import InputError
 
 MAX_MODELS = 6
@@ -27,7 +27,7 @@ class RemainingModel:
     """Names of its effects, joined with `and`; `no effect` without any."""
     fit: HypothesisFit
     rise: float
-    """Increase of the cost over the best model, with a toll for each parameter."""
+    """Increase of the cost over the best model, with a penalty for each parameter."""
     weight: float
     """Probability of the model among those that remain (`diagnosis.inference.selection.rivals.relative_weight`)."""
 
@@ -73,7 +73,7 @@ def _fits(diagnosis: Diagnosis) -> Iterator[tuple[HypothesisFit, float]]:
         (named,) = diagnosis.named
         for pair in diagnosis.selection.pairs:
             if named.effect.kind not in {effect.kind for effect in pair.hypothesis.effects}:
-                yield pair, pair.cost + toll(pair) - best.cost - toll(best) + SECOND
+                yield pair, pair.cost + parameter_penalty(pair) - best.cost - parameter_penalty(best) + SECOND
     if not diagnosis.named:
         yield from _hints(diagnosis)
 

@@ -81,7 +81,7 @@ def _content(diagnosis: Diagnosis) -> dict[str, Any]:
     content: dict[str, Any] = {
         "version": VERSION,
         "source": f"{measurement.name} ({measurement.kind})"[:200],
-        "robot": diagnosis.carrier.name,
+        "robot": diagnosis.base_robot.name,
         "something_else": _short(_something_else(diagnosis)),
         "unexplained": f"{structure.channel} over {structure.covariate}" if structure else "",
         "hypotheses": [_hypothesis(diagnosis, fits[k], float(shares[k]), slip) for k in order],
@@ -127,13 +127,13 @@ def _hypothesis(
     effects = [effect.name for effect in fit.hypothesis.effects]
     if is_named and diagnosis.wander is not None:
         effects.append(diagnosis.wander.effect.name)
-    carrier, drawn = plain_tree(diagnosis.carrier), {number.path for number in numbers.numbers}
+    base_robot, drawn = plain_tree(diagnosis.base_robot), {number.path for number in numbers.numbers}
     return {
         "name": " and ".join(effects)[:200] or NO_EFFECT,
         "weight": _short(weight),
         "left_out": [effect.name for effect in left_out],
         "not_determined": [dotted(path) for path in numbers.not_determined],
-        "fixed": list(_fixed(plain_tree(config), carrier, drawn)),
+        "fixed": list(_fixed(plain_tree(config), base_robot, drawn)),
         "numbers": [
             {
                 "field": dotted(number.path),
@@ -142,7 +142,7 @@ def _hypothesis(
                 "mean": _short(number.mean),
                 "low": number.low,
                 "high": number.high,
-                "replaces": _value_at(carrier, number.path),
+                "replaces": _value_at(base_robot, number.path),
             }
             for number in numbers.numbers
         ],
@@ -162,13 +162,13 @@ def _with_room(config: RobotConfig, numbers: RobotNumbers) -> RobotConfig:
     return config
 
 
-def _fixed(tree: Mapping[str, Any], carrier: Mapping[str, Any], drawn: set[FieldPath]) -> Iterator[dict[str, Any]]:
+def _fixed(tree: Mapping[str, Any], base_robot: Mapping[str, Any], drawn: set[FieldPath]) -> Iterator[dict[str, Any]]:
     """Yield the fields that differ from the robot that the diagnosis extends and are not drawn."""
-    difference = {key: value for key, value in difference_of(tree, carrier).items() if key not in _NOT_SET}
+    difference = {key: value for key, value in difference_of(tree, base_robot).items() if key not in _NOT_SET}
     for path in leaf_paths(difference):
         value = _value_at(difference, path)
         if path not in drawn and (value is None or isinstance(value, (bool, int, float, str))):
-            before = _value_at(carrier, path)
+            before = _value_at(base_robot, path)
             scalar = before if isinstance(before, (bool, int, float, str)) else None
             yield {"field": dotted(path), "value": value, "replaces": scalar}
 

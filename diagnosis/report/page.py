@@ -81,7 +81,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
 
 def _drawn_supply(data: ReportData) -> str:
     """Return the option that leaves the battery, which the shipped scenarios draw, to the posterior; or no text."""
-    supply_V = data.diagnosis.carrier.power.battery_voltage_V
+    supply_V = data.diagnosis.base_robot.power.battery_voltage_V
     if data.robot.config.power.battery_voltage_V == supply_V:
         return ""
     return f" --set robot.power.battery_voltage_V={supply_V:g}"

@@ -28,7 +28,7 @@ from symolo.dataset.layout import DATA, SIDE
 from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.sensor_tables import ListedSensor
 
-CARRIER = "symolo"
+DEFAULT_SCENARIO = "symolo"
 """The scenario whose image settings, and whose arena for its own data.csv, an imported trajectory has by default."""
 DEFAULT_LOOK, DEFAULT_ROBOT = "classroom", "nominal"
 ROUTE = "imported"
@@ -90,7 +90,7 @@ def imported_dataset(request: ImportRequest) -> ImportedDataset:
     robot, robot_drawn = draw_robot(robot_section, request.seed, request.route, 1)
     placed, arena, arena_tree = _placed(logs, request, robot.tof.no_target_m)
     sensors = tuple(ListedSensor(one.kind, one.table) for one in _common_tables(placed))
-    render = draw_render(load_scenario(CARRIER), request.seed, request.route, 1)
+    render = draw_render(load_scenario(DEFAULT_SCENARIO), request.seed, request.route, 1)
     name = request.name or _name_of(logs)
     runs = []
     for number, each in enumerate(placed, 1):
@@ -149,7 +149,7 @@ def _placed(
     places = [each.imported.rows.pose[:, :2] for each in placed]
     if request.arena or (is_symolo and not _is_far(places)):
         _check_reach(placed)
-        section = load_section("arena", request.arena or CARRIER)
+        section = load_section("arena", request.arena or DEFAULT_SCENARIO)
         arena = _drawn_arena(section, request, placed[0].imported.rows)
         return placed, arena, section.tree
     shift = middle_of(places)

@@ -16,7 +16,7 @@ from configs.robot_sensors import RobotSensors
 from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import Render, RunSpec, SceneSpec
 from pipeline.executors.base import Executor
-from pipeline.importing.imported_runs import CARRIER
+from pipeline.importing.imported_runs import DEFAULT_SCENARIO
 from pipeline.importing.suspicions import Where
 from pipeline.planning.plan import BYTES_PER_ROW, image_bytes
 from pipeline.rerendering.image_rows import with_images
@@ -242,7 +242,7 @@ def _arena(run: TakenRun, request: RerenderRequest) -> tuple[ArenaConfig, dict[s
 def _render(spec: SceneSpec, request: RerenderRequest) -> Render:
     stored = spec.render.model_dump(mode="json", exclude_none=True)
     settings = [f"render.{name}={str(value).lower()}" for name, value in stored.items()]
-    loaded = load_scenario(CARRIER, [*settings, *request.overrides_of("render")])
+    loaded = load_scenario(DEFAULT_SCENARIO, [*settings, *request.overrides_of("render")])
     return draw_render(loaded, _seed(spec, request), *spec.drawn_as)
 
 

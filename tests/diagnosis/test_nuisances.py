@@ -37,27 +37,27 @@ def spreads(tree):
 
 
 @pytest.fixture(scope="module")
-def carrier():
+def base_robot():
     return draw_robot(load_section("robot", "nominal"), 1, "test")[0]
 
 
 @pytest.mark.parametrize("case", NAMES)
-def test_every_number_with_a_tolerance_is_one_and_the_nominal_robot_has_its_value(case, carrier):
+def test_every_number_with_a_tolerance_is_one_and_the_nominal_robot_has_its_value(case, base_robot):
     path = EXAMPLES / case / "nominal.yaml"
     nominal = read_nominal(path)
     all_nuisances = nuisances(nominal)
     by_case = [of for of in all_nuisances if of.name != "command_timing_s"]
     assert {of.name: (of.value, of.tolerance) for of in by_case} == dict(spreads(yaml.safe_load(path.read_text())))
     assert {of.name for of in all_nuisances} == NAMES[case]
-    robot = nominal_robot(nominal, carrier)
+    robot = nominal_robot(nominal, base_robot)
     for of in all_nuisances:
         if not of.name.startswith(("range", "command")):
             assert of.applied(robot, of.value) == robot
 
 
-def test_they_change_motor_and_geometry_of_the_robot(carrier):
+def test_they_change_motor_and_geometry_of_the_robot(base_robot):
     nominal = read_nominal(EXAMPLES / "drive_log_001" / "nominal.yaml")
-    robot = nominal_robot(nominal, carrier)
+    robot = nominal_robot(nominal, base_robot)
     by_name = {of.name: of for of in nuisances(nominal)}
     assert by_name["coulomb_friction_N_m"].applied(robot, 0.03).motor.coulomb_friction_N_m == 0.03
     assert by_name["wheel_radius_m"].applied(robot, 0.04).drive.wheel_diameter_m == 0.08
@@ -66,9 +66,9 @@ def test_they_change_motor_and_geometry_of_the_robot(carrier):
     assert many.drive.track_m.tolist() == [0.2, 0.3]
 
 
-def test_the_nominal_robot_of_a_drive_has_the_numbers_of_the_case(carrier):
+def test_the_nominal_robot_of_a_drive_has_the_numbers_of_the_case(base_robot):
     nominal = read_nominal(EXAMPLES / "drive_log_001" / "nominal.yaml")
-    robot = nominal_robot(nominal, carrier)
+    robot = nominal_robot(nominal, base_robot)
     assert robot.drive.wheel_diameter_m == pytest.approx(2 * 0.03038)
     assert (robot.drive.track_m, robot.encoder.counts_per_revolution) == (0.1604, 1920)
     assert (robot.motor.rotor_inertia_kg_m2, robot.power.battery_voltage_V) == (0.002991, 7.4)
@@ -78,22 +78,24 @@ def test_the_nominal_robot_of_a_drive_has_the_numbers_of_the_case(carrier):
     assert robot.model_dump()["effects"] == {}
 
 
-def test_an_effect_of_the_same_kind_stays_on_top_of_the_units_own_offset_and_scale(carrier):
+def test_an_effect_of_the_same_kind_stays_on_top_of_the_units_own_offset_and_scale(base_robot):
     nominal = read_nominal(EXAMPLES / "tof_bench_001" / "nominal.yaml")
-    robot = nominal_robot(nominal, carrier).with_effect(RangeOffset(offset_m=0.02)).with_effect(RangeScale(scale=1.1))
+    robot = (
+        nominal_robot(nominal, base_robot).with_effect(RangeOffset(offset_m=0.02)).with_effect(RangeScale(scale=1.1))
+    )
     offset, scale = nuisances(nominal)
     changed = scale.applied(offset.applied(robot, 0.001), 0.99).effects
     assert changed.get(RangeOffset).offset_m == pytest.approx(0.021)
     assert changed.get(RangeScale).scale == pytest.approx(1.1 * 0.99)
 
 
-def test_of_drawn_wheels_both_may_differ_and_nothing_else(carrier):
+def test_of_drawn_wheels_both_may_differ_and_nothing_else(base_robot):
     """A radius of 40 mm, 200 mm apart, 2000 counts; the left wheel 0.2 % above the mean, the right one below."""
     known = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=2000)
-    robot = nominal_robot(known, carrier)
+    robot = nominal_robot(known, base_robot)
     assert (robot.drive.wheel_diameter_m, robot.drive.track_m) == (0.08, 0.2)
     assert robot.encoder.counts_per_revolution == 2000
-    assert robot.motor == carrier.motor
+    assert robot.motor == base_robot.motor
     found = {nuisance.name: nuisance for nuisance in nuisances(known)}
     assert set(found) == {"wheel_radius_m", "wheel_separation_m", "wheel_radius_asymmetry"}
     uneven = found["wheel_radius_asymmetry"].applied(robot, 0.004)

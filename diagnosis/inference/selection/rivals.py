@@ -25,7 +25,7 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import LEVELS
 from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, needed, refusal
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.selection.stepwise import replaced, toll
+from diagnosis.inference.selection.stepwise import parameter_penalty, replaced
 from diagnosis.inference.unexplained.unlisted import advantage
 from sensors.effects.noise_scale import NoiseScale
 
@@ -57,7 +57,7 @@ class Rival:
 
     effect: CandidateEffect
     worse: float
-    """Increase of the cost of all rows over the named effect, with a toll for each parameter."""
+    """Increase of the cost of all rows over the named effect, with a penalty for each parameter."""
     fit: HypothesisFit
     refused: str
     """Why the rival is not accepted although it explains more; empty if it is, or if it does not explain more."""
@@ -127,12 +127,12 @@ def compare_rivals(
 
 
 def _rise(evidence: Evidence, fit: HypothesisFit, other: HypothesisFit) -> float:
-    """Return the rise of the cost of all rows with another fit, with the tolls of both."""
-    tolls = toll(other) - toll(fit)
-    rise = other.whole_cost - fit.whole_cost + tolls
-    if min(rise, other.cost - fit.cost + tolls) > NEAR:
+    """Return the rise of the cost of all rows with another fit, with the penalties of both."""
+    penalties = parameter_penalty(other) - parameter_penalty(fit)
+    rise = other.whole_cost - fit.whole_cost + penalties
+    if min(rise, other.cost - fit.cost + penalties) > NEAR:
         return rise
-    return _cost_of_all_rows(evidence, other) - _cost_of_all_rows(evidence, fit) + tolls
+    return _cost_of_all_rows(evidence, other) - _cost_of_all_rows(evidence, fit) + penalties
 
 
 @remembered

@@ -28,8 +28,8 @@ from diagnosis.inference.selection.scan import Prospect, scan, scan_beside, scan
 from diagnosis.inference.unexplained.adequacy import adequacy
 from symolo.core.arrays import Array
 
-TOLL = 6.0
-"""Penalty for each parameter when effects are compared: the logarithm of some hundreds of rows, as in the Bayesian
+PARAMETER_PENALTY = 6.0
+"""Penalty for each parameter when models are compared: the logarithm of some hundreds of rows, as in the Bayesian
 information criterion (Schwarz, Ann. Statist. 6 (1978) 461-464)."""
 RESCUE = 9.0
 """Fall of the cost that is enough if the model is known to be inadequate and the effect makes it adequate."""
@@ -189,7 +189,7 @@ def _best_pair(
     rival = base if _cancels(evidence, base, fit) else fit
     names = set(fit.hypothesis.effects)
     # Equal pairs keep their order.
-    for pair in sorted(pairs, key=lambda each: round(each.cost + toll(each), 1)):
+    for pair in sorted(pairs, key=lambda each: round(each.cost + parameter_penalty(each), 1)):
         if (
             set(pair.hypothesis.effects) != names
             and _is_better(pair, rival)
@@ -211,7 +211,7 @@ def _cancels(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> boo
 def _is_better(pair: HypothesisFit, fit: HypothesisFit) -> bool:
     """Return whether a pair of effects explains more than another pair or a single effect."""
     if len(fit.hypothesis.effects) == 2:
-        return pair.cost + toll(pair) < fit.cost + toll(fit)
+        return pair.cost + parameter_penalty(pair) < fit.cost + parameter_penalty(fit)
     return pair.cost + _needed(pair) < fit.cost + _needed(fit)
 
 
@@ -334,7 +334,7 @@ def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffec
     return [
         fit
         for _, _, fit in sorted(
-            ((round(f.cost + toll(f), 1), k, f) for k, f in zip(last, candidates, strict=True)),
+            ((round(f.cost + parameter_penalty(f), 1), k, f) for k, f in zip(last, candidates, strict=True)),
             key=lambda row: row[:2],
         )
     ]
@@ -344,8 +344,9 @@ def _needed(fit: HypothesisFit) -> float:
     return sum(needed(effect) for effect in fit.hypothesis.effects)
 
 
-def toll(fit: HypothesisFit) -> float:
-    return sum(TOLL * len(effect.coordinates) for effect in fit.hypothesis.effects)
+def parameter_penalty(fit: HypothesisFit) -> float:
+    """Return the penalty for the parameters of all effects of a fit."""
+    return sum(PARAMETER_PENALTY * len(effect.coordinates) for effect in fit.hypothesis.effects)
 
 
 def replaced(
@@ -379,7 +380,7 @@ def _swapped(evidence: Evidence, fit: HypothesisFit, effects: Sequence[Candidate
     for effect in fit.hypothesis.effects[:-1]:
         base = without(evidence, fit, effect)
         for rival in replaced(evidence, fit, effect, base, effects):
-            if rival.cost + toll(rival) >= fit.cost + toll(fit):
+            if rival.cost + parameter_penalty(rival) >= fit.cost + parameter_penalty(fit):
                 break
             if not refusal(evidence, base, rival, rival.hypothesis.added_to(base.hypothesis)):
                 fit = rival

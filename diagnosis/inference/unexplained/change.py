@@ -4,8 +4,8 @@ A screw that becomes loose or a sensor that is hit shifts all later readings. Tw
 that so well that hardly any structure remains along time. So the nominal model with a jump competes with them: from one
 moment on, each quantity may have a constant offset, a constant offset against its sign, and an offset in proportion to
 itself (Chow, Econometrica 28 (1960) 591-605, with a search for the moment). One of the named effects may also be
-present from that moment on only. If this explains the same rows better, with a toll for each parameter, and leaves no
-structure, the named effects are withdrawn.
+present from that moment on only. If this explains the same rows better, with a penalty for each parameter, and leaves
+no structure, the named effects are withdrawn.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.projection import beyond, orthonormal
 from diagnosis.inference.selection.refusal import is_of_noise
-from diagnosis.inference.selection.stepwise import TOLL
+from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
 from diagnosis.inference.unexplained.own_effects import is_same_as_own
 from diagnosis.measured.channel import Mask
@@ -56,12 +56,12 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
             weighed = columns * root[:, None]
             combined = beyond(weighed, basis[: len(root)].T @ weighed)
             along = combined.T @ (weighed.T @ residual[: len(root)])
-            # The same toll for each parameter as in the selection of effects, so that the two models can be compared.
-            toll = TOLL * (combined.shape[1] + MOMENT_PARAMETERS)
-            squares = float(residual @ residual - along @ along) / level + toll
+            # The selection of effects has the same penalty, so that the two models can be compared.
+            penalty = PARAMETER_PENALTY * (combined.shape[1] + MOMENT_PARAMETERS)
+            squares = float(residual @ residual - along @ along) / level + penalty
             if best is None or squares < best[0]:
                 best = squares, moment, columns
-    if best is None or best[0] >= named + TOLL * numbers:
+    if best is None or best[0] >= named + PARAMETER_PENALTY * numbers:
         return None
     squares, moment, columns = best
     if is_same_as_own(nominal, fit, columns):
@@ -79,7 +79,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         covariate=covariate.name,
         what=f"jump at {moment:.4g} s",
         p=0.0,
-        explainable=named - squares + TOLL * (numbers + columns.shape[1]),
+        explainable=named - squares + PARAMETER_PENALTY * (numbers + columns.shape[1]),
         rank=rank,
         basis=columns,
         size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),

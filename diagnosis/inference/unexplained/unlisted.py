@@ -2,10 +2,10 @@
 
 Effects of the list are flexible enough to imitate many a cause that is in none, and leave no structure then. And a few
 rows far off are cheap if they are outliers. So errors of simple form (`forms`) compete with both: each is fitted beside
-a model, with all coordinates linearised, with noise and outliers fitted again, and is charged TOLL for its size and for
-each number that was chosen for it, like an effect for its parameters. Outliers have random sizes, so that no form goes
-through them. The rows of a bench are separate states, so that errors of any simple shape are tried; of a time series,
-only those that the model itself describes (`series_forms`).
+a model, with all coordinates linearised, with noise and outliers fitted again. PARAMETER_PENALTY is added for its size
+and for each number that was chosen for it, as for each parameter of an effect. Outliers have random sizes, so that no
+form goes through them. The rows of a bench are separate states, so that errors of any simple shape are tried; of a time
+series, only those that the model itself describes (`series_forms`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,7 +22,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit, with_own_level
 from diagnosis.inference.fitting.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
 from diagnosis.inference.fitting.projection import orthonormal
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.selection.stepwise import TOLL
+from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.own_effects import is_same_as_own
@@ -72,11 +72,11 @@ class FittedForm:
     column: Array
     """(N,), change of the residuals by the fitted form, in sigmas of the model."""
     fall: float
-    """Fall of the cost of the model by the form, with a toll for each of its numbers."""
+    """Fall of the cost of the model by the form, with a penalty for each of its numbers."""
     heldout_fall: float
     """Fall of the cost of the held-out rows, which do not count in a time series."""
     explainable: float
-    """Fall of the cost without a toll."""
+    """Fall of the cost without a penalty."""
     beyond_chance: float
     """Fall of the cost of the rows of the fit without the largest falls, as many as the form has numbers: with them, it
     can go through as many outliers."""
@@ -87,8 +87,8 @@ class FittedForm:
 def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, result: Adequacy) -> Adequacy:
     """Return the structures of a fit with the form that explains more than its effects, or else the best beside them.
 
-    The probability of a form by chance is exp(-fall / 2), a ratio of likelihoods with its tolls, times the number of
-    kinds of forms (Bonferroni).
+    The probability of a form by chance is exp(-fall / 2), a penalised likelihood ratio, times the number of kinds of
+    forms (Bonferroni).
     """
     if result.has_cause:
         return result
@@ -111,15 +111,15 @@ def advantage(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> fl
     """Return by how much the best form beside a base explains more than the effects by which a fit goes beyond it.
 
     Log-likelihoods of fitted and held-out rows add up on a bench. The held-out trials of a time series do not count: a
-    model is extrapolated to them, and what the fitted trials leave open would decide. Each number has the toll of the
-    selection. A form that is the same error as effects of the user's own is no rival of them.
+    model is extrapolated to them, and what the fitted trials leave open would decide. Each number has the penalty of a
+    parameter. A form that is the same error as effects of the user's own is no rival of them.
     """
     form = best_form(evidence, base)
     if form is None or is_same_as_own(base, fit, form.column[:, None]):
         return -np.inf
     heldout = _heldout(evidence, form.quantity)
     numbers = len(fit.x) - len(base.x)
-    by_effects = base.cost - fit.cost - TOLL * numbers + float((base.costs - fit.costs)[heldout].sum())
+    by_effects = base.cost - fit.cost - PARAMETER_PENALTY * numbers + float((base.costs - fit.costs)[heldout].sum())
     return form.fall + form.heldout_fall - by_effects
 
 
@@ -155,7 +155,7 @@ def _run_of_rows(evidence: Evidence, found: FittedForm) -> int:
 
 @remembered
 def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
-    """Return the form that lowers the cost of a fit most, tolls included; None if no form can be tested."""
+    """Return the form that lowers the cost of a fit most, penalties included; None if no form can be tested."""
     listed = list(_bench_forms(evidence, fit))
     most = PROMISING if listed else PROMISING_OF_SERIES
     listed += series_forms(evidence, fit)
@@ -169,7 +169,9 @@ def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
         best = list(islice(_promising(fit, listed, columns, np.sqrt(weight)), most))
         tried = [_fitted(evidence, fit, *listed[k], weight) for k, _ in best]
         # Without a fall of the weighted squares, no other middle and width will matter.
-        bumps = [f for f, (_, fall) in zip(tried, best, strict=True) if isinstance(f.form, Bump) and fall > TOLL]
+        bumps = [
+            f for f, (_, fall) in zip(tried, best, strict=True) if isinstance(f.form, Bump) and fall > PARAMETER_PENALTY
+        ]
         fitted += [*tried, *(_refined(evidence, fit, bump, weight) for bump in bumps[:REFINED])]
     more_than_outliers = [f for f in fitted if f.beyond_chance >= MORE_THAN_OUTLIERS]
     if not more_than_outliers:
@@ -212,7 +214,7 @@ def _forms_of(evidence: Evidence, fit: HypothesisFit, number: int) -> Sequence[F
 def _promising(
     fit: HypothesisFit, listed: Sequence[tuple[int, Form, Array]], columns: Array, root: Array
 ) -> Iterator[tuple[int, float]]:
-    """Yield which forms lower the weighted squares most, and the fall, with the tolls of what was chosen for them."""
+    """Yield which forms lower the weighted squares most, and the fall, less the penalties of the chosen numbers."""
     basis = orthonormal(fit.tangents(root))
     residual = fit.weighted_residuals(fit.z, root)
     residual -= basis @ (basis.T @ residual)
@@ -220,7 +222,7 @@ def _promising(
     squares = (weighed**2).sum(axis=1)
     free = squares - ((weighed @ basis[: len(root)]) ** 2).sum(axis=1)
     falls = np.where(free > 1e-6 * squares, (weighed @ residual[: len(root)]) ** 2 / np.maximum(free, 1e-300), -np.inf)
-    falls -= TOLL * np.array([form.chosen for _, form, _ in listed])
+    falls -= PARAMETER_PENALTY * np.array([form.chosen for _, form, _ in listed])
     seen: dict[tuple[int, str, str], int] = {}
     for k in np.argsort(-falls, kind="stable").tolist():
         number, form, _ = listed[k]
@@ -262,7 +264,9 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
     fall, numbers = fit.cost - best_cost, 1 + form.chosen
     falls = np.maximum((fit.costs - best_costs)[rows], 0.0)
     beyond_chance = float(np.sort(falls)[: len(falls) - numbers].sum())
-    return FittedForm(number, form, best_size * column, fall - TOLL * numbers, heldout_fall, fall, beyond_chance)
+    return FittedForm(
+        number, form, best_size * column, fall - PARAMETER_PENALTY * numbers, heldout_fall, fall, beyond_chance
+    )
 
 
 def _refined(evidence: Evidence, fit: HypothesisFit, found: FittedForm, weight: Array) -> FittedForm:

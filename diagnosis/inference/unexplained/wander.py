@@ -21,7 +21,7 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.selection.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.rivals import confidence
-from diagnosis.inference.selection.stepwise import TOLL
+from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY, parameter_penalty
 from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask
@@ -192,12 +192,12 @@ def wander(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Wa
     seen = _weighed(evidence, seen, beside)
     z, sd = seen.series.z, seen.series.sd_m
     drift = seen.series.cost_of(_left(z, np.stack([1.0 / sd, seen.series.t_s / sd], axis=1)))
-    others += [drift, _jump(seen.series) + TOLL, min(_short(seen.series, row_s))]
-    others.append(_jump(_Series.of(nominal, place, time_s, rows)) + TOLL - _toll(seen.fit))
+    others += [drift, _jump(seen.series) + PARAMETER_PENALTY, min(_short(seen.series, row_s))]
+    others.append(_jump(_Series.of(nominal, place, time_s, rows)) + PARAMETER_PENALTY - parameter_penalty(seen.fit))
     white = seen.series.cost_of(float(z @ z))
     # These have as many numbers as the error, so that they only need to be less likely.
-    others += [white - gain + TOLL for gain in _gains_of_others(seen, observed, place, time_s, rows)]
-    if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < TOLL:
+    others += [white - gain + PARAMETER_PENALTY for gain in _gains_of_others(seen, observed, place, time_s, rows)]
+    if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < PARAMETER_PENALTY:
         return None
     path_m = np.zeros(len(evidence.values))
     path_m[place] = seen.path(seen.series, time_s)
@@ -250,7 +250,9 @@ def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) ->
     return Wander(
         RangeWander(sd_m=min(sd_of, 0.1), time_constant_s=tau),
         {"sd_m": sd_error, "time_constant_s": tau_error},
-        confidence([other - TOLL - seen.cost for other in others], white - seen.cost - THRESHOLD - PER_PARAMETER),
+        confidence(
+            [other - PARAMETER_PENALTY - seen.cost for other in others], white - seen.cost - THRESHOLD - PER_PARAMETER
+        ),
         path_m,
         (float(seen.series.t_s.min()), float(seen.series.t_s.max())),
     )
@@ -291,11 +293,6 @@ def _over(values: Array, place: slice, divisor: Array) -> Array:
 def _gain(series: _Series, likely: Likelihoods) -> float:
     """Return the fall of the cost of white noise by an error beside it."""
     return series.cost_of(float(series.z @ series.z)) - float(likely.costs.min())
-
-
-def _toll(fit: HypothesisFit) -> float:
-    """Return the penalty for the parameters of all effects."""
-    return TOLL * sum(len(effect.coordinates) for effect in fit.hypothesis.effects)
 
 
 def _warms_up(fit: HypothesisFit) -> bool:

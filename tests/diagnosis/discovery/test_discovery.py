@@ -10,7 +10,7 @@ import yaml
 
 from configs.effects.base import Slot
 from configs.effects.registry import EFFECTS
-from diagnosis.case_robot import carrier_of, nominal_of
+from diagnosis.case_robot import base_robot_of, nominal_of
 from diagnosis.diagnose import diagnose
 from diagnosis.discovery.discover import with_law
 from diagnosis.discovery.grammar import forms
@@ -187,7 +187,7 @@ def test_a_further_bench_confirms_the_law_although_the_exact_curve_has_another_s
 
 def test_forms_of_windings_and_gains_keep_the_rules_of_a_text(motor_bench_case, tmp_path):
     measurement = read_measurement(motor_bench_case(tmp_path / "bench", sweeps=4), IMPORTERS)
-    robot = nominal_of(measurement, carrier_of(measurement, None))
+    robot = nominal_of(measurement, base_robot_of(measurement, None))
     where = places(measurement.kind, Evidence([MotorSteady(measurement, robot)]), robot.motor)
     places_over_time = [place for place in where if place.is_factor or place.slot is Slot.WINDING_HEAT]
     shapes = {"line", "rise", "lag"}

@@ -138,7 +138,7 @@ def test_a_comment_states_whether_a_number_is_given_estimated_or_assumed(known, 
 
 
 def test_the_case_has_the_stages_of_what_was_logged(init, columns, tmp_path):
-    carrier = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
+    base_robot = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
     lacking = {
         "": ({"wheels", "pose"}, "not compared: ranges, because the log lacks them"),
         "motor": ({"pose"}, "not compared: speeds of the wheels from voltages, because the log lacks voltages of both"),
@@ -151,7 +151,7 @@ def test_the_case_has_the_stages_of_what_was_logged(init, columns, tmp_path):
         assert line in out
         measurement = read_measurement(tmp_path / f"case_{number}", IMPORTERS)
         assert measurement.nominal is not None
-        stages = STAGES[measurement.kind](measurement, nominal_robot(measurement.nominal, carrier))
+        stages = STAGES[measurement.kind](measurement, nominal_robot(measurement.nominal, base_robot))
         observed = {stage.name for stage in stages if any(o.usable.any() for o in stage.observed)}
         assert observed == names - ({"pose"} if start == "x_cm" else set())
 

@@ -131,8 +131,8 @@ def separation(template, title, truth, rival):
     library = drive_log(template, limits_of(template, rows=1, row_s=5.0, floor_m=(3.0, 3.0)), [])
     unit = next(k for k, each in enumerate(library.titles) if each.startswith(title))
     trial = library.composed(np.array([unit]))
-    carrier = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
-    nominal = nominal_robot(template.nominal, carrier)
+    base_robot = draw_robot(load_section("robot", "nominal"), 0, "test")[0]
+    nominal = nominal_robot(template.nominal, base_robot)
     evidence = Evidence([Pose(trial, nominal)])
     kind, number, null = rival
     robots = [nominal.with_effect(truth), nominal, nominal.with_effect(kind.model_construct(**{number: null + 1e-4}))]

@@ -52,15 +52,15 @@ MOTOR = {
 
 
 @pytest.fixture(scope="module")
-def carrier():
+def base_robot():
     return draw_robot(load_section("robot", "nominal"), 1, "test")[0]
 
 
 @pytest.fixture(scope="module")
-def robot(carrier):
+def robot(base_robot):
     noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
     case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": 200, "noise": noise}
-    return nominal_robot(NominalStep.model_validate(case), carrier)
+    return nominal_robot(NominalStep.model_validate(case), base_robot)
 
 
 def trial(name, t_s, voltage, begins_s=0.0, *, is_timed=True, reads=0.0):
@@ -89,9 +89,9 @@ def predict(kind, robot, *trials, nominal=None):
     ]
 
 
-def test_a_settled_motor_balances_its_torques(carrier):
+def test_a_settled_motor_balances_its_torques(base_robot):
     case = {"kind": "motor_steady", "motor": STEADY_MOTOR, "noise": {"current_A": 0.001, "omega_rad_s": 0.04}}
-    robot = nominal_robot(NominalSteady.model_validate(case), carrier)
+    robot = nominal_robot(NominalSteady.model_validate(case), base_robot)
     (predicted,) = predict(
         CaseKind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan], reads=math.nan)
     )
@@ -101,11 +101,11 @@ def test_a_settled_motor_balances_its_torques(carrier):
     np.testing.assert_allclose(predicted["current_A"], current, rtol=1e-9)
 
 
-def test_a_bench_without_any_voltage_is_refused_with_what_to_log(carrier):
+def test_a_bench_without_any_voltage_is_refused_with_what_to_log(base_robot):
     with pytest.raises(
         InputError, match=r"case: no row has a voltage at the motor.*the battery's voltage and the duty"
     ):
-        bound(CaseKind.MOTOR_STEADY, carrier, trial("1", range(3), [math.nan] * 3))
+        bound(CaseKind.MOTOR_STEADY, base_robot, trial("1", range(3), [math.nan] * 3))
 
 
 def test_a_sweep_taken_later_has_a_warmer_gear(robot):

@@ -144,7 +144,7 @@ def test_effects_that_are_not_distinguished_lead_to_the_design_of_the_next_trial
 
 
 def test_the_command_for_drawn_robots_leaves_another_supply_to_the_posterior(findings_of, files_of):
-    """The shipped scenarios draw the voltage of the battery, whose place --like takes only at the carrier's value."""
+    """The shipped scenarios draw the battery's voltage, and --like replaces it only at the base robot's value."""
     data = findings_of("weak")
     images = {name[6:-4]: data for name, data in files_of("weak").items() if name.startswith("plots/")}
     for supply_V, option in ((7.4, ""), (11.1, " --set robot.power.battery_voltage_V=7.4")):

@@ -108,7 +108,7 @@ def test_all_measured_quantities_have_their_range_and_all_channels_their_noise(d
 
 def _fit(diagnosis, nuisances, effects, x, information):
     """A fit of some nuisances and effects, with this information about its coordinates."""
-    hypothesis = Hypothesis(diagnosis.carrier, nuisances, effects)
+    hypothesis = Hypothesis(diagnosis.base_robot, nuisances, effects)
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
     noise = stated_noise(diagnosis.evidence)
     return HypothesisFit(

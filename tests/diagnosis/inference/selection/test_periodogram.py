@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
+from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
 from diagnosis.diagnose import _evidence
 from diagnosis.importers import IMPORTERS
 from diagnosis.inference.fitting.fit import fits
@@ -27,7 +27,7 @@ def seen(tmp_path):
         cases = importlib.import_module("gap_cases")
         cases.write(cases.make_case("motor_step", seed, effects, rows="few"), tmp_path / "case")
         measurement = READERS["motor_step"].read(tmp_path / "case")
-        robot = nominal_of(measurement, carrier_of(measurement, None))
+        robot = nominal_of(measurement, base_robot_of(measurement, None))
         bare = Hypothesis(robot, spreads_of(measurement, robot))
         evidence = _evidence(STAGES[measurement.kind](measurement, robot), bare)
         (fit,) = fits(evidence, [(bare, bare.null())])

@@ -19,7 +19,7 @@ from diagnosis.inference.selection.rivals import (
     compare_rivals,
     confidence,
 )
-from diagnosis.inference.selection.stepwise import TOLL
+from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Predicted
 from sensors.effects.noise_scale import NoiseScale
@@ -72,10 +72,10 @@ def test_two_effects_that_explain_as_much_as_one_leave_it_less_sure(bench, effec
     others = fit.hypothesis.without(gain).with_effect(effect("current_sensor_offset"))
     (pair,) = fits(evidence, [(others.with_effect(effect("torque_constant_scale")), np.zeros(3))])
     found = compare_rivals(evidence, fit, gain, [gain], pairs=[pair])
-    weight = exp(-0.5 * (TOLL + SECOND) / TEMPERATURE)
+    weight = exp(-0.5 * (PARAMETER_PENALTY + SECOND) / TEMPERATURE)
     assert 1.0 / found.confidence - 1.0 / alone.confidence == pytest.approx(weight, rel=0.03)
     name = "current_sensor_offset and torque_constant_scale together"
-    assert found.others[0] == (name, pytest.approx(TOLL + SECOND, abs=0.1))
+    assert found.others[0] == (name, pytest.approx(PARAMETER_PENALTY + SECOND, abs=0.1))
     with_itself = replace(pair, hypothesis=fit.hypothesis.with_effect(effect("current_sensor_offset")))
     assert compare_rivals(evidence, fit, gain, [gain], pairs=[with_itself]).confidence == alone.confidence
 
@@ -97,7 +97,10 @@ def test_two_effects_compete_with_two_others_but_not_with_a_pair_that_shares_one
     both, others, sharing = fitted(gain, offset), fitted(scale, warmup), fitted(gain, scale)
     found = compare_rivals(evidence, both, offset, [], pairs=[sharing, others])
     # The warm-up has two parameters, so that the others have one more than gain and offset.
-    assert ("torque_constant_scale and friction_warmup in place of both", pytest.approx(TOLL, abs=0.1)) in found.others
+    assert (
+        "torque_constant_scale and friction_warmup in place of both",
+        pytest.approx(PARAMETER_PENALTY, abs=0.1),
+    ) in found.others
     assert "in place of both" not in str(compare_rivals(evidence, both, offset, [], pairs=[sharing]).others)
 
 
