@@ -14,7 +14,7 @@ from hil.errors import BoardLost
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
 from hil.framings.base import CommandMessage, Damaged, Framing
 from hil.links.base import BoardLink
-from hil.plausible import DriveLimits, TickCount, check_encoders
+from hil.plausibility import DriveLimits, TickCount, check_encoders
 from symolo.dataset.codes import State
 
 PROTOCOL = 1
@@ -70,14 +70,16 @@ class LoopSettings:
 
 
 @dataclass(frozen=True)
-class Orders:
-    """State and motion of the robot from one tick on."""
+class Actuation:
+    """What the wheels do from one tick on, and the state of the controller."""
 
     state: State
     right_rad_s: float
     left_rad_s: float
+    """Set points [rad/s] of the wheels."""
     v_m_s: float
     w_rad_s: float
+    """Forward speed [m/s] and yaw rate [rad/s] that belong to the set points."""
     line_lost: int
     """Number of ticks in the line state without a channel on the line; 0 where the framing does not transmit it."""
     stopped: bool
@@ -85,8 +87,8 @@ class Orders:
 
 
 @dataclass
-class BoardPilot(Closing):
-    """Drives the robot by the answers of a board.
+class BoardLoop(Closing):
+    """Sends the sensor readings to a board at each tick, and returns what its answers make the wheels do.
 
     Call `start` once, `step` at each tick and `close` at the end; leaving a `with` block calls it too. `events` lists
     all faults, also after an error.
@@ -114,7 +116,7 @@ class BoardPilot(Closing):
     def for_robot(
         cls, link: BoardLink, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None
     ) -> Self:
-        """Return the pilot of a robot.
+        """Return the loop for a robot.
 
         Raises:
             InputError: Its encoders count more in a tick than a frame holds.
@@ -145,7 +147,7 @@ class BoardPilot(Closing):
             f" framing {self.framing.name} and this baud rate?"
         )
 
-    def step(self, sensors: SensorFrame) -> Orders:
+    def step(self, sensors: SensorFrame) -> Actuation:
         """Send the sensor readings to the board, and return what the robot does until the next tick.
 
         Encoder increments of frames that the board lost are added to the next frame, so that its odometry stays right.
@@ -166,7 +168,7 @@ class BoardPilot(Closing):
         self._count_misses(command)
         self._pending.append(command)
         self._acting = self._pending.popleft() or self._acting
-        return self._orders()
+        return self._actuation()
 
     def close(self) -> None:
         """Stop the robot and close the line; may be called again."""
@@ -259,11 +261,11 @@ class BoardPilot(Closing):
             silence = f"no command from {self.link.name} for {settings.give_up_s:g} s {self._when()}"
             raise BoardLost(f"{silence}; the robot was stopped{why}")
 
-    def _orders(self) -> Orders:
+    def _actuation(self) -> Actuation:
         acting = self._acting or CommandFrame(State.LINE, 0.0, 0.0)
         stopped = self._misses >= self.settings.timeout_ticks
         twist, line_lost = self.limits.twist(acting), acting.line_lost or 0
-        return Orders(acting.state, acting.right_rad_s, acting.left_rad_s, *twist, line_lost, stopped)
+        return Actuation(acting.state, acting.right_rad_s, acting.left_rad_s, *twist, line_lost, stopped)
 
     def _when(self) -> str:
         return f"at {self._tick * self.settings.tick_s:.2f} s"

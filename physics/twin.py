@@ -21,7 +21,7 @@ from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.drivetrain.wheel_slip import WheelSlip
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.body_motion import BodyMotion
-from physics.robot.model import RobotModel, through
+from physics.robot.model import RobotModel, applied
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array, stacked_rows
 from symolo.core.finite import require_finite
@@ -98,7 +98,7 @@ class KinematicTwin:
                 speed[1:, lane], turned[1:, lane] = self._turned_alone(voltage[1:, lane])
         else:
             speed[1:], turned[1:] = self._turned_together(voltage[1:], supply[1:], voltage_trend(commands), heat)
-        counted = np.cumsum(through(self._counting, turned, self._step_s), axis=0)
+        counted = np.cumsum(applied(self._counting, turned, self._step_s), axis=0)
         return TwinRun(
             t_s=np.arange(steps + 1) * self._step_s,
             pose=self._path(starts, turned),
@@ -176,13 +176,13 @@ class KinematicTwin:
         """Return poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""
         if self._rolling:
             angle_rad = np.cumsum(turned_rad, axis=0) - 0.5 * turned_rad
-            turned_rad = turned_rad * through(self._rolling, np.ones_like(turned_rad), angle_rad, turned_rad)
+            turned_rad = turned_rad * applied(self._rolling, np.ones_like(turned_rad), angle_rad, turned_rad)
         if self._slip:
             turned_rad = turned_rad * np.array([self._slip.travelled(step) for step in self._radius_m * turned_rad])
         travel = turned_rad @ self._body.to_twist.T
         forward_m, turn_rad = travel[..., 0], travel[..., 1]
         ones = np.ones_like(turn_rad)
-        turn_rad = turn_rad * through(self._ground, ones, forward_m / self._step_s, turn_rad / self._step_s)
+        turn_rad = turn_rad * applied(self._ground, ones, forward_m / self._step_s, turn_rad / self._step_s)
         yaw_rad = starts[:, 2] + np.cumsum(turn_rad, axis=0)
         # The chord of an arc: sinc needs no division by the turn, which is 0 on a straight.
         chord_m = forward_m * np.sinc(turn_rad / (2.0 * pi))
@@ -191,7 +191,7 @@ class KinematicTwin:
         y_m = starts[:, 1] + np.cumsum(chord_m * np.sin(direction), axis=0)
         if self._creep:
             size_m = np.abs(turned_rad) @ self._body.to_twist[0]
-            crept_m = np.cumsum(through(self._creep, np.zeros((*size_m.shape, 2)), size_m[..., None]), axis=0)
+            crept_m = np.cumsum(applied(self._creep, np.zeros((*size_m.shape, 2)), size_m[..., None]), axis=0)
             x_m, y_m = x_m + crept_m[..., 0], y_m + crept_m[..., 1]
         return np.stack([x_m, y_m, yaw_rad], axis=-1)
 

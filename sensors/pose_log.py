@@ -7,7 +7,7 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.base import Sampling, Sensor, World
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -26,7 +26,7 @@ class _Clock(Sampling):
         return cls(period_steps=1, delay_steps=0, effects=effects, physics_hz=physics_hz)
 
     def step_read_at(self, step: int) -> int:
-        delay_s = through(self.effects.functions(Slot.POSE_DELAY), 0.0, step / self.physics_hz)
+        delay_s = applied(self.effects.functions(Slot.POSE_DELAY), 0.0, step / self.physics_hz)
         return max(0, step - round(delay_s * self.physics_hz))
 
 
@@ -48,4 +48,4 @@ class PoseLog(Sensor):
         return cls(robot.effects, physics_hz) if acts else None
 
     def sample(self, world: World) -> Array:
-        return through(self._point, np.array(world.pose()))
+        return applied(self._point, np.array(world.pose()))

@@ -18,7 +18,7 @@ from configs.schema.robot import RobotConfig
 from hil.frames import CommandFrame, SensorFrame
 from hil.framings import FRAMINGS
 from hil.framings.base import CommandMessage, Framing, HelloRequest, SensorsMessage
-from hil.plausible import DriveLimits, TickCount
+from hil.plausibility import DriveLimits, TickCount
 from symolo.dataset.codes import State
 
 STATES = tuple(State)

@@ -22,7 +22,7 @@ from hil.build import build_firmware
 from hil.frames import SensorFrame
 from hil.framings import FRAMINGS
 from hil.links.lockstep import LockstepLink
-from hil.loop import BoardPilot, LoopSettings, Orders
+from hil.loop import Actuation, BoardLoop, LoopSettings
 from pipeline.stages.simulate import simulate
 from symolo.core.time_series import Recording
 
@@ -43,14 +43,14 @@ def main() -> None:
         drives = []
         for _ in range(2):
             link = LockstepLink(elf, framing.baud)
-            pilot = BoardPilot.for_robot(link, framing, spec.robot, LoopSettings(tick_s, delay_ticks=0))
-            pilot.start()
-            drives.append(timed(pilot, link, frames))
+            loop = BoardLoop.for_robot(link, framing, spec.robot, LoopSettings(tick_s, delay_ticks=0))
+            loop.start()
+            drives.append(timed(loop, link, frames))
             link.close()
     states = [int(state) for state in recording.trajectory.state]
-    for orders, arrivals, wall_s in drives:
+    for actuations, arrivals, wall_s in drives:
         answers_ms = 1000.0 * np.array([at[-1] for at in arrivals]) / CLOCK_HZ
-        same = sum(order.state == state for order, state in zip(orders, states, strict=True))
+        same = sum(actuation.state == state for actuation, state in zip(actuations, states, strict=True))
         print(f"{len(frames)} ticks in {wall_s:.2f} s: {len(frames) * tick_s / wall_s:.0f} times real time")
         print(f"answer in [ms]: median {np.median(answers_ms):.2f}, worst {answers_ms.max():.2f}")
         print(f"state as in Python at {same} of {len(states)} ticks")
@@ -70,14 +70,14 @@ def sensor_frames(recording: Recording) -> list[SensorFrame]:
 
 
 def timed(
-    pilot: BoardPilot, link: LockstepLink, frames: list[SensorFrame]
-) -> tuple[list[Orders], list[tuple[int, ...]], float]:
-    orders, arrivals = [], []
+    loop: BoardLoop, link: LockstepLink, frames: list[SensorFrame]
+) -> tuple[list[Actuation], list[tuple[int, ...]], float]:
+    actuations, arrivals = [], []
     began = time.perf_counter()
     for frame in frames:
-        orders.append(pilot.step(frame))
+        actuations.append(loop.step(frame))
         arrivals.append(link.arrivals)
-    return orders, arrivals, time.perf_counter() - began
+    return actuations, arrivals, time.perf_counter() - began
 
 
 if __name__ == "__main__":

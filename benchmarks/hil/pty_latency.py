@@ -22,7 +22,7 @@ from hil.framings import FRAMINGS
 from hil.framings.base import Framing
 from hil.links.pty_board import PtyBoard
 from hil.links.serial_link import SerialLink
-from hil.loop import BoardPilot
+from hil.loop import BoardLoop
 
 RATE_HZ = 20
 
@@ -70,20 +70,20 @@ def main() -> None:
 
 
 def measure(link: TimedLink, framing: Framing, robot: RobotConfig, ticks: int) -> None:
-    pilot = BoardPilot.for_robot(link, framing, robot)
-    hello = pilot.start()
+    loop = BoardLoop.for_robot(link, framing, robot)
+    hello = loop.start()
     answered, late = [], []
     for tick in range(ticks):
         line = [1.0] * 8
         line[3 + tick // 20 % 2] = 0.1
-        pilot.step(SensorFrame((20, 20), tuple(line), 2.0, 2.0, 2.0))
+        loop.step(SensorFrame((20, 20), tuple(line), 2.0, 2.0, 2.0))
         answered.append(link.answered_ms)
         late.append(link.late_ms)
-    pilot.close()
-    missed = sum(event.kind == "no answer" for event in pilot.events)
+    loop.close()
+    missed = sum(event.kind == "no answer" for event in loop.events)
     print(f"{framing.name} at {framing.baud} baud, {link.name}, {hello}")
-    print(f"{ticks} ticks of {1000 / RATE_HZ:.0f} ms, missed {missed}, events {len(pilot.events)}")
-    for event in pilot.events:
+    print(f"{ticks} ticks of {1000 / RATE_HZ:.0f} ms, missed {missed}, events {len(loop.events)}")
+    for event in loop.events:
         print(f"  tick {event.tick}: {event.kind}: {event.text}, answer after {answered[event.tick]:.2f} ms")
     for name, values in (("answer [ms]", answered), ("tick begins late [ms]", late)):
         sample = np.array(values)

@@ -14,11 +14,11 @@ from pathlib import Path
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
+from hil.board_runner import BoardRunner
 from hil.build import build_firmware
 from hil.framings import FRAMINGS
 from hil.links.lockstep import LockstepLink
-from hil.loop import BoardPilot, LoopSettings
-from hil.pilot import PilotFromBoard
+from hil.loop import BoardLoop, LoopSettings
 from pipeline.stages.simulate import DriveOutcome, simulate
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
 
@@ -53,10 +53,10 @@ def main() -> int:
 def driven(spec: RunSpec, student: str, folder: Path) -> DriveOutcome:
     build = build_firmware(spec.robot, "framed", FRAMING.baud, folder, student)
     link = LockstepLink(build.elf, FRAMING.baud)
-    loop = BoardPilot.for_robot(link, FRAMING, spec.robot, LoopSettings(1.0 / spec.rates.control_hz))
+    loop = BoardLoop.for_robot(link, FRAMING, spec.robot, LoopSettings(1.0 / spec.rates.control_hz))
     try:
         loop.start()
-        outcome = simulate(spec, pilot=PilotFromBoard(loop, build.id))
+        outcome = simulate(spec, runner=BoardRunner(loop, build.id))
     finally:
         loop.close()
     states = [state for state, _ in itertools.groupby(outcome.recording.trajectory.state.tolist())]

@@ -22,7 +22,7 @@ from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, earlier, seen_from_body
 from diagnosis.predictors.rows import good_values, joined, rows_after
 from diagnosis.predictors.wheels import Wheels
-from physics.robot.model import through
+from physics.robot.model import applied
 from physics.robot.stack import stacked_effects
 from symolo.core.arrays import Array
 
@@ -123,5 +123,5 @@ class EngineDrive(EngineStage):
     def _logged(self, robot: RobotConfig, pose: Array) -> Array:
         """Return poses (n, 3) as they would be logged, with the delay and the tracked point of the camera."""
         effects = stacked_effects([robot], axes=0)
-        pose = earlier(pose, self._t_s, self._rows, through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s))
-        return through(effects.functions(Slot.POSE_POINT), pose)
+        pose = earlier(pose, self._t_s, self._rows, applied(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s))
+        return applied(effects.functions(Slot.POSE_POINT), pose)

@@ -20,7 +20,7 @@ from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
 from diagnosis.predictors.ranges.unit_spread import Cleaned, cleaned
 from diagnosis.predictors.rows import by_other_rows, good_values, joined, trial_of_rows
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.line.line_sensor import LineOptics, tape_share
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -168,10 +168,10 @@ class LineReadings:
         """Return the readings of a robot without tolerances."""
         optics, effects = LineOptics.of(self._sensor, robot.effects), robot.effects
         ink = self._ink(robot, optics)
-        reading = through(effects.functions(Slot.LINE_READING), optics.light(ink, self._arena))
+        reading = applied(effects.functions(Slot.LINE_READING), optics.light(ink, self._arena))
         limits = effects.functions(Slot.LINE_LIMIT)
-        low, high = through(limits, np.array([0.0, 1.0])).tolist()
-        mean = through(limits, np.clip(reading, 0.0, 1.0))
+        low, high = applied(limits, np.array([0.0, 1.0])).tolist()
+        mean = applied(limits, np.clip(reading, 0.0, 1.0))
         contrast = optics.level * abs(self._arena.line.reflectance - self._arena.floor_reflectance)
         sd = np.hypot(self._reading_sd, contrast * self._edge_sd(ink, optics.spot_sd_m))
         return _Readings(mean, reading, (low, high), sd, ink, optics.level)

@@ -18,9 +18,9 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_of_rows
-from physics.drivetrain.motor_bench import Past, seen_steady_states, steady_states
+from physics.drivetrain.motor_bench import RowHistory, steady_states, steady_states_of_known_motion
 from physics.robot.model import RobotModel
-from physics.robot.stack import alike, stacked, stacked_effects
+from physics.robot.stack import stackable_groups, stacked, stacked_effects
 from sensors.wheels.instruments import read_current_A, read_settled_speed_rad_s
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -102,28 +102,28 @@ class MotorSteady:
 
     def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         current, speed = (np.full((len(robots), len(self._known)), np.nan) for _ in range(2))
-        for group in alike(robots):
+        for group in stackable_groups(robots):
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2))
             effects = stacked_effects(several, axes=1)
-            past = Past.of(model, self._voltage_V, self._since_on_s)
+            past = RowHistory.of(model, self._voltage_V, self._since_on_s)
             for rows, states in ((self._known & ~self._is_seen, self._from_rest), (self._is_seen, self._as_seen)):
                 if rows.any():
                     place = np.ix_(np.array(group), np.flatnonzero(rows))
                     current[place], speed[place] = states(model, effects, rows, past.of_rows(rows))
         return current, speed
 
-    def _from_rest(self, model: RobotModel, effects: RobotEffects, rows: Mask, past: Past) -> tuple[Array, Array]:
+    def _from_rest(self, model: RobotModel, effects: RobotEffects, rows: Mask, past: RowHistory) -> tuple[Array, Array]:
         """Return the readings of current and speed (M, k) in rows of which nobody knows whether the motor turns."""
         voltage_V, since_on_s, supply_V = self._inputs(rows)
         amperes, rad_s = steady_states(model, voltage_V, since_on_s, supply_V, past)
         return read_current_A(effects, amperes, since_on_s), read_settled_speed_rad_s(effects, rad_s, since_on_s)
 
-    def _as_seen(self, model: RobotModel, effects: RobotEffects, rows: Mask, past: Past) -> tuple[Array, Array]:
+    def _as_seen(self, model: RobotModel, effects: RobotEffects, rows: Mask, past: RowHistory) -> tuple[Array, Array]:
         """Return the readings of current and speed (M, k) in rows of which it is known whether the motor turns."""
         voltage_V, since_on_s, supply_V = self._inputs(rows)
         turns = self._turns[rows]
-        seen = seen_steady_states(model, voltage_V, since_on_s, turns, supply_V, past)
+        seen = steady_states_of_known_motion(model, voltage_V, since_on_s, turns, supply_V, past)
         chance = np.logaddexp(0.0, np.where(turns, -1.0, 1.0) * seen.surplus / BREAKAWAY_SPREAD)
         # A motor that turns although it should stand still seems too fast, and too slow the other way round.
         surprise = np.where(turns, -1.0, 1.0) * np.sign(voltage_V) * np.sqrt(2.0 * chance) * self._speed_sd_rad_s[rows]

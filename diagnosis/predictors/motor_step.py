@@ -17,12 +17,12 @@ from diagnosis.predictors.turning_response import TurningResponse
 from physics.drivetrain.motion import voltage_trend
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
-from physics.robot.stack import CURVED, alike, stacked, stacked_effects
+from physics.robot.stack import MOTOR_TORQUE_SLOTS, stackable_groups, stacked, stacked_effects
 from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.core.arrays import Array
 
 PARTS = ("motor", "power")
-SLOTS = CURVED | {Slot.MOTORS, Slot.COMMAND_DELAY, Slot.ACTUATOR, Slot.BATTERY, Slot.GEARBOX}
+SLOTS = MOTOR_TORQUE_SLOTS | {Slot.MOTORS, Slot.COMMAND_DELAY, Slot.ACTUATOR, Slot.BATTERY, Slot.GEARBOX}
 """Slots of the effects on the motion; those of the instruments act on its readings."""
 
 INPUT_ERROR = 0.01
@@ -92,7 +92,7 @@ class MotorStep:
         current, speed = np.empty((len(robots), rows)), np.empty((len(robots), rows))
         t_s = self._grid.period_s * np.arange(len(self._voltage_V))
         since_on_s = t_s[:, None, None] + self._grid.begins_s
-        for group in alike(robots):
+        for group in stackable_groups(robots):
             effects = stacked_effects([robots[k] for k in group], axes=1)
             amperes, rad_s = (np.moveaxis(motions[group, k], 0, 1) for k in range(2))
             current[group] = self._grid.of_rows(read_current_A(effects, amperes, since_on_s))
@@ -102,7 +102,7 @@ class MotorStep:
     def _motions(self, robots: Sequence[RobotConfig]) -> Array:
         """Return true currents [A] and speeds [rad/s] at all samples, (M, 2, T, N)."""
         motions = np.empty((len(robots), 2, *self._voltage_V.shape))
-        for group in alike(robots):
+        for group in stackable_groups(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2, times=len(self._grid.begins_s)))
             motions[group] = self._moved(model, self._voltage_V, self._grid.begins_s)
         return motions

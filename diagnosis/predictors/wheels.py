@@ -18,12 +18,12 @@ from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
-from physics.robot.stack import CURVED, alike, stacked
+from physics.robot.stack import MOTOR_TORQUE_SLOTS, stackable_groups, stacked
 from symolo.core.arrays import Array
 
 SIDES = ("left", "right")
 PARTS = ("motor", "power", "encoder")
-SLOTS = CURVED | {
+SLOTS = MOTOR_TORQUE_SLOTS | {
     Slot.MOTORS,
     Slot.COMMAND_DELAY,
     Slot.ACTUATOR,
@@ -155,7 +155,7 @@ class Wheels:
         """Return the speeds of the left and the right wheel, (M, 2, n); NaN in the last row of a trial."""
         rows = sum(len(place) for place in self._grid.places)
         speeds = np.full((len(robots), len(SIDES), rows), np.nan)
-        for group in alike(robots):
+        for group in stackable_groups(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
             turned = counted_turns(
                 model, self._voltage_V, self._grid.period_s, self._grid.begins_s, self._load, self._parts

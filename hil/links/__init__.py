@@ -1,1 +1,1 @@
-"""Links to a board: a serial port, the simulated board in lock-step or behind a pty, and a stand-in."""
+"""Links to a board: a serial port, and the simulated board in lock-step or behind a pty."""

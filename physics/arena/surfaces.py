@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class RangeSurface:
+    """How a range sensor reads one surface."""
+
     mean_mm_at_100_mm: float
     sd_mm_at_100_mm: float
     reflectance: float

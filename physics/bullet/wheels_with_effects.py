@@ -13,7 +13,7 @@ import pybullet
 from configs.effects.base import Slot
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.wheel_slip import WheelSlip
-from physics.robot.model import RobotModel, through
+from physics.robot.model import RobotModel, applied
 from symolo.core.arrays import Array
 
 REST_RAD_S = 1e-4
@@ -81,7 +81,7 @@ class WheelsWithEffects:
     def _count(self, angles_rad: Array) -> None:
         if self._counting and self._angles is not None:
             turned = angles_rad - self._angles
-            self.lost_rad = self.lost_rad + (turned - through(self._counting, turned, self._period_s))
+            self.lost_rad = self.lost_rad + (turned - applied(self._counting, turned, self._period_s))
         self._angles = angles_rad
 
     def currents_A(self, speeds_rad_s: Array) -> tuple[float, float]:
@@ -111,18 +111,18 @@ class WheelsWithEffects:
         right_m_s, left_m_s = round_right_m_s, round_left_m_s
         if self._rolling and self._angles is not None:
             turned = speeds_rad_s * self._period_s
-            share = through(self._rolling, np.ones(2), self._angles + 0.5 * turned, turned)
+            share = applied(self._rolling, np.ones(2), self._angles + 0.5 * turned, turned)
             right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
         if self._slip:
             share = self._slip.travelled(self._period_s * np.array([right_m_s, left_m_s]))
             right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
         yaw_rate = (right_m_s - left_m_s) / self._geometry.track_m
-        self.yaw_share = float(through(self._ground, 1.0, 0.5 * (right_m_s + left_m_s), yaw_rate))
+        self.yaw_share = float(applied(self._ground, 1.0, 0.5 * (right_m_s + left_m_s), yaw_rate))
         more_rad_s = float(yaw_rate - (round_right_m_s - round_left_m_s) / self._geometry.track_m)
         self._ahead_m_s = float(0.5 * (right_m_s - round_right_m_s + left_m_s - round_left_m_s))
         self._turning_rad_s = self.yaw_share * more_rad_s
         size_m_s = np.array([0.5 * (abs(right_m_s) + abs(left_m_s))])
-        self._creep_m_s = through(self._creep, np.zeros(2), size_m_s)
+        self._creep_m_s = applied(self._creep, np.zeros(2), size_m_s)
         turn = (more_rad_s - (1.0 - self.yaw_share) * float(yaw_rate)) * self._period_s
         if turn != 0.0:
             _turn_about_axle(client, body, to_axle, turn)

@@ -25,7 +25,7 @@ Reading = NDArray[np.float64] | NDArray[np.int64]
 NO_READINGS: Mapping[str, Reading] = MappingProxyType({})
 
 
-def other(side: Side) -> Side:
+def opposite(side: Side) -> Side:
     return "right" if side == "left" else "left"
 
 
@@ -43,11 +43,11 @@ class Observation:
     front_m: float
     left_m: float
     right_m: float
-    """Range of each sensor; the configured no-target value if it sees nothing."""
+    """Range [m] of each sensor; the configured no-target value if it sees nothing."""
     odometry: PlanarPose
-    """PlanarPose estimated from the wheels, in the frame of the start."""
+    """Pose x [m], y [m], yaw [rad] by the odometry of the wheels, in the frame of the start."""
     t_s: float = 0.0
-    """Time since the start of the run."""
+    """Time [s] since the start of the run."""
     encoder_counts: tuple[int, int] = (0, 0)
     """Counts of the encoders, right and left, since the start of the run."""
     encoder_increments: tuple[int, int] = (0, 0)

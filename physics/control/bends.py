@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from configs.schema.controller import Avoidance, CurveAvoidance
-from physics.control.base import Observation, Side, other
+from physics.control.base import Observation, Side, opposite
 from physics.control.paths import AvoidancePath, curve_path
 from symolo.core.geometry.poses import PlanarPose
 
@@ -27,13 +27,13 @@ class CurvePass:
 
 
 @dataclass(frozen=True)
-class CurveBook:
+class CurvePaths:
     """The pre-computed curve paths, by variant and side of the bend."""
 
     paths: dict[tuple[Variant, Side], AvoidancePath]
 
     @classmethod
-    def from_config(cls, config: CurveAvoidance, count: int) -> "CurveBook":
+    def from_config(cls, config: CurveAvoidance, count: int) -> "CurvePaths":
         paths: dict[tuple[Variant, Side], AvoidancePath] = {}
         for bend in ("left", "right"):
             paths["inner", bend] = curve_path(config.inner, count, bend)
@@ -87,9 +87,9 @@ def curve_pass(seen: Observation, bends: BendMemory, config: Avoidance) -> Curve
             continue
         side_m = seen.side_m(side)
         if side_m < curves.side_below_m:
-            passed = other(side) if bends.is_straight else side
+            passed = opposite(side) if bends.is_straight else side
             return CurvePass(passed, "outer" if bends.is_straight else "inner", side, side_m)
         if bends.is_straight and max(side_m, seen.front_m) < curves.both_below_m:
             # An obstacle between the beams is nearer than either of them reads.
-            return CurvePass(other(side), "outer", side, 0.0)
+            return CurvePass(opposite(side), "outer", side, 0.0)
     return None

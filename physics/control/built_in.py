@@ -7,7 +7,7 @@ import math
 
 from physics.control.avoidance import PathFollower
 from physics.control.base import Observation, RobotController, Side, Twist
-from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
+from physics.control.bends import BendMemory, CurvePass, CurvePaths, curve_pass
 from physics.control.conditions import ControlView
 from physics.control.curves import CurveFollower
 from physics.control.following import MAX_ERROR, follow, line_error, wall_error
@@ -27,7 +27,7 @@ class BuiltIn(RobotController):
         self._line_threshold = self.robot.line_sensor.threshold
         self._transitions = load_transitions()
         curves = config.avoidance.curves
-        self._curves = CurveBook.from_config(curves, config.avoidance.points) if curves else None
+        self._curves = CurvePaths.from_config(curves, config.avoidance.points) if curves else None
         self._bends = BendMemory(curves.memory_m, curves.straight_below_rad) if curves else None
         self._state = State.LINE
         self._return_state = State.LINE

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from configs.schema.controller import Controller
 from physics.control.avoidance import PathFollower
-from physics.control.base import Observation, Side, other
+from physics.control.base import Observation, Side, opposite
 from physics.control.bends import CurvePass
 from physics.control.curves import CurveFollower
 from symolo.dataset.codes import State
@@ -40,7 +40,7 @@ class ControlView:
         return not self.wall_lost(side)
 
     def wall_goes_on_opposite(self, side: Side) -> bool:
-        return self.wall_lost(side) and self.wall_found(other(side))
+        return self.wall_lost(side) and self.wall_found(opposite(side))
 
     def obstacle_ahead(self, free_side: Side) -> bool:
         avoid = self.config.avoidance

@@ -6,7 +6,7 @@ from enum import Enum, auto
 from configs.schema.controller import Avoidance, CurveAvoidance
 from physics.control.avoidance import PathFollower
 from physics.control.base import Observation, sign_of
-from physics.control.bends import CurveBook, CurvePass
+from physics.control.bends import CurvePass, CurvePaths
 from physics.control.facing import ObstacleFacing
 from symolo.core.geometry.poses import PlanarPose
 
@@ -32,12 +32,12 @@ class CurveFollower:
     at whatever angle it arrives.
     """
 
-    def __init__(self, book: CurveBook, chosen: CurvePass, start: PlanarPose, config: Avoidance) -> None:
+    def __init__(self, curves: CurvePaths, chosen: CurvePass, start: PlanarPose, config: Avoidance) -> None:
         if config.curves is None:
             raise ValueError("a curve path without settings for curves")
         self._config = config
         self._curves: CurveAvoidance = config.curves
-        self._path = book.paths[chosen.variant, chosen.bend]
+        self._path = curves.paths[chosen.variant, chosen.bend]
         self._follower = PathFollower(self._path, start, config.look_ahead_m)
         self._turn = sign_of(chosen.side)
         self._facing = ObstacleFacing(config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m)
@@ -46,7 +46,7 @@ class CurveFollower:
         self._met_error = 0.0
         """Line error at the place where the line was met."""
         self._since: PlanarPose = start
-        """PlanarPose at which the present phase began."""
+        """Pose by odometry at which the present phase began."""
 
     @property
     def finished(self) -> bool:

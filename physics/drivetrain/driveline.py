@@ -14,7 +14,7 @@ from configs.effects.base import Slot
 from physics.drivetrain.bridge import Bridge, Chopper
 from physics.drivetrain.motion import ShaftMotion
 from physics.drivetrain.motor import MotorModel
-from physics.robot.model import RobotModel, through
+from physics.robot.model import RobotModel, applied
 from symolo.core.arrays import Array
 
 _GAUSS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -114,11 +114,11 @@ class Driveline:
 
     def of_battery_V(self, voltage_V: Array, time_s: float | Array) -> Array:
         """Return the part of a voltage that reaches the motors from a battery that runs down."""
-        return through(self._battery, voltage_V, time_s)
+        return applied(self._battery, voltage_V, time_s)
 
     def supply_V(self, time_s: float | Array) -> float | Array:
         """Return the voltage of the supply without load, of a battery that runs down."""
-        return through(self._battery, self.full_supply_V, time_s)
+        return applied(self._battery, self.full_supply_V, time_s)
 
     def lagged_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> tuple[Array, Array]:
         """Return the state of a lag after `duration_s`, and the constant voltage that brings a bare motor to the same
@@ -146,13 +146,13 @@ class Driveline:
         """
         if not (self._resistance or self._constant or self._heating):
             return self._bare_winding
-        resistance = through(self._resistance, self.resistance_ohm, time_s)
+        resistance = applied(self._resistance, self.resistance_ohm, time_s)
         resistance = resistance * np.maximum(1.0 + heat, MIN_WARM) if self._heating else resistance
-        return Winding(resistance, through(self._constant, self.torque_constant_N_m_A, time_s))
+        return Winding(resistance, applied(self._constant, self.torque_constant_N_m_A, time_s))
 
     def heat_after(self, heat: float | Array, voltage_V: Array, duration_s: float | Array) -> float | Array:
         """Return the share by which heat has raised the resistance after a period at constant voltage."""
-        return through(self._heating, heat, voltage_V, duration_s)
+        return applied(self._heating, heat, voltage_V, duration_s)
 
     def current_A(self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array, winding: Winding) -> Array:
         """Return the winding currents.
@@ -166,17 +166,17 @@ class Driveline:
         back_emf_V = winding.torque_constant_N_m_A * speed_rad_s
         emf_V = voltage_V - back_emf_V
         if not (self._conduction or self._supply):
-            return through(self._limit, through(self._bridge, emf_V) / winding.resistance_ohm)
+            return applied(self._limit, applied(self._bridge, emf_V) / winding.resistance_ohm)
         # An empty battery switches nothing.
         duty = np.divide(voltage_V, supply_V, out=np.zeros(emf_V.shape), where=np.asarray(supply_V) > 0.0)
         chopper = Chopper(supply_V, duty, winding.resistance_ohm, back_emf_V)
 
         def driving_V(emf_V: Array) -> Array:
-            return through(self._bridge, through(self._conduction, emf_V, chopper))
+            return applied(self._bridge, applied(self._conduction, emf_V, chopper))
 
         bridge = Bridge(supply_V, duty, winding.resistance_ohm, driving_V)
         current_A = self._supply[0](emf_V, bridge) if self._supply else bridge.current_A(emf_V)
-        return through(self._limit, current_A)
+        return applied(self._limit, current_A)
 
     def extra_torque_N_m(
         self, voltage_V: Array, speed_rad_s: Array, supply_V: float | Array, winding: Winding
@@ -203,7 +203,7 @@ class Driveline:
             angle_rad: Angles since the start.
             turned_rad: Turns.
         """
-        return through(self._shaft_torque, torque_N_m, angle_rad, turned_rad)
+        return applied(self._shaft_torque, torque_N_m, angle_rad, turned_rad)
 
     def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array, trend: float | Array) -> Array:
         """Return the dry friction against the motion; at rest the largest torque that it can hold.
@@ -220,7 +220,7 @@ class Driveline:
             return self.coulomb_N_m
         direction = np.sign(np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
         motion = ShaftMotion(direction, speed_rad_s, time_s, trend)
-        return through(self._friction, self.coulomb_N_m, motion)
+        return applied(self._friction, self.coulomb_N_m, motion)
 
 
 def _along_wheels(values: Sequence[float | Array]) -> Array:

@@ -1,4 +1,4 @@
-"""Voltages at the motors for commands that are constant in each row, after delay, lag and battery.
+"""Voltages at the motors for commands that are held in each row (zero-order hold), after delay, lag and battery.
 
 A row is divided where a delayed command takes effect, so that results change smoothly with the delay.
 """

@@ -27,8 +27,8 @@ TURNING = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 
 
 @dataclass(frozen=True)
-class Past:
-    """What rows of steady states remember of the rows before them."""
+class RowHistory:
+    """Influence of earlier rows on rows of steady states."""
 
     trend: Array
     """(N, 1), whether the size of the voltage last grew (+1) or fell (-1)."""
@@ -36,7 +36,7 @@ class Past:
     """(N, 1), or (M, N, 1) for M robots: share by which heat has raised the resistance."""
 
     @classmethod
-    def of(cls, model: RobotModel, voltage_V: Array, time_s: Array) -> "Past":
+    def of(cls, model: RobotModel, voltage_V: Array, time_s: Array) -> "RowHistory":
         """Return that of rows (N,), each of which holds until the next one in time; unknown voltages count as 0 V."""
         driveline = Driveline.of_bench(model)
         order = np.argsort(time_s, kind="stable")
@@ -51,13 +51,13 @@ class Past:
         heat = np.concatenate([np.broadcast_to(each, heats[-1].shape) for each in heats], axis=-2)
         return cls(trend, heat[..., back, :])
 
-    def of_rows(self, rows: NDArray[np.bool_]) -> "Past":
+    def of_rows(self, rows: NDArray[np.bool_]) -> "RowHistory":
         """Return that of some of the rows."""
-        return Past(self.trend[rows], self.heat[..., rows, :])
+        return RowHistory(self.trend[rows], self.heat[..., rows, :])
 
 
 def steady_states(
-    model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None = None, past: Past | None = None
+    model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None = None, past: RowHistory | None = None
 ) -> tuple[Array, Array]:
     """Return current [A] and speed [rad/s], (N,) or (M, N) each, reached from rest at constant voltages.
 
@@ -66,7 +66,7 @@ def steady_states(
         voltage_V: (N,), constant voltages.
         time_s: (N,), time since the motor was first switched on.
         supply_V: (N,), voltage of the supply; that of the robot by default.
-        past: What the rows remember; by default these are all rows.
+        past: Influence of earlier rows; by default there are no other rows than these.
 
     Raises:
         ValueError: A voltage is not a finite number.
@@ -77,7 +77,7 @@ def steady_states(
 
 
 @dataclass(frozen=True)
-class SeenStates:
+class KnownMotionStates:
     """Steady states of a motor in rows of which it is known whether it turns; (N,) or (M, N) each."""
 
     current_A: Array
@@ -87,18 +87,18 @@ class SeenStates:
     """Torque at rest beyond the friction that holds, as a share of this friction: above 0 the motor starts."""
 
 
-def seen_steady_states(  # noqa: PLR0917 - what the rows depend on
+def steady_states_of_known_motion(  # noqa: PLR0917 - what the rows depend on
     model: RobotModel,
     voltage_V: Array,
     time_s: Array,
     turns: NDArray[np.bool_],
     supply_V: Array | None = None,
-    past: Past | None = None,
-) -> SeenStates:
+    past: RowHistory | None = None,
+) -> KnownMotionStates:
     """Return the steady states if the motor turns in some rows and stands still in the others.
 
     Near the voltage at which a motor starts, a small change of its friction decides whether it does. What it reads
-    there is therefore predicted for what it was seen to do.
+    there is therefore predicted for the motion that was observed.
 
     Args:
         model: The robot, or M of them, whose right motor is on the bench.
@@ -106,7 +106,7 @@ def seen_steady_states(  # noqa: PLR0917 - what the rows depend on
         time_s: (N,), time since the motor was first switched on.
         turns: (N,), whether the motor turns.
         supply_V: (N,), voltage of the supply; that of the robot by default.
-        past: What the rows remember; by default these are all rows.
+        past: Influence of earlier rows; by default there are no other rows than these.
 
     Raises:
         ValueError: A voltage is not a finite number.
@@ -114,21 +114,21 @@ def seen_steady_states(  # noqa: PLR0917 - what the rows depend on
     bench = _SteadyBench(model, voltage_V, time_s, supply_V, past)
     speed = bench.speed_rad_s(turns[:, None])
     surplus = bench.surplus_at_rest_N_m / np.maximum(bench.hold_N_m, MIN_FRICTION_N_M)
-    return SeenStates(bench.current_A(speed)[..., 0], speed[..., 0], surplus[..., 0])
+    return KnownMotionStates(bench.current_A(speed)[..., 0], speed[..., 0], surplus[..., 0])
 
 
 class _SteadyBench:
     """A motor at constant voltages (N, 1)."""
 
     def __init__(
-        self, model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None, past: Past | None
+        self, model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None, past: RowHistory | None
     ) -> None:
         require_finite(voltage_V, "voltage_V", ("trial",))
         self._driveline = Driveline.of_bench(model)
         if supply_V is not None:
             self._driveline.full_supply_V = supply_V[:, None]
         self._time_s = time_s[:, None]
-        past = Past.of(model, voltage_V, time_s) if past is None else past
+        past = RowHistory.of(model, voltage_V, time_s) if past is None else past
         self._trend = past.trend
         self._winding = self._driveline.winding(self._time_s, past.heat)
         command = voltage_V[:, None]

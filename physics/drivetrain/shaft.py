@@ -40,10 +40,12 @@ class Shaft(Protocol):
 
 def shaft_of(model: RobotModel, driveline: Driveline) -> Shaft:
     """Return the shaft of a robot, with play if the robot has any."""
-    return PlayingShaft(model, driveline) if model.has_play else RigidShaft(driveline)
+    return BacklashShaft(model, driveline) if model.has_play else RigidShaft(driveline)
 
 
 class RigidShaft:
+    """A gearbox without play: one mass."""
+
     def __init__(self, driveline: Driveline) -> None:
         self._wheels = RigidWheels(driveline)
         self._needs_angle = driveline.needs_angle
@@ -54,7 +56,9 @@ class RigidShaft:
         return ShaftState(TwoMass(speed, speed, state.sides.slack_rad), angle)
 
 
-class PlayingShaft:
+class BacklashShaft:
+    """A gearbox with play: motor side and load side are two masses."""
+
     def __init__(self, model: RobotModel, driveline: Driveline) -> None:
         self._driveline = driveline
         self._config = model.config.motor

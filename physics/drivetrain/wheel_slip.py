@@ -3,7 +3,7 @@
 import numpy as np
 
 from configs.effects.base import Slot
-from physics.robot.model import RobotModel, through
+from physics.robot.model import RobotModel, applied
 from symolo.core.arrays import Array
 
 
@@ -26,6 +26,6 @@ class WheelSlip:
         if self._rng is None or not self._functions:
             return np.ones_like(rolled_m)
         deviates = self._rng.standard_normal(rolled_m.shape)
-        self._share = through(self._functions, self._share, self._since_m, deviates)
+        self._share = applied(self._functions, self._share, self._since_m, deviates)
         self._since_m = np.abs(rolled_m)
         return 1.0 + self._share

@@ -13,7 +13,7 @@ from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import held_rows, joined_parts
 from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.robot.body_inertia import BodyOnWheels
-from physics.robot.model import RobotModel, through
+from physics.robot.model import RobotModel, applied
 from symolo.core.arrays import Array, stacked_rows
 from symolo.core.finite import require_finite
 
@@ -74,7 +74,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
             speed, further = wheels.moved(part, speed, angle)
             turned = turned + further
             angle = angle + further if driveline.needs_angle else angle
-        rows.append(through(counting, turned, row_s))
+        rows.append(applied(counting, turned, row_s))
     return stacked_rows(rows)
 
 
@@ -82,7 +82,7 @@ ITERATIONS = 16
 """Iterations for the counted share of an unknown speed; with a tenth lost, each leaves a third of the error or less."""
 
 
-def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
+def true_turns(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
     """Return the angles [rad] that the wheels turned, from the angles that the encoders counted in each row.
 
     If two speeds give the same counts, because the faster one loses more, the result is the slower one.
@@ -96,6 +96,6 @@ def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
     turned = counted_rad
     for _ in range(ITERATIONS if counting else 0):
         # The share that is lost depends on the unknown speed: correct by the share at the present estimate.
-        again = through(counting, turned, row_s)
+        again = applied(counting, turned, row_s)
         turned = turned * np.divide(counted_rad, again, out=np.ones(again.shape), where=again != 0.0)
     return turned

@@ -2,7 +2,7 @@
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import LagTime
-from physics.drivetrain.first_order import relaxed
+from physics.drivetrain.first_order import lag_of_constant_input
 from symolo.core.arrays import Array
 
 
@@ -16,4 +16,4 @@ class ActuatorLag(Effect):
     """Time constant of the first-order lag of the voltage behind the command."""
 
     def apply(self, held_V: Array, command_V: Array, duration_s: float) -> Array:
-        return relaxed(held_V, command_V, duration_s, self.time_constant_s)
+        return lag_of_constant_input(held_V, command_V, duration_s, self.time_constant_s)

@@ -19,7 +19,7 @@ from symolo.core.errors import InputError
 Value = TypeVar("Value")
 
 
-def through(functions: tuple[Callable[..., Any], ...], value: Value, *context: object) -> Value:
+def applied(functions: tuple[Callable[..., Any], ...], value: Value, *context: object) -> Value:
     """Return the value after applying the functions in turn, each with the same context."""
     for function in functions:
         value = function(value, *context)
@@ -41,10 +41,10 @@ class RobotModel:
         motor = MotorModel.from_config(config.motor)
         return cls(
             config=config,
-            motors=through(in_slot(Slot.MOTORS), Motors(motor, motor)),
-            geometry=through(in_slot(Slot.GEOMETRY), WheelGeometry.from_config(config.drive)),
-            counts_per_revolution=through(in_slot(Slot.ENCODER), config.encoder.counts_per_revolution),
-            input_delay_s=through(in_slot(Slot.COMMAND_DELAY), 0.0),
+            motors=applied(in_slot(Slot.MOTORS), Motors(motor, motor)),
+            geometry=applied(in_slot(Slot.GEOMETRY), WheelGeometry.from_config(config.drive)),
+            counts_per_revolution=applied(in_slot(Slot.ENCODER), config.encoder.counts_per_revolution),
+            input_delay_s=applied(in_slot(Slot.COMMAND_DELAY), 0.0),
         )
 
     def with_effect(self, effect: Effect) -> "RobotModel":

@@ -10,8 +10,9 @@ from configs.effects.robot_effects import RobotEffects
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 
-UNPHYSICAL = frozenset({"name", "description"})
-CURVED = frozenset(
+TEXTS = frozenset({"name", "description"})
+"""Fields of a robot that no computation uses."""
+MOTOR_TORQUE_SLOTS = frozenset(
     {
         Slot.CONDUCTION,
         Slot.BRIDGE,
@@ -24,24 +25,23 @@ CURVED = frozenset(
         Slot.SHAFT_TORQUE,
     }
 )
-"""Slots in which an effect makes torque or friction of a motor other than the bare motor's straight line of its speed.
-"""
-APART = ({Slot.GEARBOX}, {Slot.CONDUCTION}, {Slot.SHAFT_TORQUE}, CURVED)
-"""Slots of effects that need a computation of their own."""
+"""Slots of effects with which a motor no longer has the torque and friction of a bare one, linear in its speed."""
+SEPARATE_SLOTS = ({Slot.GEARBOX}, {Slot.CONDUCTION}, {Slot.SHAFT_TORQUE}, MOTOR_TORQUE_SLOTS)
+"""Slots of effects that are computed separately, because they need far more steps than others."""
 
 
-def alike(robots: Sequence[RobotConfig]) -> list[list[int]]:
+def stackable_groups(robots: Sequence[RobotConfig]) -> list[list[int]]:
     """Return groups of indices of robots that can be stacked.
 
-    In a group no robot has an effect that another has with another choice. An effect that only some of them have is
-    added to the others with its null value, which changes nothing. Robots with play in the gears stand apart, because
-    they need far shorter steps, and so do bare motors, which take one exact step where others take some, and bridges
-    that coast and torques that depend on the angle, which take far longer to compute.
+    In a group no robot has an effect that another has with another choice, such as the side. An effect that only some
+    of them have is added to the others with its null value, which changes nothing. Robots with play in the gears have
+    groups of their own, because they need far shorter steps. So do bare motors, which take one exact step where others
+    take some, and bridges that coast and torques that depend on the angle, which take far longer to compute.
     """
     groups: list[tuple[tuple[bool, ...], dict[type[Effect], tuple[str, ...]], list[int]]] = []
     for index, robot in enumerate(robots):
         choices = {type(effect): tuple(v for _, v in effect if isinstance(v, str)) for effect in robot.effects}
-        steps = tuple(bool(robot.effects.in_slots(slots)) for slots in APART)
+        steps = tuple(bool(robot.effects.in_slots(slots)) for slots in SEPARATE_SLOTS)
         for steps_of_group, choices_of_group, group in groups:
             if steps_of_group == steps and all(
                 choices_of_group.get(k, choice) == choice for k, choice in choices.items()
@@ -55,7 +55,7 @@ def alike(robots: Sequence[RobotConfig]) -> list[list[int]]:
 
 
 def stacked(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotConfig:
-    """Return one configuration for M robots that are alike.
+    """Return one configuration for M robots of one of the `stackable_groups`.
 
     Args:
         robots: At least one.
@@ -72,7 +72,7 @@ def stacked(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotCo
     changed = {
         name: _joined([getattr(robot, name) for robot in robots], axes, times, f"robot.{name}")
         for name in RobotConfig.model_fields
-        if name not in UNPHYSICAL | {"effects"}
+        if name not in TEXTS | {"effects"}
     }
     changed["effects"] = stacked_effects(robots, axes, times)
     return robots[0].model_copy(update=changed)

@@ -1,4 +1,4 @@
-"""A robot of ours from a URDF file, with a list of what was read and what had to be assumed."""
+"""Import of a URDF file as the settings of a robot, with lists of what was read and what was assumed."""
 
 import math
 from contextlib import suppress

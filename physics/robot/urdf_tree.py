@@ -1,4 +1,4 @@
-"""A URDF file of somebody else as bodies in one frame: https://wiki.ros.org/urdf/XML.
+"""Bodies and joints of a URDF file in one frame, that of its root: https://wiki.ros.org/urdf/XML.
 
 Only primitive shapes are read; a mesh has a place and no size. Joints are at zero.
 """

@@ -1,1 +1,1 @@
-"""A run of the robot: who drives it, and its laps."""
+"""A run of the robot: the runner of its controller, and the end of a lap."""

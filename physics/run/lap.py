@@ -7,8 +7,8 @@ from symolo.core.geometry.poses import PlanarPose
 
 
 @dataclass
-class Lap:
-    """Watches the true pose of one run."""
+class LapDetector:
+    """Detects that the lap of a run is closed, from the true poses of its robot."""
 
     start: PlanarPose
     away_m: float = 1.0

@@ -16,7 +16,7 @@ from configs.schema.scenario import RunSpec
 from physics.control.base import Command, Observation, Twist, Voltages
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.wheel_loop import voltage_limit_V
-from physics.run.pilot import Drive
+from physics.run.controller_runner import DriveKinematics
 from pipeline.gym.reward import Outcome, Reward, RewardFunction
 from pipeline.gym.top_view import TopView
 from pipeline.gym.track import DrivingTrack
@@ -119,7 +119,7 @@ class DriveEnvironment(gymnasium.Env[Readings, NDArray[np.float32]]):
         if loop is None:
             raise InputError("step", cure="call reset first")
         was_closed = loop.lap.closed
-        loop.act(self._drive.decision(self._command(action)))
+        loop.act(self._kinematics.decision(self._command(action)))
         self._tick += 1
         seen = loop.observe(self._tick)
         touched = loop.world.touching()
@@ -141,7 +141,7 @@ class DriveEnvironment(gymnasium.Env[Readings, NDArray[np.float32]]):
 
     def _prepare(self, spec: RunSpec) -> None:
         self._spec = spec
-        self._drive = Drive(spec.robot)
+        self._kinematics = DriveKinematics(spec.robot)
         self._rad_per_count = 2.0 * np.pi / spec.robot.encoder.counts_per_revolution
         self._track: DrivingTrack | None = None
         self._top_view = None

@@ -12,7 +12,7 @@ from configs.robot_sensors import MountedSettings
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec, SceneSpec
 from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, RobotLink, robot_links
-from physics.robot.model import through
+from physics.robot.model import applied
 from pipeline.models.colours import colours
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
 from pipeline.stages.cameras import cameras_of
@@ -116,7 +116,7 @@ def _further_frames(robot: RobotConfig) -> Iterator[NamedFrame]:
 
 def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
     """Return the frames of the front, left and right sensor, turned by the effects of the robot."""
-    askew = through(robot.effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
+    askew = applied(robot.effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
     names = tuple(TofMounts.model_fields)
     mounts: list[TofMount] = [getattr(robot.tof.mounts, name) for name in names]
     return tuple(

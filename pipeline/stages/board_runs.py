@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from configs.schema.scenario import RunSpec
 from hil.links.serial_link import SerialLink
 from pipeline.run_folder.workspace import Workspace
-from pipeline.stages.simulate_runs import prepare_pilots, problems_of, read_outcome, simulate_into, simulation_key
+from pipeline.stages.simulate_runs import prepare_controllers, problems_of, read_outcome, simulate_into, simulation_key
 from symolo.core.errors import RunFailed
 from symolo.core.progress import Report, plural
 from symolo.dataset.documents.metadata import FailedRun
@@ -20,7 +20,7 @@ def check_board(workspace: Workspace, specs: Sequence[RunSpec], port: str) -> No
         EnvironmentLacking: A tool that builds the simulated board is missing.
     """
     if not port:
-        prepare_pilots(workspace, specs)
+        prepare_controllers(workspace, specs)
         return
     for spec in specs:
         if spec.board:

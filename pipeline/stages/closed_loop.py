@@ -8,8 +8,8 @@ from typing_extensions import Self
 from configs.schema.scenario import RunSpec
 from physics.bullet.simulation import BulletSimulation
 from physics.control.base import Observation
-from physics.run.lap import Lap
-from physics.run.pilot import Decision
+from physics.run.controller_runner import Decision
+from physics.run.lap import LapDetector
 from sensors.base import Reading
 from sensors.fit_out import fit_out
 from sensors.suite import SensorSuite
@@ -49,7 +49,7 @@ class ClosedLoop:
         self._odometry = Odometry.from_config(robot)
         self._believed = (0.0, 0.0, 0.0)
         self._counts = np.zeros(2, dtype=np.int64)
-        self.lap = Lap(start)
+        self.lap = LapDetector(start)
         self.readings: dict[str, Reading] = {}
         """Readings of all sensors at the last tick."""
 

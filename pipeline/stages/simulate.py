@@ -10,7 +10,7 @@ import numpy as np
 
 from configs.schema.scenario import RunSpec
 from physics.control.base import Observation
-from physics.run.pilot import ControllerPilot, Decision, Pilot
+from physics.run.controller_runner import ControllerRunner, Decision, InProcessRunner
 from pipeline.stages.closed_loop import ClosedLoop
 from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.core.errors import RunFailed
@@ -23,7 +23,7 @@ from symolo.dataset.tables.side_tables import BOARD_SERIES
 Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""
 Watch = Callable[[float, Observation, Decision], None]
-"""Called at each control tick with the simulated time [s], the readings for the pilot and its decision."""
+"""Called at each control tick with the simulated time [s], the readings for the controller and its decision."""
 
 
 @dataclass(frozen=True)
@@ -37,14 +37,14 @@ class DriveOutcome:
 
 
 def simulate(
-    spec: RunSpec, progress: Progress | None = None, pilot: Pilot | None = None, watch: Watch | None = None
+    spec: RunSpec, progress: Progress | None = None, runner: ControllerRunner | None = None, watch: Watch | None = None
 ) -> DriveOutcome:
-    """Drive one run to its end: a closed lap, the time limit, a collision, or a failure of the pilot.
+    """Drive one run to its end: a closed lap, the time limit, a collision, or a failure of the controller.
 
     Args:
         spec: Run specification.
         progress: Called with the time that has passed.
-        pilot: The pilot that drives; by default the controller of the specification.
+        runner: Runs the controller; by default it is that of the specification, in this process.
         watch: Called at every control tick.
 
     Raises:
@@ -52,18 +52,18 @@ def simulate(
         RunFailed: The controller cannot start.
     """
     with ClosedLoop(spec) as loop:
-        if pilot is not None:
-            return _Recorder(spec, loop, pilot, watch).drive(progress)
+        if runner is not None:
+            return _Recorder(spec, loop, runner, watch).drive(progress)
         rng = stream(spec.seed, spec.route, spec.run, "controller")
-        with closing(ControllerPilot.of(spec.robot, spec.rates.control_hz, rng, spec.controller)) as built_in:
+        with closing(InProcessRunner.of(spec.robot, spec.rates.control_hz, rng, spec.controller)) as built_in:
             return _Recorder(spec, loop, built_in, watch).drive(progress)
 
 
 class _Recorder:
     """A run from its first tick to its end, with everything that is recorded of it."""
 
-    def __init__(self, spec: RunSpec, loop: ClosedLoop, pilot: Pilot, watch: Watch | None) -> None:
-        self._spec, self._loop, self._pilot, self._watch = spec, loop, pilot, watch
+    def __init__(self, spec: RunSpec, loop: ClosedLoop, runner: ControllerRunner, watch: Watch | None) -> None:
+        self._spec, self._loop, self._runner, self._watch = spec, loop, runner, watch
         self._units: dict[str, str] = {}
         self._values: dict[str, list[object]] = defaultdict(list)
         """Recorded values by name of the series, one for each control tick; they are stacked at the end."""
@@ -101,7 +101,7 @@ class _Recorder:
 
     def _tick(self, tick: int) -> None:
         seen = self._loop.observe(tick)
-        decision = self._pilot.decide(seen)
+        decision = self._runner.decide(seen)
         if self._watch is not None:
             self._watch(seen.t_s, seen, decision)
         self._loop.act(decision)

@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from configs.schema.board import Board
 from configs.schema.scenario import RunSpec, SceneSpec
+from hil.board_runner import BoardRunner, build_for, connected_board, counted, firmware_id_of
 from hil.loop import BoardEvent
-from hil.pilot import PilotFromBoard, build_for, counted, firmware_id_of, pilot_from_board
-from physics.run.pilot import controller_class
+from physics.run.controller_runner import controller_class
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.stages.beyond_range import range_warnings
@@ -158,7 +158,7 @@ def problems_of(workspace: Workspace, specs: Sequence[RunSpec]) -> list[FailedRu
     ]
 
 
-def prepare_pilots(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
+def prepare_controllers(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
     """Build the simulated board and firmware for the runs that are not done yet, before any of them begins, and check
     that there is their controller.
 
@@ -229,13 +229,13 @@ def simulate_into(
         return
     if spec.board.kind == "serial" and not port:
         raise RunFailed("a board at a serial port drives this run; use `symolo hil --port PORT`")
-    with pilot_from_board(spec.robot, spec.board, spec.rates.control_hz, port) as pilot:
-        outcome = simulate(spec, on_time, pilot, watch)
-    _publish(spec, outcome, StageFolder(path), key, pilot)
+    with connected_board(spec.robot, spec.board, spec.rates.control_hz, port) as runner:
+        outcome = simulate(spec, on_time, runner, watch)
+    _publish(spec, outcome, StageFolder(path), key, runner)
 
 
 def _publish(
-    spec: RunSpec, outcome: "DriveOutcome", folder: StageFolder, key: str, pilot: PilotFromBoard | None = None
+    spec: RunSpec, outcome: "DriveOutcome", folder: StageFolder, key: str, runner: BoardRunner | None = None
 ) -> None:
     recording = outcome.recording
     partial = folder.start()
@@ -250,9 +250,9 @@ def _publish(
         rows=len(recording.trajectory.t_s),
         images=len(main_camera_rows(Rows.from_recording(recording), spec.rates).t_ms),
         cpu=cpu_class(),
-        board=_board_record(spec.board, pilot) if spec.board and pilot else None,
+        board=_board_record(spec.board, runner) if spec.board and runner else None,
         controller=_controller_record(spec),
-        events=_event_lines(pilot.events, spec.rates.control_hz) if pilot else (),
+        events=_event_lines(runner.events, spec.rates.control_hz) if runner else (),
         beyond_ranges=range_warnings(spec.robot, recording, spec.like.measured if spec.like else ()),
         suspicions=run_warnings(spec, recording),
     )
@@ -266,14 +266,14 @@ def _controller_record(spec: RunSpec) -> ControllerRecord | None:
     return ControllerRecord(name=spec.controller.name, files=hashes_of_controller(spec.controller.name))
 
 
-def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:
-    kinds = counted(pilot.events)
+def _board_record(board: Board, runner: BoardRunner) -> BoardRecord:
+    kinds = counted(runner.events)
     return BoardRecord(
         kind=board.kind,
         framing=board.framing,
         bits_per_s=board.bits_per_s,
         actuation_delay_ticks=board.actuation_delay_ticks,
-        firmware_id=pilot.firmware_id,
+        firmware_id=runner.firmware_id,
         rows_unanswered=kinds["no answer"],
         events={column: kinds[kind] for kind, column in BOARD_EVENT_COLUMNS.items() if kinds[kind]},
     )

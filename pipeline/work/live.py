@@ -11,7 +11,7 @@ from rich.text import Text
 
 from configs.schema.scenario import RunSpec
 from physics.control.base import Observation
-from physics.run.pilot import Decision
+from physics.run.controller_runner import Decision
 from symolo.dataset.codes import BOARD_COLUMNS
 from symolo.dataset.documents.metadata import STATES
 

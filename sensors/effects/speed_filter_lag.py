@@ -2,7 +2,7 @@
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import LagTime
-from physics.drivetrain.first_order import followed
+from physics.drivetrain.first_order import lag_of_linear_input
 from symolo.core.arrays import Array
 
 
@@ -18,4 +18,4 @@ class SpeedFilterLag(Effect):
     constant is T / (exp(T / tau) - 1)."""
 
     def apply(self, held_rad_s: Array, before_rad_s: Array, speed_rad_s: Array, duration_s: float) -> Array:
-        return followed(held_rad_s, before_rad_s, speed_rad_s, duration_s, self.time_constant_s)
+        return lag_of_linear_input(held_rad_s, before_rad_s, speed_rad_s, duration_s, self.time_constant_s)

@@ -9,7 +9,7 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import LineSensor, RobotConfig
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.base import Sampling, Sensor, World
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
@@ -30,7 +30,7 @@ class LineOptics:
 
     @classmethod
     def of(cls, config: LineSensor, effects: RobotEffects) -> "LineOptics":
-        place_m = through(effects.functions(Slot.LINE_PLACE), channel_weights(config.channels) * config.pitch_m)
+        place_m = applied(effects.functions(Slot.LINE_PLACE), channel_weights(config.channels) * config.pitch_m)
         return cls.at_places(place_m, config.spot_diameter_at_floor_m, config.spot_growth * config.height_m, effects)
 
     @classmethod
@@ -38,7 +38,7 @@ class LineOptics:
         cls, place_m: Array, at_floor_m: float, growth_m: float, effects: RobotEffects = NO_EFFECTS
     ) -> "LineOptics":
         """Return the optics of channels whose spots have a diameter at the floor and grow up to their height."""
-        ratio = through(effects.functions(Slot.LINE_HEIGHT), 1.0)
+        ratio = applied(effects.functions(Slot.LINE_HEIGHT), 1.0)
         # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
         return cls(place_m, 0.25 * (at_floor_m + growth_m * ratio), ratio**-2.0)
 
@@ -95,9 +95,9 @@ class ReflectanceChannels:
         reflectance = self._optics.light(ink, self._arena)
         noise = self._errors.noise_sd * self._rng.standard_normal(len(points))
         full_scale = 2**self._errors.adc_bits - 1
-        read = through(self._effects.functions(Slot.LINE_READING), self._gain * reflectance + self._offset)
+        read = applied(self._effects.functions(Slot.LINE_READING), self._gain * reflectance + self._offset)
         reading = np.minimum(np.maximum(read + noise, 0.0), 1.0)
-        reading = through(self._effects.functions(Slot.LINE_LIMIT), reading)
+        reading = applied(self._effects.functions(Slot.LINE_LIMIT), reading)
         reading = np.rint(reading * full_scale) / full_scale
         lost = self._rng.random(len(points)) < self._errors.dropout_probability
         self._last = np.where(lost, self._last, reading)

@@ -8,7 +8,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 
@@ -39,11 +39,11 @@ class RangeEffects:
 
     def seen(self, reading_m: Array, sd_m: Array, view: RangeView) -> tuple[Array, Array]:
         """Return the reading without noise [m] and the standard deviation of its noise [m]."""
-        return through(self.reading, reading_m, view), through(self.noise, sd_m, view)
+        return applied(self.reading, reading_m, view), applied(self.noise, sd_m, view)
 
     def limited(self, reading_m: Array) -> Array:
         """Return the reading [m], which is rounded and includes its noise, after the limits."""
-        return through(self.limit, reading_m)
+        return applied(self.limit, reading_m)
 
     def expected(self, reading_m: Array, sd_m: Array, view: RangeView, resolution_m: float) -> tuple[Array, Array]:
         """Return mean and standard deviation [m] of readings that are rounded to a resolution.

@@ -16,7 +16,7 @@ from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RangeBeam, RobotConfig, TofMount, TofSensor
 from physics.arena.surfaces import SURFACES
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.base import Reading, Sampling, Sensor, World, quantise
 from sensors.ranging.range_effects import RangeEffects
 from sensors.ranging.range_log import NEAR_LIMIT_M, log_beyond_near
@@ -66,8 +66,8 @@ class RangeDevices:
         effects: RobotEffects = NO_EFFECTS,
         roll_rad: float = 0.0,
     ) -> None:
-        delay_s = through(effects.functions(Slot.RANGE_DELAY), config.delay_s)
-        self._gathering_s = through(effects.functions(Slot.RANGE_GATHERING), 0.0)
+        delay_s = applied(effects.functions(Slot.RANGE_DELAY), config.delay_s)
+        self._gathering_s = applied(effects.functions(Slot.RANGE_GATHERING), 0.0)
         gathering = {round(physics_hz * self._gathering_s * k / GLANCES) for k in range(GLANCES + 1)}
         glances = tuple(sorted(gathering - {0}, reverse=True))
         self.sampling = replace(Sampling.from_seconds(config.period_s, delay_s, physics_hz), glances_before=glances)
@@ -87,7 +87,7 @@ class RangeDevices:
         self._head_on = head_on_factor(self._profile, angle, self._weighting)
         self._full_signal = head_on_factor(self._profile, angle) * self._profile.sum()
         origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (config.rays, 1)) for m in mounts]
-        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(self._count))
+        askew = applied(effects.functions(Slot.RANGE_MOUNT), np.zeros(self._count))
         directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         # Origins, then directions. Rows that end with 1 are moved and turned with the robot, rows with 0 only turned.
         self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
@@ -139,7 +139,7 @@ class RangeDevices:
         returned = weight.sum(axis=1)
         signal = returned / self._full_signal
         if self._weighting:
-            weight = through(self._weighting, weight, distance)
+            weight = applied(self._weighting, weight, distance)
             returned = weight.sum(axis=1)
         share = weight / np.maximum(returned, 1e-12)[:, None]
         return Light(signal, share, (share * distance).sum(axis=1) * self._head_on, surface, normal)
@@ -163,7 +163,7 @@ class RangeDevices:
     def _wandered(self, time_s: float) -> Array:
         """Return the slow error (N,) at a time."""
         deviates = self._wander_rng.standard_normal(self._count)
-        self._wander_m = through(self._wandering, self._wander_m, time_s - self._wandered_s, deviates)
+        self._wander_m = applied(self._wandering, self._wander_m, time_s - self._wandered_s, deviates)
         self._wandered_s = time_s
         return self._wander_m
 
@@ -278,7 +278,7 @@ def head_on_factor(profile: Array, angle: Array, weighting: tuple[Callable[..., 
         angle: (rays,), angles off the axis [rad].
         weighting: Effects on the weights of rays.
     """
-    facing, slanted = (through(weighting, light, 1.0 / np.cos(angle)) for light in (profile * np.cos(angle), profile))
+    facing, slanted = (applied(weighting, light, 1.0 / np.cos(angle)) for light in (profile * np.cos(angle), profile))
     return float(np.sum(facing) / np.sum(slanted))
 
 

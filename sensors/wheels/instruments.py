@@ -7,14 +7,14 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
-from physics.robot.model import through
+from physics.robot.model import applied
 from symolo.core.arrays import Array, stacked_rows
 
 
 def read_current_A(effects: RobotEffects, current_A: Array, since_on_s: Array) -> Array:
     """Return the readings of currents, of the same shape, at times since power-on, which broadcast to it."""
-    gain = through(effects.functions(Slot.CURRENT_GAIN), np.ones(()), since_on_s)
-    reading = through(effects.functions(Slot.CURRENT_READING), gain * current_A)
+    gain = applied(effects.functions(Slot.CURRENT_GAIN), np.ones(()), since_on_s)
+    reading = applied(effects.functions(Slot.CURRENT_READING), gain * current_A)
     return _with_error(effects, Slot.CURRENT_ERROR, reading, since_on_s)
 
 
@@ -23,15 +23,15 @@ def read_settled_speed_rad_s(effects: RobotEffects, speed_rad_s: Array, since_on
 
     Times since power-on broadcast to that shape.
     """
-    gain = through(effects.functions(Slot.SPEED_GAIN), np.ones(()), since_on_s)
-    reading = through(effects.functions(Slot.SPEED_READING), gain * speed_rad_s)
+    gain = applied(effects.functions(Slot.SPEED_GAIN), np.ones(()), since_on_s)
+    reading = applied(effects.functions(Slot.SPEED_READING), gain * speed_rad_s)
     return _with_error(effects, Slot.SPEED_ERROR, reading, since_on_s)
 
 
 def _with_error(effects: RobotEffects, slot: Slot, reading: Array, since_on_s: Array) -> Array:
     """Return readings with the errors that are added to them."""
     functions = effects.functions(slot)
-    return reading + through(functions, np.zeros(()), since_on_s) if functions else reading
+    return reading + applied(functions, np.zeros(()), since_on_s) if functions else reading
 
 
 def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, since_on_s: Array | None = None) -> Array:
@@ -52,7 +52,7 @@ def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, sinc
         since_on_s = np.concatenate([since_on_s[:1], since_on_s])
         return read_speed_rad_s(effects, np.append(0.0, t_s), np.concatenate([at_rest, speed_rad_s]), since_on_s)[1:]
     if ripples := effects.functions(Slot.SPEED_RIPPLE):
-        ratio = through(ripples, np.ones(()), _angle_rad(t_s, speed_rad_s))
+        ratio = applied(ripples, np.ones(()), _angle_rad(t_s, speed_rad_s))
         speed_rad_s = ratio * speed_rad_s
     reading = read_settled_speed_rad_s(effects, speed_rad_s, since_on_s)
     for low_pass in effects.functions(Slot.SPEED_FILTER):
@@ -60,7 +60,7 @@ def read_speed_rad_s(effects: RobotEffects, t_s: Array, speed_rad_s: Array, sinc
         for before, row, duration_s in zip(reading[:-1], reading[1:], np.diff(t_s).tolist(), strict=True):
             rows.append(low_pass(rows[-1], before, row, duration_s))
         reading = stacked_rows(rows)
-    delay_s = through(effects.functions(Slot.SPEED_DELAY), 0.0)
+    delay_s = applied(effects.functions(Slot.SPEED_DELAY), 0.0)
     return reading if np.all(delay_s == 0.0) else _earlier(reading, t_s, delay_s)
 
 

@@ -19,7 +19,7 @@ from configs.draw import draw_arena, draw_robot, draw_run
 from configs.loader import load_scenario, load_section
 from configs.schema.arena import ArenaConfig, LineConfig, Obstacle, StraightPiece, WallConfig
 from configs.schema.arena_generator import ArenaGenerator, Clearance
-from physics.run.lap import Lap
+from physics.run.lap import LapDetector
 from symolo.arena.footprints import obstacle_footprint, wall_footprint
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
@@ -336,7 +336,7 @@ def test_the_room_that_is_kept_is_more_than_robot_nominal_takes(nominal):
 
 def test_the_straight_line_about_the_start_holds_the_robot_and_the_window_of_the_lap(nominal):
     assert 0.5 * nominal.chassis.length_m < START_BEHIND_M
-    assert Lap((0.0, 0.0, 0.0)).window_m < START_AHEAD_M
+    assert LapDetector((0.0, 0.0, 0.0)).window_m < START_AHEAD_M
 
 
 @pytest.mark.parametrize(("min_m", "near"), [(0.15, False), (0.195, False), (0.205, True), (0.25, True)])

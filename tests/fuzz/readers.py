@@ -26,7 +26,7 @@ from diagnosis.measured.overview import overview
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
 from hil.framings import FRAMINGS
 from hil.framings.base import CommandMessage, Damaged, HelloRequest, SensorsMessage
-from hil.plausible import DriveLimits, TickCount
+from hil.plausibility import DriveLimits, TickCount
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.run_folder.status import status
 from pipeline.run_folder.stored_runs import read_simulated

@@ -10,7 +10,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from hil.board.build import build_board
 from hil.frames import CommandFrame, SensorFrame
-from hil.plausible import DriveLimits
+from hil.plausibility import DriveLimits
 from symolo.dataset.codes import State
 
 LIMITS = DriveLimits(wheel_rad_s=20.0, wheel_radius_m=0.05, track_m=0.2)

@@ -10,7 +10,7 @@ import pytest
 
 from hil.framings import FRAMINGS
 from hil.framings.base import CommandMessage, SensorsMessage
-from hil.plausible import DriveLimits
+from hil.plausibility import DriveLimits
 
 REPEATS = {"the one before again", "an older one"}
 """Whole frames: a board, which does not look at numbers, hears them; on a serial line no frame overtakes another."""

@@ -15,7 +15,7 @@ from hil.framings import FRAMINGS
 from hil.framings.base import SensorsMessage
 from hil.framings.framed import Framed
 from hil.links.serial_link import SerialLink
-from hil.loop import BoardPilot, LoopSettings
+from hil.loop import BoardLoop, LoopSettings
 from tests.hil.stand_in_board import StandInBoard
 
 TICK_S = 0.02
@@ -92,17 +92,17 @@ def obedient(framing, controller, spoil=lambda said: said, pause_s=0.0):
 
 
 def ends(port, framing, limits, seen, ticks=100, settings=SETTINGS):
-    """Drive with the board at a port, and return the pilot and the error that ends it; both must come in time."""
+    """Drive with the board at a port, and return the loop and the error that ends it; both must come in time."""
     ended = []
     link = SerialLink(port, 500_000)
-    pilot = BoardPilot(link, framing, limits, settings)
+    loop = BoardLoop(link, framing, limits, settings)
 
     def drive():
         try:
-            with pilot:
-                pilot.start()
+            with loop:
+                loop.start()
                 for _ in range(ticks):
-                    pilot.step(seen())
+                    loop.step(seen())
         except BoardLost as error:
             ended.append(error)
 
@@ -114,7 +114,7 @@ def ends(port, framing, limits, seen, ticks=100, settings=SETTINGS):
     tracemalloc.stop()
     assert not thread.is_alive(), "hangs"
     assert used < BYTES
-    return pilot, str(ended[0]) if ended else ""
+    return loop, str(ended[0]) if ended else ""
 
 
 JUNK = {
@@ -143,10 +143,10 @@ def test_a_board_that_floods_with_old_answers_is_given_up(behind_a_pty, limits, 
         os.write(end, stand_in.read())
         flood(old)(end, stopped)
 
-    pilot, why = ends(behind_a_pty(board), framing, limits, seen)
+    loop, why = ends(behind_a_pty(board), framing, limits, seen)
     assert f"for {GIVE_UP_S:g} s" in why
     assert "last: an answer to frame 200, the last is " in why
-    stale = [event for event in pilot.events if event.kind == "stale"]
+    stale = [event for event in loop.events if event.kind == "stale"]
     assert len(stale) == len({event.tick for event in stale}) <= 11
     assert sum(event.count for event in stale) > 100
 
@@ -161,12 +161,12 @@ def test_a_board_that_answers_each_frame_and_floods_beside_is_driven_with_within
         answered.set()
         return said + said * 100
 
-    pilot, why = ends(
+    loop, why = ends(
         behind_a_pty(obedient(framing, lambda _sensors: command(0.1), beside)), framing, limits, seen, ticks=20
     )
     assert answered.is_set()
     assert why == ""
-    assert max(len([event for event in pilot.events if event.tick == tick]) for tick in range(20)) < 8
+    assert max(len([event for event in loop.events if event.tick == tick]) for tick in range(20)) < 8
 
 
 @pytest.mark.parametrize(
@@ -179,10 +179,10 @@ def test_a_board_that_answers_each_frame_and_floods_beside_is_driven_with_within
 )
 def test_a_board_that_lies_is_given_up_and_its_lie_is_named(lie, why, behind_a_pty, limits, command, seen):
     board = obedient(Framed(), lambda _sensors: replace(command(0.1), **lie))
-    pilot, ended = ends(behind_a_pty(board), Framed(), limits, seen)
+    loop, ended = ends(behind_a_pty(board), Framed(), limits, seen)
     assert "the robot was stopped; last: " in ended
     assert why in ended
-    assert {event.kind for event in pilot.events} >= {"refused", "stopped"}
+    assert {event.kind for event in loop.events} >= {"refused", "stopped"}
 
 
 def test_a_board_whose_checksums_are_wrong_is_given_up(behind_a_pty, limits, command, seen):
@@ -223,9 +223,9 @@ def test_a_board_that_goes_away_is_reported_gone(after, behind_a_pty, limits, co
             os.write(end, stand_in.read() or b"\0")
 
     port = behind_a_pty(board)
-    pilot, why = ends(port, Framed(), limits, seen)
+    loop, why = ends(port, Framed(), limits, seen)
     assert why.startswith(f"the board at {port} is gone: ")
-    assert pilot._closed
+    assert loop._closed
 
 
 def test_a_board_that_reads_nothing_is_given_up(behind_a_pty, limits, seen):

@@ -8,7 +8,7 @@ from hil.errors import BoardLost
 from hil.frames import HelloFrame
 from hil.framings import FRAMINGS
 from hil.framings.framed import Framed
-from hil.loop import BoardPilot, LoopSettings
+from hil.loop import BoardLoop, LoopSettings
 from symolo.core.errors import InputError
 from symolo.dataset.codes import State
 from tests.hil.stand_in_board import StandInBoard
@@ -39,7 +39,7 @@ class BadLine(StandInBoard):
 
 @pytest.fixture
 def drive(limits, command, seen):
-    """Makes a pilot with a board that asks for v = 0.01 n m/s in its n-th tick, and steps it."""
+    """Makes a loop with a board that asks for v = 0.01 n m/s in its n-th tick, and steps it."""
 
     def make(spoil=lambda _tick, said: said, framing=None, **settings):
         asked = []
@@ -50,47 +50,47 @@ def drive(limits, command, seen):
 
         framing = framing or Framed()
         link = BadLine(framing, controller, spoil)
-        pilot = BoardPilot(link, framing, limits, LoopSettings(**settings))
+        loop = BoardLoop(link, framing, limits, LoopSettings(**settings))
         link.heard = asked
-        pilot.start()
+        loop.start()
         del asked[:]  # what was told to greet a board that knows no hello
         link.tick = -1
-        return pilot, link, lambda count: [pilot.step(seen()) for _ in range(count)]
+        return loop, link, lambda count: [loop.step(seen()) for _ in range(count)]
 
     return make
 
 
-def speeds(orders):
-    return [round(order.v_m_s, 4) for order in orders]
+def speeds(actuations):
+    return [round(actuation.v_m_s, 4) for actuation in actuations]
 
 
-def kinds(pilot):
-    return [(event.tick, event.kind) for event in pilot.events]
+def kinds(loop):
+    return [(event.tick, event.kind) for event in loop.events]
 
 
 @pytest.mark.parametrize("framing", FRAMINGS.values(), ids=FRAMINGS)
 def test_a_command_acts_so_many_ticks_after_the_sensors_that_it_is_made_of(drive, framing):
     for delay, expected in ((0, [0.01, 0.02, 0.03]), (1, [0.0, 0.01, 0.02]), (2, [0.0, 0.0, 0.01])):
-        pilot, _, step = drive(framing=framing, delay_ticks=delay)
+        loop, _, step = drive(framing=framing, delay_ticks=delay)
         assert speeds(step(3)) == expected
-        assert pilot.events == []
+        assert loop.events == []
 
 
 def test_orders_are_the_set_points_and_the_speeds_that_they_make(drive):
     _, _, step = drive(delay_ticks=0)
-    [order] = step(1)
+    [actuation] = step(1)
     # 20 v + 2 w and 20 v - 2 w for the drive of these tests
-    assert (order.right_rad_s, order.left_rad_s) == (1.2, -0.8)
-    assert (order.v_m_s, order.w_rad_s) == pytest.approx((0.01, 0.5))
-    assert order.state is State.LINE
+    assert (actuation.right_rad_s, actuation.left_rad_s) == (1.2, -0.8)
+    assert (actuation.v_m_s, actuation.w_rad_s) == pytest.approx((0.01, 0.5))
+    assert actuation.state is State.LINE
 
 
 def test_a_board_is_greeted_and_started_once_and_stopped_at_the_end(drive):
-    pilot, link, step = drive()
-    assert pilot.board == HelloFrame(1, "00" * 8, 0)
+    loop, link, step = drive()
+    assert loop.board == HelloFrame(1, "00" * 8, 0)
     step(3)
-    pilot.close()
-    pilot.close()
+    loop.close()
+    loop.close()
     assert [(sensors.start, sensors.run) for sensors in link.heard] == [
         (True, True),
         (False, True),
@@ -100,12 +100,12 @@ def test_a_board_is_greeted_and_started_once_and_stopped_at_the_end(drive):
 
 
 def test_a_short_silence_is_driven_over_and_a_long_one_stops_the_robot(drive):
-    pilot, _, step = drive(spoil=lambda tick, said: b"" if 3 <= tick <= 6 else said, delay_ticks=1)
-    orders = step(10)
+    loop, _, step = drive(spoil=lambda tick, said: b"" if 3 <= tick <= 6 else said, delay_ticks=1)
+    actuations = step(10)
     # The command of tick 2 acts from tick 3, and two ticks more; then the wheels stand; no old command acts after that.
-    assert speeds(orders) == [0.0, 0.01, 0.02, 0.03, 0.03, 0.0, 0.0, 0.0, 0.08, 0.09]
-    assert [order.stopped for order in orders] == [False] * 5 + [True] * 2 + [False] * 3
-    assert kinds(pilot) == [
+    assert speeds(actuations) == [0.0, 0.01, 0.02, 0.03, 0.03, 0.0, 0.0, 0.0, 0.08, 0.09]
+    assert [actuation.stopped for actuation in actuations] == [False] * 5 + [True] * 2 + [False] * 3
+    assert kinds(loop) == [
         (3, "no answer"),
         (4, "no answer"),
         (5, "no answer"),
@@ -116,18 +116,18 @@ def test_a_short_silence_is_driven_over_and_a_long_one_stops_the_robot(drive):
 
 
 def test_a_silent_board_ends_the_run_with_its_reason(drive):
-    pilot, _, step = drive(spoil=lambda tick, said: b"" if tick >= 4 else said, give_up_s=0.5)
+    loop, _, step = drive(spoil=lambda tick, said: b"" if tick >= 4 else said, give_up_s=0.5)
     with pytest.raises(
         BoardLost, match=r"^no command from stand-in board for 0\.5 s at 0\.65 s; the robot was stopped$"
     ):
         step(20)
-    assert kinds(pilot)[-1] == (13, "no answer")
+    assert kinds(loop)[-1] == (13, "no answer")
 
 
 def test_nobody_there_is_reported_at_once(limits, command):
     link = BadLine(Framed(), lambda _sensors: command(), lambda _tick, _said: b"")
     with pytest.raises(BoardLost, match=r"^no answer from stand-in board in 0\.2 s: is the firmware on it"):
-        BoardPilot(link, Framed(), limits, LoopSettings(hello_s=0.2)).start()
+        BoardLoop(link, Framed(), limits, LoopSettings(hello_s=0.2)).start()
     assert link.tick == 3
 
 
@@ -135,47 +135,47 @@ def test_another_wire_format_is_refused(limits, command):
     link = StandInBoard(Framed(), lambda _sensors: command())
     link._hello = HelloFrame(2, "00" * 8, 0)
     with pytest.raises(BoardLost, match="uses version 2 of the wire format, this program version 1: build and flash"):
-        BoardPilot(link, Framed(), limits).start()
+        BoardLoop(link, Framed(), limits).start()
 
 
 def test_a_board_that_boots_late_is_waited_for(limits, command):
     link = BadLine(Framed(), lambda _sensors: command(), lambda tick, said: said if tick >= 40 else b"")
-    assert BoardPilot(link, Framed(), limits).start() == HelloFrame(1, "00" * 8, 0)
+    assert BoardLoop(link, Framed(), limits).start() == HelloFrame(1, "00" * 8, 0)
 
 
 def test_a_board_that_re_boots_ends_the_run(drive):
-    pilot, link, step = drive()
+    loop, link, step = drive()
     step(5)
     link.boot()
     with pytest.raises(BoardLost, match=r"^the board re-booted at 0\.25 s; the robot was stopped$"):
         step(1)
-    assert kinds(pilot) == [(5, "re-boot")]
+    assert kinds(loop) == [(5, "re-boot")]
 
 
 def test_a_board_that_re_boots_may_be_driven_on_with(drive):
-    pilot, link, step = drive(on_reboot="go on")
+    loop, link, step = drive(on_reboot="go on")
     step(5)
     link.boot()
     step(3)
-    assert kinds(pilot) == [(5, "re-boot")]
+    assert kinds(loop) == [(5, "re-boot")]
 
 
 def test_a_garbled_answer_is_no_answer(drive):
     def flip(tick, said):
         return said[:6] + bytes([said[6] ^ 4]) + said[7:] if tick in {2, 3} else said
 
-    pilot, _, step = drive(spoil=flip, delay_ticks=0)
+    loop, _, step = drive(spoil=flip, delay_ticks=0)
     assert speeds(step(5)) == [0.01, 0.02, 0.02, 0.02, 0.05]
-    assert kinds(pilot) == [(2, "damaged"), (2, "no answer"), (3, "damaged"), (3, "no answer")]
-    assert pilot.events[0].text == "1 from the board: wrong checksum"
+    assert kinds(loop) == [(2, "damaged"), (2, "no answer"), (3, "damaged"), (3, "no answer")]
+    assert loop.events[0].text == "1 from the board: wrong checksum"
 
 
 def test_frames_that_the_board_could_not_read_are_reported(drive):
-    pilot, link, step = drive()
+    loop, link, step = drive()
     step(1)
     link.write(b"\0noise\0")
     step(1)
-    assert [(event.tick, event.kind, event.text) for event in pilot.events] == [(1, "damaged at the board", "1 frames")]
+    assert [(event.tick, event.kind, event.text) for event in loop.events] == [(1, "damaged at the board", "1 frames")]
 
 
 def test_an_answer_that_comes_late_is_never_obeyed(drive):
@@ -185,15 +185,15 @@ def test_an_answer_that_comes_late_is_never_obeyed(drive):
         held.append(said)
         return held[-2] if tick in {3, 4} else said
 
-    pilot, _, step = drive(spoil=late, delay_ticks=0)
+    loop, _, step = drive(spoil=late, delay_ticks=0)
     assert speeds(step(6)) == [0.01, 0.02, 0.03, 0.03, 0.03, 0.06]
-    assert kinds(pilot) == [(3, "stale"), (3, "no answer"), (4, "stale"), (4, "no answer")]
+    assert kinds(loop) == [(3, "stale"), (3, "no answer"), (4, "stale"), (4, "no answer")]
 
 
 def test_an_answer_that_comes_twice_is_obeyed_once(drive):
-    pilot, _, step = drive(spoil=lambda tick, said: said * 2 if tick == 1 else said, delay_ticks=0)
+    loop, _, step = drive(spoil=lambda tick, said: said * 2 if tick == 1 else said, delay_ticks=0)
     assert speeds(step(3)) == [0.01, 0.02, 0.03]
-    assert kinds(pilot) == [(1, "repeated")]
+    assert kinds(loop) == [(1, "repeated")]
 
 
 @pytest.mark.parametrize(
@@ -206,39 +206,39 @@ def test_an_answer_that_comes_twice_is_obeyed_once(drive):
 )
 def test_a_command_that_cannot_be_is_refused_though_its_checksum_is_right(limits, command, seen, wrong, why):
     link = StandInBoard(Framed(), lambda _sensors: replace(command(0.01), **wrong))
-    pilot = BoardPilot(link, Framed(), limits, LoopSettings(delay_ticks=0, give_up_s=0.1))
-    pilot.start()
-    assert pilot.step(seen()).right_rad_s == 0.0
-    assert [event.text for event in pilot.events if event.kind == "refused"] == [why]
+    loop = BoardLoop(link, Framed(), limits, LoopSettings(delay_ticks=0, give_up_s=0.1))
+    loop.start()
+    assert loop.step(seen()).right_rad_s == 0.0
+    assert [event.text for event in loop.events if event.kind == "refused"] == [why]
     with pytest.raises(BoardLost, match=f"; last: {why}"):
-        pilot.step(seen())
+        loop.step(seen())
 
 
 def test_a_board_that_stands_still_on_purpose_is_obeyed(limits, command, seen):
     link = StandInBoard(Framed(), lambda _sensors: replace(command(0.2), right_rad_s=0.0, left_rad_s=0.0))
-    pilot = BoardPilot(link, Framed(), limits, LoopSettings(delay_ticks=0))
-    pilot.start()
-    assert not pilot.step(seen()).stopped
-    assert pilot.events == []
+    loop = BoardLoop(link, Framed(), limits, LoopSettings(delay_ticks=0))
+    loop.start()
+    assert not loop.step(seen()).stopped
+    assert loop.events == []
 
 
 def test_a_count_of_frames_that_cannot_be_is_refused(drive):
-    pilot, link, step = drive(delay_ticks=0)
+    loop, link, step = drive(delay_ticks=0)
     step(2)
     link._ticks = 1000
     assert speeds(step(1)) == [0.02]
-    assert kinds(pilot) == [(2, "refused"), (2, "no answer")]
-    assert pilot.events[0].text == "the board counts 1001 frames after 2, and 1 were sent"
+    assert kinds(loop) == [(2, "refused"), (2, "no answer")]
+    assert loop.events[0].text == "the board counts 1001 frames after 2, and 1 were sent"
 
 
 @pytest.mark.parametrize("lost", [{4}, {4, 5}, {0}])
 def test_the_distance_in_lost_sensor_frames_is_sent_again(drive, seen, lost):
     """After the start the board's odometry holds; the way before it started is nobody's."""
-    pilot, link, _ = drive()
+    loop, link, _ = drive()
     write = link.write
     for tick in range(10):
         link.write = (lambda _data: None) if tick in lost else write
-        pilot.step(seen((tick + 1, 2)))
+        loop.step(seen((tick + 1, 2)))
     begins = next(n for n, sensors in enumerate(link.heard) if sensors.start)
     assert begins == 0
     increments = [sensors.encoder_increments for sensors in link.heard]
@@ -248,12 +248,12 @@ def test_the_distance_in_lost_sensor_frames_is_sent_again(drive, seen, lost):
 
 
 def test_more_increments_than_a_frame_holds_are_sent_in_several(drive, seen):
-    pilot, link, _ = drive()
+    loop, link, _ = drive()
     write = link.write
-    pilot.step(seen((0, 0)))
+    loop.step(seen((0, 0)))
     for tick in range(6):
         link.write = (lambda _data: None) if tick < 2 else write
-        pilot.step(seen((30_000, -30_000) if tick < 3 else (0, 0)))
+        loop.step(seen((30_000, -30_000) if tick < 3 else (0, 0)))
     increments = [sensors.encoder_increments for sensors in link.heard]
     assert [sum(side) for side in zip(*increments, strict=True)] == [90_000, -90_000]
     assert max(abs(count) for counts in increments for count in counts) == 32_767
@@ -264,4 +264,4 @@ def test_a_robot_whose_encoders_do_not_fit_the_frame_is_refused(nominal, command
     fine = nominal.encoder.model_copy(update={"counts_per_revolution": 250_000})
     link = StandInBoard(Framed(), lambda _sensors: command())
     with pytest.raises(InputError, match=r"counts_per_revolution: got 250000, allowed: at most 213\d{3}"):
-        BoardPilot.for_robot(link, Framed(), nominal.model_copy(update={"encoder": fine}))
+        BoardLoop.for_robot(link, Framed(), nominal.model_copy(update={"encoder": fine}))

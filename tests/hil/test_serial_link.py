@@ -15,7 +15,7 @@ from hil.errors import BoardLost
 from hil.framings.framed import Framed
 from hil.links import serial_link
 from hil.links.serial_link import SerialLink
-from hil.loop import BoardPilot, LoopSettings
+from hil.loop import BoardLoop, LoopSettings
 from symolo.core.errors import EnvironmentLacking, InputError
 from tests.hil.stand_in_board import StandInBoard
 
@@ -47,14 +47,14 @@ def test_a_board_at_a_port_drives(pty, limits, command, seen):
     thread = threading.Thread(target=answer, daemon=True)
     thread.start()
     link = SerialLink(port, 500_000, answer_within=1.0)
-    pilot = BoardPilot(link, Framed(), limits, LoopSettings(tick_s=0.02, timeout_ticks=50))
-    pilot.start()
+    loop = BoardLoop(link, Framed(), limits, LoopSettings(tick_s=0.02, timeout_ticks=50))
+    loop.start()
     began = time.monotonic()
-    orders = [pilot.step(seen()) for _ in range(6)]
+    actuations = [loop.step(seen()) for _ in range(6)]
     assert time.monotonic() - began >= 5 * 0.02
-    assert round(orders[-1].v_m_s, 3) == 0.1
+    assert round(actuations[-1].v_m_s, 3) == 0.1
     stopped.set()
-    pilot.close()
+    loop.close()
 
 
 class Clock:

@@ -32,9 +32,9 @@ from diagnosis.predictors.rows import (
     trial_covariate,
     trial_of_rows,
 )
-from physics.drivetrain.wheel_turns import uncounted
-from physics.robot.model import RobotModel, through
-from physics.robot.stack import alike, stacked, stacked_effects
+from physics.drivetrain.wheel_turns import true_turns
+from physics.robot.model import RobotModel, applied
+from physics.robot.stack import stackable_groups, stacked, stacked_effects
 from symolo.core.arrays import Array
 
 WINDOW, STRIDE = 10, 5
@@ -122,7 +122,7 @@ class Pose:
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         distinct_robots, which = distinct(robots, self.parts, self.slots)
         increments = np.empty((len(distinct_robots), len(self._first), 3))
-        for group in alike(distinct_robots):
+        for group in stackable_groups(distinct_robots):
             increments[group] = self._increments(self._paths([distinct_robots[k] for k in group]))
         return tuple(Predicted(increments[which, :, k], observed.sd) for k, observed in enumerate(self.observed))
 
@@ -191,12 +191,12 @@ class Pose:
             pose[..., part, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
             pose[..., part, 2] = yaw
         effects = stacked_effects(robots, axes=1)
-        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s) - self._age_s(robots)
+        delay_s = applied(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s) - self._age_s(robots)
         if model.functions(Slot.CREEP):
             as_logged = earlier(pose, self._t_s, self._trials, delay_s)
             pose = pose + self._crept(model, turned, as_logged[..., 2], starts)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
-        return through(model.functions(Slot.POSE_POINT), pose)
+        return applied(model.functions(Slot.POSE_POINT), pose)
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
         """Return the counts of the right and the left wheel in all rows, (n, 2); NaN where missing."""
@@ -218,13 +218,13 @@ class Pose:
         as those of the robot do, (n, 2) or (M, n, 2).
         """
         rad_per_count = 2.0 * pi / model.counts_per_revolution
-        turned = uncounted(model, rad_per_count * self._counted, self._steps_s[:, None])
+        turned = true_turns(model, rad_per_count * self._counted, self._steps_s[:, None])
         if not (rolling := model.functions(Slot.ROLLING)):
             return turned
         total = np.cumsum(turned, axis=-2)
         since_start = total - np.repeat(total[..., self._starts, :], self._trials, axis=-2)
         angle_rad = rad_per_count * np.repeat(self._ticks[self._starts], self._trials, axis=0) + since_start
-        return turned * through(rolling, np.ones_like(turned), angle_rad - 0.5 * turned, turned)
+        return turned * applied(rolling, np.ones_like(turned), angle_rad - 0.5 * turned, turned)
 
     def _crept(self, model: RobotModel, turned: Array, yaw_rad: Array, starts: Array | None) -> Array:
         """Return by how much the robot has crept over the floor, in the frame of each trial's path, (..., n, 3).
@@ -241,8 +241,8 @@ class Pose:
         geometry = model.geometry
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         travel_m = 0.5 * (np.abs(right_m) + np.abs(left_m))
-        crept_m = through(model.functions(Slot.CREEP), np.zeros((*travel_m.shape[:-1], 2)), travel_m)
-        askew_rad = through(model.functions(Slot.POSE_POINT), np.zeros((1, 3)))[..., 2]
+        crept_m = applied(model.functions(Slot.CREEP), np.zeros((*travel_m.shape[:-1], 2)), travel_m)
+        askew_rad = applied(model.functions(Slot.POSE_POINT), np.zeros((1, 3)))[..., 2]
         if starts is None:
             frame_rad = self._heading_rad - askew_rad - yaw_rad
         else:
@@ -257,7 +257,7 @@ class Pose:
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
         step_s = self._steps_s[:, None]
-        share = through(model.functions(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
+        share = applied(model.functions(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
         return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
 
     def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:

@@ -13,7 +13,7 @@ from diagnosis.predictors.pose.by_counts import PoseNoise, earlier
 from diagnosis.predictors.pose.guided_pose import GuidedPoses
 from diagnosis.predictors.pose.smoothed_pose import smoothed_earlier
 from diagnosis.predictors.rows import bridged, good_values, joined
-from physics.robot.model import through
+from physics.robot.model import applied
 from physics.robot.stack import stacked_effects
 from symolo.core.arrays import Array
 
@@ -55,7 +55,7 @@ class TrackedAxle:
     def at(self, robots: Sequence[RobotConfig], age_s: float | Array) -> Array:
         """Return the poses of the axles an age before the times of the rows, (n, 3) or (M, n, 3)."""
         # The logged pose is older than its row by the pose delay.
-        pose_delay_s = through(stacked_effects(robots, axes=1).functions(Slot.POSE_DELAY), 0.0, self._t_s)
+        pose_delay_s = applied(stacked_effects(robots, axes=1).functions(Slot.POSE_DELAY), 0.0, self._t_s)
         delay_s = age_s - pose_delay_s
         if self._guided is not None:
             tracked = self._guided.at(delay_s)
@@ -64,5 +64,5 @@ class TrackedAxle:
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         # The effects turn every axle by the same angle and shift it by a vector that depends on its yaw only. So one
         # step back from the tracked pose gives the yaw of the axle, and a second one its place.
-        axle = 2.0 * tracked - through(point, tracked)
-        return axle + (tracked - through(point, axle))
+        axle = 2.0 * tracked - applied(point, tracked)
+        return axle + (tracked - applied(point, axle))

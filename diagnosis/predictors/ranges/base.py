@@ -23,8 +23,8 @@ from diagnosis.predictors.rows import (
     trial_covariate,
     trial_of_rows,
 )
-from physics.robot.model import through
-from physics.robot.stack import alike, stacked, stacked_effects
+from physics.robot.model import applied
+from physics.robot.stack import stackable_groups, stacked, stacked_effects
 from sensors.ranging.range_effects import RangeEffects
 from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
@@ -176,15 +176,15 @@ class Ranges(ABC):
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
         effects = stacked_effects(robots, axes=1)
-        range_delay_s = through(effects.functions(Slot.RANGE_DELAY), 0.0)
+        range_delay_s = applied(effects.functions(Slot.RANGE_DELAY), 0.0)
         # A mean over the time before a reading is about the range in the middle of it.
-        range_delay_s = range_delay_s + 0.5 * through(effects.functions(Slot.RANGE_GATHERING), 0.0)
+        range_delay_s = range_delay_s + 0.5 * applied(effects.functions(Slot.RANGE_GATHERING), 0.0)
         return self._tracked.at(robots, range_delay_s + self._age_s)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Return mean and standard deviation, (M, n, 3) each."""
         mean, sd = (np.empty((len(robots), len(self._t_s), len(RANGE_SIDES))) for _ in range(2))
-        for group in alike(robots):
+        for group in stackable_groups(robots):
             several = [robots[k] for k in group]
             sight, effects, tof = self._sight(several), stacked_effects(several, axes=2), stacked(several, axes=2).tof
             view = RangeView(

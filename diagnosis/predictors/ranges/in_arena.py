@@ -24,7 +24,7 @@ from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges
 from diagnosis.predictors.rows import trial_of_rows
 from physics.arena.rays import RayScene
 from physics.arena.surfaces import SURFACES
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.ranging.tof import beam_profile, head_on_factor, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -208,7 +208,7 @@ class RangesInArena(Ranges):
             there = robot.model_copy(update={"effects": RobotEffects(effects)})
             path = self._axle([there])
             moved = self._speed(path)[self._rows[k]] * self._tof.period_s / sqrt(12.0)
-            askew = float(through(there.effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))[k])
+            askew = float(applied(there.effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))[k])
             view = self._cast(k, path[self._rows[k]], askew, self._cone(robot))
             variance = view.variance(self._noise, moved)
             self._known[key] = np.stack([view.distance_m, *view.normal.T, variance, *view.shares.T])
@@ -238,7 +238,7 @@ class RangesInArena(Ranges):
         length_m = REACH * self._tof.max_range_m * fraction
         light = cone.profile * toward
         signal = light.sum(axis=1) / cone.full_signal
-        light = through(cone.weighting, light, length_m)
+        light = applied(cone.weighting, light, length_m)
         share = light / np.maximum(light.sum(axis=1, keepdims=True), 1e-12)
         # A ray of length d along u ends where the surface with normal n begins: its derivatives by the place of its
         # origin are n / (-u n), and by a turn about the vertical d n (z x u) / (-u n).

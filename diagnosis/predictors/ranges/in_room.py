@@ -15,7 +15,7 @@ from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
 from diagnosis.predictors.ranges.room_distances import WALLS, RoomRanges, near_corner, room_ranges
-from physics.robot.model import through
+from physics.robot.model import applied
 from physics.robot.stack import stacked, stacked_effects
 from symolo.core.arrays import Array
 
@@ -70,7 +70,7 @@ class RangesInRoom(Ranges):
         x_m, y_m, yaw_deg = (
             _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
         )
-        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))
+        askew = applied(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))
         return room_ranges(self._room, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
 
 

@@ -17,7 +17,7 @@ from diagnosis.predictors.base import Covariate, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.validation.range_sensor.recordings.ball_fit import Ball, HalfScan, Law, SmoothBeam, fitted_ball
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.ranging.range_view import RangeView
 from sensors.ranging.tof import NOISE_AT_NEAR_MM, noise_sd_m
 from symolo.core.arrays import Array
@@ -94,7 +94,7 @@ class RangeScan:
                 ambient_lux=robot.tof.ambient_lux,
                 time_s=0.0,
             )
-            return through(functions, range_m, view)
+            return applied(functions, range_m, view)
 
         return law
 

@@ -13,7 +13,7 @@ from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.rows import good_values, joined, observed_channel, session_time_s
-from physics.robot.stack import alike, stacked, stacked_effects
+from physics.robot.stack import stackable_groups, stacked, stacked_effects
 from sensors.ranging.range_effects import RangeEffects
 from sensors.ranging.range_view import RangeView
 from sensors.ranging.tof import NOISE_AT_NEAR_MM, noise_sd_m
@@ -86,7 +86,7 @@ class TofBenchStage:
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Return mean and standard deviation, (M, n) each."""
         mean, sd = (np.empty((len(robots), len(self._distance_m))) for _ in range(2))
-        for group in alike(robots):
+        for group in stackable_groups(robots):
             several = [robots[k] for k in group]
             tof = stacked(several, axes=1).tof
             view = RangeView(

@@ -238,7 +238,7 @@ def _make(
     to: "Destination | None" = None,
 ) -> int:
     """Do one stage, or all of them for `release`, and return the exit code."""
-    from pipeline.stages.simulate_runs import prepare_pilots
+    from pipeline.stages.simulate_runs import prepare_controllers
     from pipeline.work.batch import Batch
     from symolo.core.progress import report_here
 
@@ -253,7 +253,7 @@ def _make(
     if command == "assemble":
         failures += batch.rendered(failures)
     if "simulate" in stages:
-        prepare_pilots(batch.workspace, batch.specs)
+        prepare_controllers(batch.workspace, batch.specs)
     with ExitStack() as held:
         along = held.enter_context(to.opened(batch.workspace, batch.loaded.tree, batch.specs, report)) if to else None
         held.enter_context(batch.workspace.locked(alone=executor.does_all))

@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from physics.run.lap import Lap
+from physics.run.lap import LapDetector
 
 START = (0.55, -0.20, math.pi / 2)
 
 
 def driven(*poses, on_track=True):
-    lap = Lap(START)
+    lap = LapDetector(START)
     for pose in poses:
         lap.update(pose, on_track=on_track)
     return lap.closed

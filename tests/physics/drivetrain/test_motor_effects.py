@@ -7,7 +7,7 @@ import pytest
 
 from physics.drivetrain.bridge import Chopper
 from physics.drivetrain.driveline import Driveline
-from physics.drivetrain.motor_bench import seen_steady_states, steady_states, step_responses
+from physics.drivetrain.motor_bench import steady_states, steady_states_of_known_motion, step_responses
 from physics.drivetrain.two_mass import Load, TwoMass
 from physics.drivetrain.wheel_turns import counted_turns
 from physics.effects.actuator_lag import ActuatorLag
@@ -258,11 +258,11 @@ class TestCoastingBridgeAtAHalfEmptyBattery:
         assert (current[0], speed[0]) == (0.0, 0.0)
 
 
-class TestSeenStates:
+class TestKnownMotionStates:
     """What a motor reads in rows of which it is known whether it turns; breakaway at TC R / K = 0.2 V."""
 
     def seen(self, motor, voltage, turns):
-        states = seen_steady_states(
+        states = steady_states_of_known_motion(
             RobotModel.from_config(motor), np.array(voltage), np.zeros(len(voltage)), np.array(turns)
         )
         return states.current_A, states.speed_rad_s, states.surplus

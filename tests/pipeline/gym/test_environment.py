@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from physics.control.base import Twist
-from physics.run.pilot import Drive
+from physics.run.controller_runner import DriveKinematics
 from pipeline.gym.environment import DriveEnvironment
 from pipeline.gym.reward import Outcome, Reward
 from pipeline.gym.track import DrivingTrack
@@ -29,7 +29,7 @@ TWO_SECONDS = ("stop.lap=false", "stop.time_limit_s=2")
 
 class Constant:
     def __init__(self, spec):
-        self._decision = Drive(spec.robot).decision(Twist(*ACTION.tolist()))
+        self._decision = DriveKinematics(spec.robot).decision(Twist(*ACTION.tolist()))
 
     def decide(self, _seen):
         return self._decision
@@ -61,7 +61,7 @@ def test_an_episode_has_the_poses_and_readings_of_a_simulated_run(environment):
         ranges.append(readings["ranges"])
         over = terminated or truncated
     spec = draw_run(load_scenario("smoke", [*TWO_SECONDS, "seed=5"]), "CW", 1)
-    recording = simulate(spec, pilot=Constant(spec)).recording
+    recording = simulate(spec, runner=Constant(spec)).recording
     np.testing.assert_array_equal(poses, recording.trajectory.pose)
     np.testing.assert_array_equal(lines, recording["line"].values.astype(np.float32))
     np.testing.assert_array_equal(ranges, recording["tof_m"].values.astype(np.float32))

@@ -12,11 +12,11 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from hil.board_runner import build_for
 from hil.links.lockstep import LockstepLink
 from hil.links.pty_board import PtyBoard
 from hil.loop import LoopSettings
-from hil.pilot import build_for
-from physics.run.pilot import ControllerPilot
+from physics.run.controller_runner import InProcessRunner
 from pipeline.stages.simulate import simulate
 from pipeline.stages.simulate_runs import read_outcome, read_recording, simulate_into
 from symolo.core.errors import RunFailed
@@ -84,22 +84,22 @@ def test_a_release_with_a_board_says_so_and_is_verified(symolo, tmp_path):
     assert "1 of 1 run done before" in symolo(*asked).err
 
 
-class Deserter:
-    """A pilot that drives straight on and is gone at its fifth tick."""
+class LostBoard:
+    """A runner whose board is gone at its fifth tick."""
 
-    def __init__(self, pilot):
-        self._pilot, self._left = pilot, 4
+    def __init__(self, runner):
+        self._runner, self._left = runner, 4
 
     def decide(self, seen):
         if not self._left:
             raise RunFailed("the board is gone")
         self._left -= 1
-        return self._pilot.decide(seen)
+        return self._runner.decide(seen)
 
 
-def test_a_pilot_that_is_gone_ends_the_run_and_what_was_driven_is_kept():
+def test_a_board_that_is_gone_ends_the_run_and_what_was_driven_is_kept():
     spec = spec_of("CW")
-    outcome = simulate(spec, pilot=Deserter(ControllerPilot.of(spec.robot, spec.rates.control_hz, stream(1))))
+    outcome = simulate(spec, runner=LostBoard(InProcessRunner.of(spec.robot, spec.rates.control_hz, stream(1))))
     assert outcome.problems == ("the board is gone",)
     assert not outcome.finished
     assert len(outcome.recording.trajectory.t_s) == 4
@@ -152,7 +152,7 @@ class _Silent:
 
 
 def test_a_port_at_which_nobody_answers_is_a_run_that_failed(symolo, tmp_path, monkeypatch):
-    monkeypatch.setattr("hil.pilot.LoopSettings", functools.partial(LoopSettings, hello_s=0.2))
+    monkeypatch.setattr("hil.board_runner.LoopSettings", functools.partial(LoopSettings, hello_s=0.2))
     with _Silent() as port:
         ended = symolo("hil", "smoke", "--port", port, "--out", tmp_path / "data", f"--set={ONE_RUN}")
     assert ended.code == 3

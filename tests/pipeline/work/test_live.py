@@ -8,7 +8,7 @@ from rich.console import Console
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from physics.control.base import Observation, Twist
-from physics.run.pilot import Decision
+from physics.run.controller_runner import Decision
 from pipeline.work import live
 from symolo.dataset.codes import BOARD_COLUMNS, State
 

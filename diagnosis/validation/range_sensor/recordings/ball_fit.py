@@ -17,7 +17,7 @@ from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import TofMount, TofSensor
 from diagnosis.measured.channel import Mask
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording
-from physics.robot.model import through
+from physics.robot.model import applied
 from sensors.ranging.tof import beam_profile, head_on_factor, ray_directions, ray_pattern
 from symolo.core.arrays import Array
 
@@ -160,7 +160,7 @@ class SmoothBeam:
         on_ball = np.clip(0.5 + (radius_m - passing) / (self._apart_rad * along), 0.0, 1.0)
         distance = np.concatenate([along - half_chord, np.broadcast_to(board_m / ahead[:, 0], along.shape)], axis=1)
         lit = np.concatenate([on_ball * half_chord / radius_m, (1.0 - on_ball) * ahead[:, 0]], axis=1)
-        weight = through(self._weighting, np.tile(self._profile, 2) * lit, distance)
+        weight = applied(self._weighting, np.tile(self._profile, 2) * lit, distance)
         share = weight / weight.sum(axis=1, keepdims=True)
         range_m = self._head_on * (share * distance).sum(axis=1)
         by_ball, by_board = (part.sum(axis=1)[:, None] for part in (share[:, :count], share[:, count:]))

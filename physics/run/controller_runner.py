@@ -1,4 +1,4 @@
-"""The pilot drives the robot: at each control tick it gets an observation and decides what the wheels do."""
+"""Runners of controllers: at each control tick a runner gets an observation and decides what the wheels do."""
 
 import traceback
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, neares
 from symolo.dataset.codes import State
 
 MAX_NUMBER = 1000.0
-"""Largest speed [m/s, rad/s] or voltage [V] of a command; what is larger is a mistake of the controller."""
+"""Largest speed [m/s, rad/s] or voltage [V] of a command; a larger one is a mistake of the controller."""
 
 
 @dataclass(frozen=True)
@@ -34,32 +34,32 @@ class Decision:
     line_lost: int
     """Number of ticks so far in the line state without any channel on the line."""
     board: tuple[int, ...] = ()
-    """Counts of the events of a board at this tick, as of `hil.pilot.event_counts`; empty without a board."""
+    """Counts of the events of a board at this tick, as of `hil.board_runner.event_counts`; empty without a board."""
     voltages_V: tuple[float, float] | None = None
     """Voltages of the motors, right and left, in place of the wheel loops."""
 
 
-class Pilot(Protocol):
-    """Decides once a control tick, in order."""
+class ControllerRunner(Protocol):
+    """Runs a controller, in this process or on a board: one decision for each control tick, in order."""
 
     def decide(self, seen: Observation) -> Decision:
         """Return the decision for this tick.
 
         Raises:
-            RunFailed: The pilot cannot decide any more.
+            RunFailed: The controller cannot decide any more.
         """
         ...
 
 
-class Drive:
-    """The way from a command to the wheels of one robot."""
+class DriveKinematics:
+    """Converts commands to set points or voltages of the wheels of one robot."""
 
     def __init__(self, robot: RobotConfig) -> None:
         self._half_track_m, self._radius_m = 0.5 * robot.drive.track_m, 0.5 * robot.drive.wheel_diameter_m
         self._motor = MotorModel.from_config(robot.motor)
 
     def decision(self, command: Command, line_lost: int = 0) -> Decision:
-        """Return the decision that carries out a command."""
+        """Return the decision that carries out a command, with the ticks so far without a visible line."""
         if isinstance(command, Voltages):
             voltages_V = (command.right_V, command.left_V)
             right, left = (self._motor.steady_state(voltage_V)[1] for voltage_V in voltages_V)
@@ -72,18 +72,18 @@ class Drive:
         return Decision(command, (right_m_s / self._radius_m, left_m_s / self._radius_m), line_lost)
 
 
-class ControllerPilot:
-    """A controller in this process, which decides at once. A mistake of it ends the run with a message."""
+class InProcessRunner:
+    """Runs a controller in this process, where it decides at once. Its mistakes end the run with a message."""
 
     def __init__(self, controller: RobotController) -> None:
         self._controller = controller
-        self._drive = Drive(controller.robot)
+        self._kinematics = DriveKinematics(controller.robot)
 
     @classmethod
     def of(
         cls, robot: RobotConfig, control_hz: int, rng: np.random.Generator, chosen: ChosenController | None = None
-    ) -> "ControllerPilot":
-        """Return the pilot of a run.
+    ) -> "InProcessRunner":
+        """Return a runner with the controller of a run.
 
         Args:
             robot: The robot of the run.
@@ -110,7 +110,7 @@ class ControllerPilot:
             command = self._controller.step(seen)
         if problem := _problem(command):
             raise RunFailed(f"controller {name} {when}: {problem}")
-        return self._drive.decision(command, self._controller.line_lost_count)
+        return self._kinematics.decision(command, self._controller.line_lost_count)
 
     def close(self) -> None:
         self._controller.close()
@@ -150,7 +150,7 @@ def _problem(command: object) -> str:
 
 @contextmanager
 def _explained(name: str, when: str) -> Iterator[None]:
-    """Report an error of a class of the user as the end of the run; an error of our own class is a bug."""
+    """End the run with a message at an error in a class of the user; an error in a class of this project is a bug."""
     try:
         yield
     except (InputError, RunFailed, EnvironmentLacking):

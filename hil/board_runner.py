@@ -1,4 +1,4 @@
-"""A board at a serial line as the pilot of a run."""
+"""Runs a controller that is on a board at a serial line."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -14,17 +14,17 @@ from hil.framings import FRAMINGS
 from hil.links.base import BoardLink
 from hil.links.lockstep import LockstepLink
 from hil.links.serial_link import SerialLink
-from hil.loop import BoardEvent, BoardPilot, LoopSettings
+from hil.loop import BoardEvent, BoardLoop, LoopSettings
 from physics.control.base import Observation, Twist
-from physics.run.pilot import Decision
+from physics.run.controller_runner import Decision
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 
 
 @dataclass(frozen=True)
-class PilotFromBoard:
-    """The board takes each decision."""
+class BoardRunner:
+    """Gets each decision from a board."""
 
-    loop: BoardPilot
+    loop: BoardLoop
     firmware_id: str
     """Identity of the firmware; empty for a real board whose framing has no hello."""
 
@@ -34,16 +34,16 @@ class PilotFromBoard:
 
     def decide(self, seen: Observation) -> Decision:
         before = len(self.loop.events)
-        orders = self.loop.step(
+        actuation = self.loop.step(
             SensorFrame(seen.encoder_increments, seen.line, seen.front_m, seen.left_m, seen.right_m)
         )
-        command = Twist(orders.v_m_s, orders.w_rad_s, orders.state)
-        counts = event_counts(self.loop.events[before:], stopped=orders.stopped)
-        return Decision(command, (orders.right_rad_s, orders.left_rad_s), orders.line_lost, counts)
+        command = Twist(actuation.v_m_s, actuation.w_rad_s, actuation.state)
+        counts = event_counts(self.loop.events[before:], stopped=actuation.stopped)
+        return Decision(command, (actuation.right_rad_s, actuation.left_rad_s), actuation.line_lost, counts)
 
 
 @contextmanager
-def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: str = "") -> Iterator[PilotFromBoard]:
+def connected_board(robot: RobotConfig, board: Board, control_hz: int, port: str = "") -> Iterator[BoardRunner]:
     """Connect to a board, wait for its answer, and stop it at the end.
 
     Args:
@@ -64,9 +64,9 @@ def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: st
         timeout_ticks=board.timeout_ticks,
         give_up_s=board.give_up_s,
     )
-    with closing(link), BoardPilot.for_robot(link, FRAMINGS[board.framing], robot, settings) as loop:
+    with closing(link), BoardLoop.for_robot(link, FRAMINGS[board.framing], robot, settings) as loop:
         hello = loop.start()
-        yield PilotFromBoard(loop, hello.firmware_id if hello else firmware_id)
+        yield BoardRunner(loop, hello.firmware_id if hello else firmware_id)
 
 
 def counted(events: Iterable[BoardEvent]) -> Counter[str]:
