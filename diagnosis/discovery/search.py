@@ -19,7 +19,7 @@ from diagnosis.inference.fitting.fit import Contest, HypothesisFit, fits_of_cont
 from diagnosis.inference.fitting.hypothesis import moved
 from diagnosis.inference.fitting.likelihood import CORNER
 from diagnosis.inference.fitting.projection import orthonormal
-from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
+from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 

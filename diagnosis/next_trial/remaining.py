@@ -9,8 +9,8 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
 from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.inference.selection.penalty import parameter_penalty
 from diagnosis.inference.selection.rivals import AS_GOOD, SECOND, relative_weight
-from diagnosis.inference.selection.stepwise import parameter_penalty
 from symolo.core.errors import InputError
 
 MAX_MODELS = 6

@@ -23,9 +23,10 @@ from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import LEVELS
+from diagnosis.inference.selection.penalty import parameter_penalty
 from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, needed, refusal
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.selection.stepwise import parameter_penalty, replaced
+from diagnosis.inference.selection.stepwise import replaced
 from diagnosis.inference.unexplained.unlisted import advantage
 from sensors.effects.noise_scale import NoiseScale
 

@@ -22,15 +22,13 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fitting.fit import FAR, Contest, HypothesisFit, fits, fits_of_contests
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.selection.penalty import parameter_penalty
 from diagnosis.inference.selection.refusal import THRESHOLD, is_of_noise, needed, refusal
 from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.scan import Prospect, scan, scan_beside, scan_pairs
 from diagnosis.inference.unexplained.adequacy import adequacy
 from symolo.core.arrays import Array
 
-PARAMETER_PENALTY = 6.0
-"""Penalty for each parameter when models are compared: the logarithm of some hundreds of rows, as in the Bayesian
-information criterion (Schwarz, Ann. Statist. 6 (1978) 461-464)."""
 RESCUE = 9.0
 """Fall of the cost that is enough if the model is known to be inadequate and the effect makes it adequate."""
 MAX_EFFECTS = 3
@@ -342,11 +340,6 @@ def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffec
 
 def _needed(fit: HypothesisFit) -> float:
     return sum(needed(effect) for effect in fit.hypothesis.effects)
-
-
-def parameter_penalty(fit: HypothesisFit) -> float:
-    """Return the penalty for the parameters of all effects of a fit."""
-    return sum(PARAMETER_PENALTY * len(effect.coordinates) for effect in fit.hypothesis.effects)
 
 
 def replaced(

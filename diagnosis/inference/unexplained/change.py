@@ -13,8 +13,8 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.projection import beyond, orthonormal
+from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.refusal import is_of_noise
-from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
 from diagnosis.inference.unexplained.own_effects import is_same_as_own
 from diagnosis.measured.channel import Mask

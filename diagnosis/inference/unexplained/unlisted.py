@@ -21,8 +21,8 @@ from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fitting.fit import HypothesisFit, with_own_level
 from diagnosis.inference.fitting.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
 from diagnosis.inference.fitting.projection import orthonormal
+from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.own_effects import is_same_as_own

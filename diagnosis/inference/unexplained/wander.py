@@ -18,10 +18,10 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.penalty import PARAMETER_PENALTY, parameter_penalty
 from diagnosis.inference.selection.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.rivals import confidence
-from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY, parameter_penalty
 from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask

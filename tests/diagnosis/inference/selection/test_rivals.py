@@ -11,6 +11,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.fitting.likelihood import LEVELS, NoiseFit
+from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.rivals import (
     SECOND,
     SOMETHING_ELSE,
@@ -19,7 +20,6 @@ from diagnosis.inference.selection.rivals import (
     compare_rivals,
     confidence,
 )
-from diagnosis.inference.selection.stepwise import PARAMETER_PENALTY
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Predicted
 from sensors.effects.noise_scale import NoiseScale
