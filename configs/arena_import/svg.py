@@ -15,12 +15,15 @@ import numpy as np
 
 from configs.arena_import.drawing import MAX_WALLS, Drawing, Point
 from configs.arena_shapes.curves import UnfitError, along
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 MAX_BYTES = 8 << 20
 MAX_ELEMENTS = 5000
 MAX_PIECES = 5000
 """Largest number of pieces of the line."""
+MAX_CURVES = 1000
+"""Largest number of curves; fitting arcs to so many takes about a second."""
 MAX_CURVE_M = 50.0
 """Length of a curve up to which arcs are fitted to it."""
 CHORD_M = 0.02
@@ -113,6 +116,7 @@ def _elements(group: Any, names: tuple[str, ...]) -> Iterator[tuple[Any, tuple[s
 class _Reader:
     def __init__(self, where: str, scale: float) -> None:
         self._where, self._scale = where, scale
+        self._curves = 0
         self.drawing = Drawing()
 
     def take(self, element: Any, names: tuple[str, ...]) -> None:  # noqa: ANN401 - of svgelements
@@ -157,15 +161,15 @@ class _Reader:
     def _add_curve(self, curve: Any) -> None:  # noqa: ANN401 - as above
         from scipy.interpolate import BPoly  # noqa: PLC0415 - only for a curve
 
-        points = self._flattened(curve)
+        self._count_curve()
         controls = [getattr(curve, name, None) for name in _CONTROLS.get(type(curve).__name__, ())]
-        if controls and sum(math.dist(start, end) for start, end in pairwise(points)) < MAX_CURVE_M:
+        if controls and self._length_m(curve) < MAX_CURVE_M:
             bezier = BPoly(np.array([self._point(control) for control in controls])[:, None], [0.0, 1.0])
             with suppress(UnfitError):
                 self.drawing.line += along(bezier, (0.0, 1.0))
                 return
         before = len(self.drawing.line)
-        for start, end in pairwise(points):
+        for start, end in pairwise(self._flattened(curve)):
             self._add_straight(start, end)
         for piece in self.drawing.line[before + 1 :]:
             piece["joined"] = True
@@ -190,8 +194,11 @@ class _Reader:
                 if isinstance(segment, Move) or segment.end is None:
                     continue
                 is_closed |= isinstance(segment, Close)
-                straight = isinstance(segment, Line | Close)
-                more = [self._point(segment.start), self._point(segment.end)] if straight else self._flattened(segment)
+                if isinstance(segment, Line | Close):
+                    more = [self._point(segment.start), self._point(segment.end)]
+                else:
+                    self._count_curve()
+                    more = self._flattened(segment)
                 points += [point for point in more if not points or math.dist(point, points[-1]) > 1e-3]
             if len(points) > 2 and math.dist(points[0], points[-1]) < 1e-3:
                 is_closed, points = True, points[:-1]
@@ -217,11 +224,24 @@ class _Reader:
         label = f"obstacle_{len(self.drawing.obstacles) + 1}"
         self.drawing.obstacles.append((label, middle, (round(length, 4), round(width, 4)), yaw_deg))
 
+    def _count_curve(self) -> None:
+        self._curves += 1
+        if self._curves > MAX_CURVES:
+            raise InputError("curves", where=self._where, allowed=f"at most {MAX_CURVES}")
+
     def _flattened(self, segment: Any) -> list[Point]:  # noqa: ANN401 - as above
-        rough = [self._point(segment.point(i / MAX_CHORDS)) for i in range(0, MAX_CHORDS + 1, 4)]
-        length_m = sum(math.dist(start, end) for start, end in pairwise(rough))
-        count = min(MAX_CHORDS, max(1, math.ceil(length_m / CHORD_M)))
-        return [self._point(segment.point(i / count)) for i in range(count + 1)]
+        count = min(MAX_CHORDS, max(1, math.ceil(self._length_m(segment) / CHORD_M)))
+        return [(float(x), float(y)) for x, y in self._points(segment, count)]
+
+    def _length_m(self, segment: Any) -> float:  # noqa: ANN401 - as above
+        return float(np.hypot(*np.diff(self._points(segment, MAX_CHORDS // 4), axis=0).T).sum())
+
+    def _points(self, segment: Any, count: int) -> Array:  # noqa: ANN401 - as above
+        """Return the ends (count + 1, 2) [m] of chords at equal parameters of a curve."""
+        points = self._scale * np.asarray(segment.npoint(np.arange(count + 1) / count)) * (1.0, -1.0)
+        if not np.isfinite(points).all():
+            raise InputError("a point is no number", where=self._where)
+        return points
 
     def _point(self, point: Any) -> Point:  # noqa: ANN401 - as above
         x, y = self._scale * float(point.x), -self._scale * float(point.y)

@@ -112,7 +112,7 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     elif not close and len(missing) == 1 and missing == known:
         close = missing[0]
     elif not close:
-        close = next((dotted(place) for place in shape.paths() if place[-1] == key), "")
+        close = dotted(shape.first_places.get(key, ()))
     return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
 
 

@@ -5,7 +5,7 @@ Everything is derived from the JSON Schema that pydantic makes of the models, so
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 from pydantic import BaseModel
@@ -111,6 +111,14 @@ class Shape:
             inner = self.child(key)
             if inner is not None:
                 yield from inner.paths((*above, key))
+
+    @cached_property
+    def first_places(self) -> dict[str, FieldPath]:
+        """First of `paths` for each key that ends one: a thousand unknown keys look here, and the schema is large."""
+        places: dict[str, FieldPath] = {}
+        for path in self.paths():
+            places.setdefault(str(path[-1]), path)
+        return places
 
     def words(self) -> str:
         """Return in words what is allowed, for a message."""

@@ -45,6 +45,8 @@ _IMAGE_BYTES = 300_000_000
 """Size of all images of a bag; raw ones count as JPEG files."""
 _IMAGES = (RAW, COMPRESSED)
 _NS = 1_000_000_000
+_MAX_METADATA_BYTES = 200_000
+"""Of metadata.yaml, whose reader takes 7 s for a megabyte; a topic has about 600 bytes, and a bag `MAX_STREAMS`."""
 _MAX_DEPTH = 100
 """Of the lists in metadata.yaml, which has none within another one."""
 
@@ -232,10 +234,13 @@ def _stamp_ns(stamped: Message, logged_ns: int) -> int:
     return logged_ns
 
 
-def _check_nesting(metadata: Path) -> None:
-    """Raise ValueError for nested lists whose parsing takes the square of their depth in time."""
+def _check_metadata(metadata: Path) -> None:
+    """Raise ValueError for a large file, and for nested lists whose parsing takes the square of their depth in time."""
     if metadata.is_file():
-        brackets = np.frombuffer(read_file(metadata, FileKind.DOCUMENT), np.uint8)
+        content = read_file(metadata, FileKind.DOCUMENT)
+        if len(content) > _MAX_METADATA_BYTES:
+            raise ValueError(f"metadata.yaml has more than {_MAX_METADATA_BYTES:,} bytes")
+        brackets = np.frombuffer(content, np.uint8)
         depth = np.cumsum((brackets == ord("[")).astype(np.int64) - (brackets == ord("]")))
         if depth.size and depth.max() > _MAX_DEPTH:
             raise ValueError(f"metadata.yaml is nested deeper than {_MAX_DEPTH} lists")
@@ -262,7 +267,7 @@ class _Progress:
 
 def _collect(path: Path) -> _Content:
     """Return the numbers and images of each topic, and the type of each topic that is left out."""
-    _check_nesting(path / "metadata.yaml")
+    _check_metadata(path / "metadata.yaml")
     typesys, highlevel = optional_module("rosbags.typesys"), optional_module("rosbags.highlevel")
     content = _Content()
     default = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)

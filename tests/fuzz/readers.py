@@ -117,6 +117,11 @@ def _scenarios() -> list[bytes]:
     return [whole, *(path.read_bytes() for path in sorted(folder.glob("*.yaml")))]
 
 
+def _scenario_of_wrong_keys() -> bytes:
+    """Thousands of unknown keys, each of which is looked for in the whole schema."""
+    return b"".join(b"key_%d: 1\n" % number for number in range(4000))
+
+
 def _scenario_reader(place: Path) -> Read:
     file = place / "scenario.yaml"
 
@@ -363,6 +368,12 @@ def _signature_reader(place: Path) -> Read:
     return read
 
 
+LONG = {
+    "scenario": _scenario_of_wrong_keys,
+    "drawing": shape_readers.drawing_of_many_curves,
+    "rosbag": rosbag_reader.bag_of_long_metadata,
+}
+"""Inputs by reader that were read in more than 2 s; their faults are in their length."""
 READERS = {
     reader.name: reader
     for reader in (

@@ -56,6 +56,11 @@ def bags() -> list[bytes]:
     return [f"@{name}\n".encode() + content for name, content in sorted(_valid().items())]
 
 
+def bag_of_long_metadata() -> bytes:
+    """Many keys, which the reader of YAML takes 10 microseconds a byte for."""
+    return f"@{FOLDER}/metadata.yaml\n".encode() + b"".join(b"k%d: 1\n" % number for number in range(50_000))
+
+
 def bag_reader(place: Path) -> Read:
     """Read a bag with one other file, and the poses of its best and of its longest topic."""
     (place / FOLDER).mkdir()

@@ -39,11 +39,18 @@ def mesh_reader(_place: Path) -> Read:
     return read
 
 
+_CURVE = b'<svg xmlns="http://www.w3.org/2000/svg" width="9cm" height="9cm"><path id="line" d="%s"/></svg>'
+
+
+def drawing_of_many_curves() -> bytes:
+    """Curves without a length, to which no arcs are fitted and which add no piece to the line."""
+    return _CURVE % (b"M 0 10 C" + 6000 * b" 9 9 9 9 9 9")
+
+
 def drawings() -> list[bytes]:
     plan = np.full((60, 80, 3), 255, np.uint8)
     cv2.rectangle(plan, (5, 5), (74, 54), (0, 0, 0), 4)
-    curve = b'<svg xmlns="http://www.w3.org/2000/svg" width="9cm" height="9cm"><path id="line" d="%s"/></svg>'
-    bezier = curve % b"M 0 10 C 10 0 20 0 30 10 S 40 60 50 50 Q 60 0 70 9"
+    bezier = _CURVE % b"M 0 10 C 10 0 20 0 30 10 S 40 60 50 50 Q 60 0 70 9"
     return [(EXAMPLES / "track.svg").read_bytes(), bezier, cv2.imencode(".png", plan)[1].tobytes()]
 
 

@@ -13,7 +13,7 @@ from pipeline.run_folder.stored_spec import spec_problem
 from symolo.verification.verify import verify
 from tests.fuzz.guard import TooSlowError, limits, outcome_of
 from tests.fuzz.mutations import mutated
-from tests.fuzz.readers import READERS, valid_copy
+from tests.fuzz.readers import LONG, READERS, valid_copy
 
 COUNTS = {
     "scenario": 12,
@@ -42,6 +42,14 @@ def test_changed_files_are_read_or_refused(reader, tmp_path):
     assert {outcome.problem for outcome in outcomes} == {""}
     # Were a valid file refused, every changed one would be refused for the same reason.
     assert {outcome.refusal for outcome in outcomes[: len(valid)]} == {""}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_long_files_are_read_or_refused(name, tmp_path):
+    reader = READERS[name]
+    read = reader.opened(tmp_path)
+    with limits():
+        assert outcome_of(read, LONG[name](), reader.refusals).problem == ""
 
 
 @pytest.mark.parametrize("name", ["dataset", "bag"])

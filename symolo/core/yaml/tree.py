@@ -25,7 +25,7 @@ class Node:
     @property
     def is_distribution(self) -> bool:
         """Whether this is a mapping meant as a distribution, well formed or not."""
-        return isinstance(self.value, dict) and any(key in DISTRIBUTION_KINDS for key in self.value)
+        return isinstance(self.value, dict) and any(kind in self.value for kind in DISTRIBUTION_KINDS)
 
     def children(self) -> "Iterator[tuple[str | int, Node]]":
         if isinstance(self.value, dict):
