@@ -5,6 +5,7 @@ longer.
 """
 
 import random
+import threading
 import zlib
 
 import pytest
@@ -89,3 +90,23 @@ def test_memory_that_the_process_took_before_an_input_does_not_count():
         before = bytearray(400 << 20)  # zeros by the system, which cost no time
         outcome = outcome_of(lambda _: bytearray(len(before)), b"", ())
     assert outcome.problem == ""
+
+
+def test_threads_that_end_meanwhile_do_not_matter():
+    over = threading.Event()
+
+    def short_threads():
+        while not over.is_set():
+            thread = threading.Thread(target=int)
+            thread.start()
+            thread.join()
+
+    starter = threading.Thread(target=short_threads)
+    starter.start()
+    try:
+        with limits():
+            outcomes = [outcome_of(bytes, b"", ()) for _ in range(200)]
+    finally:
+        over.set()
+        starter.join()
+    assert {outcome.problem for outcome in outcomes} == {""}
