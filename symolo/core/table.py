@@ -1,6 +1,7 @@
 """The one reader of CSV tables: known columns, finite numbers, and each fault with its row and column.
 
-Reading never stops at a fault, so that a verification can list all of them; `CsvTable.checked` raises the first.
+Reading does not stop at a fault, so that a verification can list them, but it does after `MAX_FAULTS`, for a message of
+each cell of a large file would need far more memory than the file; `CsvTable.checked` raises the first.
 """
 
 import re
@@ -18,6 +19,8 @@ from symolo.core.errors import InputError, nearest, shown
 from symolo.core.files.text_file import LineFault, TextFile
 from symolo.core.progress import plural
 
+MAX_FAULTS = 1000
+"""Faults of a table after which its rows are not read any further, and largest number of notes on broken rows."""
 NO_NUMBER = re.compile(r"[-+]?(nan|inf(inity)?)|null|none|na|n/a|-|#n/a", re.IGNORECASE)
 """Words by which loggers mark a sample that is missing."""
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
@@ -175,9 +178,12 @@ def table_of(
     texts: list[list[str]] = []
     rows, notes, faults = [], list(text.notes), []
     for row, line in enumerate(text.lines[first:], first + 1):
+        if len(faults) >= MAX_FAULTS:
+            faults.append(LineFault(row - 1, f"{len(faults)} faults up to here; the rows below are not read"))
+            break
         cells = line.split(separator)
         if may_break and len(cells) < width:
-            notes.append(f"{text.path.name}: row {row} is broken and left out")
+            notes += [f"{text.path.name}: row {row} is broken and left out"] if len(notes) < MAX_FAULTS else []
             continue
         if is_log and len(cells) == width + 1 and not cells[-1].strip():
             cells.pop()

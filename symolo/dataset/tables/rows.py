@@ -13,7 +13,7 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.text_file import LineFault, decode_text
-from symolo.core.table import NumberColumn, header_fault, table_of
+from symolo.core.table import MAX_FAULTS, NumberColumn, header_fault, table_of
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import State
 from symolo.dataset.tables.column import Column, Series
@@ -292,20 +292,23 @@ def _parsed(
 
 
 def semantic_faults(rows: Rows) -> list[Fault]:
-    """Return the rows whose time does not increase, whose state is unknown, or whose image number does not increase."""
+    """Return the rows whose time does not increase, whose state is unknown, or whose image number does not increase.
+
+    At most `MAX_FAULTS` of each kind are listed.
+    """
     faults = [
         Fault(int(i) + 3, f"column t: {rows.t_ms[i + 1]} ms is not after {rows.t_ms[i]} ms", kind="time")
-        for i in np.flatnonzero(np.diff(rows.t_ms) <= 0)
+        for i in np.flatnonzero(np.diff(rows.t_ms) <= 0)[:MAX_FAULTS]
     ]
     faults += [
         Fault(int(i) + 2, f"column state: {rows.state[i]} is none of {', '.join(map(str, STATES))}", kind="state")
-        for i in np.flatnonzero(rows.has_state & ~np.isin(rows.state, STATES))
+        for i in np.flatnonzero(rows.has_state & ~np.isin(rows.state, STATES))[:MAX_FAULTS]
     ]
     at = np.flatnonzero(rows.image)
     numbers = rows.image[at]
     previous = np.concatenate(([0], numbers[:-1]))
     faults += [
         Fault(int(at[i]) + 2, f"column img: {numbers[i]} does not count up from {previous[i]}", kind="image")
-        for i in np.flatnonzero(numbers <= previous)
+        for i in np.flatnonzero(numbers <= previous)[:MAX_FAULTS]
     ]
     return sorted(faults, key=lambda fault: fault.line)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from pipeline.rerendering.image_rows import image_numbers
 from symolo.core.errors import InputError
+from symolo.core.table import MAX_FAULTS
 from symolo.core.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import State
 from symolo.dataset.documents import metadata
@@ -266,3 +267,16 @@ def test_a_manifest_is_what_was_written():
     hashes = {"b/c d.txt": "0" * 64, "a": "f" * 64}
     assert manifest(hashes).startswith(b"f" * 64 + b"  a\n")
     assert read_manifest(manifest(hashes)) == hashes
+
+
+def test_a_table_with_a_fault_in_every_row_is_not_read_to_its_end():
+    _, faults = parse_table(b"a,b\n" + 3 * MAX_FAULTS * b"x,1\n", ("a", "b"))
+    assert len(faults) == MAX_FAULTS + 1
+    assert str(faults[-2]).startswith(f"line {MAX_FAULTS + 1}: column a")
+    assert str(faults[-1]) == f"line {MAX_FAULTS + 1}: {MAX_FAULTS} faults up to here; the rows below are not read"
+
+
+def test_of_rows_out_of_order_a_thousand_are_listed():
+    last = MAX_FAULTS + 10
+    numbers, _ = parse_table(table(*(row(t=last - i, img=0) for i in range(last))).encode(), HEADER)
+    assert [fault.line for fault in semantic_faults(Rows.from_table(numbers))] == list(range(3, MAX_FAULTS + 3))
