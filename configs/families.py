@@ -151,7 +151,7 @@ class Family(Generic[Member]):
         Raises:
             InputError: Its class is not complete.
         """
-        # Pydantic takes descriptions from the lines of a file, of which Python remembers those that it saw first.
+        # Messages have the line of a class, and Python remembers the lines of a file that it saw first.
         own = file.with_stem(f"{file.stem}_{sha256(text).hexdigest()[:8]}")
         module = self._executed(own, text)
         try:

@@ -61,6 +61,4 @@ Slug = Annotated[str, Field(pattern=NAME_PATTERN), Fixed("a name is text")]
 class Section(BaseModel):
     """A frozen mapping with known keys only; numbers are finite and cannot be written as text."""
 
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

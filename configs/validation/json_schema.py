@@ -20,6 +20,7 @@ from configs.scaling import MAX_SCALE, MIN_SCALE, MODELS
 from configs.schema.base import FILE_KEY
 from configs.schema.scenario import Scenario
 from configs.validation.shapes import Shape
+from symolo.core.field_descriptions import DescribedJsonSchema
 
 _NUMBERS = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
 _NORMAL = {
@@ -55,7 +56,7 @@ _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NU
 
 def scenario_json_schema() -> dict[str, Any]:
     """Return the schema as plain data, draft 2020-12."""
-    shape = Shape.of(Scenario)
+    shape = Shape.of(Scenario, DescribedJsonSchema)
     in_lists = set(_below_lists(shape.schema, shape))
     definitions = {
         name: _mapping(schema, shape, required=name in in_lists) for name, schema in shape.definitions.items()

@@ -9,6 +9,7 @@ from functools import cache, cached_property
 from typing import Any
 
 from pydantic import BaseModel
+from pydantic.json_schema import GenerateJsonSchema
 
 from configs.effects.registry import effects_section
 from configs.robot_controller import controllers_section
@@ -28,9 +29,9 @@ class Shape:
     definitions: Mapping[str, Any]
 
     @classmethod
-    def of(cls, model: type[BaseModel]) -> "Shape":
+    def of(cls, model: type[BaseModel], generator: type[GenerateJsonSchema] = GenerateJsonSchema) -> "Shape":
         """Return the shape of a model, with the effects, sensors and controllers that there are now."""
-        return _shape(model, (effects_section(), sensors_section(), controllers_section()))
+        return _shape(model, (effects_section(), sensors_section(), controllers_section()), generator)
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -174,9 +175,9 @@ class Shape:
 
 
 @cache
-def _shape(model: type[BaseModel], sections: tuple[type[Section], ...]) -> Shape:
+def _shape(model: type[BaseModel], sections: tuple[type[Section], ...], generator: type[GenerateJsonSchema]) -> Shape:
     del sections  # the schema contains them, so that one more effect, sensor or controller makes another schema
-    schema = model.model_json_schema()
+    schema = model.model_json_schema(schema_generator=generator)
     return Shape(schema, schema.get("$defs", {}))
 
 

@@ -10,6 +10,7 @@ from markdown_text import page, table, text
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS
 from pipeline.effects.template_laws import LAWS
+from symolo.core.field_descriptions import field_descriptions
 
 ABOUT = """This page lists all effects that a robot can have. The page [effects](../effects.md) explains what they have
 in common. Each effect is a setting, `robot.effects.<name>.<parameter>`, an axis of randomisation and a hypothesis of
@@ -52,9 +53,7 @@ def _section(effect: type[Effect]) -> Iterator[str]:
     yield f"Slot: *{effect.slot}*. Possible causes: {text(effect.cause)}. Seen in: {text(effect.excitation)}."
     places = f"in these measurements: {', '.join(effect.setups)}" if effect.setups else "in no measurement"
     yield f"The diagnosis looks for it {places}."
-    for field in effect.model_fields.values():
-        if field.description:
-            yield text(field.description)
+    yield from map(text, field_descriptions(effect).values())
     yield table(("parameter", "unit", "null", "start", "bounds"), _rows(effect))
     choices = {name: next(iter(options), "any") for name, options in effect.options().items()}
     values = effect.start(choices).model_dump()

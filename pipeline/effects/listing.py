@@ -6,6 +6,7 @@ from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS
 from pipeline.effects.trial import ANY_NAME
 from symolo.core.errors import InputError, nearest
+from symolo.core.field_descriptions import field_descriptions
 
 
 def effect_lines(slot: Slot | None = None) -> Iterator[str]:
@@ -40,7 +41,8 @@ def effect_text(effect: type[Effect]) -> Iterator[str]:
     yield f"  diagnosed:   {', '.join(effect.setups) or 'in no measurement'}"
     if (file := EFFECTS.files.get(effect.name)) is not None:
         yield f"  file:        {file.path} (SHA-256 {file.sha256})"
-    for name, field in effect.model_fields.items():
+    descriptions = field_descriptions(effect)
+    for name in effect.model_fields:
         number = effect.parameters().get(name)
         if number is None:
             yield f"  {name}: {' | '.join(effect.options()[name]) or 'any name'}"
@@ -48,8 +50,8 @@ def effect_text(effect: type[Effect]) -> Iterator[str]:
             null = "no null value" if number.null is None else f"null {number.null:g}"
             unit = "" if number.unit == "1" else f" {number.unit}"
             yield f"  {name}: {number.low:g} ... {number.high:g}{unit}, {null}, start {number.start:g}"
-        if field.description:
-            yield f"    {' '.join(field.description.split())}"
+        if name in descriptions:
+            yield f"    {' '.join(descriptions[name].split())}"
     option = f"--effect-file {EFFECTS.files[effect.name].path.name} " if effect.name in EFFECTS.files else ""
     settings = " ".join(f"--set {setting}" for setting in settings_of(effect))
     yield f"  try it:      symolo {option}simulate smoke {settings} --out data"

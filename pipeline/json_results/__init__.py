@@ -12,6 +12,7 @@ from pipeline.json_results.inspect import InspectResult
 from pipeline.json_results.plan import PlanResult
 from pipeline.json_results.status import StatusResult
 from pipeline.json_results.verify import VerifyResult
+from symolo.core.field_descriptions import DescribedJsonSchema
 
 RESULTS: Mapping[str, type[JsonResult]] = {
     "status": StatusResult,
@@ -26,5 +27,5 @@ RESULTS: Mapping[str, type[JsonResult]] = {
 
 def result_json_schema(command: str) -> dict[str, Any]:
     """Return the schema of the result of a command as plain data, draft 2020-12."""
-    schema = RESULTS[command].model_json_schema(mode="serialization")
+    schema = RESULTS[command].model_json_schema(schema_generator=DescribedJsonSchema, mode="serialization")
     return {"$schema": GenerateJsonSchema.schema_dialect, **schema, "title": f"symolo {command} --json"}

@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict
 class JsonPart(BaseModel):
     """A part of a result."""
 
-    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True, allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, allow_inf_nan=False)
 
 
 class JsonResult(JsonPart):

@@ -4,6 +4,7 @@ from math import floor, isfinite, log10
 
 from configs.effects.base import Effect
 from diagnosis.inference.gain import Gain
+from symolo.core.field_descriptions import field_descriptions
 
 UNITS = {
     "rad_s": "rad/s",
@@ -126,5 +127,4 @@ def cost(value: float) -> str:
 
 def meaning(effect: type[Effect]) -> str:
     """Return what the effect does, as the schema describes it: `R_true = scale * R`."""
-    descriptions = (field.description for field in effect.model_fields.values())
-    return " ".join(next((text for text in descriptions if text), "").split())
+    return " ".join(next(iter(field_descriptions(effect).values()), "").split())
