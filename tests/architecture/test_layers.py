@@ -78,14 +78,12 @@ def test_no_modules_import_one_another():
     assert in_circles(imports) == set()
 
 
-def test_an_engine_is_imported_in_one_folder_only():
-    strays = [
-        f"{name_of(path)}: {module}"
-        for path in MODULES
-        for module in imported(ast.parse(path.read_text()))
-        if not name_of(path).startswith(ENGINES.get(module, ""))
-    ]
-    assert strays == []
+def strays_in(name, tree):
+    return [f"{name}: {module}" for module in imported(tree) if not name.startswith(ENGINES.get(module, ""))]
+
+
+def test_an_engine_is_imported_in_one_folder_only(faults):
+    assert [stray for strays, _ in faults for stray in strays] == []
 
 
 REGISTERS = {"pipeline/gym/__init__.py"}
@@ -100,15 +98,21 @@ def does_something(node):
     return not (is_docstring or is_guard or isinstance(node, defines))
 
 
-def test_nothing_happens_at_import():
+def actions_in(name, tree):
+    actions = [node for node in tree.body if does_something(node) and name not in REGISTERS]
+    return [f"{name}: line {node.lineno}: {ast.unparse(node)[:80]}" for node in actions]
+
+
+@pytest.fixture(scope="module")
+def faults():
+    """Of each module, the engines that it imports elsewhere and what it does at import; of one parse of it."""
+    sources = ((name_of(path), ast.parse(path.read_text())) for path in MODULES)
+    return [(strays_in(name, tree), actions_in(name, tree)) for name, tree in sources]
+
+
+def test_nothing_happens_at_import(faults):
     assert does_something(ast.parse("import x\nx.start()").body[1]), "the check finds what it is for"
-    found = [
-        f"{name_of(path)}: line {node.lineno}: {ast.unparse(node)[:80]}"
-        for path in MODULES
-        for node in ast.parse(path.read_text()).body
-        if does_something(node) and name_of(path) not in REGISTERS
-    ]
-    assert found == []
+    assert [action for _, actions in faults for action in actions] == []
 
 
 def test_importing_the_pipeline_loads_no_engine():

@@ -4,6 +4,7 @@ Its images are decoded in one way too, that of `symolo.dataset.pixels`, and all 
 """
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -101,6 +102,7 @@ def _is_of_a_path(call):
     )
 
 
+@cache
 def found_in(path):
     return {(path.relative_to(ROOT).as_posix(), name) for name, _ in reads(ast.parse(path.read_text()))}
 
