@@ -6,10 +6,11 @@ import os
 # way of the others. OpenBLAS reads this when it is loaded, and the processes that tests start inherit it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import gc
 import shutil
 import signal
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -96,6 +97,17 @@ def pytest_report_header() -> list[str]:
         f"tests marked `{marker}` are deselected, because their tools are missing: apt-get install -y {packages}"
         for marker, packages in _missing_tools().items()
     ]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Keep modules and tests, a million objects that stay, from being searched for garbage again and again."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 LONG = ("tests/blender_scenes/", "tests/pipeline/", "tests/diagnosis/", "tests/symolo/")
