@@ -5,7 +5,7 @@ from math import log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from diagnosis.inference.fitting.likelihood import LEVELS, MEAN_SHARE, WIDTH
 from diagnosis.inference.selection.rivals import AS_GOOD
@@ -108,4 +108,4 @@ def robust_rise(remainders: Array, quantity: NDArray[np.int64]) -> float:
 
 def _exceeds(mean: float, sd: float) -> float:
     """Return the probability that the cost of a rival ends up so far above that it is excluded."""
-    return float(norm.sf((AS_GOOD - mean) / sd)) if sd > 0.0 else float(mean > AS_GOOD)
+    return float(ndtr((mean - AS_GOOD) / sd)) if sd > 0.0 else float(mean > AS_GOOD)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from scipy.signal import lfilter
 
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fitting.fit import HypothesisFit
@@ -123,9 +122,11 @@ def _noise(fit: HypothesisFit, count: int, rng: np.random.Generator) -> Array:
     noise = rng.standard_normal((count, len(evidence.values)))
     for place, observed, correlation in zip(evidence.places, evidence.observed, evidence.correlations, strict=True):
         if observed.is_series and correlation > 0.0:
-            inner = np.sqrt(1.0 - correlation**2) * noise[:, place]
-            inner[:, 0] = noise[:, place][:, 0]
-            noise[:, place] = lfilter([1.0], [1.0, -correlation], inner, axis=-1)
+            series = noise[:, place].T  # row by row: `scipy.signal` would take most of a second to load
+            series[1:] *= np.sqrt(1.0 - correlation**2)
+            for row in range(1, len(series)):
+                series[row] += correlation * series[row - 1]
+            noise[:, place] = series.T
     share, level = fit.noise.shares[evidence.quantity], fit.noise.levels[evidence.quantity]
     is_outlier = rng.random(noise.shape) < share
     return np.where(is_outlier, WIDTH * rng.standard_cauchy(noise.shape) / level, noise)

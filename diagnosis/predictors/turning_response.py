@@ -5,7 +5,6 @@ from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
@@ -45,6 +44,8 @@ class TurningResponse:
 
         This is the transpose of the response, which runs backwards through each trial.
         """
+        from scipy.signal import lfilter  # noqa: PLC0415 - it takes most of a second, which other cases save
+
         after = np.zeros_like(weighted)
         for trial in np.unique(self.trial):
             rows = self.trial == trial
