@@ -4,7 +4,7 @@ Everything is derived from the JSON Schema that pydantic makes of the models, so
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
 
@@ -27,18 +27,20 @@ class Shape:
     schema: Mapping[str, Any]
     """JSON Schema whose `$ref` at the top is resolved; those inside it are not."""
     definitions: Mapping[str, Any]
+    _known: dict[str | int, "Shape"] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """Shapes below this one that were asked for, by key, and its variants, by tag: reading a file asks for most."""
 
     @classmethod
     def of(cls, model: type[BaseModel], generator: type[GenerateJsonSchema] = GenerateJsonSchema) -> "Shape":
         """Return the shape of a model, with the effects, sensors and controllers that there are now."""
         return _shape(model, (effects_section(), sensors_section(), controllers_section()), generator)
 
-    @property
+    @cached_property
     def fields(self) -> dict[str, Any]:
         """JSON Schema of each field; empty if this is not a mapping with known fields."""
         return self.schema.get("properties", {})
 
-    @property
+    @cached_property
     def tag_key(self) -> str:
         """Field that selects one of several mappings, or an empty string."""
         return self.schema.get("discriminator", {}).get("propertyName", "")
@@ -47,12 +49,12 @@ class Shape:
     def tags(self) -> tuple[str, ...]:
         return tuple(self.schema.get("discriminator", {}).get("mapping", {}))
 
-    @property
+    @cached_property
     def types(self) -> set[str]:
         """JSON types of a leaf's values."""
         return {option.get("type", "") for option in self.schema.get("anyOf", [self.schema])}
 
-    @property
+    @cached_property
     def is_leaf(self) -> bool:
         return self.types <= {"number", "integer", "boolean", "string", "null"} and not self.tag_key
 
@@ -80,15 +82,22 @@ class Shape:
     def child(self, key: str | int, node: Node | None = None) -> "Shape | None":
         """Return the shape below a key; `node` is the mapping, whose tag selects one of several shapes."""
         here = self._variant(node)
-        if here is None:
-            return None
-        if isinstance(key, str):
-            free = here.schema.get("additionalProperties")
-            inner = here.fields.get(key, free if isinstance(free, dict) else None)
+        return None if here is None else here.below(key)
+
+    def below(self, key: str | int) -> "Shape | None":
+        """Return the shape below a key of a mapping or list that has one shape."""
+        fixed = self.schema.get("prefixItems", [])
+        place = key if isinstance(key, str) else min(key, len(fixed))
+        if place in self._known:
+            return self._known[place]
+        if isinstance(place, str):
+            free = self.schema.get("additionalProperties")
+            inner = self.fields.get(place, free if isinstance(free, dict) else None)
         else:
-            fixed = here.schema.get("prefixItems", [])
-            inner = fixed[key] if key < len(fixed) else here.schema.get("items")
-        return self._resolved(inner) if inner else None
+            inner = fixed[place] if place < len(fixed) else self.schema.get("items")
+        if not inner:
+            return None
+        return self._known.setdefault(place, self._resolved(inner))
 
     def at(self, path: FieldPath, root: Node) -> "Shape | None":
         """Return the shape at a path below this one."""
@@ -159,9 +168,11 @@ class Shape:
         if not self.tag_key:
             return self
         tag = node.child(self.tag_key) if node else None
-        known = tag is not None and tag.value in self.tags
-        reference = self.schema["discriminator"]["mapping"][tag.value] if tag and known else None
-        return None if reference is None else self._resolved({"$ref": reference})
+        if tag is None or tag.value not in self.tags:
+            return None
+        if tag.value not in self._known:
+            self._known[tag.value] = self._resolved({"$ref": self.schema["discriminator"]["mapping"][tag.value]})
+        return self._known[tag.value]
 
     def _resolved(self, schema: Mapping[str, Any]) -> "Shape":
         if "anyOf" in schema:  # `X | None` is X if X is not a leaf
