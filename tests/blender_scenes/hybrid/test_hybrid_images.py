@@ -31,7 +31,7 @@ HYBRID = HybridSamples(near=4, far=2, surfaces=16)
 FULL_SAMPLES, FEWER_SAMPLES = 256, 64
 """Of full images: where single rows of pixels count, and where means over regions do."""
 COARSER = 4
-"""The texels of the light maps, 8 mm wide, are so about as wide as a pixel of these small images."""
+"""The texels of the light maps, 16 mm wide, are so about as long as a pixel of these small images on the floor."""
 PITCH = np.radians(35.0)
 X_RC = np.array(
     [
