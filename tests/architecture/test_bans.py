@@ -120,7 +120,7 @@ def our_files(folder):
     for path in folder.iterdir():
         if path.name in NOT_OURS:
             continue
-        if path.is_dir():
+        if path.is_dir() and not path.is_symlink():
             yield from our_files(path)
         elif path.is_file():
             yield path
