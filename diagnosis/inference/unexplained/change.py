@@ -47,17 +47,21 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     basis = orthonormal(nominal.tangents(root))
     residual = nominal.weighted_residuals(nominal.z, root)
     residual = residual - basis @ (basis.T @ residual)
-    changes = [change_by(evidence, nominal, fit, e) for e in fit.hypothesis.effects if not is_of_noise(fit, e)]
+    effects = [effect for effect in fit.hypothesis.effects if not is_of_noise(fit, effect)]
+    changes = [change_by(evidence, nominal, fit, effect)[:, None] for effect in effects]
+    # The column of an effect has its fitted shape, whose numbers are parameters like the size.
+    of_changes = [(change, len(effect.coordinates) - 1) for change, effect in zip(changes, effects, strict=True)]
     best: tuple[float, float, Array] | None = None
     time = _time_s(evidence)
     for moment in _moments(time[evidence.fit & np.isfinite(time)]):
         after = time >= moment
-        for columns in (_jump(evidence, nominal, after), *((change * after)[:, None] for change in changes)):
+        parts = ((change * after[:, None], shape) for change, shape in of_changes)
+        for columns, shape in ((_jump(evidence, nominal, after), 0), *parts):
             weighed = columns * root[:, None]
             combined = beyond(weighed, basis[: len(root)].T @ weighed)
             along = combined.T @ (weighed.T @ residual[: len(root)])
             # The selection of effects has the same penalty, so that the two models can be compared.
-            penalty = PARAMETER_PENALTY * (combined.shape[1] + MOMENT_PARAMETERS)
+            penalty = PARAMETER_PENALTY * (combined.shape[1] + shape + MOMENT_PARAMETERS)
             squares = float(residual @ residual - along @ along) / level + penalty
             if best is None or squares < best[0]:
                 best = squares, moment, columns

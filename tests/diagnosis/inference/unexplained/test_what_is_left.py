@@ -1,17 +1,23 @@
 """Misfits without a shape, jumps in time, and the channel in which a misfit lives."""
 
+import importlib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
+from diagnosis.importers import IMPORTERS
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.selection.refusal import is_of_noise
+from diagnosis.inference.selection.scan import scan
 from diagnosis.inference.unexplained.adequacy import adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
+from diagnosis.predictors import STAGES
 
 SD_A = 0.01
 X = np.linspace(0.3, 1.0, 16)
@@ -98,6 +104,24 @@ def test_a_jump_is_told_along_what_went_one_way_all_the_time(evidence_of, hypoth
     assert found is not None
     assert found.covariate == covariate
     assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=1.0)
+
+
+@pytest.mark.usefixtures("cases_on_the_path")
+@pytest.mark.parametrize("seed", [4, 14])
+def test_an_effect_that_acts_from_the_start_is_no_jump(tmp_path, effect, seed):
+    """The ripple of a motor has three numbers, which a ripple from one moment on has as well."""
+    cases = importlib.import_module("gap_cases")
+    numbers = {"amplitude_N_m": 0.012, "cycles_per_turn": 4.0, "phase_rad": 0.7}
+    cases.write(cases.make_case("motor_step", seed, [("torque_ripple", numbers)], rows="few"), tmp_path / "case")
+    (reader,) = (importer for importer in IMPORTERS if importer.name == "motor_step")
+    measurement = reader.read(tmp_path / "case")
+    robot = nominal_of(measurement, carrier_of(measurement, None))
+    evidence = Evidence(STAGES[measurement.kind](measurement, robot))
+    nominal = fitted(evidence, Hypothesis(robot, spreads_of(measurement, robot)))
+    (ripple,) = scan(evidence, nominal, [effect("torque_ripple")])
+    (named,) = fits(evidence, [(nominal.hypothesis.with_effect(ripple.effect), ripple.start)])
+    assert nominal.cost - named.cost > 500.0
+    assert change_in_time(evidence, nominal, named) is None
 
 
 def test_the_channel_without_which_all_the_rest_is_well(evidence_of, hypothesis):
