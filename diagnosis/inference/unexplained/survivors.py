@@ -4,14 +4,15 @@ An effect stays named only if it is needed in addition to the flexible functions
 that was only a substitute for the unknown cause becomes insignificant beside them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.projection import orthonormal
+from diagnosis.inference.selection.removal import without
 from diagnosis.inference.unexplained.adequacy import LEVEL, Adequacy, Structure, change_by
 from diagnosis.inference.unexplained.bases import any_function
 from diagnosis.measured.channel import Mask
@@ -52,7 +53,10 @@ def survivors(
             # An effect of the noise changes no mean, and may be a substitute in any stage.
             if float(squares[effect][rows].sum()) >= MIN_PART * float(squares[effect].sum())
         }
-        needed = _needed_beside(nominal, fit, structure, contested, rows)
+        if structure.is_of_outliers:
+            needed = _needed_without(evidence, fit, structure, contested)
+        else:
+            needed = _needed_beside(nominal, fit, structure, contested, rows)
         order = [*needed, *(effect for effect in staying if effect not in contested)]
         staying = [effect for effect in order if effect in needed or effect not in contested]
     return staying
@@ -70,6 +74,23 @@ def _worst_by_stage(evidence: Evidence, result: Adequacy) -> dict[int, Structure
         if of_stage:
             worst[stage] = Adequacy(tuple(with_cause or of_stage)).worst
     return worst
+
+
+def _needed_without(
+    evidence: Evidence, fit: HypothesisFit, outliers: Structure, contested: Iterable[CandidateEffect]
+) -> list[CandidateEffect]:
+    """Return which effects are needed in the rows that do not stand out, since effects act in all rows.
+
+    The models with and without each effect are fitted to these rows: an effect that a nominal number imitates is known
+    by the tolerances alone, and a linear analysis says little about a number that is many tolerances off.
+    """
+    rest = evidence.with_rows(fit=evidence.fit & ~outliers.basis.any(axis=1))
+    effects = list(contested)
+    (whole, *fewer) = fits(
+        rest, [(each.hypothesis, each.x) for each in (fit, *(without(evidence, fit, e) for e in effects))]
+    )
+    rises = {effect: base.cost - whole.cost for effect, base in zip(effects, fewer, strict=True)}
+    return [effect for effect in sorted(effects, key=lambda e: -rises[e]) if rises[effect] >= NEEDED]
 
 
 def _needed_beside(
@@ -95,10 +116,7 @@ def _needed_beside(
     root = fit.root_weights()
     flexible: list[Array] = []
     min_fall = NEEDED
-    if structure.is_of_outliers:
-        # An effect acts in all rows, so it must be needed without those that stand out.
-        root = np.where(structure.basis.any(axis=1), 0.0, root)
-    elif not structure.is_drift:
+    if not structure.is_drift:
         # Effects that explain much less than what stays unexplained are probably parts of the unknown cause.
         drop = _fall_of_stage(nominal, fit, rows)
         if drop < EXPLAINED * (drop + structure.explainable):
