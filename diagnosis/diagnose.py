@@ -24,8 +24,9 @@ from diagnosis.inference.naming.transfer import groups
 from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclusion
 from diagnosis.inference.selection.candidates import Candidates, candidates
 from diagnosis.inference.selection.refusal import is_of_noise
+from diagnosis.inference.selection.rescue import rescued
 from diagnosis.inference.selection.rivals import AS_GOOD, RivalComparison, compare_rivals
-from diagnosis.inference.selection.stepwise import Selection, rescued, select
+from diagnosis.inference.selection.stepwise import Selection, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located

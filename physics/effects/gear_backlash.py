@@ -18,7 +18,7 @@ class GearBacklash(Effect):
     excitation = "reversals and braking"
     setups = (Setup.MOTOR_BENCH,)
 
-    gap_rad: Annotated[float, Parameter("rad", null=0.0, start=0.05, low=0.0, high=1.0)]
+    gap_rad: Annotated[float, Parameter("rad", null=0.0, start=0.05, low=0.0, high=1.0, tries=(0.06, 0.02))]
     """Play between motor side and load side, at the wheel shaft. Contact is inelastic; motion starts in mid-gap."""
 
     def apply(self, state: TwoMass, motor: Load, load: Load, duration_s: float | Array) -> TwoMass:

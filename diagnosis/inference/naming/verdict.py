@@ -18,7 +18,7 @@ CHEAPER = 0.5
 """Fall of the cost by which a rival explains the data better."""
 MAX_BY_PRIOR = 0.5
 """Share of the rise of the cost without a name, above which it comes from parameters that leave their tolerances. Then
-these imitate the effect in held-out rows too, which therefore cannot say anything."""
+these may imitate the effect in held-out rows too, which therefore cannot say anything against it."""
 DOUBT = 0.05
 """Probability of the strongest structure in the residuals by chance, below which a model is no explanation."""
 NEARLY = 10.0
@@ -81,13 +81,17 @@ class NameEvidence:
 
     @property
     def is_imitated(self) -> bool:
-        """Return whether nominal parameters far off imitate the effect, so that held-out rows cannot say anything."""
+        """Return whether nominal parameters far off imitate the effect, as they may in held-out rows."""
         return self.rise_of_prior > MAX_BY_PRIOR * self.rise
 
     @property
     def heldout_rise_that_counts(self) -> float:
-        """Return the rise of the cost of the held-out rows; 0 where they cannot say anything about the effect."""
-        return 0.0 if self.heldout_rise is None or self.is_imitated else self.heldout_rise
+        """Return the rise of the cost of the held-out rows; 0 where they cannot say anything about the effect.
+
+        Rows that nominal parameters far off predict as well or better say nothing. Rows that they predict worse do.
+        """
+        rise = self.heldout_rise or 0.0
+        return max(rise, 0.0) if self.is_imitated else rise
 
     @property
     def gains_nothing(self) -> bool:

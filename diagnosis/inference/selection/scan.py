@@ -7,14 +7,16 @@ and gear play have no slope at zero). Full fits follow only for the promising ef
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, product
 
 import numpy as np
 
+from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
+from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fitting.coordinate import Coordinate
-from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit, at
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.fitting.likelihood import sample_costs
 from diagnosis.inference.fitting.projection import orthonormal
@@ -79,25 +81,85 @@ def scan_beside(
 ) -> list[list[Prospect]]:
     """Return the best prospect of each effect beside each fit, the most promising first; all in one batch."""
     of_fits = zip(several, _tries_of_all(evidence, several), strict=True)
-    return [_prospects(evidence, fit, *tries) for (fit, _), tries in of_fits]
+    prospects = [_prospects(evidence, fit, *tries) for (fit, _), tries in of_fits]
+    return [sorted(each, key=lambda prospect: -prospect.drop) for each in prospects]
 
 
 def _prospects(evidence: Evidence, fit: HypothesisFit, tries: Sequence[Try], predictions: Prediction) -> list[Prospect]:
+    """Return the best prospect of each effect."""
     if not tries:
         return []
+    rigid = _rigid(evidence, fit)
     costs_before = fit.costs
-    drops, sizes = _Lines.of(evidence, fit, predictions.mean).tops()
-    best: dict[CandidateEffect, Prospect] = {}
+    lines = _Lines.of(evidence, rigid.fit, predictions.mean)
+    drops, sizes = lines.tops()
+    best: dict[CandidateEffect, tuple[Prospect, Array]] = {}
     for k, (effect, numbers) in enumerate(tries):
         hypothesis, x = _extended(fit.hypothesis, fit.x, effect, numbers)
         single = predictions.some(slice(k, k + 1))
         immediate = float((costs_before - sample_costs(evidence, single, fit.noise)[0])[evidence.fit].sum())
-        prospect = Prospect(effect, x, immediate)
-        if (drop := float(drops[k])) > immediate:
-            prospect = Prospect(effect, hypothesis.scaled(effect, x, float(sizes[k])), drop)
-        if effect not in best or prospect.drop > best[effect].drop:
-            best[effect] = prospect
-    return sorted(best.values(), key=lambda prospect: -prospect.drop)
+        drop, size = immediate, 1.0
+        if float(drops[k]) > immediate:
+            drop, size = float(drops[k]), float(sizes[k])
+            x = hypothesis.scaled(effect, x, size)
+        if effect not in best or drop > best[effect][0].drop:
+            best[effect] = Prospect(effect, x, drop), size * lines.changes[k]
+    if rigid.fit is fit:
+        return [prospect for prospect, _ in best.values()]
+    return [replace(p, start=_moved_along(evidence, fit, rigid.fit, p, change)) for p, change in best.values()]
+
+
+@dataclass(frozen=True)
+class _Rigid:
+    """A fit as a linear model without play in the gear."""
+
+    fit: HypothesisFit
+    """The fit, with the slopes of the robot without play; the fit itself if there is no play."""
+    change: Array | float
+    """(N,), difference of the predictions of the fit from those of its robot, without play."""
+
+
+@remembered
+def _rigid(evidence: Evidence, fit: HypothesisFit) -> _Rigid:
+    """Return a fit as a linear model.
+
+    In a gear with play, contacts come and go with any number, so that slopes say nothing about changes that are larger
+    than the step of a derivative.
+    """
+    hypothesis = fit.hypothesis
+    effects = tuple(effect for effect in hypothesis.effects if effect.kind.slot is not Slot.GEARBOX)
+    if len(effects) == len(hypothesis.effects):
+        return _Rigid(fit, fit.local_change)
+    rigid = replace(hypothesis, effects=effects)
+    other = at(evidence, rigid, moved(fit.x, hypothesis, rigid))
+    change = other.local_change + other.z * other.sd - fit.z * fit.sd
+    slopes = other.slopes * other.sd / fit.sd
+    return _Rigid(replace(other, z=fit.z, lost=fit.lost, sd=fit.sd, noise=fit.noise, slopes=slopes), change)
+
+
+def _moved_along(
+    evidence: Evidence, fit: HypothesisFit, rigid: HypothesisFit, prospect: Prospect, change: Array
+) -> Array:
+    """Return the start (P,) of a prospect where all parameters that the linear model has move along.
+
+    Args:
+        evidence: The observations.
+        fit: The fit.
+        rigid: The fit without play.
+        prospect: The prospect.
+        change: (n,), its weighted change in the rows of the fit.
+    """
+    root = rigid.root_weights()
+    residual = rigid.weighted_residuals(rigid.z, root)
+    residual[np.flatnonzero(evidence.fit)] -= change
+    shift = np.linalg.lstsq(rigid.tangents(root), residual, rcond=None)[0]
+    extended = fit.hypothesis.with_effect(prospect.effect)
+    start = moved(rigid.x + shift, rigid.hypothesis, extended)
+    for effect in extended.effects:
+        if effect not in rigid.hypothesis.effects:
+            places = extended.parameters(effect)
+            start[places] = prospect.start[places]
+    return extended.clipped(start)
 
 
 def scan_pairs(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[PairProspect]:
@@ -144,14 +206,15 @@ def _tries_of_all(
     """Return the effects with the coordinates at which each is tried beside each fit, and the predictions."""
     tries = [[(effect, x) for effect in effects for x in _tries(evidence, fit, effect)] for fit, effects in several]
     robots = []
-    for (fit, _), each in zip(several, tries, strict=True):
-        extended = (_extended(fit.hypothesis, fit.x, *one) for one in each)
+    rigid = [_rigid(evidence, fit) for fit, _ in several]
+    for base, each in zip(rigid, tries, strict=True):
+        extended = (_extended(base.fit.hypothesis, base.fit.x, *one) for one in each)
         robots += [hypothesis.robot(x) for hypothesis, x in extended]
     batch = evidence.predicted(robots)
     ends = np.cumsum([len(each) for each in tries]).tolist()
     return [
-        (each, batch.some(slice(end - len(each), end)).moved(fit.local_change))
-        for (fit, _), each, end in zip(several, tries, ends, strict=True)
+        (each, batch.some(slice(end - len(each), end)).moved(base.change))
+        for base, each, end in zip(rigid, tries, ends, strict=True)
     ]
 
 

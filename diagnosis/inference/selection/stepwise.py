@@ -26,7 +26,6 @@ from diagnosis.inference.selection.penalty import parameter_penalty
 from diagnosis.inference.selection.refusal import THRESHOLD, is_of_noise, needed, refusal
 from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.scan import Prospect, scan, scan_beside, scan_pairs
-from diagnosis.inference.unexplained.adequacy import adequacy
 from symolo.core.arrays import Array
 
 RESCUE = 9.0
@@ -104,7 +103,7 @@ def select(
     if begin is not None and begin.names:
         (fit,) = fits(evidence, [(begin.fit.hypothesis, begin.fit.x)])
         entries = list(begin.entries)
-    fit, tried = _grown(evidence, base, fit, effects)
+    fit, tried = grown(evidence, base, fit, effects)
     entries += tried
     pairs: list[HypothesisFit] = []
     if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
@@ -112,12 +111,12 @@ def select(
         pair = _best_pair(evidence, base, pairs, fit)
         if pair is not fit:
             # What was tried beside the effects before says nothing about these two, so the report has only their steps.
-            fit, tried = _grown(evidence, base, pair, effects)
+            fit, tried = grown(evidence, base, pair, effects)
             entries = [*_entries_of(evidence, pair), *tried]
     return Selection(base, fit, tuple(entries), tuple(pairs))
 
 
-def _grown(
+def grown(
     evidence: Evidence, base: HypothesisFit, fit: HypothesisFit, effects: Sequence[CandidateEffect]
 ) -> tuple[HypothesisFit, list[Entry]]:
     """Return the fit with one effect after the other in addition, until none is accepted, and the steps.
@@ -130,11 +129,11 @@ def _grown(
     """
     entries: list[Entry] = []
     while len(fit.hypothesis.effects) < MAX_EFFECTS:
-        extended, tried = _entered(evidence, fit, effects)
+        larger, tried = _entered(evidence, fit, effects)
         entries += tried
-        if extended is None:
+        if larger is None:
             break
-        fit = _pruned(evidence, _swapped(evidence, extended, effects))
+        fit = _pruned(evidence, _swapped(evidence, larger, effects))
         if fit.cost >= base.cost:
             break
     return fit, entries
@@ -159,8 +158,8 @@ def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateE
         base: The fit without effects.
         effects: The effects that may enter.
     """
-    prospects = [p for p in _scanned(evidence, base, tuple(effects)) if p.drop > HOPELESS]
-    singles = ranked(_fitted(evidence, base, tuple(prospects[:BEAM]), base.cost - HOPELESS), effects)
+    prospects = [p for p in scanned(evidence, base, tuple(effects)) if p.drop > HOPELESS]
+    singles = ranked(fitted(evidence, base, tuple(prospects[:BEAM]), base.cost - HOPELESS), effects)
     # Effects that these data cannot distinguish, such as an offset and a bias of the only material, fit equally well.
     distinct = {round(single.cost, 1): single for single in reversed(singles)}
     pairs = _extended_all(evidence, list(distinct.values()), effects)
@@ -219,7 +218,7 @@ def _entered(
     """Return the fit with the best additional effect, if any is accepted, and the steps."""
     entries: list[Entry] = []
     threshold = THRESHOLD + (THIRD if len(fit.hypothesis.effects) == MAX_EFFECTS - 1 else 0.0)
-    for tried in _extended(evidence, fit, effects):
+    for tried in extended(evidence, fit, effects):
         effect = tried.hypothesis.added_to(fit.hypothesis)
         drop = fit.cost - tried.cost
         reason = refusal(evidence, fit, tried, effect, threshold)
@@ -232,29 +231,10 @@ def _entered(
     return None, entries
 
 
-def rescued(evidence: Evidence, selection: Selection, effects: Sequence[CandidateEffect]) -> Selection | None:
-    """Return the selection with an additional effect that makes an inadequate model adequate; None if there is none.
-
-    The effect may be too weak to be accepted by itself: here it is known that something is wrong, and only the cause is
-    open.
-    """
-    fit = selection.fit
-    # A third effect that is too weak for itself would make nearly any model adequate.
-    if len(fit.hypothesis.effects) >= MAX_EFFECTS - 1:
-        return None
-    for tried in _extended(evidence, fit, effects):
-        effect = tried.hypothesis.added_to(fit.hypothesis)
-        if not refusal(evidence, fit, tried, effect, RESCUE) and adequacy(evidence, tried).is_adequate:
-            drop = fit.cost - tried.cost
-            entry = Entry(effect, drop, accepted=True, reason=f"the cost falls by {drop:.1f}, and no structure remains")
-            return Selection(selection.nominal, tried, (*selection.entries, entry), selection.pairs)
-    return None
-
-
-def _extended(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
+def extended(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
     """Return the fits with one promising effect in addition, the best first."""
-    prospects = _scanned(evidence, fit, _beside(fit, effects))
-    return ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects)
+    prospects = scanned(evidence, fit, _beside(fit, effects))
+    return ranked(fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects)
 
 
 def _extended_all(
@@ -311,14 +291,12 @@ def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
 
 
 @remembered
-def _scanned(evidence: Evidence, fit: HypothesisFit, effects: tuple[CandidateEffect, ...]) -> tuple[Prospect, ...]:
+def scanned(evidence: Evidence, fit: HypothesisFit, effects: tuple[CandidateEffect, ...]) -> tuple[Prospect, ...]:
     return tuple(scan(evidence, fit, effects))
 
 
 @remembered
-def _fitted(
-    evidence: Evidence, fit: HypothesisFit, prospects: tuple[Prospect, ...], goal: float
-) -> list[HypothesisFit]:
+def fitted(evidence: Evidence, fit: HypothesisFit, prospects: tuple[Prospect, ...], goal: float) -> list[HypothesisFit]:
     return _best_of_each(fits(evidence, _starts(fit, prospects), goal))
 
 
@@ -363,8 +341,8 @@ def replaced(
     # Wider noise can replace any structure of the mean, so it is no rival of an effect that explains the structure.
     if not is_of_noise(fit, effect):
         effects = [e for e in effects if e.kind.slot is not Slot.RANGE_NOISE]
-    prospects = _scanned(evidence, base, tuple(e for e in effects if e.kind.name not in names and e != effect))
-    return ranked(_fitted(evidence, base, promising(prospects), fit.cost + FAR), effects)
+    prospects = scanned(evidence, base, tuple(e for e in effects if e.kind.name not in names and e != effect))
+    return ranked(fitted(evidence, base, promising(prospects), fit.cost + FAR), effects)
 
 
 def _swapped(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> HypothesisFit:

@@ -51,9 +51,10 @@ def test_a_name_that_stands_has_nothing_against_it(evidence):
     assert evidence.closest_rival is None or evidence.closest_rival[1] >= -CHEAPER
     assert evidence.ahead < BETTER
     assert evidence.confidence >= MIN_WEIGHT
-    # Held-out rows count, unless parameters bent far out of their tolerances do its work there.
+    # Held-out rows count, but not against an effect whose work parameters far out of their tolerances do there.
     is_imitated = evidence.rise_of_prior > 0.5 * evidence.rise
-    heldout_rise = 0.0 if evidence.heldout_rise is None or is_imitated else evidence.heldout_rise
+    heldout_rise = 0.0 if evidence.heldout_rise is None else evidence.heldout_rise
+    heldout_rise = max(heldout_rise, 0.0) if is_imitated else heldout_rise
     # An error that is a little larger says nothing where the rows are more likely with the effect.
     is_closer = evidence.gain_at_most is None or evidence.gain_at_most >= 0.0
     assert is_closer or is_imitated or heldout_rise > 0.0
@@ -104,6 +105,14 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
 def test_fitted_and_held_out_rows_are_weighed_together(rise, heldout_rise, stands):
     """Log-likelihood ratios of independent rows add up."""
     evidence = NameEvidence("supply_sag", rise, 15.0, 0.0, heldout_rise, False, "", "", None, -9.0, 0.97)  # noqa: FBT003
+    assert (not withheld(evidence)) is stands
+
+
+@pytest.mark.parametrize(("heldout_rise", "stands"), [(20.0, True), (-20.0, False)])
+def test_held_out_rows_speak_for_an_effect_that_nominal_parameters_imitate_in_the_others(heldout_rise, stands):
+    """The whole rise of 15.5 comes from parameters, which predict the held-out rows far worse, or better."""
+    evidence = NameEvidence("supply_sag", 15.5, 15.0, 15.5, heldout_rise, False, "", "", None, -9.0, 0.97)  # noqa: FBT003
+    assert evidence.is_imitated
     assert (not withheld(evidence)) is stands
 
 

@@ -8,9 +8,10 @@ import pytest
 
 from configs.effects.base import Slot
 from diagnosis.inference.selection import refusal as refusals
-from diagnosis.inference.selection import removal, stepwise
+from diagnosis.inference.selection import removal, rescue, stepwise
 from diagnosis.inference.selection.refusal import is_at_bound, refusal
-from diagnosis.inference.selection.stepwise import Entry, Selection, rescued, select
+from diagnosis.inference.selection.rescue import rescued
+from diagnosis.inference.selection.stepwise import Entry, Selection, select
 from sensors.effects.noise_scale import NoiseScale
 
 NO_ROWS = np.zeros(0)
@@ -238,6 +239,7 @@ class TestSteps:
                 return "no" if effect in effects else ""
 
             monkeypatch.setattr(stepwise, "refusal", refusal)
+            monkeypatch.setattr(rescue, "refusal", refusal)
             return thresholds
 
         return refuse
@@ -256,7 +258,7 @@ class TestSteps:
         """Of costs that fall from 100, 15 less is strong enough."""
         refusing(A, B)
         candidates = [fake_fit(80.0, A), fake_fit(cost_of_b, B), fake_fit(84.0, C)]
-        monkeypatch.setattr(stepwise, "_extended", lambda *_: candidates)
+        monkeypatch.setattr(stepwise, "extended", lambda *_: candidates)
         entered, entries = stepwise._entered(evidence, fake_fit(100.0), ())
         assert "".join(entry.effect.name for entry in entries) == tried
         assert entered is (candidates[2] if tried == "ABC" else None)
@@ -331,10 +333,10 @@ class TestSteps:
         """From a fall of 9 on."""
         thresholds = refusing(A)
         candidates = [fake_fit(90.0, D, effect) for effect in (A, B, C)]
-        monkeypatch.setattr(stepwise, "_extended", lambda *_: candidates)
+        monkeypatch.setattr(rescue, "extended", lambda *_: candidates)
         adequate = {A, C}
         monkeypatch.setattr(
-            stepwise, "adequacy", lambda _, fit: SimpleNamespace(is_adequate=fit.hypothesis.effects[-1] in adequate)
+            rescue, "adequacy", lambda _, fit: SimpleNamespace(is_adequate=fit.hypothesis.effects[-1] in adequate)
         )
         begin = Selection(fake_fit(200.0), fake_fit(100.0, D), (Entry(D, 100.0, accepted=True, reason=""),))
         found = rescued(evidence, begin, ())
@@ -343,27 +345,67 @@ class TestSteps:
         assert [(entry.effect, entry.drop, entry.accepted) for entry in found.entries[1:]] == [(C, 10.0, True)]
         assert thresholds == [(A, 9.0), (B, 9.0), (C, 9.0)]
         adequate.remove(C)
+        monkeypatch.setattr(rescue, "_with_another", lambda *_: None)
         assert rescued(evidence, begin, ()) is None
 
     def test_no_weak_third_effect_rescues_a_model(self, evidence, monkeypatch, refusing):
         refusing()
-        monkeypatch.setattr(stepwise, "_extended", lambda *_: [fake_fit(90.0, C, D, A)])
-        monkeypatch.setattr(stepwise, "adequacy", lambda *_: SimpleNamespace(is_adequate=True))
+        monkeypatch.setattr(rescue, "extended", lambda *_: [fake_fit(90.0, C, D, A)])
+        monkeypatch.setattr(rescue, "adequacy", lambda *_: SimpleNamespace(is_adequate=True))
+        monkeypatch.setattr(rescue, "_with_another", lambda *_: None)
         assert rescued(evidence, Selection(fake_fit(200.0), fake_fit(100.0, C, D), ()), ()) is None
+
+    @pytest.mark.parametrize(
+        ("cost", "adequate", "chosen"),
+        [
+            (104.0, {B, C}, (B,)),
+            (104.0, {C}, None),
+            (105.0, {B, C}, None),
+            (99.0, {C}, (B, C)),
+            (99.0, set(), None),
+        ],
+        ids=["as good", "as bad", "worse", "better, beside a further effect", "better, and with structure"],
+    )
+    def test_an_inadequate_model_is_rescued_by_another_effect_that_costs_at_most_a_little_more(
+        self, evidence, monkeypatch, refusing, cost, adequate, chosen
+    ):
+        """Up to 4.6, within which the data do not tell effects apart. A better one may need a further effect."""
+        refusing()
+        base, begin = fake_fit(200.0), Selection(fake_fit(200.0), fake_fit(100.0, A), ())
+        monkeypatch.setattr(rescue, "extended", lambda *_: [])
+        monkeypatch.setattr(rescue, "without", lambda *_: base)
+        monkeypatch.setattr(rescue, "_beside", lambda *_: [fake_fit(cost, B)])
+        monkeypatch.setattr(rescue, "grown", lambda _, __, fit, ___: (fake_fit(80.0, *fit.hypothesis.effects, C), []))
+        monkeypatch.setattr(
+            rescue, "adequacy", lambda _, fit: SimpleNamespace(is_adequate=fit.hypothesis.effects[-1] in adequate)
+        )
+        found = rescued(evidence, begin, ())
+        assert (None if found is None else found.fit.hypothesis.effects) == chosen
+
+    def test_where_no_effect_was_selected_each_one_is_tried_by_itself(self, evidence, monkeypatch, refusing):
+        refusing(B)
+        begin = Selection(fake_fit(100.0), fake_fit(100.0), ())
+        monkeypatch.setattr(rescue, "extended", lambda *_: [])
+        monkeypatch.setattr(rescue, "_beside", lambda *_: [fake_fit(60.0, B), fake_fit(70.0, C)])
+        monkeypatch.setattr(rescue, "grown", lambda _, __, fit, ___: (fit, []))
+        monkeypatch.setattr(rescue, "adequacy", lambda *_: SimpleNamespace(is_adequate=True))
+        found = rescued(evidence, begin, ())
+        assert found is not None
+        assert found.fit.hypothesis.effects == (C,)
 
     @pytest.mark.parametrize(("before", "threshold"), [((), 15.0), ((B,), 15.0), ((B, C), 27.0)])
     def test_a_third_effect_needs_12_more(self, evidence, monkeypatch, refusing, before, threshold):
         thresholds = refusing(A)
-        monkeypatch.setattr(stepwise, "_extended", lambda *_: [fake_fit(80.0, *before, A)])
+        monkeypatch.setattr(stepwise, "extended", lambda *_: [fake_fit(80.0, *before, A)])
         assert stepwise._entered(evidence, fake_fit(100.0, *before), ())[0] is None
         assert thresholds == [(A, threshold)]
 
     def test_effects_of_other_names_enter_if_they_can_still_lower_the_cost_by_9(self, evidence, monkeypatch):
         scanned, goals = [], []
         monkeypatch.setattr(stepwise, "scan", lambda _, __, effects: scanned.extend(effects) or [])
-        monkeypatch.setattr(stepwise, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
+        monkeypatch.setattr(stepwise, "fitted", lambda _, __, ___, goal: goals.append(goal) or [])
         left = fake_effect("B")
-        assert stepwise._extended(evidence, fake_fit(100.0, A, B), (A, left, C, D)) == []
+        assert stepwise.extended(evidence, fake_fit(100.0, A, B), (A, left, C, D)) == []
         assert (scanned, goals) == ([C, D], [91.0])
 
     @pytest.mark.parametrize(("last", "rivals"), [(A, [C, D]), (NOISE, [A, C, D])])
@@ -372,7 +414,7 @@ class TestSteps:
         scanned, goals = [], []
         monkeypatch.setattr(stepwise, "is_of_noise", lambda _, effect: effect is NOISE)
         monkeypatch.setattr(stepwise, "scan", lambda _, __, effects: scanned.extend(effects) or [])
-        monkeypatch.setattr(stepwise, "_fitted", lambda _, __, ___, goal: goals.append(goal) or [])
+        monkeypatch.setattr(stepwise, "fitted", lambda _, __, ___, goal: goals.append(goal) or [])
         wider = fake_effect("WIDER", slot=Slot.RANGE_NOISE)
         stepwise.replaced(evidence, fake_fit(100.0, B, last), last, fake_fit(120.0, B), (A, B, C, D, NOISE, wider))
         assert scanned == ([*rivals, wider] if last is NOISE else rivals)
@@ -440,7 +482,7 @@ class TestSteps:
         monkeypatch.setattr(removal, "moved", lambda *_: None)
         fit: Any = Fake(cost=100.0, hypothesis=Fake(without=lambda _: None), x=None)
         for _ in range(2):
-            stepwise._scanned(evidence, fit, (A,))
-            stepwise._fitted(evidence, fit, (), 91.0)
+            stepwise.scanned(evidence, fit, (A,))
+            stepwise.fitted(evidence, fit, (), 91.0)
             stepwise.without(evidence, fit, A)
         assert work == ["scan", 91.0, 140.0]

@@ -22,7 +22,6 @@ from diagnosis.inference.selection.stepwise import (
     promising,
     ranked,
     replaced,
-    rescued,
     select,
 )
 
@@ -234,14 +233,9 @@ def test_of_two_pairs_held_out_rows_do_not_choose(evidence_of, fitted):
 
 def test_no_pairs_are_tried_beside_three_effects(evidence_of, hypothesis, effect, monkeypatch):
     three: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3)))
-    monkeypatch.setattr(module, "_grown", lambda *_: (three, []))
+    monkeypatch.setattr(module, "grown", lambda *_: (three, []))
     monkeypatch.setattr(module, "_best_pair", lambda *_: pytest.fail("pairs were tried"))
     assert select(evidence_of(X, X), hypothesis, [effect("current_sensor_gain")]).fit is three
-
-
-def test_no_fourth_effect_rescues_a_model(evidence_of, effect):
-    three: Any = SimpleNamespace(fit=SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3))))
-    assert rescued(evidence_of(X, X), three, [effect("current_sensor_gain")]) is None
 
 
 @pytest.mark.parametrize(("tolerances", "numbers"), [(2.9, [0.5, 0.5]), (4.0, [0.5, 0.5, 1.0, 0.5])])
