@@ -207,7 +207,8 @@ def diagnose(
     evidence, selection = _selected(evidence, bare, library.testable)
     progress.begin(Phase.STRUCTURE)
     result = adequacy(evidence, selection.fit)
-    if not result.is_adequate and (better := rescued(evidence, selection, library.testable)) is not None:
+    # Outliers in successive rows favour no effect.
+    if not result.leaves_only_outliers and (better := rescued(evidence, selection, library.testable)) is not None:
         selection, result = better, adequacy(evidence, better.fit)
     result = _structures_of(evidence, selection, result)
     measured, slow = evidence, wander(evidence, selection.nominal, selection.fit)

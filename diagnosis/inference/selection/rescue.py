@@ -15,6 +15,7 @@ from diagnosis.inference.selection.refusal import refusal
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.inference.selection.stepwise import (
+    BEAM,
     HOPELESS,
     MAX_EFFECTS,
     RESCUE,
@@ -57,8 +58,8 @@ def _with_one_more(evidence: Evidence, selection: Selection, effects: Sequence[C
 def _with_another(evidence: Evidence, selection: Selection, effects: Sequence[CandidateEffect]) -> Selection | None:
     """Return an adequate selection with another effect in the place of one, or of none; None if there is none.
 
-    Every effect is fitted that may explain anything, and not only what the scan expects to be the best. One that
-    explains more may need a further effect; one that explains as much must leave no structure by itself.
+    More effects are fitted than those that the scan expects to be the best. One that explains more may need a further
+    effect; one that explains as much must leave no structure by itself.
     """
     fit = selection.fit
     for base in [without(evidence, fit, effect) for effect in fit.hypothesis.effects] or [fit]:
@@ -82,8 +83,8 @@ def _with_another(evidence: Evidence, selection: Selection, effects: Sequence[Ca
 def _beside(
     evidence: Evidence, fit: HypothesisFit, base: HypothesisFit, effects: Sequence[CandidateEffect]
 ) -> list[HypothesisFit]:
-    """Return the fits of each effect that a fit lacks, beside those of a smaller one, the best first."""
+    """Return the fits of likely effects that a fit lacks, beside those of a smaller one, the best first."""
     names = {effect.kind.name for effect in fit.hypothesis.effects}
     prospects = scanned(evidence, base, tuple(effect for effect in effects if effect.kind.name not in names))
-    likely = tuple(prospect for prospect in prospects if prospect.drop > HOPELESS)
-    return ranked(fitted(evidence, base, likely, fit.cost), effects)
+    best = tuple(prospect for prospect in prospects[:BEAM] if prospect.drop > HOPELESS)
+    return ranked(fitted(evidence, base, best, fit.cost), effects)
