@@ -164,11 +164,12 @@ class _State:
     cost: float = np.inf
     fit: HypothesisFit | None = None
     """The fit at x; None until its slopes are known."""
-
-    @property
-    def around(self) -> tuple[Hypothesis, Array]:
-        """Return the hypothesis and the coordinates to predict for the slopes at x: x, and a step along each axis."""
-        return self.hypothesis, _around(self.hypothesis, self.x)
+    steps: int = 0
+    """Number of steps, with the stretches after them, that were done."""
+    fall: float = np.inf
+    """Fall of the cost by the last step."""
+    is_settled: bool = False
+    """Whether no step lowers the cost any more, and the effects are not stretched yet."""
 
 
 def fits(
@@ -193,22 +194,53 @@ def fits_of_contests(contests: Sequence[Contest]) -> list[list[HypothesisFit]]:
         for (hypothesis, x), noise in zip(contest.starts, contest.noises or repeat(None), strict=False)
     ]
     active = states
-    for _ in range(MAX_STEPS):
-        if not active:
-            break
-        falls = _stepped(active, _linearised(active))
-        # Gear play and limits make the cost ripple, and slopes lead only into the nearest minimum.
-        more_falls = _stretched(active, [fall <= SETTLED for fall in falls])
-        total_falls = [max(fall, 0.0) + more for fall, more in zip(falls, more_falls, strict=True)]
+    while active:
+        requests = [(state.hypothesis, _requested(state)) for state in active]
+        predictions = _predicted(active, requests)
+        ended = [_advance(s, x, p) for s, (_, x), p in zip(active, requests, predictions, strict=True)]
         best_costs = {each: min([s.cost for s in states if s.contest is each], default=0.0) for each in contests}
-        active = [
-            state
-            for state, fall in zip(active, total_falls, strict=True)
-            if _continues(fall, state.cost - best_costs[state.contest], FAR)
-            and _continues(fall, state.cost - state.contest.goal, 0.0)
-        ]
+        active = [s for s, end in zip(active, ended, strict=True) if not end or _goes_on(s, best_costs[s.contest])]
     _linearised(states)
     return [[state.fit for state in states if state.contest is each and state.fit is not None] for each in contests]
+
+
+def _requested(state: _State) -> Array:
+    """Return the coordinates (M, P) whose predictions a fit needs next: of stretches, around x, or of steps."""
+    if state.is_settled:
+        return _stretches(state.hypothesis, state.x)
+    if state.fit is None:
+        return _around(state.hypothesis, state.x)
+    tried = _steps(state.fit)
+    return np.concatenate([tried, _around(state.hypothesis, tried[0])[1:]])
+
+
+def _advance(state: _State, tried: Array, prediction: Prediction) -> bool:
+    """Go on with a fit from the predictions that it requested; return whether a step has ended.
+
+    The best of several steps is taken if the cost falls. Where none lowers it, the effects are stretched: gear play and
+    limits make the cost ripple, and slopes lead only into the nearest minimum.
+    """
+    if state.is_settled:
+        state.fall += _take_best(state, tried, prediction)[1]
+        state.is_settled = False
+    elif state.fit is None:
+        _fit(state, prediction)
+        return False
+    else:
+        before, steps = state.cost, len(DAMPINGS)
+        best, fall = _take_best(state, tried[:steps], prediction.some(slice(steps)))
+        if fall > 0.0 and best == 0:
+            _fit(state, prediction.some([0, *range(steps, len(prediction.mean))]))
+        state.fall = max(before - state.cost, 0.0)
+        state.is_settled = state.fall <= SETTLED
+    state.steps += not state.is_settled
+    return not state.is_settled
+
+
+def _goes_on(state: _State, best_cost: float) -> bool:
+    """Return whether a fit gets another step; `best_cost` is that of its contest."""
+    behind, from_goal = state.cost - best_cost, state.cost - state.contest.goal
+    return state.steps < MAX_STEPS and _continues(state.fall, behind, FAR) and _continues(state.fall, from_goal, 0.0)
 
 
 def _continues(fall: float, behind: float, far: float) -> bool:
@@ -225,45 +257,10 @@ def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> HypothesisFit:
 def _linearised(states: Sequence[_State]) -> list[HypothesisFit]:
     """Return residuals and derivatives of each state at its coordinates; they are predicted if not known yet."""
     unknown = [state for state in states if state.fit is None]
-    for state, prediction in zip(unknown, _predicted(unknown, [state.around for state in unknown]), strict=True):
+    requests = [(state.hypothesis, _around(state.hypothesis, state.x)) for state in unknown]
+    for state, prediction in zip(unknown, _predicted(unknown, requests), strict=True):
         _fit(state, prediction)
     return [state.fit for state in states if state.fit is not None]
-
-
-def _stepped(states: Sequence[_State], known: Sequence[HypothesisFit]) -> list[float]:
-    """Return the fall of the cost by the best step of each state, which is taken if the cost falls."""
-    trials = [_steps(fit) for fit in known]
-    requests = [
-        (state.hypothesis, np.concatenate([tried, _around(state.hypothesis, tried[0])[1:]]))
-        for state, tried in zip(states, trials, strict=True)
-    ]
-    falls = []
-    for state, tried, prediction in zip(states, trials, _predicted(states, requests), strict=True):
-        before = state.cost
-        best, fall = _take_best(state, tried, prediction.some(slice(len(tried))))
-        if fall > 0.0 and best == 0:
-            _fit(state, prediction.some([0, *range(len(tried), len(prediction.mean))]))
-        falls.append(before - state.cost)
-    return falls
-
-
-def _stretched(states: Sequence[_State], settled: Sequence[bool]) -> list[float]:
-    """Return the falls of the cost where settled fits try their effects larger and smaller; others get their slopes."""
-    requests = [
-        (state.hypothesis, _stretches(state.hypothesis, state.x)) if is_settled else state.around
-        for state, is_settled in zip(states, settled, strict=True)
-        if is_settled or state.fit is None
-    ]
-    predictions = iter(_predicted(states, requests))
-    falls = []
-    for state, is_settled in zip(states, settled, strict=True):
-        fall = 0.0
-        if is_settled:
-            fall = _take_best(state, _stretches(state.hypothesis, state.x), next(predictions))[1]
-        elif state.fit is None:
-            _fit(state, next(predictions))
-        falls.append(fall)
-    return falls
 
 
 def _take_best(state: _State, tried: Array, prediction: Prediction) -> tuple[int, float]:

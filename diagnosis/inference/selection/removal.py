@@ -9,7 +9,7 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fitting.fit import FAR, HypothesisFit, fits
-from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.adequacy import change_by
 from symolo.core.arrays import Array
@@ -22,7 +22,16 @@ CANCELLED = 0.5
 def without(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> HypothesisFit:
     """Return the fit without one effect."""
     fewer = fit.hypothesis.without(effect)
+    if not fewer.effects:
+        return without_effects(evidence, fewer)
     (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))], fit.cost + FAR)
+    return base
+
+
+@remembered
+def without_effects(evidence: Evidence, nominal: Hypothesis) -> HypothesisFit:
+    """Return the fit of a hypothesis that has no effects."""
+    (base,) = fits(evidence, [(nominal, nominal.null())])
     return base
 
 

@@ -85,6 +85,6 @@ def _beside(
 ) -> list[HypothesisFit]:
     """Return the fits of likely effects that a fit lacks, beside those of a smaller one, the best first."""
     names = {effect.kind.name for effect in fit.hypothesis.effects}
-    prospects = scanned(evidence, base, tuple(effect for effect in effects if effect.kind.name not in names))
+    prospects = scanned(evidence, base, [effect for effect in effects if effect.kind.name not in names])
     best = tuple(prospect for prospect in prospects[:BEAM] if prospect.drop > HOPELESS)
     return ranked(fitted(evidence, base, best, fit.cost), effects)

@@ -24,7 +24,7 @@ from diagnosis.inference.fitting.fit import FAR, Contest, HypothesisFit, fits, f
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.selection.penalty import parameter_penalty
 from diagnosis.inference.selection.refusal import THRESHOLD, is_of_noise, needed, refusal
-from diagnosis.inference.selection.removal import cancelled_by, without
+from diagnosis.inference.selection.removal import cancelled_by, without, without_effects
 from diagnosis.inference.selection.scan import Prospect, scan, scan_beside, scan_pairs
 from symolo.core.arrays import Array
 
@@ -98,7 +98,7 @@ def select(
         effects: The effects that may enter.
         begin: An earlier selection from the same rows with smaller weights, whose effects stay.
     """
-    (base,) = fits(evidence, [(nominal, nominal.null() if begin is None else begin.nominal.x)])
+    base = without_effects(evidence, nominal)
     fit, entries = base, []
     if begin is not None and begin.names:
         (fit,) = fits(evidence, [(begin.fit.hypothesis, begin.fit.x)])
@@ -158,7 +158,7 @@ def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateE
         base: The fit without effects.
         effects: The effects that may enter.
     """
-    prospects = [p for p in scanned(evidence, base, tuple(effects)) if p.drop > HOPELESS]
+    prospects = [p for p in scanned(evidence, base, effects) if p.drop > HOPELESS]
     singles = ranked(fitted(evidence, base, tuple(prospects[:BEAM]), base.cost - HOPELESS), effects)
     # Effects that these data cannot distinguish, such as an offset and a bias of the only material, fit equally well.
     distinct = {round(single.cost, 1): single for single in reversed(singles)}
@@ -290,9 +290,21 @@ def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
     )
 
 
+def scanned(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> tuple[Prospect, ...]:
+    """Return the prospect of each effect beside a fit, the best first; those that are known are not computed again."""
+    known = _known_prospects(evidence, fit)
+    new = [effect for effect in effects if effect not in known]
+    if new:
+        known.update(dict.fromkeys(new))
+        known.update({prospect.effect: prospect for prospect in scan(evidence, fit, new)})
+    prospects = (known[effect] for effect in effects)
+    return tuple(sorted((p for p in prospects if p is not None), key=lambda prospect: -prospect.drop))
+
+
 @remembered
-def scanned(evidence: Evidence, fit: HypothesisFit, effects: tuple[CandidateEffect, ...]) -> tuple[Prospect, ...]:
-    return tuple(scan(evidence, fit, effects))
+def _known_prospects(_evidence: Evidence, _fit: HypothesisFit) -> dict[CandidateEffect, Prospect | None]:
+    """Return the prospects that are known beside a fit, to which others are added; None for an effect without one."""
+    return {}
 
 
 @remembered
@@ -341,7 +353,7 @@ def replaced(
     # Wider noise can replace any structure of the mean, so it is no rival of an effect that explains the structure.
     if not is_of_noise(fit, effect):
         effects = [e for e in effects if e.kind.slot is not Slot.RANGE_NOISE]
-    prospects = scanned(evidence, base, tuple(e for e in effects if e.kind.name not in names and e != effect))
+    prospects = scanned(evidence, base, [e for e in effects if e.kind.name not in names and e != effect])
     return ranked(fitted(evidence, base, promising(prospects), fit.cost + FAR), effects)
 
 

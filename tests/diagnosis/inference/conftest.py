@@ -1,5 +1,6 @@
 """A made-up bench whose answers are closed forms: a current proportional to x, read through the sensor's effects."""
 
+import importlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,9 +9,13 @@ import pytest
 from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
+from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
+from diagnosis.importers import IMPORTERS
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.nuisances import Nuisance
+from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Covariate, Observed, Predicted
 from physics.robot.model import RobotModel
 from sensors.wheels.instruments import read_current_A
@@ -81,5 +86,23 @@ def evidence_of(robot):
             covariates=(Covariate("x", np.array(x)), *(Covariate(k, np.array(v)) for k, v in covariates.items())),
         )
         return Evidence((Bench((observed,), np.array(x), robot.motor.torque_constant_N_m_A),))
+
+    return make
+
+
+@pytest.fixture
+def step_log(tmp_path, cases_on_the_path):
+    """Readings of a motor with hidden effects, whose numbers are given by their names, and the nominal fit."""
+    del cases_on_the_path
+
+    def make(seed, **effects):
+        cases = importlib.import_module("gap_cases")
+        cases.write(cases.make_case("motor_step", seed, list(effects.items()), rows="few"), tmp_path / "case")
+        (reader,) = (importer for importer in IMPORTERS if importer.name == "motor_step")
+        measurement = reader.read(tmp_path / "case")
+        robot = nominal_of(measurement, carrier_of(measurement, None))
+        evidence = Evidence(STAGES[measurement.kind](measurement, robot))
+        bare = Hypothesis(robot, spreads_of(measurement, robot))
+        return evidence, fits(evidence, [(bare, bare.null())])[0]
 
     return make

@@ -38,3 +38,29 @@ def test_one_effect_makes_no_pair_with_itself(evidence_of, hypothesis, effect):
     evidence = evidence_of(x, 1.4 * x)
     (base,) = fits(evidence, [(hypothesis, hypothesis.null())])
     assert scan_pairs(evidence, base, [effect("current_sensor_gain")]) == []
+
+
+def test_a_small_play_is_tried(step_log, effect):
+    """The change by a play is far from a straight line of its size, so that a large one says nothing about it."""
+    evidence, nominal = step_log(1, gear_backlash={"gap_rad": 0.003})
+    first, *_ = scan(evidence, nominal, [effect("gear_backlash"), effect("current_sensor_gain")])
+    assert first.effect == effect("gear_backlash")
+    assert first.drop > 15.0
+
+
+def test_beside_a_play_a_fit_starts_with_an_effect_in_the_place_of_a_nominal_number(step_log, effect):
+    """Contacts in the gear come and go with the smallest changes, so that slopes would not lead there.
+
+    The square of the tolerances by which the number is off is the most by which the cost can fall.
+    """
+    evidence, nominal = step_log(3, gear_backlash={"gap_rad": 0.03}, coulomb_friction_scale={"scale": 1.35})
+    gear, friction = effect("gear_backlash"), effect("coulomb_friction_scale")
+    (play,) = scan(evidence, nominal, [gear])
+    (fit,) = fits(evidence, [(nominal.hypothesis.with_effect(gear), play.start)])
+    (coulomb,) = (k for k, each in enumerate(fit.hypothesis.nuisances) if "coulomb" in each.name)
+    assert fit.x[coulomb] > 5.0
+    (prospect,) = scan(evidence, fit, [friction])
+    assert 15.0 < prospect.drop < fit.x[coulomb] ** 2
+    assert abs(prospect.start[coulomb]) < 2.0
+    (both,) = fits(evidence, [(fit.hypothesis.with_effect(friction), prospect.start)])
+    assert fit.cost - both.cost > 15.0

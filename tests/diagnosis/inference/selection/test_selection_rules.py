@@ -267,7 +267,7 @@ class TestSteps:
 
     def test_three_effects_are_enough_and_a_model_no_better_than_none_ends_the_selection(self, evidence, monkeypatch):
         fits_by_size = [fake_fit(100.0), fake_fit(80.0, A), fake_fit(60.0, A, B), fake_fit(40.0, A, B, C)]
-        monkeypatch.setattr(stepwise, "fits", lambda _, starts: [fits_by_size[len(starts[0][0].effects)]])
+        monkeypatch.setattr(stepwise, "without_effects", lambda *_: fits_by_size[0])
         grown = [0]
 
         def entered(_, fit, __):
@@ -290,7 +290,7 @@ class TestSteps:
         base, single, pair, three = fake_fit(100.0), fake_fit(80.0, A), fake_fit(40.0, B, C), fake_fit(20.0, B, C, D)
         alone = {B: fake_fit(75.0, C), C: fake_fit(90.0, B)}
         next_of = {base: (single, ["A enters"]), single: (None, ["B is refused"]), pair: (three, ["D enters"])}
-        monkeypatch.setattr(stepwise, "fits", lambda *_: [base])
+        monkeypatch.setattr(stepwise, "without_effects", lambda *_: base)
         monkeypatch.setattr(stepwise, "_entered", lambda _, fit, __: next_of[fit])
         monkeypatch.setattr(stepwise, "_swapped", lambda _, fit, __: fit)
         monkeypatch.setattr(stepwise, "_pruned", lambda _, fit: fit)
@@ -316,14 +316,16 @@ class TestSteps:
             started.extend(starts)
             return [fake_fit(70.0, *starts[0][0].effects)]
 
-        monkeypatch.setattr(stepwise, "fits", fits)
+        for module in (stepwise, removal):
+            monkeypatch.setattr(module, "fits", fits)
         monkeypatch.setattr(stepwise, "_entered", lambda *_: (None, ["step"]))
         nominal: Any = FakeHypothesis()
         found = select(evidence, nominal, (), begin)
-        assert started == [(nominal, "x of 90.0"), (begin.fit.hypothesis, "x of 50.0")]
+        assert started == [(nominal, "null"), (begin.fit.hypothesis, "x of 50.0")]
         assert found.fit.hypothesis.effects == (A, B)
         assert found.entries == (*begin.entries, "step")
         started.clear()
+        evidence.known.clear()
         assert select(evidence, nominal, ()).fit.hypothesis.effects == ()
         assert started == [(nominal, "null")]
 
@@ -480,7 +482,7 @@ class TestSteps:
         for module in (stepwise, removal):
             monkeypatch.setattr(module, "fits", lambda _, __, goal: work.append(goal) or [fake_fit(1.0, A)])
         monkeypatch.setattr(removal, "moved", lambda *_: None)
-        fit: Any = Fake(cost=100.0, hypothesis=Fake(without=lambda _: None), x=None)
+        fit: Any = Fake(cost=100.0, hypothesis=Fake(without=lambda _: FakeHypothesis(B)), x=None)
         for _ in range(2):
             stepwise.scanned(evidence, fit, (A,))
             stepwise.fitted(evidence, fit, (), 91.0)

@@ -1,16 +1,12 @@
 """Misfits without a shape, jumps in time, and the channel in which a misfit lives."""
 
-import importlib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
-from diagnosis.importers import IMPORTERS
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
-from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.selection.scan import scan
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
@@ -18,7 +14,6 @@ from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.survivors import survivors
-from diagnosis.predictors import STAGES
 
 SD_A = 0.01
 X = np.linspace(0.3, 1.0, 16)
@@ -107,27 +102,10 @@ def test_a_jump_is_told_along_what_went_one_way_all_the_time(evidence_of, hypoth
     assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=1.0)
 
 
-@pytest.fixture
-def step_log(tmp_path, cases_on_the_path):
-    """Readings of a motor with a hidden effect, and the fit of the nominal motor."""
-    del cases_on_the_path
-
-    def make(seed, name, **numbers):
-        cases = importlib.import_module("gap_cases")
-        cases.write(cases.make_case("motor_step", seed, [(name, numbers)], rows="few"), tmp_path / "case")
-        (reader,) = (importer for importer in IMPORTERS if importer.name == "motor_step")
-        measurement = reader.read(tmp_path / "case")
-        robot = nominal_of(measurement, carrier_of(measurement, None))
-        evidence = Evidence(STAGES[measurement.kind](measurement, robot))
-        return evidence, fitted(evidence, Hypothesis(robot, spreads_of(measurement, robot)))
-
-    return make
-
-
 @pytest.mark.parametrize("seed", [4, 14])
 def test_an_effect_that_acts_from_the_start_is_no_jump(step_log, effect, seed):
     """The ripple of a motor has three numbers, which a ripple from one moment on has as well."""
-    evidence, nominal = step_log(seed, "torque_ripple", amplitude_N_m=0.012, cycles_per_turn=4.0, phase_rad=0.7)
+    evidence, nominal = step_log(seed, torque_ripple={"amplitude_N_m": 0.012, "cycles_per_turn": 4.0, "phase_rad": 0.7})
     (ripple,) = scan(evidence, nominal, [effect("torque_ripple")])
     (named,) = fits(evidence, [(nominal.hypothesis.with_effect(ripple.effect), ripple.start)])
     assert nominal.cost - named.cost > 500.0
@@ -136,7 +114,7 @@ def test_an_effect_that_acts_from_the_start_is_no_jump(step_log, effect, seed):
 
 def test_a_name_that_a_nominal_number_imitates_stays_beside_outliers_in_a_row(step_log, effect):
     """Without the name, the friction is six tolerances off, whose squares are nearly the whole fall of the cost."""
-    evidence, nominal = step_log(1, "coulomb_friction_scale", scale=1.4)
+    evidence, nominal = step_log(1, coulomb_friction_scale={"scale": 1.4})
     friction = effect("coulomb_friction_scale")
     named = fitted(evidence, nominal.hypothesis.with_effect(friction))
     assert 36.0 < nominal.cost - named.cost < 49.0
