@@ -11,6 +11,7 @@ from dataclasses import replace
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.penalty import parameter_penalty
 from diagnosis.inference.selection.refusal import refusal
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.rivals import AS_GOOD
@@ -26,7 +27,6 @@ from diagnosis.inference.selection.stepwise import (
     grown,
     ranked,
     scanned,
-    toll,
 )
 from diagnosis.inference.unexplained.adequacy import adequacy
 
@@ -64,7 +64,7 @@ def _with_another(evidence: Evidence, selection: Selection, effects: Sequence[Ca
     fit = selection.fit
     for base in [without(evidence, fit, effect) for effect in fit.hypothesis.effects] or [fit]:
         for rival in _beside(evidence, fit, base, effects):
-            behind = rival.cost + toll(rival) - fit.cost - toll(fit)
+            behind = rival.cost + parameter_penalty(rival) - fit.cost - parameter_penalty(fit)
             if behind >= AS_GOOD:
                 break
             effect = rival.hypothesis.added_to(base.hypothesis)

@@ -9,7 +9,7 @@ import pytest
 from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
-from diagnosis.case_robot import carrier_of, nominal_of, spreads_of
+from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
 from diagnosis.importers import IMPORTERS
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
@@ -100,7 +100,7 @@ def step_log(tmp_path, cases_on_the_path):
         cases.write(cases.make_case("motor_step", seed, list(effects.items()), rows="few"), tmp_path / "case")
         (reader,) = (importer for importer in IMPORTERS if importer.name == "motor_step")
         measurement = reader.read(tmp_path / "case")
-        robot = nominal_of(measurement, carrier_of(measurement, None))
+        robot = nominal_of(measurement, base_robot_of(measurement, None))
         evidence = Evidence(STAGES[measurement.kind](measurement, robot))
         bare = Hypothesis(robot, spreads_of(measurement, robot))
         return evidence, fits(evidence, [(bare, bare.null())])[0]
