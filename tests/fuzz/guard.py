@@ -124,8 +124,11 @@ def _data_bytes(process: int | str = "self") -> int:
 
 
 def _children() -> list[int]:
-    tasks = Path("/proc/self/task").iterdir()
-    return [int(child) for task in tasks for child in (task / "children").read_text(encoding="ascii").split()]
+    children: list[int] = []
+    for thread in Path("/proc/self/task").iterdir():
+        with suppress(OSError):  # a thread of the reader has just ended
+            children += map(int, (thread / "children").read_text(encoding="ascii").split())
+    return children
 
 
 def _children_s() -> float:
