@@ -4,11 +4,15 @@ import json
 from pathlib import Path
 
 from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
 
 from configs.schema.scenario import RunSpec, SceneSpec
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.side_reading import first_fault
+
+MAX_VALUES = 100_000
+"""Largest number of values of a specification; pydantic copies them for each field that is missing."""
 
 
 def parse_spec(text: str | bytes) -> SceneSpec:
@@ -17,6 +21,9 @@ def parse_spec(text: str | bytes) -> SceneSpec:
     Raises:
         ValidationError: It breaks the format.
     """
+    if text.count(b"," if isinstance(text, bytes) else ",") >= MAX_VALUES:
+        problem = PydanticCustomError("too_many_values", "has more than {most} values", {"most": MAX_VALUES})
+        raise ValidationError.from_exception_data("spec.json", [{"type": problem, "input": None}])
     try:
         content = json.loads(text)
     except (ValueError, RecursionError):

@@ -187,6 +187,10 @@ def _panorama_reader(_place: Path) -> Read:
     return read
 
 
+def _dataset_with_a_long_specification() -> bytes:
+    return b"@.stages/simulate/CW/test_1/spec.json\n" + b'{"runs": [' + 200_000 * b'{"a":1},' + b"1]}"
+
+
 def _dataset_reader(place: Path) -> Read:
     """Read a dataset with one other file, whose checksums fit, by the commands that read most of it."""
     folder = _Folder.of(valid_copy("dataset", place))
@@ -370,6 +374,7 @@ def _signature_reader(place: Path) -> Read:
 
 LONG = {
     "scenario": _scenario_of_wrong_keys,
+    "dataset": _dataset_with_a_long_specification,
     "drawing": shape_readers.drawing_of_many_curves,
     "rosbag": rosbag_reader.bag_of_long_metadata,
 }
