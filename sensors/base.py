@@ -83,11 +83,12 @@ class Sampling:
 
     period_steps: int
     delay_steps: int
-    glances_before: tuple[int, ...] = ()
-    """Steps before each sample at which the sensor looks at the world, the earliest first."""
+    subsamples_before: tuple[int, ...] = ()
+    """Numbers of steps before each sample at which the sensor reads the world too (`subsample`), the largest first."""
 
     @classmethod
     def from_seconds(cls, period_s: float, delay_s: float, physics_hz: int) -> "Sampling":
+        """Return a period and a delay rounded to whole physics steps; a period has at least one."""
         return cls(max(1, round(period_s * physics_hz)), round(delay_s * physics_hz))
 
     def step_read_at(self, step: int) -> int:
@@ -161,8 +162,8 @@ class Sensor(ABC):
         meaning = " ".join(inspect.cleandoc(cls.__doc__ or cls.name).partition("\n\n")[0].split())
         return sensor_table(name, meaning, cls.columns_of(settings))
 
-    def glance(self, world: World) -> None:
-        """Look at the world before a sample, at the times that `sampling.glances_before` names."""
+    def subsample(self, world: World) -> None:
+        """Read the world at one of the steps of `sampling.subsamples_before`, for the sample that follows."""
         raise NotImplementedError
 
     @abstractmethod

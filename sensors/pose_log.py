@@ -15,14 +15,14 @@ from symolo.dataset.tables.column import Series
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Clock(Sampling):
+class _DelayedSampling(Sampling):
     """Sampling with a delay that may change during the run."""
 
     effects: RobotEffects
     physics_hz: int
 
     @classmethod
-    def of(cls, effects: RobotEffects, physics_hz: int) -> "_Clock":
+    def of(cls, effects: RobotEffects, physics_hz: int) -> "_DelayedSampling":
         return cls(period_steps=1, delay_steps=0, effects=effects, physics_hz=physics_hz)
 
     def step_read_at(self, step: int) -> int:
@@ -37,7 +37,7 @@ class PoseLog(Sensor):
     series = (Series("pose_log", "m, m, rad"),)
 
     def __init__(self, effects: RobotEffects, physics_hz: int) -> None:
-        self.sampling = _Clock.of(effects, physics_hz)
+        self.sampling = _DelayedSampling.of(effects, physics_hz)
         self._point = effects.functions(Slot.POSE_POINT)
 
     @classmethod

@@ -30,7 +30,7 @@ class SensorSuite:
         self._next_tick = dict.fromkeys(self._sensors, 0)
         self._next_step = dict.fromkeys(self._sensors, 0)
         """Physics step of the sample that the next tick reads, by sensor; the first samples are at the start."""
-        self._glances: dict[str, list[int]] = {name: [] for name in self._sensors}
+        self._subsamples: dict[str, list[int]] = {name: [] for name in self._sensors}
         """Physics steps before the next sample at which a sensor looks at the world, by sensor."""
         self._samples: dict[str, dict[int, Reading]] = {name: {} for name in self._sensors}
         self._logged: dict[str, list[tuple[int, Array]]] = {
@@ -65,17 +65,17 @@ class SensorSuite:
         target = tick * self._tick_steps
         while (due := self._due(first := min(self._sensors, key=self._due))) <= target:
             world.advance(due - world.steps)
-            if self._glances[first]:
-                self._glances[first].pop(0)
-                self._sensors[first].glance(world)
+            if self._subsamples[first]:
+                self._subsamples[first].pop(0)
+                self._sensors[first].subsample(world)
             else:
                 self._sample(first, world)
         world.advance(target - world.steps)
         return {name: self._deliver(name, target) for name in self._sensors}
 
     def _due(self, name: str) -> int:
-        glances = self._glances[name]
-        return glances[0] if glances else self._next_step[name]
+        subsamples = self._subsamples[name]
+        return subsamples[0] if subsamples else self._next_step[name]
 
     def _sample(self, name: str, world: World) -> None:
         sensor, step = self._sensors[name], self._next_step[name]
@@ -86,8 +86,8 @@ class SensorSuite:
         while self._next_step[name] <= step:
             self._next_tick[name] += 1
             self._next_step[name] = sensor.sampling.step_read_at(self._next_tick[name] * self._tick_steps)
-        glances = (self._next_step[name] - before for before in sensor.sampling.glances_before)
-        self._glances[name] = [glance for glance in glances if glance > step]
+        subsamples = (self._next_step[name] - before for before in sensor.sampling.subsamples_before)
+        self._subsamples[name] = [subsample for subsample in subsamples if subsample > step]
 
     def _deliver(self, name: str, step: int) -> Reading:
         delivered = self._sensors[name].sampling.step_read_at(step)

@@ -31,7 +31,7 @@ from physics.drivetrain.motor import MotorModel
 from pipeline.stages import closed_loop
 from pipeline.stages.simulate import simulate
 from sensors.base import Sensor, World
-from sensors.fit_out import fit_out
+from sensors.build import build_sensors
 from symolo.arena.geometry import Arena
 
 WHEEL_SPEED_RAD_S = 4.0
@@ -101,16 +101,16 @@ def time_sensors(spec: RunSpec) -> dict[str, float]:
 
         return method_timed
 
-    def fit_out_timed(
+    def build_sensors_timed(
         robot: RobotConfig, arena: Arena, physics_hz: int, rng_of: Callable[[str], np.random.Generator]
     ) -> dict[str, Sensor]:
-        sensors = fit_out(robot, arena, physics_hz, rng_of)
+        sensors = build_sensors(robot, arena, physics_hz, rng_of)
         for name, sensor in sensors.items():
             sensor.sample = timed(name, sensor.sample)  # type: ignore[method-assign]
-            sensor.glance = timed(name, sensor.glance)  # type: ignore[method-assign]
+            sensor.subsample = timed(name, sensor.subsample)  # type: ignore[method-assign]
         return sensors
 
-    with patch.object(closed_loop, "fit_out", fit_out_timed):
+    with patch.object(closed_loop, "build_sensors", build_sensors_timed):
         seconds, _ = time_lap(spec)
     return {name: taken_s / seconds for name, taken_s in spent.items()}
 

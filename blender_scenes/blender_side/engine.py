@@ -15,7 +15,7 @@ from blender_scenes.render.sampling import TracingSettings
 from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import median_luminance, white_level
-from sensors.camera.rolling_shutter import lateness
+from sensors.camera.rolling_shutter import rolling_shutter_shift
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView
 from symolo.core.random_streams import stream
@@ -135,7 +135,7 @@ class FrameTracer:
         """Return the linear light (H, W, 3) of one of the job's frames."""
         job = self._job
         light = self.pinhole_light(view)
-        return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
+        return through_lens(light, job.camera, rolling_shutter_shift(view, job.camera, job.shutter))
 
     def pinhole_light(self, view: FrameView) -> np.ndarray:
         """Return the linear light (H, W, 3) of a view before it passes the lens."""

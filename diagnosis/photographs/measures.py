@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from diagnosis.photographs.image_figures import ImageFigures, edge_px, floor_mask, laplacian, line_mask
 from diagnosis.photographs.line_place import BgrImage, LinePlace
 from sensors.camera.colour import LUMINANCE
-from sensors.camera.response import corner_share, untoned
+from sensors.camera.response import corner_share, inverse_tone
 from symolo.core.arrays import Array
 
 MIN_FLOOR_SHARE = 0.05
@@ -116,7 +116,7 @@ def _overshoot(grey: Array, place: LinePlace) -> float:
 
 def light_of(rgb: Array | BgrImage, contrast: float) -> Array:
     """Return the linear light (..., 3) of grey values (..., 3), 0 to 255."""
-    return untoned(np.asarray(rgb, np.float64) / 255, contrast)
+    return inverse_tone(np.asarray(rgb, np.float64) / 255, contrast)
 
 
 def vignetting(photographs: Sequence[PhotographMeasures], contrast: float) -> float:

@@ -12,7 +12,7 @@ from configs.schema.scenario import Rates
 from physics.drivetrain.motor_bench import steady_states, step_responses
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin, ReplayedWorld
-from sensors.fit_out import fit_out
+from sensors.build import build_sensors
 from sensors.ranging.range_effects import RangeEffects
 from sensors.ranging.range_view import RangeView
 from sensors.suite import SensorSuite, SteppedWorld
@@ -134,7 +134,9 @@ class Probe:
         }
 
     def _sensed(self, robot: RobotConfig, world: SteppedWorld) -> dict[str, Array]:
-        sensors = fit_out(robot, self.arena, PHYSICS_HZ, lambda name: np.random.Generator(np.random.PCG64(len(name))))
+        sensors = build_sensors(
+            robot, self.arena, PHYSICS_HZ, lambda name: np.random.Generator(np.random.PCG64(len(name)))
+        )
         suite = SensorSuite(sensors, TICK_STEPS)
         rows_by_sensor: dict[str, list[Array]] = {"tof": [], "line": [], "encoders": [], "pose": []}
         for tick in range(TICKS):

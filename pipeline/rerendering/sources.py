@@ -15,7 +15,7 @@ from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.cameras import logged_cameras
 from pipeline.stages.run_tables import TakenRun, has_trajectory, is_taken, tables
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome
-from sensors.fit_out import listed_sensors
+from sensors.build import listed_sensors
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import sha256_of
 from symolo.core.files.plain_files import FileKind, read_file

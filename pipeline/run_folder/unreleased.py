@@ -12,7 +12,7 @@ from pipeline.run_folder.stored_runs import read_simulated, run_name
 from pipeline.run_folder.stored_spec import read_simulated_spec, read_spec
 from pipeline.stages.run_tables import is_taken, stage_rows, stage_tables, tables
 from pipeline.stages.simulate_runs import read_outcome
-from sensors.fit_out import listed_sensors
+from sensors.build import listed_sensors
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.time_series import Recording

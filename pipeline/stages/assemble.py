@@ -14,7 +14,7 @@ from pipeline.stages.cameras import RunCamera, cameras_of, logged_cameras
 from pipeline.stages.rendering_facts import Rendered
 from pipeline.stages.run_tables import TAKEN, stage_has_images, stage_rows, stage_tables
 from pipeline.stages.simulate_runs import read_outcome
-from sensors.fit_out import listed_sensors
+from sensors.build import listed_sensors
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known

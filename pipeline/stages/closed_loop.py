@@ -11,7 +11,7 @@ from physics.control.base import Observation
 from physics.run.controller_runner import Decision
 from physics.run.lap import LapDetector
 from sensors.base import Reading
-from sensors.fit_out import fit_out
+from sensors.build import build_sensors
 from sensors.suite import SensorSuite
 from sensors.wheels.odometry import Odometry
 from symolo.arena.geometry import Arena
@@ -32,16 +32,16 @@ class ClosedLoop:
         rng = stream(spec.seed, spec.route, spec.run, "wheels")
         self.world = BulletSimulation(spec.robot, self.arena, start, spec.rates, rng)
         try:
-            self._fit_out(spec, start)
+            self._build_sensors(spec, start)
         except BaseException:
             self.world.close()
             raise
 
-    def _fit_out(self, spec: RunSpec, start: PlanarPose) -> None:
+    def _build_sensors(self, spec: RunSpec, start: PlanarPose) -> None:
         robot, rates = spec.robot, spec.rates
         self._control_hz = rates.control_hz
         tick_steps = rates.physics_hz // rates.control_hz
-        sensors = fit_out(
+        sensors = build_sensors(
             robot, self.arena, rates.physics_hz, lambda name: stream(spec.seed, spec.route, spec.run, "sensors", name)
         )
         self.suite = SensorSuite(sensors, tick_steps)

@@ -11,7 +11,7 @@ from pipeline.run_folder.workspace import StageFolder, input_key
 from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import image_seed
 from pipeline.stages.simulate_runs import OUTCOME, SPEC, TRAJECTORY, RunOutcome, read_recording, refresh_spec, spec_text
-from sensors.fit_out import listed_sensors
+from sensors.build import listed_sensors
 from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import canonical_json

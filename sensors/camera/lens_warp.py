@@ -96,18 +96,18 @@ def _stretch(lens: Fisheye, angle: Array) -> Array:
     return angle / lens.radius(angle)
 
 
-def through_lens(light: FloatImage, camera: Intrinsics, late: FloatImage | None = None) -> FloatImage:
+def through_lens(light: FloatImage, camera: Intrinsics, shift_px: FloatImage | None = None) -> FloatImage:
     """Return the light (H, W, 3) of the final image.
 
     Args:
         light: Light of the pinhole image.
         camera: Camera of the final image.
-        late: (H, W, 2), shift of each pixel's source to the right and down [px], by `rolling_shutter.lateness`; None
-            for no shift.
+        shift_px: (H, W, 2), shift of each pixel's source to the right and down, by `rolling_shutter_shift`; None for no
+            shift.
     """
     if is_rendered_directly(camera):
         return light
-    at = sources(camera) if late is None else sources(camera) + late
+    at = sources(camera) if shift_px is None else sources(camera) + shift_px
     dark = np.isnan(at[..., 0])
     # A shifted source may be outside the margin; it then gets the light of the border.
     at = np.nan_to_num(at)

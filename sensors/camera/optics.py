@@ -33,7 +33,7 @@ def disc(diameter_px: float) -> FloatImage:
     return (shares / shares.sum()).astype(np.float32)
 
 
-def gathered(light: FloatImage, width_px: float) -> FloatImage:
+def integrated_over_pixel(light: FloatImage, width_px: float) -> FloatImage:
     """Return the light of pixels that gather it over a square of this width, 1 or more pixels of the image."""
     if width_px == 1:
         return light
@@ -49,7 +49,7 @@ def box(width_px: float) -> FloatImage:
     return (np.maximum(covered, 0.0) / width_px).astype(np.float32)
 
 
-def veiled(light: FloatImage, share: float) -> FloatImage:
+def with_veiling_glare(light: FloatImage, share: float) -> FloatImage:
     """Return light of which a share is spread evenly over the image (veiling glare, ISO 9358)."""
     if share == 0:
         return light

@@ -17,9 +17,9 @@ from pydantic import Field
 
 from configs.schema.appearance.camera_look import CameraLook, ColourFilter, is_one, is_unfiltered, is_zero
 from sensors.camera.colour import LUMINANCE, RGB, light_rgb
-from sensors.camera.finishing import sharpened, without_noise
 from sensors.camera.mosaic import colours, demosaiced, mosaic
-from sensors.camera.optics import blurred, defocused, gathered, veiled
+from sensors.camera.optics import blurred, defocused, integrated_over_pixel, with_veiling_glare
+from sensors.camera.post_processing import denoised, sharpened
 from symolo.core.arrays import FloatImage
 from symolo.core.random_streams import stream
 
@@ -185,7 +185,7 @@ def _grey_values(exposed: FloatImage, response: CameraResponse) -> FloatImage:
     """Return grey values, 0 to 255, of balanced light: saturation, tone curve, noise reduction, sharpening."""
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
     exposed = np.maximum(grey + response.saturation * (exposed - grey), 0)
-    coded = without_noise(tone(exposed, response.contrast), response.noise_reduction, response.colour_blur_px)
+    coded = denoised(tone(exposed, response.contrast), response.noise_reduction, response.colour_blur_px)
     return 255 * sharpened(coded, response.sharpening, response.sharpening_radius_px)
 
 
@@ -205,7 +205,7 @@ def compressed(pixels: NDArray[np.uint8], quality: int) -> NDArray[np.uint8]:
 
 def _through_glass(light: FloatImage, response: CameraResponse) -> FloatImage:
     light = defocused(blurred(light, response.lens_blur_px), response.defocus_px)
-    return veiled(gathered(light, response.pixel_px), response.veiling_glare)
+    return with_veiling_glare(integrated_over_pixel(light, response.pixel_px), response.veiling_glare)
 
 
 def _transmitted(width: int, height: int, response: CameraResponse) -> FloatImage:
@@ -249,7 +249,7 @@ def tone(linear: FloatImage, contrast: float) -> FloatImage:
     return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(rolled, 1 / 2.4) - 0.055)
 
 
-def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
+def inverse_tone(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
     """Return the light whose `tone` are these values, 0 to 1; just below white the result is inaccurate."""
     low = coded / 12.92
     rolled = np.where(coded <= 0.04045, low, ((np.maximum(coded, 0.0) + 0.055) / 1.055) ** 2.4)

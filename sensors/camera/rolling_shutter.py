@@ -16,7 +16,7 @@ from symolo.core.geometry.lens import NO_DISTORTION
 from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
 
-def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> FloatImage | None:
+def rolling_shutter_shift(view: FrameView, camera: Intrinsics, shutter: Shutter) -> FloatImage | None:
     """Return the shift (H, W, 2) [px] for `through_lens`; None if nothing needs correction."""
     # A camera with a fisheye lens has no `distortion`.
     if camera.distortion == NO_DISTORTION or shutter.read_out_s == 0 or not view.exposure:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from sensors.ranging.range_log import log_beyond_near
+from sensors.ranging.logarithmic_error import log_beyond_near
 from sensors.ranging.range_view import RangeView
 from symolo.core.arrays import Array
 

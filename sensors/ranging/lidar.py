@@ -19,8 +19,8 @@ from symolo.core.arrays import Array
 from symolo.dataset.tables.column import Column
 from symolo.dataset.tables.sensor_tables import MAX_COLUMNS
 
-GLANCE_S = 0.01
-"""Longest time between two poses within a sweep; between them the robot moves evenly."""
+SUBSAMPLE_S = 0.01
+"""Longest time between two poses within a sweep; between them the robot is taken to move at constant speed."""
 COLUMNS = Fixed("it decides the columns of the table")
 
 
@@ -90,11 +90,11 @@ class Lidar(Sensor):
         self._origin_R, self._rays_R = X_RS[:3, 3], rays_S @ X_RS[:3, :3].T
         self._late_s = own.sweep_s * (np.arange(count) - count + 1) / count
         """(rays,), time of each ray after the last one, so that it is never above 0."""
-        glances = ceil(own.sweep_s / GLANCE_S)
-        before = {round(own.sweep_s * physics_hz * k / glances) for k in range(1, glances + 1)}
-        self.sampling = replace(self.sampling, glances_before=tuple(sorted(before - {0}, reverse=True)))
+        subsamples = ceil(own.sweep_s / SUBSAMPLE_S)
+        before = {round(own.sweep_s * physics_hz * k / subsamples) for k in range(1, subsamples + 1)}
+        self.sampling = replace(self.sampling, subsamples_before=tuple(sorted(before - {0}, reverse=True)))
         self._poses: list[tuple[float, float, float, float]] = []
-        """Time, x, y and yaw at the glances since the last scan."""
+        """Time, x, y and yaw at the subsamples since the last scan."""
         surfaces = [SURFACES[box.surface].reflectance for box in arena.boxes]
         self._reflectance = np.array([arena.floor_reflectance, *surfaces])
         self._offset_m = own.offset_sd_m * float(rng.standard_normal())
@@ -108,13 +108,13 @@ class Lidar(Sensor):
             Column("intensity", "-", 3, "returned light, 1 for a white surface head-on, 0 for no return", count),
         )
 
-    def glance(self, world: World) -> None:
+    def subsample(self, world: World) -> None:
         self._poses.append((world.time_s, *world.pose()))
 
     def sample(self, world: World) -> Reading:
         """Return the ranges [m] and then the intensities of the rays, (2 rays,)."""
         own = self.settings
-        self.glance(world)
+        self.subsample(world)
         range_m, returned = self._true(world)
         normal = self.rng.standard_normal((2, own.rays))
         sd_m = np.hypot(own.noise_m, own.noise_share * range_m)
@@ -142,11 +142,11 @@ class Lidar(Sensor):
         return np.where(met, fraction * reach_m, 0.0), np.where(met, self._reflectance[surface] * cosine, 0.0)
 
     def _cast(  # noqa: PLR0917 - all of them describe the rays
-        self, world: World, origins: Array, directions: Array, reach_m: float, at_s: Array, glances_s: Array
+        self, world: World, origins: Array, directions: Array, reach_m: float, at_s: Array, subsamples_s: Array
     ) -> tuple[Array, NDArray[np.int64], Array]:
         """Return fraction of the reach, surface and cosine of the incidence of each ray, (rays,) each."""
-        # Moving obstacles have one place between two glances, in which they move a few millimetres at most.
-        groups = np.searchsorted(glances_s, at_s) if self._moves else np.zeros(len(at_s), np.int64)
+        # Moving obstacles have one place between two subsamples, in which they move a few millimetres at most.
+        groups = np.searchsorted(subsamples_s, at_s) if self._moves else np.zeros(len(at_s), np.int64)
         fraction, cosine = np.empty(len(at_s)), np.empty(len(at_s))
         surface = np.empty(len(at_s), np.int64)
         for group in np.unique(groups):

@@ -18,8 +18,8 @@ from configs.schema.robot import RangeBeam, RobotConfig, TofMount, TofSensor
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import applied
 from sensors.base import Reading, Sampling, Sensor, World, quantise
+from sensors.ranging.logarithmic_error import NEAR_LIMIT_M, log_beyond_near
 from sensors.ranging.range_effects import RangeEffects
-from sensors.ranging.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.ranging.range_view import RangeView
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -28,8 +28,8 @@ from symolo.dataset.tables.rows import RANGES
 from symolo.dataset.tables.side_tables import RANGE_STATUS
 
 NO_EFFECTS = RobotEffects()
-GLANCES = 8
-"""Number of moments within the time over which light is gathered, besides its end, at which the scene is evaluated."""
+SUBSAMPLES = 8
+"""Number of moments at which the scene is evaluated while light is gathered, besides the end of this time."""
 
 NOISE_AT_NEAR_MM = 1.41
 """Standard deviation of Eq. 23 up to 0.18 m."""
@@ -68,10 +68,12 @@ class RangeDevices:
     ) -> None:
         delay_s = applied(effects.functions(Slot.RANGE_DELAY), config.delay_s)
         self._gathering_s = applied(effects.functions(Slot.RANGE_GATHERING), 0.0)
-        gathering = {round(physics_hz * self._gathering_s * k / GLANCES) for k in range(GLANCES + 1)}
-        glances = tuple(sorted(gathering - {0}, reverse=True))
-        self.sampling = replace(Sampling.from_seconds(config.period_s, delay_s, physics_hz), glances_before=glances)
-        self._glances: list[tuple[float, Light]] = []
+        gathering = {round(physics_hz * self._gathering_s * k / SUBSAMPLES) for k in range(SUBSAMPLES + 1)}
+        subsamples = tuple(sorted(gathering - {0}, reverse=True))
+        self.sampling = replace(
+            Sampling.from_seconds(config.period_s, delay_s, physics_hz), subsamples_before=subsamples
+        )
+        self._subsamples: list[tuple[float, Light]] = []
         self._wandering = effects.functions(Slot.RANGE_WANDER)
         # A stream of its own, so that the noise is the same with and without a wandering error.
         (self._wander_rng,) = rng.spawn(1)
@@ -129,8 +131,8 @@ class RangeDevices:
         ]
         return np.array(self._last)
 
-    def glance(self, world: World) -> None:
-        self._glances.append((world.time_s, self._light(world)))
+    def subsample(self, world: World) -> None:
+        self._subsamples.append((world.time_s, self._light(world)))
 
     def _light(self, world: World) -> Light:
         """Return the light that returns at this moment."""
@@ -147,15 +149,15 @@ class RangeDevices:
     def _gathered(self, time_s: float, light: Light) -> Array:
         """Return the mean range (N,) over the gathering time; moments without returned light do not count."""
         begin_s = time_s - self._gathering_s - 1e-9
-        self._glances = [glance for glance in self._glances if glance[0] >= begin_s] + [(time_s, light)]
-        if len(self._glances) == 1:
+        self._subsamples = [subsample for subsample in self._subsamples if subsample[0] >= begin_s] + [(time_s, light)]
+        if len(self._subsamples) == 1:
             return light.range_m
-        times = np.array([seen_s for seen_s, _ in self._glances])
+        times = np.array([seen_s for seen_s, _ in self._subsamples])
         gaps = np.diff(times)
         # The trapezoidal rule, with twice its weights.
         length_s = np.append(gaps, 0.0) + np.append(0.0, gaps)
-        ranges = np.stack([seen.range_m for _, seen in self._glances])
-        signals = np.stack([seen.signal for _, seen in self._glances])
+        ranges = np.stack([seen.range_m for _, seen in self._subsamples])
+        signals = np.stack([seen.signal for _, seen in self._subsamples])
         weight = length_s[:, None] * (signals > 0.0)
         # Without any light the mean is 0, as the range of a single moment is.
         return (weight * ranges).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-12)

@@ -178,8 +178,8 @@ class Vl53l0x(Sensor):
         self._device = _Device(own, arena, physics_hz, rng, effects)
         self.sampling = self._device.sampling
 
-    def glance(self, world: World) -> None:
-        self._device.glance(world)
+    def subsample(self, world: World) -> None:
+        self._device.subsample(world)
 
     def sample(self, world: World) -> Reading:
         """Return range [m] and `TofStatus`, (2,)."""

@@ -17,7 +17,7 @@ from configs.loader import load_scenario
 from configs.validation.json_schema import scenario_json_schema
 from pipeline.stages.simulate import simulate
 from pipeline.user_files import environment, hashes_of_files
-from sensors.fit_out import fit_out
+from sensors.build import build_sensors
 from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
@@ -138,7 +138,7 @@ def test_a_robot_has_several_of_a_kind_each_with_a_name_and_a_random_stream_of_i
     ]
     assert type(spec).model_validate_json(spec.model_dump_json()) == spec
     streams = []
-    fit_out(
+    build_sensors(
         spec.robot, Arena.from_config(spec.arena), 1000, lambda name: streams.append(name) or np.random.default_rng()
     )
     assert streams[-2:] == ["front", "rear"]
@@ -332,7 +332,7 @@ def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tm
     read = type(spec).model_validate_json(spec.model_dump_json())
     assert read.model_dump_json() == spec.model_dump_json()
     with pytest.raises(InputError, match=r"robot\.sensors\.feeler: no such kind of sensor.*SYMOLO_SENSOR_FILES"):
-        fit_out(read.robot, Arena.from_config(read.arena), 1000, lambda _: np.random.default_rng(0))
+        build_sensors(read.robot, Arena.from_config(read.arena), 1000, lambda _: np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("result", ["np.zeros(3)", "np.array([0.0, np.nan])", "0.0"])

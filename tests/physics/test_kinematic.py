@@ -24,7 +24,7 @@ from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.robot.model import RobotModel
 from physics.twin import MAX_SCALAR_TRIALS, KinematicTwin, ReplayedWorld
-from sensors.fit_out import fit_out
+from sensors.build import build_sensors
 from sensors.suite import SensorSuite
 
 PROFILE = ((0.0, 2.0, 2.0), (1.0, 2.6, 1.4), (3.0, 1.2, 2.2), (4.5, 2.0, 2.0), (5.5, -1.5, 1.5), (6.5, 0.0, 0.0))
@@ -94,7 +94,9 @@ class TestAgainstTheEngine:
             engine.set_voltages(2.0, 2.0)
             readings = []
             for world in (engine, ReplayedWorld(run, 0, arena, 1000)):
-                sensors = fit_out(quiet, arena, 1000, lambda name: np.random.Generator(np.random.PCG64(len(name))))
+                sensors = build_sensors(
+                    quiet, arena, 1000, lambda name: np.random.Generator(np.random.PCG64(len(name)))
+                )
                 suite = SensorSuite(sensors, 50)
                 readings.append([suite.read_at_tick(world, tick) for tick in range(20)])
         for truth, found in zip(*readings, strict=True):

@@ -96,10 +96,10 @@ def test_a_scan_of_a_turning_robot_is_skewed_by_the_time_of_each_ray():
     arena, rate = room(wall(2.0)), 1.0
     device = lidar(arena, rays=11, first_ray_deg=-50, ray_step_deg=10)
     world = TurningWorld(arena, rate)
-    assert device.sampling.glances_before == tuple(range(100, 0, -10))
+    assert device.sampling.subsamples_before == tuple(range(100, 0, -10))
     for step in (*range(0, 100, 10), 100):
         world.time_s = step / 1000
-        range_m = device.sample(world)[:11] if step == 100 else device.glance(world)
+        range_m = device.sample(world)[:11] if step == 100 else device.subsample(world)
     late_s = 0.1 * (np.arange(11) - 10) / 11
     angles = np.radians(np.arange(-50, 51, 10)) + rate * (0.1 + late_s)
     np.testing.assert_allclose(range_m, 2 / np.cos(angles), atol=1e-9)

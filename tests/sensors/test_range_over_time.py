@@ -110,28 +110,28 @@ WHITE_M = 0.00025
 
 
 @pytest.mark.parametrize(("duration_s", "steps"), [(0.04, (40, 35, 30, 25, 20, 15, 10, 5)), (0.002, (2, 1)), (0.0, ())])
-def test_light_is_gathered_in_8_even_glances_of_whole_steps_before_a_sample(exact, arena_of, duration_s, steps):
+def test_light_is_gathered_in_8_even_subsamples_of_whole_steps_before_a_sample(exact, arena_of, duration_s, steps):
     effects = RobotEffects().with_effect(RangeGatheringTime(duration_s=duration_s))
     sensor = TofArray(exact, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), effects)
-    assert sensor.sampling.glances_before == steps
+    assert sensor.sampling.subsamples_before == steps
 
 
-def test_a_reading_is_the_mean_of_straight_lines_through_the_glances_of_the_gathering_time(gathers):
+def test_a_reading_is_the_mean_of_straight_lines_through_the_subsamples_of_the_gathering_time(gathers):
     """Means of the three stretches: 0.25 m over 10 ms, 0.4 m over 30 ms and 0.45 m over 60 ms.
 
-    The glance at 0.69 s is too old, and that at 0.7 s just counts, though 0.8 - 0.1 > 0.7 for a computer.
+    The subsample at 0.69 s is too old, and that at 0.7 s just counts, though 0.8 - 0.1 > 0.7 for a computer.
     """
     sensor, wall = gathers
     for time_s, distance_m in ((0.69, 1.0), (0.7, 0.2), (0.71, 0.3), (0.74, 0.5)):
-        sensor.glance(wall(distance_m, time_s))
+        sensor.subsample(wall(distance_m, time_s))
     assert sensor.sample(wall(0.4, 0.8))[0, 0] == pytest.approx((0.0025 + 0.012 + 0.027) / 0.1 + WHITE_M)
-    # A sample is itself a glance of the next one.
+    # A sample is itself a subsample of the next one.
     assert sensor.sample(wall(0.6, 0.85))[0, 0] == pytest.approx(0.5 + WHITE_M)
 
 
 def test_a_target_that_has_gone_at_the_sample_is_no_target_and_one_that_has_just_come_is_read(gathers):
     sensor, wall = gathers
-    sensor.glance(wall(0.3, 0.45))
+    sensor.subsample(wall(0.3, 0.45))
     assert sensor.sample(wall(1e9, 0.5))[0].tolist() == [2.0, TofStatus.NO_TARGET]
     assert sensor.sample(wall(0.3, 0.7))[0] == pytest.approx([0.3 + WHITE_M, TofStatus.VALID])
 

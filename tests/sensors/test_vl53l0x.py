@@ -94,10 +94,10 @@ def test_near_parts_outweigh_far_ones():
 def test_light_is_gathered_over_the_budget():
     sensor = device(arena(wall(1.0)), mode="high_accuracy", noise_scale=0.0)
     world = Approach(sensor.arena, speed_m_s=0.5)
-    before = sensor.sampling.glances_before
-    for step in (*(400 - glance for glance in before), 400):
+    before = sensor.sampling.subsamples_before
+    for step in (*(400 - subsample for subsample in before), 400):
         world.time_s = step / 1000
-        reading = sensor.sample(world) if step == 400 else sensor.glance(world)
+        reading = sensor.sample(world) if step == 400 else sensor.subsample(world)
     # At 0.4 s the wall is 0.8 m away; the mean over 0.2 s is that of 0.1 s before. The board reads 0.25 mm more.
     assert reading[0] == pytest.approx(0.8 + 0.1 * 0.5 + 0.00025, abs=1e-4)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from diagnosis.camera.case import ImagePixels
 from sensors.camera.colour import LUMINANCE
-from sensors.camera.response import CameraResponse, tone, untoned
+from sensors.camera.response import CameraResponse, inverse_tone, tone
 from symolo.core.arrays import Array
 
 
@@ -24,7 +24,7 @@ class ToneResponse:
 
     def raw(self, coded: Array) -> Array:
         """Return the light of the sensor (..., 3) for values (..., 3) from 0 to 1, without regard to sharpening."""
-        exposed = untoned(coded, self.contrast)
+        exposed = inverse_tone(coded, self.contrast)
         if self.saturation > 0:
             grey = (exposed @ LUMINANCE)[..., None]
             exposed = np.maximum(grey + (exposed - grey) / self.saturation, 0.0)
@@ -40,5 +40,5 @@ class ToneResponse:
 
 def luminance(image: ImagePixels, contrast: float) -> Array:
     """Return the light (H, W) of an image by the tone curve."""
-    table = untoned(np.arange(256) / 255.0, contrast)
+    table = inverse_tone(np.arange(256) / 255.0, contrast)
     return table[image] @ LUMINANCE

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import j1
 
 from configs.schema.appearance.camera_look import CameraLook
-from sensors.camera.optics import blurred, box, defocused, disc, gathered
+from sensors.camera.optics import blurred, box, defocused, disc, integrated_over_pixel
 from sensors.camera.response import CameraResponse, develop
 
 PLAIN = CameraLook(
@@ -40,7 +40,7 @@ def test_a_blur_disc_has_the_transfer_of_its_bessel_function(frequency):
 def test_an_odd_number_of_pixels_has_the_transfer_of_their_mean(width, frequency):
     """sin(pi f w) / (w sin(pi f)) for the mean of w samples."""
     expected = np.sin(np.pi * frequency * width) / (width * np.sin(np.pi * frequency))
-    assert transfer(lambda light: gathered(light, width), frequency) == pytest.approx(expected, abs=1e-4)
+    assert transfer(lambda light: integrated_over_pixel(light, width), frequency) == pytest.approx(expected, abs=1e-4)
 
 
 def test_a_square_of_two_pixels_takes_half_of_each_neighbour_and_every_kernel_keeps_the_light():

@@ -12,9 +12,9 @@ from sensors.camera.response import (
     corner_share,
     develop,
     encode_jpeg,
+    inverse_tone,
     median_luminance,
     tone,
-    untoned,
 )
 
 PLAIN = CameraLook(
@@ -213,11 +213,11 @@ def test_contrast_turns_the_logarithm_of_light_about_middle_grey():
 @pytest.mark.parametrize("contrast", [0.8, 1.0, 1.3])
 def test_the_light_of_a_tone_is_found_back(contrast):
     light = np.array([0.0, 1e-4, 0.002, 0.0031, 0.004, 0.05, 0.18, 0.55, 0.65, 1.0, 2.0])
-    assert untoned(tone(light, contrast).astype(np.float64), contrast) == pytest.approx(light, rel=1e-4, abs=1e-9)
+    assert inverse_tone(tone(light, contrast).astype(np.float64), contrast) == pytest.approx(light, rel=1e-4, abs=1e-9)
 
 
 def test_beyond_white_and_black_the_light_of_a_tone_is_a_number():
-    low, high = untoned(np.array([-0.1, 1.2]), 1.0)
+    low, high = inverse_tone(np.array([-0.1, 1.2]), 1.0)
     assert low == 0.0
     assert 5.0 < high < np.inf
 

@@ -13,7 +13,7 @@ from symolo.core.errors import InputError, nearest
 from symolo.dataset.tables.sensor_tables import ListedSensor
 
 
-def fit_out(
+def build_sensors(
     robot: RobotConfig, arena: Arena, physics_hz: int, rng_of: Callable[[str], np.random.Generator]
 ) -> dict[str, Sensor]:
     """Build every sensor of a robot, each with the random stream of its name.

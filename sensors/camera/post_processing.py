@@ -9,7 +9,7 @@ _LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 """Weights of gamma-coded components (ITU-R BT.601), as in JPEG."""
 
 
-def without_noise(image: FloatImage, contrast: float, colour_blur_px: float) -> FloatImage:
+def denoised(image: FloatImage, contrast: float, colour_blur_px: float) -> FloatImage:
     """Return an image (H, W, 3), 0 to 1, with less noise and less fine texture.
 
     Luma is smoothed along lines through five or three pixels, by the minimum mean square error of Lee, Refined
