@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from logs.drive import COUNTED
+from logs.mapping import MAPPING, Source
 from symolo.core.arrays import Array
 
 COUNTERS = tuple(2.0**bits for bits in (8, 10, 12, 13, 14, 15, 16, 24, 32))
@@ -15,6 +17,30 @@ TYPICAL = 0.99
 MAX_STEPS = 3.0
 JUMP, JUMP_TICKS = 20.0, 100.0
 """Steps of a counter that stand out: so many times a typical one, and at least so many counts."""
+
+
+def running_counts(numbers: Array, source: Source, name: str, notes: list[str]) -> Array:
+    """Return the numbers of a column; those of an encoder as running counts, whatever form its log gives them.
+
+    Args:
+        numbers: (N,), as the log has them, NaN where one is missing.
+        source: Entry of the mapping for the column.
+        name: Name of the quantity.
+        notes: List to which a sentence is added for each change, and for each guess that the user has to check.
+    """
+    if name not in COUNTED:
+        return numbers
+    if source.per_row:
+        return running(numbers)
+    counts, wraps_at = unwrapped(numbers, source.wraps_at)
+    if wraps_at:
+        notes.append(f"{source.column} wraps at {wraps_at:.0f} and is continued beyond it")
+    elif far := jump(counts):
+        notes.append(
+            f"CHECK {source.column}: it jumps by {far:.0f} from one row to the next; if its counter begins again "
+            f"there, give wraps_at in {MAPPING}"
+        )
+    return counts
 
 
 def running(per_row: Array) -> Array:

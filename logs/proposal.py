@@ -10,9 +10,9 @@ from logs.counts import are_per_row
 from logs.drive import COUNTED, PER_ROW
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
+from logs.plausible_units import beyond_scale, likely_unit
 from logs.quantity import DUTY, LogKind
-from logs.scale import beyond_scale, likely_unit
-from logs.times import usual
+from logs.times import usual_step
 from logs.units import factor_to, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -106,11 +106,11 @@ def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array],
     """Return an error for each quantity that no robot can have in the unit that the mapping states."""
     faults = []
     for name, scale in kind.scales.items():
-        typical = beyond_scale(values[name], scale.reach) if name in values else None
+        typical = beyond_scale(values[name], scale.plausible) if name in values else None
         if typical is None:
             continue
         source = mapping.columns[name]
-        factor = likely_unit(typical, scale.reach, scale.unit) or "check its unit"
+        factor = likely_unit(typical, scale.plausible, scale.unit) or "check its unit"
         cure = f"{factor}; correct its unit in {MAPPING} and give that with {kind.mapping_option}"
         if DUTY & set(taken_apart(source.column).words):
             cure = (
@@ -122,7 +122,7 @@ def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array],
                 f"column {source.column or source.constant}: as {source.unit or scale.unit} it gives {name} around "
                 f"{typical:.4g} {scale.unit}",
                 where=str(log.path),
-                allowed=scale.reach.words(scale.unit),
+                allowed=scale.plausible.words(scale.unit),
                 cure=cure,
             )
         )
@@ -173,7 +173,7 @@ def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
 def _step(times: Array) -> float:
     steps = np.diff(times[np.isfinite(times)])
     steps = steps[steps > 0.0]
-    return usual(steps) if len(steps) else 0.0
+    return usual_step(steps) if len(steps) else 0.0
 
 
 def _guessed(kind: LogKind, name: str, values: Array, log: LogFile, step_s: float) -> tuple[str, str]:

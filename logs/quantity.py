@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from logs.scale import Reach
+from logs.plausible_units import PlausibleRange
 from logs.units import HeaderName, taken_apart, units_for
 
 
@@ -17,7 +17,7 @@ FILLERS = words(
     "wheel wheels sensor log logged raw meas measured robot mocap opti optitrack vicon camera cam tracker true world "
     "pose pos position mean value motor mot total abs vl53l0x vl53"
 )
-"""Words that say nothing about which quantity it is."""
+"""Words that do not show which quantity it is."""
 LEFT, RIGHT = words("left l lhs links"), words("right r rhs rechts")
 FRONT = words("front f fwd forward centre center middle")
 SIDES = LEFT | RIGHT | FRONT
@@ -35,7 +35,7 @@ TURNING = words("w omega yaw turn angular ang")
 @dataclass(frozen=True)
 class Quantity:
     name: str
-    """Our name of the quantity, with its unit."""
+    """Name of the quantity in this project, with its unit."""
     groups: tuple[frozenset[str], ...]
     """Groups of words, of each of which the name has one."""
     unit_suffices: bool = True
@@ -55,13 +55,13 @@ class Quantity:
         return not names - frozenset.union(*self.groups, self.beside) - fillers
 
 
-class Scale(Protocol):
+class QuantityScale(Protocol):
     """Unit and possible values of a quantity."""
 
     @property
     def unit(self) -> str: ...
     @property
-    def reach(self) -> Reach: ...
+    def plausible(self) -> PlausibleRange: ...
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,14 @@ class LogKind:
     name: str
     quantities: tuple[Quantity, ...]
     """Quantities in the order in which they are looked for; one may occur again with other words."""
-    scales: Mapping[str, Scale]
+    scales: Mapping[str, QuantityScale]
     """Unit and possible values of each quantity that is a number, by its name."""
     needed: tuple[frozenset[str], ...]
     """Sets of quantities, one of which must be complete."""
     ranges: frozenset[str] = frozenset()
     """Readings of range sensors, which small robots log in millimetres."""
     fillers: frozenset[str] = FILLERS
-    """Words that say nothing about which quantity it is."""
+    """Words that do not show which quantity it is."""
     lone_range: str = ""
     """Reading that a single range sensor without a side has, if there is one of this kind."""
     mapping_option: str = "--mapping"

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from logs.scale import OTHER_UNITS
+from logs.plausible_units import OTHER_UNITS
 from symolo.core.errors import InputError, nearest
 
 _SPELLINGS: Mapping[str, tuple[str, ...]] = {

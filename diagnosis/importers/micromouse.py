@@ -20,8 +20,8 @@ from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import KnownMotor, NominalMotor, PositiveSpread, Spread
 from diagnosis.usual_tolerances import SHARES
+from logs.plausible_units import PlausibleRange
 from logs.recognition import first_line
-from logs.scale import Reach
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import TextFile, read_text
@@ -67,12 +67,12 @@ def nominal_motor() -> KnownMotor:
     )
 
 
-def _reading(name: str, reach: Reach) -> MeasuredColumn:
-    return MeasuredColumn(name, "", Role.READING, reach)
+def _reading(name: str, plausible: PlausibleRange) -> MeasuredColumn:
+    return MeasuredColumn(name, "", Role.READING, plausible)
 
 
 def _ticks(name: str, channel: str) -> LogColumn:
-    return LogColumn(name, "", Role.READING, Reach(-1e9, 1e9), channel=channel, channel_unit="ticks")
+    return LogColumn(name, "", Role.READING, PlausibleRange(-1e9, 1e9), channel=channel, channel_unit="ticks")
 
 
 def _speed(name: str, role: Role, channel: str) -> LogColumn:
@@ -84,13 +84,13 @@ def _command(name: str, channel: str) -> LogColumn:
 
 
 def _mode(name: str, channel: str) -> LogColumn:
-    return LogColumn(name, "", Role.INPUT, Reach(0.0, 10.0), channel=channel, channel_unit="")
+    return LogColumn(name, "", Role.INPUT, PlausibleRange(0.0, 10.0), channel=channel, channel_unit="")
 
 
-RPM = Reach(-3000.0, 3000.0)
-COMMAND = Reach(-256.0, 256.0)
-BATTERY_MV = Reach(0.0, 30_000.0)
-TIME = MeasuredColumn("time", "", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
+RPM = PlausibleRange(-3000.0, 3000.0)
+COMMAND = PlausibleRange(-256.0, 256.0)
+BATTERY_MV = PlausibleRange(0.0, 30_000.0)
+TIME = MeasuredColumn("time", "", Role.INPUT, PlausibleRange(0.0, 1e9), may_be_empty=False)
 STEADY = "wheelSpeedCalibration"
 BATTERY = _reading("batteryVoltage", BATTERY_MV)
 STEADY_COLUMNS = (

@@ -20,8 +20,8 @@ from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.holdout import EVERY
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.usual_tolerances import usual_wheels
+from logs.plausible_units import PlausibleRange
 from logs.recognition import is_file, is_folder
-from logs.scale import Reach
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.table import number
@@ -29,13 +29,13 @@ from symolo.core.time_series import TimeSeries
 
 _RUN = re.compile(r"(\d+)_run-(\d+)\.csv")
 _METADATA = "*_metadata.csv"
-_PLACE = Reach(-50.0, 50.0)
-_COUNTS = Reach(-10_000.0, 10_000.0)
+_PLACE = PlausibleRange(-50.0, 50.0)
+_COUNTS = PlausibleRange(-10_000.0, 10_000.0)
 COLUMNS = (
-    MeasuredColumn("t_s", "s", Role.INPUT, Reach(0.0, 1e6), may_be_empty=False),
+    MeasuredColumn("t_s", "s", Role.INPUT, PlausibleRange(0.0, 1e6), may_be_empty=False),
     MeasuredColumn("x_m", "m", Role.READING, _PLACE),
     MeasuredColumn("y_m", "m", Role.READING, _PLACE),
-    MeasuredColumn("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4)),
+    MeasuredColumn("theta_rad", "rad", Role.READING, PlausibleRange(-1e4, 1e4)),
     MeasuredColumn("ticks_right", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
     MeasuredColumn("ticks_left", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
 )

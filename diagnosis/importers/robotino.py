@@ -15,8 +15,8 @@ from diagnosis.importers.cases.order import check_increasing
 from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from logs.plausible_units import PlausibleRange
 from logs.recognition import first_line, is_folder
-from logs.scale import Reach
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.progress import plural
@@ -26,16 +26,16 @@ HEADER_ROWS = 3
 _SEPARATOR = ";"
 
 
-def _column(symbol: str, unit: str, role: Role, reach: float, channel: str) -> LogColumn:
-    return LogColumn(symbol, unit, role, Reach(-reach, reach), channel=channel, channel_unit=unit)
+def _column(symbol: str, unit: str, role: Role, limit: float, channel: str) -> LogColumn:
+    return LogColumn(symbol, unit, role, PlausibleRange(-limit, limit), channel=channel, channel_unit=unit)
 
 
-def _camera(symbol: str, unit: str, reach: float, *, channel: str, channel_unit: str, factor: float = 1.0) -> LogColumn:
+def _camera(symbol: str, unit: str, limit: float, *, channel: str, channel_unit: str, factor: float = 1.0) -> LogColumn:
     return LogColumn(
         symbol,
         unit,
         Role.READING,
-        Reach(-reach, reach),
+        PlausibleRange(-limit, limit),
         channel=channel,
         channel_unit=channel_unit,
         factor=factor,
@@ -44,7 +44,7 @@ def _camera(symbol: str, unit: str, reach: float, *, channel: str, channel_unit:
     )
 
 
-_TIME = MeasuredColumn("t", "ms", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
+_TIME = MeasuredColumn("t", "ms", Role.INPUT, PlausibleRange(0.0, 1e9), may_be_empty=False)
 _MOTORS = (
     *(_column(f"m{i}setvel", "rad/s", Role.INPUT, 1000.0, f"motor_{i}_set_rad_s") for i in (1, 2, 3)),
     *(_column(f"m{i}pos", "ticks", Role.READING, 1e9, f"motor_{i}_ticks") for i in (1, 2, 3)),

@@ -20,7 +20,7 @@ from diagnosis.measured.holdout import hold_out
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import NOMINAL, NominalLog, read_nominal
 from diagnosis.measured.symolo_columns import COLUMN_OF, LINE_READINGS, RANGE_READINGS, SPEEDS
-from logs.scale import Reach
+from logs.plausible_units import PlausibleRange
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.table import CsvTable
@@ -36,27 +36,37 @@ IGNORED_BY_TWIST: Mapping[str, frozenset[Slot]] = MappingProxyType(
 )
 """Slots between the speeds and the poses whose effects no prediction has, by the meaning of v and w."""
 
-_PLACE, _TURN, _SPEED = Reach(-50.0, 50.0), Reach(-1e4, 1e4), Reach(-50.0, 50.0)
-_RANGE, _REFLECTANCE = Reach(-0.1, 50.0), Reach(-0.5, 1.5)
+_PLACE, _TURN, _SPEED = PlausibleRange(-50.0, 50.0), PlausibleRange(-1e4, 1e4), PlausibleRange(-50.0, 50.0)
+_RANGE, _REFLECTANCE = PlausibleRange(-0.1, 50.0), PlausibleRange(-0.5, 1.5)
 
 
 def _time(name: str) -> LogColumn:
     return LogColumn(
-        name, "ms", Role.INPUT, Reach(-1e3, 1e10), 0, may_be_empty=False, channel="t_s", channel_unit="s", factor=1e-3
+        name,
+        "ms",
+        Role.INPUT,
+        PlausibleRange(-1e3, 1e10),
+        0,
+        may_be_empty=False,
+        channel="t_s",
+        channel_unit="s",
+        factor=1e-3,
     )
 
 
-def _reading(channel: str, unit: str, reach: Reach) -> LogColumn:
+def _reading(channel: str, unit: str, plausible: PlausibleRange) -> LogColumn:
     clock = "camera" if channel in CAMERA_CHANNELS else "log"
     is_heading = channel == "theta_rad"
     name = COLUMN_OF[channel]
     return LogColumn(
-        name, unit, Role.READING, reach, channel=channel, channel_unit=unit, is_wrapped=is_heading, clock=clock
+        name, unit, Role.READING, plausible, channel=channel, channel_unit=unit, is_wrapped=is_heading, clock=clock
     )
 
 
 def _whole(name: str) -> LogColumn:
-    return LogColumn(name, "", Role.INPUT, Reach(0.0, 1e9), 0, may_be_empty=False, channel=name, channel_unit="")
+    return LogColumn(
+        name, "", Role.INPUT, PlausibleRange(0.0, 1e9), 0, may_be_empty=False, channel=name, channel_unit=""
+    )
 
 
 READINGS = (

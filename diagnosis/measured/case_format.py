@@ -6,7 +6,7 @@ from types import MappingProxyType
 from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
-from logs.scale import Reach
+from logs.plausible_units import PlausibleRange
 from sensors.ranging.range_view import RANGE_SENSORS
 from symolo.core.table import WordColumn
 
@@ -20,11 +20,11 @@ RANGE_SIDES: tuple[str, ...] = tuple(RANGE_SENSORS.tolist())
 NO_TARGET_FROM_M = 8.19
 """Smallest of the device's codes for "no target", which are 8190 and 8191 mm."""
 
-_TIME = Reach(-1e3, 1e7)
-_COUNT = Reach(-1e12, 1e12)
-_VOLTAGE = Reach(-60.0, 60.0)
-_RANGE = Reach(-0.1, 8.2)
-_PLACE = Reach(-50.0, 50.0)
+_TIME = PlausibleRange(-1e3, 1e7)
+_COUNT = PlausibleRange(-1e12, 1e12)
+_VOLTAGE = PlausibleRange(-60.0, 60.0)
+_RANGE = PlausibleRange(-0.1, 8.2)
+_PLACE = PlausibleRange(-50.0, 50.0)
 
 
 def _number(name: str, decimals: int = 0) -> MeasuredColumn:
@@ -36,15 +36,15 @@ def _time(name: str, decimals: int) -> MeasuredColumn:
     return MeasuredColumn(name, "s", Role.INPUT, _TIME, decimals, may_be_empty=False)
 
 
-def _set(name: str, unit: str, reach: Reach, decimals: int) -> MeasuredColumn:
+def _set(name: str, unit: str, plausible: PlausibleRange, decimals: int) -> MeasuredColumn:
     """Return a column of an input that is known in every row."""
-    return MeasuredColumn(name, unit, Role.INPUT, reach, decimals, may_be_empty=False)
+    return MeasuredColumn(name, unit, Role.INPUT, plausible, decimals, may_be_empty=False)
 
 
 _MOTOR = (
     _set("u_cmd_V", "V", _VOLTAGE, 4),
-    MeasuredColumn("current_A", "A", Role.READING, Reach(-50.0, 50.0), 6),
-    MeasuredColumn("omega_rad_s", "rad/s", Role.READING, Reach(-1000.0, 1000.0), 5),
+    MeasuredColumn("current_A", "A", Role.READING, PlausibleRange(-50.0, 50.0), 6),
+    MeasuredColumn("omega_rad_s", "rad/s", Role.READING, PlausibleRange(-1000.0, 1000.0), 5),
 )
 """Columns of a motor, with at least as many digits as such logs have."""
 
@@ -56,11 +56,11 @@ COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
             _number("row"),
             SPLIT,
             _time("t_s", 4),
-            _set("distance_m", "m", Reach(0.0, 10.0), 5),
+            _set("distance_m", "m", PlausibleRange(0.0, 10.0), 5),
             WordColumn("material", may_be_empty=True),
-            MeasuredColumn("incidence_rad", "rad", Role.INPUT, Reach(-1.58, 1.58), 5),
-            MeasuredColumn("temperature_C", "degC", Role.INPUT, Reach(-60.0, 150.0), 3),
-            MeasuredColumn("ambient_lux", "lx", Role.INPUT, Reach(0.0, 200_000.0), 2),
+            MeasuredColumn("incidence_rad", "rad", Role.INPUT, PlausibleRange(-1.58, 1.58), 5),
+            MeasuredColumn("temperature_C", "degC", Role.INPUT, PlausibleRange(-60.0, 150.0), 3),
+            MeasuredColumn("ambient_lux", "lx", Role.INPUT, PlausibleRange(0.0, 200_000.0), 2),
             MeasuredColumn("reading_m", "m", Role.READING, _RANGE, 5),
         ),
         CaseKind.DRIVE_LOG: (
@@ -68,8 +68,8 @@ COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
             SPLIT,
             _time("session_time_s", 4),
             _time("t_s", 4),
-            MeasuredColumn("v_cmd_m_s", "m/s", Role.INPUT, Reach(-5.0, 5.0), 5),
-            MeasuredColumn("w_cmd_rad_s", "rad/s", Role.INPUT, Reach(-50.0, 50.0), 5),
+            MeasuredColumn("v_cmd_m_s", "m/s", Role.INPUT, PlausibleRange(-5.0, 5.0), 5),
+            MeasuredColumn("w_cmd_rad_s", "rad/s", Role.INPUT, PlausibleRange(-50.0, 50.0), 5),
             MeasuredColumn("u_left_V", "V", Role.INPUT, _VOLTAGE, 5),
             MeasuredColumn("u_right_V", "V", Role.INPUT, _VOLTAGE, 5),
             MeasuredColumn("enc_left_ticks", "ticks", Role.READING, _COUNT, 0),
@@ -77,7 +77,7 @@ COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
             *(MeasuredColumn(f"tof_{side}_m", "m", Role.READING, _RANGE, 5) for side in RANGE_SIDES),
             MeasuredColumn("x_m", "m", Role.READING, _PLACE, 6),
             MeasuredColumn("y_m", "m", Role.READING, _PLACE, 6),
-            MeasuredColumn("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4), 6),
+            MeasuredColumn("theta_rad", "rad", Role.READING, PlausibleRange(-1e4, 1e4), 6),
         ),
     }
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.measured.channel import Role
-from logs.scale import Reach, beyond_scale, likely_unit
+from logs.plausible_units import PlausibleRange, beyond_scale, likely_unit
 from symolo.core import table
 from symolo.core.errors import InputError, together
 from symolo.core.files.text_file import LineFault, TextFile, read_text
@@ -24,7 +24,7 @@ class MeasuredColumn:
     name: str
     unit: str
     role: Role
-    reach: Reach
+    plausible: PlausibleRange
     """Range of the possible values."""
     decimals: int = 4
     """Digits after the point in files that we write; 0 means whole numbers, in files that we read as well."""
@@ -128,11 +128,11 @@ def _reach_faults(read: CsvTable, columns: Sequence[CaseColumn]) -> list[InputEr
         if isinstance(column, WordColumn):
             continue
         values = read.numbers[column.name]
-        typical = beyond_scale(values, column.reach)
-        allowed = column.reach.words(column.unit)
-        beyond = np.flatnonzero(~column.reach.holds(values)).tolist()
+        typical = beyond_scale(values, column.plausible)
+        allowed = column.plausible.words(column.unit)
+        beyond = np.flatnonzero(~column.plausible.holds(values)).tolist()
         if typical is not None:
-            cure = likely_unit(typical, column.reach, column.unit) or "check the column's unit"
+            cure = likely_unit(typical, column.plausible, column.unit) or "check the column's unit"
             what = f"column {column.name}: most values are out of scale, typically {typical:.4g}"
             faults.append(InputError(what, where=str(read.path), allowed=allowed, cure=cure))
         elif beyond and column.role is Role.INPUT:

@@ -6,7 +6,7 @@ import numpy as np
 
 from diagnosis.measured.channel import Channel, Mask
 from diagnosis.measured.noise import Noise, noise_of_differences, trimmed_variance
-from logs.times import usual
+from logs.times import usual_step
 from symolo.core.arrays import Array
 
 GAP = 1.5
@@ -35,7 +35,7 @@ def timing(t_s: Array) -> Timing | None:
     steps = np.diff(t_s)
     if not len(steps):
         return None
-    period_s = usual(steps)
+    period_s = usual_step(steps)
     return Timing(period_s, float(steps.max()), int(np.count_nonzero(steps > GAP * period_s)))
 
 

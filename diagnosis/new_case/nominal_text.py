@@ -15,7 +15,7 @@ from diagnosis.new_case.estimates import contradictions, motor_of, pose_by_ticks
 from diagnosis.new_case.known_numbers import has
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
-from logs.times import usual
+from logs.times import usual_step
 from symolo.core.errors import InputError
 
 UNKNOWN_MOTOR, UNKNOWN_WHEELS = 0.5, 0.2
@@ -105,7 +105,7 @@ def _motor_bench(measurement: Measurement, known: dict[str, float]) -> Iterator[
     yield from _motor(measurement, known, names, gear=is_step)
     if is_step:
         steps = np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])
-        yield f"sample_rate_Hz: {1.0 / usual(steps):.6g}"
+        yield f"sample_rate_Hz: {1.0 / usual_step(steps):.6g}"
     yield "noise:  # standard deviations; a factor of two off does no harm"
     for name, low, usual_sd, high in (("current_A", 1e-3, 5e-3, 0.1), ("omega_rad_s", 0.02, 0.06, 1.0)):
         sd = _noise(measurement, name)

@@ -13,11 +13,11 @@ from diagnosis.measured.held import held_means
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
-from logs.counted import counted
+from logs.counts import running_counts
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping
 from logs.proposal import unit_faults
-from logs.times import usual
+from logs.times import usual_step
 from logs.units import factor_to
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
@@ -110,7 +110,7 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
-                numbers = factor * counted(log.numbers(source.column), source, name, notes)
+                numbers = factor * running_counts(log.numbers(source.column), source, name, notes)
             if name == "t_s":
                 _check_times(numbers, log, source.column)
                 if kind in _IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970
@@ -180,7 +180,7 @@ def _at_sample_times(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows
     motion = "counts grow" if names[0].endswith("_ticks") else "poses move"
     notes.append(
         f"the times of rows scatter by {scatter_s:.2g} s, but {motion} evenly from row to row: rows are taken for "
-        f"evenly sampled, {usual(np.diff(even_s[0])):.4g} s apart"
+        f"evenly sampled, {usual_step(np.diff(even_s[0])):.4g} s apart"
     )
     return [_Rows(even, part.values, part.words) for part, even in zip(parts, even_s, strict=True)]
 
@@ -232,7 +232,7 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
     steps = np.concatenate([np.diff(part.t_s) for part in parts])
     if not len(steps):
         raise InputError("no trial has two rows", where=str(log.path))
-    step_s = usual(steps)
+    step_s = usual_step(steps)
     wanted_s = ROW_S if kind is CaseKind.DRIVE_LOG else step_s
     if kind is CaseKind.DRIVE_LOG and step_s > SLOWEST_S:
         cure = "log at 10 Hz or faster; slower rows say too little about turns and starts"
@@ -306,7 +306,7 @@ def _interpolated(wanted_s: Array, t_s: Array, values: Array) -> Array:
     result = np.interp(wanted_s, times, values[known], left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(times, wanted_s), 1, len(times) - 1)
     exact = np.isin(wanted_s, times)
-    result[(times[after] - times[after - 1] > BRIDGED_STEPS * usual(np.diff(t_s))) & ~exact] = np.nan
+    result[(times[after] - times[after - 1] > BRIDGED_STEPS * usual_step(np.diff(t_s))) & ~exact] = np.nan
     return result
 
 

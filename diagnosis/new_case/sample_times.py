@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.measured.screening import GAP
-from logs.times import usual
+from logs.times import usual_step
 from symolo.core.arrays import Array
 
 ROWS_AROUND = 9
@@ -27,7 +27,7 @@ def even_times(t_s: Array) -> Array:
     steps = np.diff(t_s)
     if len(steps) < 2:
         return t_s
-    period_s = float(steps[np.abs(steps - usual(steps)) <= (GAP - 1.0) * usual(steps)].mean())
+    period_s = float(steps[np.abs(steps - usual_step(steps)) <= (GAP - 1.0) * usual_step(steps)].mean())
     number = np.arange(len(t_s), dtype=float)
     for row in (np.flatnonzero(steps > GAP * period_s) + 1).tolist():
         # Rows that were lost move all later stamps; a late stamp is an outlier.
@@ -68,5 +68,5 @@ def _roughness(t_s: Array, values: Array) -> float:
     # Three rows with one stamp have no line; their mean is its limit for equal steps.
     share = np.divide(before, before + after, out=np.full_like(before, 0.5), where=before + after > 0.0)
     line = (1.0 - share) * values[:-2] + share * values[2:]
-    joined = np.maximum(before, after) <= GAP * usual(np.diff(t_s))
+    joined = np.maximum(before, after) <= GAP * usual_step(np.diff(t_s))
     return float(np.nansum(np.abs(values[1:-1] - line)[joined]))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.screening import GAP
-from logs.times import usual
+from logs.times import usual_step
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
@@ -76,7 +76,7 @@ def _fitted_period_s(trials: tuple[Trial, ...]) -> float:
     steps = np.concatenate([np.diff(trial.t_s) for trial in trials])
     if not len(steps):
         return float(trials[0].t_s[0]) or 1.0
-    period_s = float(steps[steps <= GAP * usual(steps)].mean())
+    period_s = float(steps[steps <= GAP * usual_step(steps)].mean())
     products = squares = 0.0
     for trial in trials:
         number = np.concatenate([[0.0], np.cumsum(np.maximum(np.rint(np.diff(trial.t_s) / period_s), 1.0))])

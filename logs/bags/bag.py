@@ -59,7 +59,7 @@ class ImageTopic:
     t_s: Array
     """(N,), since the first message of the bag."""
     files: tuple[bytes, ...]
-    """JPEG or PNG files that nobody has decoded yet."""
+    """(N,), JPEG or PNG files that have not been decoded yet."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def read_bag(path: Path, report: Report | None = None) -> Bag:
 def _last_line(
     command: Sequence[str], environment: Mapping[str, str], path: Path, report: Report | None
 ) -> tuple[str, int]:
-    """Run the child, pass its progress on, and return the last line that it printed besides, and its exit code."""
+    """Run the child and report its progress; return the last other line that it printed, and its exit code."""
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "errors": "replace"}
     last = ""
     with subprocess.Popen(command, env=environment, **streams) as child, ExitStack() as stack:
@@ -115,7 +115,7 @@ def _last_line(
 
 
 def bag_of(path: Path, index: Index, out: Path) -> Bag:
-    """Return the bag at `path` from what the child says of it and from the numbers that it wrote to `out`.
+    """Return the bag at `path` from the index that the child printed and the numbers that it wrote to `out`.
 
     Raises:
         InputError: The child could not read the bag.

@@ -11,7 +11,7 @@ from logs.bags.frames import Track
 from logs.bags.images import COMPRESSED, QUALITY
 from logs.bags.sensors import mount_settings, pose_on_robot, sensor_name
 from logs.bags.streams import LENS
-from logs.times import usual
+from logs.times import usual_step
 from logs.trajectories.base import LoggedCamera
 from symolo.core.arrays import Array
 from symolo.core.files.image_headers import JPEG
@@ -132,7 +132,7 @@ def _camera(
 
 def _period_s(t_s: Array) -> float:
     """Return the usual time between two images, 1 s if there is one image."""
-    return max(round(usual(np.diff(t_s)), 6), 0.001) if len(t_s) > 1 else 1.0
+    return max(round(usual_step(np.diff(t_s)), 6), 0.001) if len(t_s) > 1 else 1.0
 
 
 def _files(images: ImageTopic, size: tuple[int, int]) -> tuple[list[bytes], list[str]]:

@@ -1,8 +1,8 @@
 """The child process that reads a bag: `python -m logs.bags.child BAG OUT`.
 
-A bag is what a stranger wrote, and its chunks unpack to whatever they hold. So this process limits its own memory and
-time before it opens the bag. It writes the numbers of all topics that `_PARTS` knows to OUT, an npz archive, and prints
-what they are as one line of JSON, or why the bag cannot be read. Lines before it report the progress.
+A bag may come from a stranger, and its chunks may unpack to any size. So this process limits its own memory and time
+before it opens the bag. It writes the numbers of all topics that `_PARTS` knows to OUT, an npz archive. Then it prints
+their index as one line of JSON, or why the bag cannot be read. Lines before it report the progress.
 """
 
 import sys
@@ -48,7 +48,7 @@ _NS = 1_000_000_000
 _MAX_METADATA_BYTES = 200_000
 """Of metadata.yaml, whose reader takes 7 s for a megabyte; a topic has about 600 bytes, and a bag `MAX_STREAMS`."""
 _MAX_DEPTH = 100
-"""Of the lists in metadata.yaml, which has none within another one."""
+"""Largest depth of nested lists in metadata.yaml, which has none in practice."""
 
 Message = Any
 """A message; its class is made at run time from the definitions in the bag."""
@@ -56,10 +56,10 @@ Message = Any
 
 @dataclass(frozen=True)
 class _Part:
-    """What a message, or a part of it, says."""
+    """The numbers of a message, or of a part of it."""
 
     stamped: Message
-    """What has the header with the time, if there is one."""
+    """The message or part that has the header with the time, if there is one."""
     columns: tuple[str, ...]
     values: Sequence[float] | Array
     parent: str = ""
@@ -158,7 +158,7 @@ _PARTS: Mapping[str, Callable[[Message], Iterable[_Part]]] = MappingProxyType(
 
 @dataclass
 class _Rows:
-    """What one stream has said so far."""
+    """The messages of one stream so far."""
 
     t_ns: list[int] = field(default_factory=list)
     values: list[Sequence[float] | Array] = field(default_factory=list)
@@ -183,7 +183,7 @@ class _Files:
 
 @dataclass
 class _Content:
-    """What a bag holds."""
+    """The streams and images of a bag so far."""
 
     streams: dict[Stream, _Rows] = field(default_factory=dict)
     images: dict[str, _Files] = field(default_factory=dict)
@@ -223,7 +223,7 @@ class _Content:
 
 
 class _TooManyStreamsError(Exception):
-    """The bag has more streams than anybody needs."""
+    """The bag has more streams than `MAX_STREAMS`."""
 
 
 def _stamp_ns(stamped: Message, logged_ns: int) -> int:

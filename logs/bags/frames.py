@@ -68,7 +68,7 @@ def robot_frames(transforms: Sequence[Track]) -> tuple[str, str] | None:
 
 
 def between(parent: str, child: str, transforms: Sequence[Track]) -> Track | None:
-    """Return the poses of a frame in another one, by way of all transforms between them; None where there is no way.
+    """Return the poses of a frame in another one through all transforms between them; None where nothing connects them.
 
     Times are those of the transform with the most messages; of the others the last one before that counts.
     """
@@ -97,7 +97,7 @@ def between(parent: str, child: str, transforms: Sequence[Track]) -> Track | Non
 
 
 def _plain(frame: str) -> str:
-    """Return the name of a frame without the stroke that ROS 1 allowed in front of it."""
+    """Return the name of a frame without the slash that ROS 1 allowed in front of it."""
     return frame.lstrip("/")
 
 

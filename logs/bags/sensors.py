@@ -13,7 +13,7 @@ from logs.bags.bag import Bag, Topic
 from logs.bags.frames import Track, between
 from logs.bags.streams import IMU, INTENSITY, RANGE, SCAN
 from logs.decimals import decimals_of
-from logs.times import usual
+from logs.times import usual_step
 from logs.trajectories.base import LoggedSensor
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import roll_pitch_yaw
@@ -178,4 +178,4 @@ def _lidar(topic: Topic, name: str, mount: dict[str, float]) -> LoggedSensor | s
 
 
 def _period_s(topic: Topic) -> float:
-    return round(usual(np.diff(topic.t_s)), 6)
+    return round(usual_step(np.diff(topic.t_s)), 6)

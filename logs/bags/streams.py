@@ -1,4 +1,4 @@
-"""The numbers of the topics of a bag, as the child process hands them over."""
+"""The index of a bag: its streams of numbers and images, as the child process prints it."""
 
 from dataclasses import dataclass, field
 
@@ -49,7 +49,7 @@ class ImageStream:
 
 @dataclass(frozen=True)
 class Index:
-    """What the child prints. The arrays `t<i>` (N,) [ns] and `v<i>` (N, columns) belong to the i-th stream.
+    """The line that the child prints. The arrays `t<i>` (N,) [ns] and `v<i>` (N, columns) belong to the i-th stream.
 
     Of the i-th topic of images, `image_t<i>` (N,) [ns] are the times, `image_n<i>` (N,) the numbers of bytes of the
     files, and `image_v<i>` the bytes of all files.

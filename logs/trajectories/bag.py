@@ -16,7 +16,7 @@ from logs.bags.cameras import cameras_of, is_lens
 from logs.bags.frames import Track, between, pairs, robot_frames
 from logs.bags.sensors import is_imu, is_scan, sensors_of
 from logs.recognition import first_bytes, is_file, is_folder
-from logs.times import usual
+from logs.times import usual_step
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.planar import on_floor
 from logs.trajectories.table import LOG_TABLE
@@ -190,7 +190,7 @@ def _ranges(bag: Bag) -> dict[str, Topic]:
 def _held(topic: Topic, t_s: Array) -> Array:
     """Return the last values (N, columns) of a topic at some times; NaN where there are none or they are too old."""
     at = np.searchsorted(topic.t_s, t_s, side="right") - 1
-    limit_s = _HELD_STEPS * usual(np.diff(topic.t_s)) if len(topic.t_s) > 1 else np.inf
+    limit_s = _HELD_STEPS * usual_step(np.diff(topic.t_s)) if len(topic.t_s) > 1 else np.inf
     fresh = (at >= 0) & (t_s - topic.t_s[np.maximum(at, 0)] <= limit_s)
     return np.where(fresh[:, None], topic.values[np.maximum(at, 0)], np.nan)
 

@@ -15,7 +15,7 @@ from symolo.dataset.tables.column import Column
 
 @dataclass(frozen=True)
 class ReadSettings:
-    """What a user says about logs beside their names."""
+    """Settings with which logs are read; the defaults recognise axes, columns and units."""
 
     mapping: Path | None = None
     """Mapping file of a table; by default columns and units are recognised."""
@@ -82,7 +82,7 @@ class LoggedCamera:
 
 @dataclass(frozen=True)
 class LoggedTrajectory:
-    """A trajectory in our units and axes, W with z up and R with x forward."""
+    """A trajectory in SI units and the axes of this project: W has z up, and R has x forward."""
 
     t_s: Array
     """(N,), increasing, in the clock of the log."""

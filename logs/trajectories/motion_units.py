@@ -10,8 +10,8 @@ from itertools import product
 
 import numpy as np
 
-from logs.scale import OTHER_UNITS
-from logs.times import usual
+from logs.plausible_units import OTHER_UNITS
+from logs.times import usual_step
 from logs.trajectories.path_direction import MAX_UNJUDGED_CHORDS, angle_to_path, chords
 from symolo.core.arrays import Array
 
@@ -44,7 +44,7 @@ def time_and_length(t: Array, place: Array, time_units: Sequence[str], length_un
     moves = (ways > 0.0) & (steps > 0.0)
     with np.errstate(over="ignore"):  # of a place that is not on Earth, which is refused later
         speed = float(np.median(ways[moves] / steps[moves])) if moves.any() else 0.0
-    step = usual(steps[steps > 0.0]) if np.any(steps > 0.0) else 0.0
+    step = usual_step(steps[steps > 0.0]) if np.any(steps > 0.0) else 0.0
     extent = float(np.ptp(place, axis=0).max())
 
     def cost(units: tuple[str, str]) -> tuple[bool, bool, bool, float, int]:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from logs.drive import COMMANDS, WHEELS
+from logs.plausible_units import PlausibleRange
 from logs.quantity import FILLERS, FRONT, HEADING, LEFT, LINEAR, RANGE, RIGHT, TIME, TURNING, LogKind, Quantity, words
-from logs.scale import Reach
 
 READING_OF: Mapping[str, str] = MappingProxyType(
     {
@@ -25,16 +25,22 @@ QUATERNION = ("qx", "qy", "qz", "qw")
 
 
 @dataclass(frozen=True)
-class _Scale:
+class _QuantityScale:
     unit: str
-    reach: Reach
+    plausible: PlausibleRange
 
 
-_PLACE = _Scale("m", Reach(-1e7, 1e7))
-_SPEED, _TURN = _Scale("m/s", Reach(-30.0, 30.0)), _Scale("rad/s", Reach(-100.0, 100.0))
-_COUNT, _VOLTAGE = _Scale("ticks", Reach(-1e12, 1e12)), _Scale("V", Reach(-60.0, 60.0))
-_COMPONENT = _Scale("", Reach(-1.5, 1.5))
-_RANGE = _Scale("m", Reach(-0.1, 100.0))
+_PLACE = _QuantityScale("m", PlausibleRange(-1e7, 1e7))
+_SPEED, _TURN = (
+    _QuantityScale("m/s", PlausibleRange(-30.0, 30.0)),
+    _QuantityScale("rad/s", PlausibleRange(-100.0, 100.0)),
+)
+_COUNT, _VOLTAGE = (
+    _QuantityScale("ticks", PlausibleRange(-1e12, 1e12)),
+    _QuantityScale("V", PlausibleRange(-60.0, 60.0)),
+)
+_COMPONENT = _QuantityScale("", PlausibleRange(-1.5, 1.5))
+_RANGE = _QuantityScale("m", PlausibleRange(-0.1, 100.0))
 
 TRAJECTORY = LogKind(
     "trajectory",
@@ -58,11 +64,11 @@ TRAJECTORY = LogKind(
         Quantity("theta_rad", (HEADING,)),
     ),
     {
-        "t_s": _Scale("s", Reach(-1e12, 1e12)),
+        "t_s": _QuantityScale("s", PlausibleRange(-1e12, 1e12)),
         "x_m": _PLACE,
         "y_m": _PLACE,
         "z_m": _PLACE,
-        "theta_rad": _Scale("rad", Reach(-1e5, 1e5)),
+        "theta_rad": _QuantityScale("rad", PlausibleRange(-1e5, 1e5)),
         "v_cmd_m_s": _SPEED,
         "w_cmd_rad_s": _TURN,
         "enc_left_ticks": _COUNT,
@@ -75,7 +81,7 @@ TRAJECTORY = LogKind(
         "tof_left_m": _RANGE,
         "tof_right_m": _RANGE,
         **dict.fromkeys(QUATERNION, _COMPONENT),
-        **{f"line_{i}": _Scale("", Reach(0.0, 1.0)) for i in range(8)},
+        **{f"line_{i}": _QuantityScale("", PlausibleRange(0.0, 1.0)) for i in range(8)},
     },
     (
         frozenset({"t_s", "x_m", "y_m", "theta_rad"}),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from logs.counted import counted
+from logs.counts import running_counts
 from logs.drive import DRIVE_TABLE
 from logs.log_file import LogFile, read_log
 from logs.mapping import LogMapping, Source, check_mapping, read_mapping, unused_columns
@@ -115,7 +115,7 @@ class _MappedTable:
                     values[name] = np.full(self.log.rows, float(source.constant))
                 else:
                     factor = source.factor * factor_to(TRAJECTORY.unit_of(name), source.unit, f"columns.{name}")
-                    values[name] = factor * counted(self.log.numbers(source.column), source, name, notes)
+                    values[name] = factor * running_counts(self.log.numbers(source.column), source, name, notes)
         if not faults.faults:
             faults.faults += unit_faults(self.mapping, TRAJECTORY, values, self.log)
         faults.check()

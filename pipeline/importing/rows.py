@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from logs.decimals import decimals_of
-from logs.times import usual
+from logs.times import usual_step
 from logs.trajectories.base import LoggedSensor, LoggedTable, LoggedTrajectory
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -74,7 +74,7 @@ def imported_rows(
     since_s = trajectory.t_s - start_s
     changes = []
     if row_hz is not None:
-        step_s = usual(np.diff(since_s))
+        step_s = usual_step(np.diff(since_s))
         times_s = np.arange(int(np.floor(since_s[-1] * row_hz + 1e-6)) + 1) / row_hz
         changes.append(f"rows, {step_s:.4g} s apart, are sampled again at {row_hz:g} Hz")
         trajectory, since_s = _sampled(trajectory, since_s, times_s), times_s
@@ -123,7 +123,7 @@ def _sampled(trajectory: LoggedTrajectory, since_s: Array, times_s: Array) -> Lo
     pose = np.column_stack([np.interp(times_s, since_s, coordinate) for coordinate in (x, y, np.unwrap(yaw))])
     after = np.clip(np.searchsorted(since_s, times_s), 1, len(since_s) - 1)
     nearest = np.where(times_s - since_s[after - 1] <= since_s[after] - times_s, after - 1, after)
-    is_near = np.abs(since_s[nearest] - times_s) <= READING_STEPS * usual(np.diff(since_s))
+    is_near = np.abs(since_s[nearest] - times_s) <= READING_STEPS * usual_step(np.diff(since_s))
 
     def taken(values: Array) -> Array:
         return np.where(is_near, values[nearest], np.nan)
@@ -158,7 +158,7 @@ def _table(table: LoggedTable, rows: Rows, chosen: np.ndarray) -> ImportedTable:
             unique_names(list(table.columns)), table.columns.items(), numbers, strict=True
         )
     ]
-    period_s = usual(np.diff(rows.t_ms)) / 1000
+    period_s = usual_step(np.diff(rows.t_ms)) / 1000
     return ImportedTable(
         LOGGED,
         sensor_table(table.name, table.meaning, columns, may_be_empty=True),

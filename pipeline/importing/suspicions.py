@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from logs.times import usual
+from logs.times import usual_step
 from logs.trajectories.path_direction import (
     EXPLAINED_RAD,
     MAX_UNJUDGED_CHORDS,
@@ -143,7 +143,7 @@ def _usual_rate(changes: Array, t_s: Array) -> float:
 
 def _spacing(t_s: Array, pose: Array) -> Iterator[str]:
     steps = np.diff(t_s)
-    step = usual(steps)
+    step = usual_step(steps)
     gaps = np.flatnonzero(steps > MAX_GAP_STEPS * step)
     if len(gaps):
         longest = int(gaps[np.argmax(steps[gaps])])

@@ -16,8 +16,8 @@ from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAG
 from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CHECK_UNIT, CaseKind, Measurement, MeasurementSource
 from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
+from logs.plausible_units import confused_units
 from logs.recognition import is_file
-from logs.scale import confused_units
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.table import CsvTable

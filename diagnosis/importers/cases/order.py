@@ -6,8 +6,8 @@ import numpy as np
 
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.screening import GAP
-from logs.scale import mixed_up_unit
-from logs.times import usual
+from logs.plausible_units import mixed_up_unit
+from logs.times import usual_step
 from symolo.core.errors import InputError
 from symolo.core.table import CsvTable
 
@@ -53,7 +53,7 @@ def check_session(table: CsvTable, within: Mask) -> None:
     begins = np.concatenate([[True], ~within])
     offset_s = session_s - t_s
     drift_s = np.abs(offset_s - offset_s[begins][np.cumsum(begins) - 1])
-    apart = np.flatnonzero(drift_s > GAP * usual(np.minimum(steps_s, session_steps_s)[within])).tolist()
+    apart = np.flatnonzero(drift_s > GAP * usual_step(np.minimum(steps_s, session_steps_s)[within])).tolist()
     if not apart:
         return
     i = apart[0]
@@ -61,7 +61,7 @@ def check_session(table: CsvTable, within: Mask) -> None:
     for name, other, factor in (("session_time_s", "t_s", ratio), ("t_s", "session_time_s", 1.0 / ratio)):
         unit = mixed_up_unit(factor, "s")
         if unit:
-            rows_s = usual((session_steps_s if name == "session_time_s" else steps_s)[within])
+            rows_s = usual_step((session_steps_s if name == "session_time_s" else steps_s)[within])
             what = f"column {name}: rows are {rows_s:.4g} s apart, {factor:.4g} times as far as by {other}"
             raise InputError(what, where=table.where(i), cure=f"this looks like {unit}")
     steps = f"goes {session_steps_s[i - 1]:.4g} s on from the row above, and t_s {steps_s[i - 1]:.4g} s"
@@ -83,7 +83,7 @@ def check_from_rest(table: CsvTable, starts: Sequence[int], within: Mask) -> Non
     t_s = table.numbers["t_s"]
     if not within.any():
         return
-    period_s = usual(np.diff(t_s)[within])
+    period_s = usual_step(np.diff(t_s)[within])
     for i in starts:
         if not -0.5 * period_s < t_s[i] <= LATEST_START * period_s:
             name = f"trial {table.numbers['trial'][i]:.0f} " if "trial" in table.numbers else ""

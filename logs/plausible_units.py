@@ -1,7 +1,7 @@
 """Checks whether a column can be in its unit, and in which other unit it is likely to be.
 
 A log in millimetres under a header in metres can be read without an error, and then every later result is wrong by a
-factor of a thousand. A single extreme value is an outlier and stays; a column whose median is out of reach is refused.
+factor of a thousand. A single extreme value is an outlier and stays; a column with an implausible median is refused.
 """
 
 from collections.abc import Mapping
@@ -28,8 +28,8 @@ DUTY_ADVICE = "a duty cycle: multiply by the supply voltage, and divide by the v
 
 
 @dataclass(frozen=True)
-class Reach:
-    """Possible values of a quantity of a small robot, with wide margins."""
+class PlausibleRange:
+    """Range of the values that a quantity of a small robot can have, with wide margins."""
 
     low: float
     high: float
@@ -42,22 +42,22 @@ class Reach:
         return f"{self.low:g} to {self.high:g} {unit}".strip()
 
 
-def beyond_scale(values: Array, reach: Reach) -> float | None:
-    """Return the median size of the values if more than half of them are out of reach, else None.
+def beyond_scale(values: Array, plausible: PlausibleRange) -> float | None:
+    """Return the median size of the values if more than half of them are implausible, else None.
 
     Missing values are left out, and so are zeros beside enough other values: a motor that rests has 0 V in any unit.
     """
     known = values[np.isfinite(values)]
     if np.count_nonzero(known) >= MIN_NONZERO:
         known = known[known != 0.0]
-    if not len(known) or 2 * np.count_nonzero(~reach.holds(known)) <= len(known):
+    if not len(known) or 2 * np.count_nonzero(~plausible.holds(known)) <= len(known):
         return None
     return float(np.median(np.abs(known)))
 
 
-def likely_unit(typical: float, reach: Reach, unit: str) -> str:
+def likely_unit(typical: float, plausible: PlausibleRange, unit: str) -> str:
     """Return advice that names the unit in which such a value would be possible, or an empty string."""
-    fits = [(name, per) for name, per in OTHER_UNITS.get(unit, ()) if reach.low <= typical / per <= reach.high]
+    fits = [(name, per) for name, per in OTHER_UNITS.get(unit, ()) if plausible.low <= typical / per <= plausible.high]
     if not fits:
         return ""
     names = " or ".join(name for name, _ in fits)
