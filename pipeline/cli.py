@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from pipeline.address_space import check_address_space
-from pipeline.commands.datasets import inspection, keeping, sharing, showing
+from pipeline.commands.datasets import inspection, maintenance, sharing, visualisation
 from pipeline.commands.datasets.sign import sign
 from pipeline.commands.datasets.training import train
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
@@ -22,7 +22,7 @@ from pipeline.commands.make.import_logs import import_logs
 from pipeline.commands.make.model import model
 from pipeline.commands.make.preview import preview
 from pipeline.commands.make.rerender import rerender
-from pipeline.commands.measured import case, explanation, look, validate
+from pipeline.commands.measured import case, diagnosis, look, validate
 from pipeline.commands.measured.next_trial import next_trial
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import extra_lacking
@@ -58,18 +58,18 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
         *(import_logs, rerender, model),
     ),
     "Hardware in the loop": (hil.hil, hil.firmware),
-    "Look at data": (showing.view, showing.video, showing.report, showing.contact_sheet),
+    "Look at data": (visualisation.view, visualisation.video, visualisation.report, visualisation.contact_sheet),
     "Inspect data and machine": (
         *(inspection.verify, inspection.compare, inspection.baselines, train),
         *(inspection.doctor, inspection.schema),
     ),
     "Keep, convert and share data": (
-        *(keeping.status, keeping.repair, sign),
+        *(maintenance.status, maintenance.repair, sign),
         *(sharing.bag, sharing.export, sharing.pack, sharing.upload, sharing.download),
     ),
     "Explain measured data": (
-        *(explanation.inspect, explanation.diagnose),
-        *(next_trial, explanation.identify_camera),
+        *(diagnosis.inspect, diagnosis.diagnose),
+        *(next_trial, diagnosis.identify_camera),
     ),
 }
 """Commands by their heading, both in the order of `symolo --help`."""

@@ -19,7 +19,7 @@ from configs.schema.appearance.camera_look import CameraLook
 from diagnosis.photographs.camera_fit import developed, fit_camera
 from diagnosis.photographs.line_place import BgrImage, find_lines
 from diagnosis.photographs.measures import PhotographMeasures
-from pipeline.own_look.fit import base_camera
+from pipeline.look_from_photographs.fit import base_camera
 from symolo.core.random_streams import stream
 
 WIDTH_PX, HEIGHT_PX = 160, 120

@@ -12,10 +12,10 @@ from dataclasses import fields
 from pathlib import Path
 
 from diagnosis.photographs.image_figures import ImageFigures, medians
-from pipeline.own_look.fit import LOOK, fit_look, write_look
-from pipeline.own_look.photographs import read_photographs
-from pipeline.own_look.refine import RenderSettings, measured_images, refined
-from pipeline.own_look.views import ViewGeometry, look_views
+from pipeline.look_from_photographs.fit import LOOK, fit_look, write_look
+from pipeline.look_from_photographs.photographs import read_photographs
+from pipeline.look_from_photographs.refine import RenderSettings, measured_images, refined
+from pipeline.look_from_photographs.views import ViewGeometry, look_views
 from symolo.core.progress import report_here
 
 FITTED = ("img.png", "img2.png", "img4.png", "img6.png")

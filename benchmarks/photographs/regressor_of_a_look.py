@@ -22,7 +22,7 @@ from line_position import Regressor, dark_blob
 from line_regressor import Figures
 from photographs import photographs
 
-from pipeline.own_look.fit import LOOK, SCENARIO_FILE
+from pipeline.look_from_photographs.fit import LOOK, SCENARIO_FILE
 
 FITTED = ("img.png", "img2.png", "img4.png", "img6.png")
 

@@ -32,7 +32,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class TrainingRun:
-    """Images of another run with their true poses, to learn from."""
+    """Images of another run with their true poses, from which a method learns."""
 
     images: RunImages
     pose: Array

@@ -67,22 +67,22 @@ def why_not(method: Method, runs: Sequence[LoggedRun]) -> str:
 def compare(
     methods: Sequence[Method],
     runs: Sequence[LoggedRun],
-    everything: Sequence[LoggedRun],
+    all_runs: Sequence[LoggedRun],
     *,
     start_sd: Array,
     slip_m_sqrt_m: float = SLIP_M_SQRT_M,
     seed: int,
     report: Report,
 ) -> BaselineComparison:
-    """Localise in `runs`; methods learn from all other runs of `everything`."""
-    left_out = {method.name: why for method in methods if (why := why_not(method, everything))}
+    """Localise in `runs`; methods learn from all other runs of `all_runs`."""
+    left_out = {method.name: why for method in methods if (why := why_not(method, all_runs))}
     usable = tuple(method for method in methods if method.name not in left_out)
-    lessons = {run.name: lesson for run in everything if (lesson := run.lesson())}
+    training_runs = {run.name: training_run for run in all_runs if (training_run := run.training_run())}
     results = {}
     with report.stage("baselines", len(runs) * len(usable), "estimates") as stage:
         for run in runs:
             knowledge = run.knowledge(start_sd, stream(seed, run.name, "start"), slip_m_sqrt_m)
-            others = [lesson for name, lesson in lessons.items() if name != run.name]
+            others = [training_run for name, training_run in training_runs.items() if name != run.name]
             for method in usable:
                 rng = stream(seed, run.name, method.name)
                 estimate = method.estimate(knowledge, others if method.learns else (), rng)

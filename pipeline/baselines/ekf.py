@@ -3,7 +3,7 @@ Probabilistic Robotics, 2005, sections 3.3 and 7.4).
 
 Beside pose and wheels the state has two numbers for each ToF sensor: a gain of its error that never changes, and an
 offset that lasts while the sensor looks at one wall from one side, as a first-order Gauss-Markov process. If the filter
-took these errors for new noise in every reading, it would become surer and surer of a wrong pose.
+took these errors for new noise in every reading, it would become overconfident in a wrong pose.
 """
 
 from collections.abc import Sequence
@@ -111,7 +111,7 @@ class KalmanFilter:
         return here + 0.5 * bends.sum(axis=0), slopes.T, 0.5 * np.sqrt((WIDTH - 1.0) * (bends**2).sum(axis=0))
 
 
-def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+def _estimate(knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
     ekf = KalmanFilter(knowledge)
     poses, covariances = [], []
     readings = np.where(knowledge.fresh, knowledge.ranges_m, np.nan)

@@ -1,4 +1,4 @@
-"""The errors of an estimate and the honesty of its covariance: ATE, RPE and NEES.
+"""The errors of an estimate and the consistency of its covariance: ATE, RPE and NEES.
 
 ATE and RPE are those of Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012, and of Zhang
 and Scaramuzza, "A tutorial on quantitative trajectory evaluation for visual(-inertial) odometry", IROS 2018, in the
@@ -55,7 +55,7 @@ class Errors:
 def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
     """Return the errors of an estimate against the true poses (N, 3) of all rows at the times (N,)."""
     true, estimated = truth[estimate.rows], estimate.pose
-    off_m, off_rad = off(estimate, truth)
+    off_m, off_rad = pose_errors(estimate, truth)
     seconds = pairs_by_time(t_s[estimate.rows], OVER_S)
     metres = pairs_by_distance(true, OVER_M)
     squares = nees(estimate, truth)
@@ -72,7 +72,7 @@ def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
     )
 
 
-def off(estimate: Estimate, truth: Array) -> tuple[Array, Array]:
+def pose_errors(estimate: Estimate, truth: Array) -> tuple[Array, Array]:
     """Return the distances from the true place [m] and the angles from the true heading [rad], (M,) each."""
     difference = estimate.pose - truth[estimate.rows]
     return np.hypot(*difference[:, :2].T), np.abs(wrapped(difference[:, 2]))
@@ -81,7 +81,7 @@ def off(estimate: Estimate, truth: Array) -> tuple[Array, Array]:
 def nees(estimate: Estimate, truth: Array) -> Array:
     """Return the normalised estimation error squared of each pose, (M,).
 
-    It follows chi-square with 3 degrees of freedom where the covariance is honest.
+    It follows chi-square with 3 degrees of freedom where the covariance is consistent.
     """
     error = estimate.pose - truth[estimate.rows]
     error[:, 2] = wrapped(error[:, 2])

@@ -7,7 +7,7 @@ from matplotlib.patches import Polygon
 
 from pipeline.baselines.base import Method
 from pipeline.baselines.compare import BaselineComparison
-from pipeline.baselines.errors import off
+from pipeline.baselines.errors import pose_errors
 from pipeline.baselines.runs import LoggedRun
 from symolo.arena.geometry import Arena
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, png
@@ -26,7 +26,7 @@ _STYLES = {
 }
 """Colour and line style of each method; an empty style stands for points."""
 _OTHER_STYLE = (BLACK, ":")
-"""Those of a method that somebody has added."""
+"""Colour and line style of any other method."""
 
 
 def figure(compared: BaselineComparison) -> bytes:
@@ -66,7 +66,7 @@ def _method(
     colour, line = style
     estimate = compared.results[run.name, method.name].estimate
     t_s = run.rows.t_ms[estimate.rows] / 1000
-    off_m, off_rad = off(estimate, run.truth)
+    off_m, off_rad = pose_errors(estimate, run.truth)
     look = {
         "color": colour,
         "linewidth": 1.3,

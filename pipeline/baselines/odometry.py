@@ -9,7 +9,7 @@ from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distanc
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 
 
-def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+def _estimate(knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
     motion = WheelMotion.of(knowledge)
     state, covariance = initial_state(knowledge.start)
     poses, covariances = [], []

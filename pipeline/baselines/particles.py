@@ -131,7 +131,7 @@ class _ParticleFilter(ParticleCloud):
         return np.log(np.where(target, of_target, of_none))
 
 
-def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: np.random.Generator) -> Estimate:
+def _estimate(knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], rng: np.random.Generator) -> Estimate:
     particles = _ParticleFilter(knowledge, rng)
     estimates = []
     durations_s = np.diff(knowledge.t_s, prepend=0.0)

@@ -16,7 +16,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.optimize import root_scalar
 
 from pipeline.baselines.base import NO_IMAGES, Estimate, Method, TrainingRun
-from pipeline.baselines.errors import nees, off
+from pipeline.baselines.errors import nees, pose_errors
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -53,16 +53,16 @@ def edge_directions(grey: Array) -> Array:
 
 
 class _Regressor:
-    def __init__(self, lessons: Sequence[TrainingRun]) -> None:
-        features = np.concatenate([edge_directions(lesson.images.thumbnails) for lesson in lessons])
+    def __init__(self, training_runs: Sequence[TrainingRun]) -> None:
+        features = np.concatenate([edge_directions(training_run.images.thumbnails) for training_run in training_runs])
         self._mean = features.mean(axis=0)
         _, size, axes = np.linalg.svd(features - self._mean, full_matrices=False)
         size, axes = size[:COMPONENTS], axes[:COMPONENTS]
         self._to_components = axes.T / np.maximum(size, 1e-9) ** WHITENING
         self._training = (features - self._mean) @ self._to_components
-        self._pose = np.concatenate([lesson.pose for lesson in lessons])
+        self._pose = np.concatenate([training_run.pose for training_run in training_runs])
         self._all = _weighted(np.zeros((1, len(self._pose))), self._pose, 1.0)[1][0]
-        self._width, self._share = self._tuned(_folds([len(lesson.pose) for lesson in lessons]))
+        self._width, self._share = self._tuned(_folds([len(training_run.pose) for training_run in training_runs]))
 
     def estimate(self, grey: Array) -> tuple[Array, Array]:
         """Return poses (M, 3) and covariances (M, 3, 3) of images (M, h, w)."""
@@ -81,13 +81,13 @@ class _Regressor:
                 others = np.setdiff1d(np.arange(len(self._pose)), out)
                 distances = _distances(self._training[out], self._training[others])
                 estimates.append(Estimate(out, *_weighted(distances, self._pose[others], width)))
-            median_m = np.median(np.concatenate([off(estimate, self._pose)[0] for estimate in estimates]))
+            median_m = np.median(np.concatenate([pose_errors(estimate, self._pose)[0] for estimate in estimates]))
             candidates.append((float(median_m), width, estimates))
         _, width, estimates = min(candidates, key=lambda candidate: candidate[:2])
         return width, self._outlier_share(estimates)
 
     def _outlier_share(self, estimates: Sequence[Estimate]) -> float:
-        """Return the share of outliers with which the mean NEES is that of honest estimates."""
+        """Return the share of outliers with which the mean NEES is 3, that of consistent estimates."""
 
         def excess_nees(share: float) -> float:
             wider = (replace(each, covariance=each.covariance + share * self._all) for each in estimates)
@@ -126,10 +126,10 @@ def _folds(counts: Sequence[int]) -> list[Ints]:
     return [part for part in parts if 0 < len(part) < len(rows)]
 
 
-def _estimate(knowledge: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+def _estimate(knowledge: RobotKnowledge, training_runs: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
     if knowledge.images is None:
         raise InputError(NO_IMAGES)
-    pose, covariance = _Regressor(lessons).estimate(knowledge.images.thumbnails)
+    pose, covariance = _Regressor(training_runs).estimate(knowledge.images.thumbnails)
     return Estimate(knowledge.images.rows.copy(), pose, covariance)
 
 

@@ -80,7 +80,7 @@ class RobotDrawing:
 
 @dataclass(frozen=True)
 class Start:
-    """The pose at which the robot believes to start."""
+    """The start pose as the robot estimates it, with its uncertainty."""
 
     pose: Array
     """(3,), x [m], y [m], yaw [rad] in W."""

@@ -72,7 +72,7 @@ class LoggedRun:
             slip_m_sqrt_m=slip_m_sqrt_m,
         )
 
-    def lesson(self) -> TrainingRun | None:
+    def training_run(self) -> TrainingRun | None:
         """Return its images with their true poses, from which a method learns; None before rendering."""
         return TrainingRun(self.images, self.truth[self.images.rows]) if self.images else None
 

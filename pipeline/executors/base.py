@@ -17,7 +17,7 @@ class Executor(ABC):
     """Does units: runs to simulate and blocks of frames. Finished runs and finished frames survive an interruption."""
 
     does_all: ClassVar[bool] = True
-    """Whether it does every unit; else others do the rest."""
+    """Whether it does every unit; otherwise other processes do the rest."""
 
     def check(self) -> None:  # noqa: B027 - this machine can always be reached
         """Check that the executor can be reached, before anything is written.

@@ -1,4 +1,4 @@
-"""The way around an arena, along the line and beside the walls, and how far a robot gets on it."""
+"""The track around an arena, along the line and beside the walls, and how far a robot gets on it."""
 
 import math
 from dataclasses import dataclass

@@ -19,7 +19,7 @@ from pipeline.importing.floor import MAX_HALF_EXTENT_M, fitting_floor, middle_of
 from pipeline.importing.log_files import ReadLog, read_logs
 from pipeline.importing.rows import ImportedRows, ImportedTable, imported_rows
 from pipeline.importing.suspicions import check_possible, trajectory_warnings
-from pipeline.stages.run_tables import TakenRun
+from pipeline.stages.run_tables import ExternalRun
 from pipeline.stages.simulate_runs import RunOutcome
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
@@ -59,7 +59,7 @@ class ImportRequest:
 class ImportedDataset:
     """The runs of a dataset that are not written yet."""
 
-    runs: tuple[TakenRun, ...]
+    runs: tuple[ExternalRun, ...]
     tree: dict[str, Any]
     """Sections of a scenario, for metadata.json."""
     assets: Mapping[str, Path]
@@ -247,7 +247,7 @@ def _start(rows: Rows) -> StartPose:
     return StartPose(x_m=x_m, y_m=y_m, yaw_deg=math.degrees(yaw_rad))
 
 
-def _taken(spec: SceneSpec, each: _Placed, cameras: Sequence[LoggedCamera]) -> TakenRun:
+def _taken(spec: SceneSpec, each: _Placed, cameras: Sequence[LoggedCamera]) -> ExternalRun:
     rows, trajectory = each.imported.rows, each.log.trajectory
     start_s = float(trajectory.t_s[0])
     seen = {camera.name: camera for camera in cameras if image_times(camera, rows, start_s)[0]}
@@ -259,7 +259,7 @@ def _taken(spec: SceneSpec, each: _Placed, cameras: Sequence[LoggedCamera]) -> T
     outcome = RunOutcome.of_rows(rows, suspicions=warnings)
     side = {f"{SIDE}/{one.table.file}": one.table.to_csv(one.numbers) for one in each.imported.tables}
     side |= dict(camera_content(spec, rows, seen, start_s))
-    return TakenRun(spec, rows, side, outcome)
+    return ExternalRun(spec, rows, side, outcome)
 
 
 def _name_of(logs: Sequence[ReadLog]) -> str:

@@ -6,7 +6,7 @@ from pipeline.importing.imported_runs import ImportedDataset
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
-from pipeline.stages.run_tables import take
+from pipeline.stages.run_tables import write_external_run
 from symolo.core.files.disk_space import check_disk
 from symolo.core.progress import Report
 from symolo.dataset.folder_kind import Kind
@@ -34,7 +34,7 @@ def write_dataset(dataset: ImportedDataset, out: Path, report: Report) -> None:
     with workspace.locked():
         with report.stage("import", len(dataset.runs), "runs") as stage:
             for number, run in enumerate(dataset.runs, 1):
-                take(run, workspace.simulate(run.spec.key))
+                write_external_run(run, workspace.simulate(run.spec.key))
                 stage.update("all", number)
         specs = [run.spec for run in dataset.runs]
         assemble(workspace, dataset.tree, specs, [], report, sensors=dataset.sensors)

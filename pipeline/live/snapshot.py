@@ -15,7 +15,7 @@ from symolo.dataset.layout import IMAGES, STAGES
 from symolo.dataset.manifest import TAG_MANIFEST
 
 RATE_WINDOW_S = 120.0
-"""The rate of rendering is that of the images of this last time."""
+"""Time over which the rate of rendering is measured."""
 
 
 @dataclass(frozen=True)

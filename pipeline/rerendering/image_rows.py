@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.scenario import RunSpec
-from pipeline.stages.run_tables import TakenRun
+from pipeline.stages.run_tables import ExternalRun
 from symolo.dataset.rates import IMAGE_HZ
 from symolo.dataset.tables.camera_rows import image_column, main_camera_rows
 from symolo.dataset.tables.rows import HEADER, Ints
 
 
-def with_images(run: TakenRun, camera_hz: float | None) -> TakenRun:
+def with_images(run: ExternalRun, camera_hz: float | None) -> ExternalRun:
     """Return a run with image numbers at `camera_hz`; by default its own, or those of 5 Hz if it has none.
 
     The images of a log are taken at its rows, the first one of each period. Those of a simulation are also between the
@@ -30,7 +30,7 @@ def with_images(run: TakenRun, camera_hz: float | None) -> TakenRun:
     return _counted(replace(run, rows=replace(rows, image=image, columns=columns), spec=spec))
 
 
-def _counted(run: TakenRun) -> TakenRun:
+def _counted(run: ExternalRun) -> ExternalRun:
     rates = run.spec.rates if isinstance(run.spec, RunSpec) else None
     images = len(main_camera_rows(run.rows, rates).t_ms)
     outcome = run.outcome.model_copy(update={"images": images})

@@ -21,15 +21,15 @@ from pipeline.importing.suspicions import Where
 from pipeline.planning.plan import BYTES_PER_ROW, image_bytes
 from pipeline.rerendering.image_rows import with_images
 from pipeline.rerendering.robot_section import robot_of_images
+from pipeline.rerendering.room_check import check_on_the_floor
 from pipeline.rerendering.sources import Sources
-from pipeline.rerendering.unit_checks import check_on_the_floor
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
 from pipeline.stages.cameras import cameras_of, logged_cameras
 from pipeline.stages.render_specs import render_specs
-from pipeline.stages.run_tables import TakenRun, take
+from pipeline.stages.run_tables import ExternalRun, write_external_run
 from symolo.arena.geometry import Arena
 from symolo.core.errors import FaultList, InputError
 from symolo.core.files.disk_space import check_disk
@@ -47,7 +47,7 @@ SECTIONS = ("look", "render", "arena", "robot")
 
 @dataclass(frozen=True)
 class RerenderRequest:
-    """The options of `symolo rerender` that say what is rendered."""
+    """The options of `symolo rerender` that decide what is rendered."""
 
     looks: tuple[str, ...]
     draws: int = 1
@@ -75,7 +75,7 @@ class RerenderRequest:
 class Rerendering:
     """The runs of a release that is not written yet."""
 
-    runs: tuple[TakenRun, ...]
+    runs: tuple[ExternalRun, ...]
     """All runs under the first draw of the first look, then under the other draws."""
     tree: dict[str, Any]
     """Sections of a scenario, for metadata.json."""
@@ -163,7 +163,7 @@ def make_release(rerendering: Rerendering, out: Path, executor: Executor, report
     with workspace.locked():
         keep_user_files((spec.look for spec in specs), rerendering.assets, workspace.user_files)
         for run in rerendering.runs:
-            take(run, workspace.simulate(run.spec.key))
+            write_external_run(run, workspace.simulate(run.spec.key))
         failures = render_specs(workspace, specs, executor, rerendering.device, failures=[], report=report)
         assemble(workspace, rerendering.tree, specs, failures, report, sensors=rerendering.sensors)
     return failures
@@ -175,7 +175,7 @@ def folder_name(sources: Sources, request: RerenderRequest) -> str:
     return "-".join((sources.title, *dict.fromkeys(looks)))
 
 
-def _bytes_needed(run: TakenRun) -> int:
+def _bytes_needed(run: ExternalRun) -> int:
     needed = 2 * BYTES_PER_ROW * len(run.rows.t_ms)
     for camera in cameras_of(run.spec):
         render, images = camera.spec.render, int(np.count_nonzero(camera.rows(run.rows).image))
@@ -188,7 +188,7 @@ def _check_each_once(names: Sequence[str]) -> None:
         raise InputError("--looks", got=twice[0], allowed="each look once, and no two looks of the same name")
 
 
-def _scene(run: TakenRun, request: RerenderRequest, name: str) -> TakenRun:
+def _scene(run: ExternalRun, request: RerenderRequest, name: str) -> ExternalRun:
     """Return a run with the arena, the robot, the image settings and the images of the request.
 
     They are the same in all draws of the looks.
@@ -211,7 +211,7 @@ def _scene(run: TakenRun, request: RerenderRequest, name: str) -> TakenRun:
     return replace(run, spec=run.spec.model_copy(update=changes), outcome=outcome)
 
 
-def _without_logged_cameras(run: TakenRun) -> TakenRun:
+def _without_logged_cameras(run: ExternalRun) -> ExternalRun:
     """Return a run without the cameras of its log, whose images are not rendered."""
     names = logged_cameras(run.spec)
     members = tuple(member for member in run.spec.robot.sensors if member[0] not in names)
@@ -224,7 +224,7 @@ def _seed(spec: SceneSpec, request: RerenderRequest) -> int:
     return spec.seed if request.seed is None else request.seed
 
 
-def _arena(run: TakenRun, request: RerenderRequest) -> tuple[ArenaConfig, dict[str, Any] | None]:
+def _arena(run: ExternalRun, request: RerenderRequest) -> tuple[ArenaConfig, dict[str, Any] | None]:
     """Return the arena with its drawn values, which are None if it is that of the run."""
     spec, overrides = run.spec, request.overrides_of("arena")
     if not request.arena and not overrides:
@@ -246,7 +246,9 @@ def _render(spec: SceneSpec, request: RerenderRequest) -> Render:
     return draw_render(loaded, _seed(spec, request), *spec.drawn_as)
 
 
-def _with_look(run: TakenRun, file: Path, section: LoadedSection, draw: int, request: RerenderRequest) -> TakenRun:
+def _with_look(
+    run: ExternalRun, file: Path, section: LoadedSection, draw: int, request: RerenderRequest
+) -> ExternalRun:
     """Return a run, from this file, under one draw of a look.
 
     Raises:
@@ -273,7 +275,7 @@ def _with_look(run: TakenRun, file: Path, section: LoadedSection, draw: int, req
     return replace(run, spec=spec)
 
 
-def _place_in(run: TakenRun, file: Path) -> Where:
+def _place_in(run: ExternalRun, file: Path) -> Where:
     """Return what names the place of a row: the line of a data.csv, or the time in another log."""
     log = run.spec.origin.log if run.spec.origin else None
     if log is None or log.format == "symolo":
@@ -285,7 +287,7 @@ def _tree(
     sources: Sources,
     request: RerenderRequest,
     looks: Sequence[LoadedSection],
-    runs: Sequence[TakenRun],
+    runs: Sequence[ExternalRun],
     name: str,
 ) -> dict[str, Any]:
     """Return the scenario of the release: that of the source with the looks, and with what else was changed."""
@@ -311,7 +313,7 @@ def _tree(
     }
 
 
-def _splits(sources: Sources, runs: Sequence[TakenRun]) -> dict[str, Any]:
+def _splits(sources: Sources, runs: Sequence[ExternalRun]) -> dict[str, Any]:
     """Return the setting that leaves every trajectory in its split, in all its draws."""
     split_of = [sources.split_of.get(sources.runs[i % len(sources.runs)].spec.key) for i in range(len(runs))]
     listed = {

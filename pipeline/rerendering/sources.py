@@ -13,7 +13,7 @@ from pipeline.importing.imported_runs import ImportedDataset, ImportRequest, imp
 from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders
 from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.cameras import logged_cameras
-from pipeline.stages.run_tables import TakenRun, has_trajectory, is_taken, tables
+from pipeline.stages.run_tables import ExternalRun, has_trajectory, is_external, tables
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome
 from sensors.build import listed_sensors
 from symolo.core.errors import InputError
@@ -42,7 +42,7 @@ _CURE = "make the run again, or import its data.csv with --arena and --robot"
 class Sources:
     """Trajectories with everything that is known of them."""
 
-    runs: tuple[TakenRun, ...]
+    runs: tuple[ExternalRun, ...]
     """Runs with the specification that they had; `origin` says where they come from."""
     files: tuple[Path, ...]
     """File or folder of each trajectory, for messages."""
@@ -156,7 +156,7 @@ def _of_run(folder: Path) -> Sources:
     return Sources((run,), (folder / DATA,), spec.scenario, "", "", {}, sensors)
 
 
-def _with_metadata(runs: tuple[TakenRun, ...], files: tuple[Path, ...], metadata: Metadata) -> Sources:
+def _with_metadata(runs: tuple[ExternalRun, ...], files: tuple[Path, ...], metadata: Metadata) -> Sources:
     return Sources(
         runs,
         files,
@@ -174,7 +174,7 @@ def _listed(metadata: Metadata) -> tuple[ListedSensor, ...]:
     return tuple(map(ListedSensor, (sensor.kind for sensor in metadata.sensors.values()), metadata.sensor_tables))
 
 
-def _released(folder: Path, record: RunRecord, metadata: Metadata, digest: str) -> TakenRun:
+def _released(folder: Path, record: RunRecord, metadata: Metadata, digest: str) -> ExternalRun:
     spec = read_spec(folder / SIDE / SPEC, _CURE)
     # Warnings about images are those of the images that are replaced.
     suspicions = [text for text in record.warnings if not _OF_IMAGES.match(text)]
@@ -186,13 +186,13 @@ def _released(folder: Path, record: RunRecord, metadata: Metadata, digest: str) 
 
 def _taken(
     folder: Path, spec: SceneSpec, sensors: Sequence[ListedSensor], outcome: RunOutcome, digest: str
-) -> TakenRun:
+) -> ExternalRun:
     """Return a run from its folder, with the tables that do not follow from its specification."""
     known = side_tables(RunDocument.model_validate(spec))
     tables = (*known, *(sensor.table for sensor in sensors))
     names = [table.file for table in tables if table is not CAMERA and table.name != "obstacles"]
     side = {f"{SIDE}/{name}": _read_side(folder / SIDE / name) for name in names}
-    return TakenRun(_with_origin(spec, digest), read_rows(folder / DATA), side, outcome)
+    return ExternalRun(_with_origin(spec, digest), read_rows(folder / DATA), side, outcome)
 
 
 def _read_side(path: Path) -> bytes:
@@ -218,11 +218,11 @@ def _of_stages(folders: Sequence[Path]) -> Sources:
         spec, outcome = read_spec(folder / SPEC, _CURE), read_outcome(folder)
         if outcome.problems and len(folders) > 1:
             continue
-        if not isinstance(spec, RunSpec) or is_taken(folder):
+        if not isinstance(spec, RunSpec) or is_external(folder):
             raise InputError("was not simulated", where=str(folder), cure="name the dataset, or a run within it")
         recording = read_simulated(folder)
         side = {name: data for name, data in tables(spec, recording) if _is_kept(name)}
-        runs.append(TakenRun(_with_origin(spec, ""), Rows.from_recording(recording), side, outcome))
+        runs.append(ExternalRun(_with_origin(spec, ""), Rows.from_recording(recording), side, outcome))
     if not runs:
         raise InputError("has no run without a problem", where=str(folders[0].parent), cure="see `symolo status`")
     first, is_whole = runs[0].spec, len(folders) > 1

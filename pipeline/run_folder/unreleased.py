@@ -10,7 +10,7 @@ import numpy as np
 from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.run_folder.stored_runs import read_simulated, run_name
 from pipeline.run_folder.stored_spec import read_simulated_spec, read_spec
-from pipeline.stages.run_tables import is_taken, stage_rows, stage_tables, tables
+from pipeline.stages.run_tables import is_external, stage_rows, stage_tables, tables
 from pipeline.stages.simulate_runs import read_outcome
 from sensors.build import listed_sensors
 from symolo.core.files.atomic_files import make_folder, write_file
@@ -41,7 +41,7 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
         runs, records, specs, columns = [], [], [], HEADER
         for folder in folders:
             images = _rendered_images(folder)
-            spec, rows, files = _taken(folder, images) if is_taken(folder) else _simulated(folder, images)
+            spec, rows, files = _taken(folder, images) if is_external(folder) else _simulated(folder, images)
             columns = rows.columns
             _write_tables(scratch / run_name(folder), files)
             sensor_tables = tuple(sensor.table for sensor in _sensors(spec))
@@ -50,7 +50,7 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
             warnings = (*outcome.problems, *outcome.warnings)
             records.append(RunRecord.of(spec, rows, outcome.lap_time_s, warnings))
             specs.append(spec)
-        description = "Runs whose images are being rendered" if is_taken(folders[0]) else "Simulated runs"
+        description = "Runs whose images are being rendered" if is_external(folders[0]) else "Simulated runs"
         sensors = _sensors(specs[0])
         metadata = describe({"description": description}, specs, records, (), sensors, columns_of_data=columns)
         yield Dataset(scratch, metadata, tuple(runs))

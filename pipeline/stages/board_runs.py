@@ -62,7 +62,7 @@ def _drive(workspace: Workspace, spec: RunSpec, port: str, report: Report) -> No
         with report.stage(f"hil {spec.key}", 100, "%") as stage:
             simulate_into(text, folder, key, lambda share: stage.update(spec.key, 100.0 * share), port=port)
         return
-    from pipeline.work.live import live_view  # noqa: PLC0415 - a terminal alone has one
+    from pipeline.work.board_view import live_view  # noqa: PLC0415 - a terminal alone has one
 
     with live_view(spec) as view:
         simulate_into(text, folder, key, lambda _share: None, port=port, watch=view.show)

@@ -29,8 +29,8 @@ TAKEN = "taken"
 
 
 @dataclass(frozen=True)
-class TakenRun:
-    """A run whose trajectory was not simulated here."""
+class ExternalRun:
+    """A run whose trajectory was not simulated here, but imported from a log or taken from another release."""
 
     spec: SceneSpec
     rows: Rows
@@ -40,7 +40,7 @@ class TakenRun:
     outcome: RunOutcome
 
 
-def take(run: TakenRun, folder: StageFolder) -> None:
+def write_external_run(run: ExternalRun, folder: StageFolder) -> None:
     """Write the first stage of a run, unless it is there from the same inputs."""
     files = {DATA: run.rows.to_csv(), **run.side}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in files.items()}
@@ -57,14 +57,14 @@ def take(run: TakenRun, folder: StageFolder) -> None:
     refresh_spec(folder, key, run.spec)
 
 
-def is_taken(folder: Path) -> bool:
+def is_external(folder: Path) -> bool:
     """Return whether the first stage of a run holds tables in the place of a simulation."""
     return (folder / TAKEN).is_dir()
 
 
 def has_trajectory(folder: Path) -> bool:
     """Return whether a folder is the finished first stage of a run."""
-    return (folder / TRAJECTORY).is_file() or is_taken(folder)
+    return (folder / TRAJECTORY).is_file() or is_external(folder)
 
 
 def stage_rows(folder: Path) -> Rows:
@@ -75,7 +75,7 @@ def stage_rows(folder: Path) -> Rows:
         OSError: A file is missing.
         ValueError: The trajectory is damaged.
     """
-    return read_rows(folder / TAKEN / DATA) if is_taken(folder) else Rows.from_recording(read_recording(folder))
+    return read_rows(folder / TAKEN / DATA) if is_external(folder) else Rows.from_recording(read_recording(folder))
 
 
 def stage_has_images(spec: SceneSpec, folder: Path) -> bool:
@@ -90,7 +90,7 @@ def stage_tables(spec: SceneSpec, folder: Path) -> Iterator[tuple[str, bytes]]:
         spec: Specification of the run.
         folder: Folder of its first stage.
     """
-    if is_taken(folder):
+    if is_external(folder):
         yield from _taken_tables(spec, folder / TAKEN)
     else:
         assert isinstance(spec, RunSpec)  # noqa: S101 - what was simulated has the rates of a simulation

@@ -53,7 +53,7 @@ def _of_runs(runs: Sequence[tuple[str, str]]) -> str:
 
 
 def _suspicions(spec: RunSpec) -> Iterator[_Suspicion]:
-    """Yield what is suspicious about a run, and about the way of the built-in controller through its arena."""
+    """Yield what is suspicious about a run, and about the path of the built-in controller through its arena."""
     line = Arena.from_config(spec.arena).line
     yield from _in_radians(spec, line)
     if line.pieces and spec.board is None and spec.controller is None:

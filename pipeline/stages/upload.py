@@ -46,7 +46,7 @@ class Destination:
     @contextlib.contextmanager
     def opened(
         self, workspace: Workspace, tree: dict[str, Any], specs: Sequence[RunSpec], report: Report
-    ) -> Iterator["Along"]:
+    ) -> Iterator["ReleaseUpload"]:
         """Lock the destination while the release is made.
 
         Raises:
@@ -55,11 +55,11 @@ class Destination:
         """
         check_apart(workspace.out, self.store)
         with self.store.held():
-            along = Along(workspace, self, _listed(self.store, tree, specs), report)
+            upload = ReleaseUpload(workspace, self, _listed(self.store, tree, specs), report)
             try:
-                yield along
+                yield upload
             finally:
-                along.stop()
+                upload.stop()
 
 
 def _listed(store: Store, tree: dict[str, Any], specs: Sequence[RunSpec]) -> dict[str, int]:
@@ -92,7 +92,7 @@ def _check_metadata(store: Store, tree: dict[str, Any]) -> None:
         raise another_release(store, "it was made with different versions")
 
 
-class Along:
+class ReleaseUpload:
     """The upload of a release. One thread calls `run_done` and `finish`."""
 
     def __init__(self, workspace: Workspace, to: Destination, sizes: Mapping[str, int], report: Report) -> None:

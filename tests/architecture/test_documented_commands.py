@@ -39,7 +39,7 @@ ELSEWHERE = {
     "$SLURM": "the same with numbers stands on the page too",
     "measured/run_1": "needs pictures that show the line; tests/pipeline/diagnosing/test_identify_camera.py has some",
     "camera/robot.yaml": "likewise; the robot file of that command",
-    "photos/*.jpg": "needs photographs; tests/pipeline/own_look/test_look_from.py draws some",
+    "photos/*.jpg": "needs photographs; tests/pipeline/look_from_photographs/test_look_from.py draws some",
     "DIR/img.png": "likewise",
     "my_look/": "likewise; the look of that command",
     "hidden": "as it stands there, in tests/pipeline/diagnosing/test_round_trip.py",

@@ -33,7 +33,9 @@ def sensor_method(
         estimate: Function that returns the estimate by the log.
     """
 
-    def estimated(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+    def estimated(
+        knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], _rng: np.random.Generator
+    ) -> Estimate:
         log = log_of(knowledge.further)
         if log is None:
             raise InputError(missing)

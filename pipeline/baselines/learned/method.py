@@ -72,7 +72,9 @@ def overlap(model: LocalisationModel, runs: Sequence[LoggedRun]) -> str:
 
 
 def _of_model(model: LocalisationModel) -> Method:
-    def estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: np.random.Generator) -> Estimate:
+    def estimate(
+        knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], rng: np.random.Generator
+    ) -> Estimate:
         readings = NetworkReadings.of(knowledge)
         return filtered(knowledge, model.likelihood, heat_maps(model, readings), rng)
 
@@ -80,7 +82,7 @@ def _of_model(model: LocalisationModel) -> Method:
     return replace(METHOD, what=what, estimate=estimate, lacks=lambda _: "")
 
 
-def _no_model(_knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+def _no_model(_knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
     raise InputError(NO_MODEL)
 
 

@@ -30,8 +30,8 @@ _Fingerprint = Annotated[str, Field(min_length=_RUN_DIGITS, max_length=_RUN_DIGI
 _CURE = "name a file that `symolo train` wrote, or make one: symolo train DIR --out model.npz"
 
 
-class ModelAbout(BaseModel):
-    """What a model file says about its network, as JSON."""
+class ModelDescription(BaseModel):
+    """Description of the network in a model file, as JSON."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -60,7 +60,7 @@ class ModelAbout(BaseModel):
 
 @dataclass(frozen=True)
 class LocalisationModel:
-    about: ModelAbout
+    about: ModelDescription
     likelihood: PoseLikelihood
     weights: Mapping[str, Array]
     """Parameters of the network by name, each (N,) or (N, K), in the order of the network."""
@@ -92,7 +92,7 @@ def read_model(path: Path) -> LocalisationModel:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure=_CURE) from None
     try:
         arrays = arrays_of(data, FileKind.ANY.max_bytes)
-        about = ModelAbout.model_validate_json(arrays[_ABOUT].astype(np.uint8).tobytes())
+        about = ModelDescription.model_validate_json(arrays[_ABOUT].astype(np.uint8).tobytes())
         grid = PoseGrid(about.x_m, about.y_m, about.cell_m, about.columns, about.rows, about.headings)
         cells, prior = arrays[_CELLS].astype(np.int64), arrays[_PRIOR].astype(float)
         weights = {name.removeprefix(_WEIGHT): arrays[name] for name in arrays if name.startswith(_WEIGHT)}

@@ -1,4 +1,4 @@
-"""What the network sees of a run: small grey images, and the ranges at the same rows."""
+"""Input of the network from a run: small grey images, and the ranges at the same rows."""
 
 from dataclasses import dataclass
 

@@ -7,7 +7,13 @@ import numpy as np
 
 from pipeline.baselines.base import NO_IMAGES
 from pipeline.baselines.learned.heat_map import PoseGrid, PoseLikelihood
-from pipeline.baselines.learned.model import Input, LocalisationModel, ModelAbout, arena_fingerprint, run_fingerprint
+from pipeline.baselines.learned.model import (
+    Input,
+    LocalisationModel,
+    ModelDescription,
+    arena_fingerprint,
+    run_fingerprint,
+)
 from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
 from pipeline.baselines.learned.torch_side.network import pytorch
 from pipeline.baselines.learned.torch_side.training import Samples, TrainedNetwork, train
@@ -73,7 +79,7 @@ def trained(
     cells = grid.cells_near(training.pose)
     with report.stage("train", max_epochs, "epochs") as stage:
         network = train(training, validation, inputs, grid, cells, max_epochs=max_epochs, seed=seed, stage=stage)
-    about = ModelAbout(
+    about = ModelDescription(
         arena=arena_fingerprint(knowledge_of(runs[0]).map),
         inputs=tuple(inputs),
         x_m=grid.x_m,

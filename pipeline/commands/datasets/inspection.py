@@ -301,15 +301,15 @@ def baselines(
 
     chosen_methods = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")
     check_new(out, folder)
-    everything = open_runs(folder)
-    localised = chosen(everything, runs)
+    all_runs = open_runs(folder)
+    localised = chosen(all_runs, runs)
     warning = ""
     if model is not None:
         trained = read_model(model)
         chosen_methods = with_model(chosen_methods, trained, localised)
         warning = overlap(trained, localised)
     for method in chosen_methods if methods is not None else ():
-        if why := why_not(method, everything):
+        if why := why_not(method, all_runs):
             raise InputError(f"--methods {method.name}: {why}", where=str(folder))
     if warning:
         typer.echo(f"warning: {warning}", err=True)
@@ -317,7 +317,7 @@ def baselines(
     compared = compare(
         chosen_methods,
         localised,
-        everything,
+        all_runs,
         start_sd=start_sd,
         slip_m_sqrt_m=slip_mm / 1000,
         seed=seed,

@@ -1,4 +1,4 @@
-"""Commands that give a release away: export, pack, bag, upload, download."""
+"""Commands that share a release: export, pack, bag, upload, download."""
 
 from pathlib import Path
 from typing import Annotated

@@ -165,7 +165,7 @@ def read_settings(
     *,
     heading_from_path: bool,
 ) -> "ReadSettings":
-    """Return the options of a command that say how to read logs."""
+    """Return the settings with which a command reads logs, from its options."""
     from logs.trajectories.base import ReadSettings
     from symolo.core.progress import report_here
 

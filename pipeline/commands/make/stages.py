@@ -33,7 +33,7 @@ from symolo.core.extras import check_installed
 
 if TYPE_CHECKING:
     from pipeline.executors import Executor
-    from pipeline.stages.upload import Along, Destination
+    from pipeline.stages.upload import Destination, ReleaseUpload
     from pipeline.work.batch import Batch
     from symolo.core.progress import Report
     from symolo.dataset.documents.metadata import FailedRun
@@ -255,16 +255,16 @@ def _make(
     if "simulate" in stages:
         prepare_controllers(batch.workspace, batch.specs)
     with ExitStack() as held:
-        along = held.enter_context(to.opened(batch.workspace, batch.loaded.tree, batch.specs, report)) if to else None
+        upload = held.enter_context(to.opened(batch.workspace, batch.loaded.tree, batch.specs, report)) if to else None
         held.enter_context(batch.workspace.locked(alone=executor.does_all))
-        failures = _do_stages(batch, stages, failures, report, along)
+        failures = _do_stages(batch, stages, failures, report, upload)
         if part is not None:
             print_failures(failures)
             typer.echo(f"{command}: part {part} is done, in {out}; when all parts are done, `symolo release` finishes")
             return RUN_FAILED if failures else 0
         code = conclude(failures, len(batch.specs), command, out)
-        if along is not None:
-            typer.echo(along.finish(complete=not failures))
+        if upload is not None:
+            typer.echo(upload.finish(complete=not failures))
     return code
 
 
@@ -273,9 +273,9 @@ def _do_stages(
     stages: Sequence[str],
     failures: "Sequence[FailedRun]",
     report: "Report",
-    along: "Along | None",
+    upload: "ReleaseUpload | None",
 ) -> "list[FailedRun]":
-    """Do the stages and return all failures; `along` uploads each run as soon as it is complete."""
+    """Do the stages and return all failures; `upload` uploads each run as soon as it is complete."""
     from pipeline.run_folder.status import again
 
     failed = [*failures]
@@ -286,9 +286,9 @@ def _do_stages(
     if "simulate" in stages:
         failed += batch.simulate(report)
     if "render" in stages:
-        failed += batch.render(failed, report, along.run_done) if along else batch.render(failed, report)
-    if along:
-        along.assembled()
+        failed += batch.render(failed, report, upload.run_done) if upload else batch.render(failed, report)
+    if upload:
+        upload.assembled()
     if "assemble" in stages:
         batch.assemble(failed, report)
     return failed

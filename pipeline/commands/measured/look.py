@@ -141,11 +141,11 @@ def from_(
     """
     from diagnosis.photographs.fitted_look import PAINTED_FLOORS
     from diagnosis.photographs.report import table_lines
-    from pipeline.own_look.fit import LOOK, PAGE, SCENARIO_FILE, base_camera, fit_look, write_look
-    from pipeline.own_look.photographs import read_photographs
-    from pipeline.own_look.refine import RenderSettings, refined
-    from pipeline.own_look.scenario import camera_height_m
-    from pipeline.own_look.views import ViewGeometry
+    from pipeline.look_from_photographs.fit import LOOK, PAGE, SCENARIO_FILE, base_camera, fit_look, write_look
+    from pipeline.look_from_photographs.photographs import read_photographs
+    from pipeline.look_from_photographs.refine import RenderSettings, refined
+    from pipeline.look_from_photographs.scenario import camera_height_m
+    from pipeline.look_from_photographs.views import ViewGeometry
     from pipeline.work.supervisor import cores
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here

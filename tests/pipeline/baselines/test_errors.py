@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import chi2
 
 from pipeline.baselines.base import Estimate
-from pipeline.baselines.errors import errors_of, nees, off, pairs_by_distance, pairs_by_time
+from pipeline.baselines.errors import errors_of, nees, pairs_by_distance, pairs_by_time, pose_errors
 
 T_S = np.arange(101) / 10
 
@@ -62,7 +62,7 @@ def test_an_error_of_the_start_is_no_error_of_a_movement():
 
 def test_a_heading_is_compared_around_the_half_turn():
     true = np.array([[0.0, 0.0, np.pi - 0.01]])
-    _, off_rad = off(estimate_of(np.array([[0.0, 0.0, -np.pi + 0.01]])), true)
+    _, off_rad = pose_errors(estimate_of(np.array([[0.0, 0.0, -np.pi + 0.01]])), true)
     assert off_rad[0] == pytest.approx(0.02)
 
 

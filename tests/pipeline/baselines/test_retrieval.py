@@ -24,7 +24,7 @@ def painted(positions, brightness, seed):
     return RunImages(np.arange(len(positions)), lambda index: images[index])
 
 
-def lesson(seed, brightness, looks_like=lambda x: x):
+def training_run(seed, brightness, looks_like=lambda x: x):
     x = np.linspace(0.0, 3.0, COUNT) + 0.01 * seed
     return TrainingRun(painted(looks_like(x), brightness, seed), np.column_stack([x, 0.5 * x, 0.1 * x]))
 
@@ -35,9 +35,9 @@ def asked(before_a_wall, images):
 
 
 def test_under_another_light_a_place_is_found_again(before_a_wall):
-    lessons = [lesson(1, 0.5), lesson(2, 0.9), lesson(3, 0.7)]
-    test = lesson(4, 0.6)
-    estimate = METHOD.estimate(asked(before_a_wall, test.images), lessons, NO_RNG)
+    training_runs = [training_run(1, 0.5), training_run(2, 0.9), training_run(3, 0.7)]
+    test = training_run(4, 0.6)
+    estimate = METHOD.estimate(asked(before_a_wall, test.images), training_runs, NO_RNG)
     off_m = np.abs(estimate.pose[:, 0] - test.pose[:, 0])
     assert np.median(off_m) < 0.08
     assert estimate.rows.tolist() == list(range(COUNT))
@@ -49,19 +49,21 @@ def test_where_two_places_look_alike_it_is_unsure(before_a_wall):
     def folded(x):
         return x % 1.5
 
-    twofold, clear = ([lesson(seed, 0.5 + 0.1 * seed, looks) for seed in (1, 2, 3)] for looks in (folded, lambda x: x))
+    twofold, clear = (
+        [training_run(seed, 0.5 + 0.1 * seed, looks) for seed in (1, 2, 3)] for looks in (folded, lambda x: x)
+    )
     sd = {}
-    for name, lessons, looks in (("twofold", twofold, folded), ("clear", clear, lambda x: x)):
-        test = lesson(4, 0.6, looks)
-        estimate = METHOD.estimate(asked(before_a_wall, test.images), lessons, NO_RNG)
+    for name, training_runs, looks in (("twofold", twofold, folded), ("clear", clear, lambda x: x)):
+        test = training_run(4, 0.6, looks)
+        estimate = METHOD.estimate(asked(before_a_wall, test.images), training_runs, NO_RNG)
         sd[name] = np.sqrt(estimate.covariance[:, 0, 0])
     assert np.median(sd["twofold"]) > 0.5
     assert np.median(sd["twofold"]) > 2.0 * np.median(sd["clear"])
 
 
 def test_from_one_image_it_learns_that_one_pose(before_a_wall):
-    only = lesson(1, 0.5)
+    only = training_run(1, 0.5)
     one = TrainingRun(RunImages(np.arange(1), only.images.pixels), only.pose[:1])
-    estimate = METHOD.estimate(asked(before_a_wall, lesson(2, 0.6).images), [one], NO_RNG)
+    estimate = METHOD.estimate(asked(before_a_wall, training_run(2, 0.6).images), [one], NO_RNG)
     assert np.allclose(estimate.pose, only.pose[0], atol=1e-12)
     assert np.all(np.linalg.eigvalsh(estimate.covariance) > 0.0)

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.baselines.learned.heat_map import PoseLikelihood
-from pipeline.baselines.learned.model import LocalisationModel, ModelAbout
+from pipeline.baselines.learned.model import LocalisationModel, ModelDescription
 
 
 def small_model(likelihood: PoseLikelihood, inputs: Sequence[str]) -> LocalisationModel:
     """Return a model with this likelihood of poses and six weights."""
     grid = likelihood.grid
-    about = ModelAbout(
+    about = ModelDescription(
         arena="0" * 64,
         inputs=tuple(inputs),
         x_m=grid.x_m,

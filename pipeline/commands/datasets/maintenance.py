@@ -1,4 +1,4 @@
-"""Commands that keep an output folder complete: status, repair."""
+"""Commands that maintain an output folder: status, repair."""
 
 from pathlib import Path
 from typing import Annotated

@@ -12,8 +12,8 @@ from diagnosis.photographs.image_figures import ImageFigures
 from diagnosis.photographs.line_place import find_lines
 from diagnosis.photographs.measured_floor import MeasuredFloor
 from diagnosis.photographs.measures import PhotographMeasures, median_light, median_of, shading_ev, vignetting
-from pipeline.own_look.fit import LOOK
-from pipeline.own_look.views import ViewGeometry, look_views
+from pipeline.look_from_photographs.fit import LOOK
+from pipeline.look_from_photographs.views import ViewGeometry, look_views
 from pipeline.preview import Engine
 from pipeline.preview.engines import render_views
 from pipeline.preview.views import PreviewImage

@@ -1,4 +1,4 @@
-"""The check whether images of a trajectory from elsewhere are taken inside the room."""
+"""The check that images of a trajectory are taken inside the room; wrong units of a log would lead out of it."""
 
 import numpy as np
 

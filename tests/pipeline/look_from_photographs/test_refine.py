@@ -12,8 +12,8 @@ from diagnosis.photographs.fitted_look import FittedLook
 from diagnosis.photographs.line_place import find_lines
 from diagnosis.photographs.measures import PhotographMeasures
 from pipeline.cli import main
-from pipeline.own_look import refine
-from pipeline.own_look.views import ViewGeometry, look_views
+from pipeline.look_from_photographs import refine
+from pipeline.look_from_photographs.views import ViewGeometry, look_views
 from symolo.core.geometry.pinhole import intrinsics, pose_X_RC, project
 from symolo.core.geometry.poses import pose_X_WR
 from symolo.core.progress import LineReport

@@ -6,7 +6,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from diagnosis.photographs.fitted_look import FittedLook
 from diagnosis.photographs.measures import median_of
-from pipeline.own_look.views import SCENARIO, ViewGeometry
+from pipeline.look_from_photographs.views import SCENARIO, ViewGeometry
 from symolo.core.errors import InputError
 from symolo.core.progress import plural
 

@@ -14,9 +14,9 @@ from diagnosis.photographs.floor_measures import FloorMeasures
 from diagnosis.photographs.measured_floor import MeasuredFloor
 from diagnosis.photographs.measures import median_of
 from diagnosis.photographs.report import report_page
-from pipeline.own_look.photographs import LookPhotographs
-from pipeline.own_look.scenario import scenario_text
-from pipeline.own_look.views import ViewGeometry
+from pipeline.look_from_photographs.photographs import LookPhotographs
+from pipeline.look_from_photographs.scenario import scenario_text
+from pipeline.look_from_photographs.views import ViewGeometry
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.new_folder import new_folder

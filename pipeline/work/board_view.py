@@ -1,4 +1,4 @@
-"""A live view of a board and its robot on the terminal."""
+"""A live view, on the terminal, of a run that a board drives."""
 
 import time
 from collections.abc import Iterator
