@@ -10,18 +10,18 @@ from symolo.arena.forms import ObstacleForm, WallForm
 Point = tuple[float, float]
 
 _TURN_RAD = math.radians(5.0)
-"""Most that one outline of a swept rectangle takes in."""
+"""Largest turn that one outline of a swept rectangle contains."""
 
 
 @dataclass(frozen=True)
 class Rectangle:
     center: Point
     size: tuple[float, float]
-    """Along its own x and y [m]."""
+    """Lengths along its own x and y [m]."""
     yaw_rad: float
 
     def corners(self) -> tuple[Point, Point, Point, Point]:
-        """Counter-clockwise [m]."""
+        """Return the corners, x and y [m] in W, counter-clockwise."""
         c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         half_x, half_y = self.size[0] / 2, self.size[1] / 2
 
@@ -32,7 +32,7 @@ class Rectangle:
 
 
 def wall_footprint(wall: WallForm) -> Rectangle:
-    """The body of a wall, which lies to the right of start -> end."""
+    """Return the footprint of a wall, which lies to the right of its face as seen from start to end."""
     along_x, along_y = wall.end[0] - wall.start[0], wall.end[1] - wall.start[1]
     length = math.hypot(along_x, along_y)
     right_x, right_y = along_y / length, -along_x / length
@@ -45,11 +45,12 @@ def wall_footprint(wall: WallForm) -> Rectangle:
 
 
 def obstacle_footprint(obstacle: ObstacleForm) -> Rectangle:
+    """Return the footprint of an obstacle at t = 0."""
     return Rectangle(obstacle.center, obstacle.size[:2], math.radians(obstacle.yaw_deg))
 
 
 def stations(obstacle: ObstacleForm) -> tuple[tuple[float, Rectangle], ...]:
-    """Times [s] and places between which an obstacle moves at constant speed; the first is where it is at t = 0."""
+    """Return the times [s] and footprints between which an obstacle moves at constant speed; the first is at t = 0."""
     start = obstacle_footprint(obstacle)
     later = obstacle.motion.waypoints if obstacle.motion else ()
     return (
@@ -69,7 +70,7 @@ def stations(obstacle: ObstacleForm) -> tuple[tuple[float, Rectangle], ...]:
 
 
 def swept(one: Rectangle, other: Rectangle) -> list[tuple[Point, ...]]:
-    """Convex outlines that together hold a rectangle on its way to another place, a few degrees of turn in each.
+    """Return convex outlines that together contain a rectangle on its path to another place, with a few degrees each.
 
     Without a turn the outline is exact; with one, it lies within a thousandth of the rectangle's diagonal of it.
     """
@@ -102,12 +103,12 @@ def _left_turn(a: Point, b: Point, c: Point) -> float:
 
 
 def overlap(one: Rectangle, other: Rectangle) -> bool:
-    """Whether two rectangles share area."""
+    """Return whether two rectangles share area."""
     return outlines_overlap(one.corners(), other.corners())
 
 
 def outlines_overlap(one: Sequence[Point], other: Sequence[Point]) -> bool:
-    """Whether two convex outlines share area: no side of either separates them (separating axis theorem)."""
+    """Return whether two convex outlines share area: no side of either separates them (separating axis theorem)."""
     both = one, other
     for outline in both:
         for (x0, y0), (x1, y1) in pairwise((*outline, outline[0])):

@@ -40,20 +40,20 @@ class Straight:
         return 0.0
 
     def at_min_away_m(self, x_m: float, y_m: float) -> float:
-        """A lower bound of the distance between a floor point and the piece's centre line."""
+        """Return a lower bound of the distance between a floor point and the piece's centre line."""
         tx, ty = self.tangent
         x, y = x_m - self.start[0], y_m - self.start[1]
         along = tx * x + ty * y
         return max(abs(tx * y - ty * x), -along, along - self.length_m)
 
     def local(self, points: Array) -> tuple[Array, Array]:
-        """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""
+        """Return the arc length along the piece and the offset to its left [m], (N,) each, of points (N, 2)."""
         x, y = points[:, 0] - self.start[0], points[:, 1] - self.start[1]
         tx, ty = self.tangent
         return tx * x + ty * y, tx * y - ty * x
 
     def at(self, s: Array, offset: Array | float = 0.0) -> Array:
-        """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
+        """Return points (N, 2) at arc lengths `s` (N,) [m], `offset` [m] to the left of the direction of travel."""
         tx, ty = self.tangent
         left = np.broadcast_to(offset, s.shape)
         return np.asarray(self.start) + np.outer(s, (tx, ty)) + np.outer(left, (-ty, tx))
@@ -82,11 +82,11 @@ class Arc:
         return self.turn / self.radius_m
 
     def at_min_away_m(self, x_m: float, y_m: float) -> float:
-        """A lower bound of the distance between a floor point and the piece's centre line."""
+        """Return a lower bound of the distance between a floor point and the piece's centre line."""
         return abs(hypot(x_m - self.center[0], y_m - self.center[1]) - self.radius_m)
 
     def local(self, points: Array) -> tuple[Array, Array]:
-        """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""
+        """Return the arc length along the piece and the offset to its left [m], (N,) each, of points (N, 2)."""
         x, y = points[:, 0] - self.center[0], points[:, 1] - self.center[1]
         middle = 0.5 * (self.start_rad + self.end_rad)
         from_middle = (np.arctan2(y, x) - middle + np.pi) % (2 * np.pi) - np.pi
@@ -94,7 +94,7 @@ class Arc:
         return s, self.turn * (self.radius_m - np.hypot(x, y))
 
     def at(self, s: Array, offset: Array | float = 0.0) -> Array:
-        """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
+        """Return points (N, 2) at arc lengths `s` (N,) [m], `offset` [m] to the left of the direction of travel."""
         angle = self.start_rad + self.turn * s / self.radius_m
         radius = self.radius_m - self.turn * np.broadcast_to(offset, s.shape)
         return np.asarray(self.center) + radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -121,7 +121,7 @@ class Chain:
         return sum(piece.curvature_per_m * piece.length_m for piece in self.pieces) / self.length_m
 
     def at(self, s: Array, offset: Array | float = 0.0) -> Array:
-        """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
+        """Return points (N, 2) at arc lengths `s` (N,) [m], `offset` [m] to the left of the direction of travel."""
         which = np.maximum(np.searchsorted(self.starts_m, s, side="right") - 1, 0)
         left = np.broadcast_to(offset, s.shape)
         points = np.empty((len(s), 2))
@@ -147,7 +147,7 @@ class Line:
 
     @cached_property
     def strips(self) -> tuple[Strip, ...]:
-        """What is laid without a joint: single pieces, and chains of joined ones."""
+        """Return the strips that are laid without a joint: single pieces, and chains of joined ones."""
         joined = self.joined or (False,) * len(self.pieces)
         chains: list[list[Straight | Arc]] = []
         for piece, goes_on in zip(self.pieces, joined, strict=True):
@@ -162,7 +162,7 @@ class Line:
         return sum(piece.length_m for piece in self.pieces)
 
     def covers(self, points: Array) -> NDArray[np.bool_]:
-        """Whether each of the floor points (N, 2) lies on the tape, (N,)."""
+        """Return whether each of the floor points (N, 2) lies on the tape, (N,)."""
         covered = np.zeros(len(points), dtype=bool)
         for piece in self.pieces:
             s, offset = piece.local(points)
@@ -170,7 +170,7 @@ class Line:
         return covered
 
     def edges(self, spacing_m: float = 0.01) -> list[tuple[Array, Array]]:
-        """Left and right edge of each piece, (N, 2) each, straight pieces by their ends alone."""
+        """Return the left and right edge of each piece, (N, 2) each; those of a straight piece have its ends alone."""
         edges = []
         for piece in self.pieces:
             count = 2 if isinstance(piece, Straight) else max(2, int(np.ceil(piece.length_m / spacing_m)) + 1)
@@ -187,7 +187,7 @@ class Box:
     kind: Kind
     center: tuple[float, float, float]
     size: tuple[float, float, float]
-    """Along its own x, y, z [m]."""
+    """Lengths along its own x, y, z [m]."""
     yaw_rad: float
     surface: str
     motion: ObstacleMotion | None = None
@@ -198,11 +198,11 @@ class Box:
     """Whether robots touch it and range sensors see it; images always show it."""
 
     def footprint(self) -> Array:
-        """Corners (4, 2) counter-clockwise, at t = 0."""
+        """Return the corners (4, 2) [m] in W, counter-clockwise, at t = 0."""
         return np.array(Rectangle(self.center[:2], self.size[:2], self.yaw_rad).corners())
 
     def poses_at(self, t_s: Array) -> Array:
-        """(N, 3), x [m], y [m], yaw [rad] of its middle at the times (N,) [s] since the start of the run."""
+        """Return the poses (N, 3) of its middle, x [m], y [m], yaw [rad], at times (N,) [s] since the run began."""
         if self.motion is not None:
             return self.motion.poses_at(t_s)
         return np.tile([*self.center[:2], self.yaw_rad], (len(t_s), 1))

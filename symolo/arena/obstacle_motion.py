@@ -26,7 +26,7 @@ class ObstacleMotion:
 
     @classmethod
     def from_config(cls, obstacle: ObstacleForm) -> "ObstacleMotion | None":
-        """None for an obstacle that stands still."""
+        """Return the motion of an obstacle; None if it stands still."""
         if obstacle.motion is None:
             return None
         times, places = zip(*stations_of(obstacle), strict=True)
@@ -44,12 +44,12 @@ class ObstacleMotion:
         return np.array([*legs, np.zeros(3)])
 
     def poses_at(self, t_s: Array) -> Array:
-        """(N, 3), x [m], y [m], yaw [rad] at the times (N,) [s] since the start of the run."""
+        """Return the poses (N, 3), x [m], y [m], yaw [rad], at times (N,) [s] since the start of the run."""
         phase_s = self._phase_s(t_s)
         return np.stack([np.interp(phase_s, self.times_s, column) for column in zip(*self.poses, strict=True)], axis=-1)
 
     def rates_at(self, t_s: Array) -> Array:
-        """(N, 3), velocity [m/s, m/s] and yaw rate [rad/s] in W from each of the times (N,) on."""
+        """Return (N, 3), the velocity [m/s, m/s] and yaw rate [rad/s] in W from each of the times (N,) on."""
         leg = np.searchsorted(self.times_s, self._phase_s(t_s), side="right") - 1
         return self._slopes[leg]
 

@@ -130,7 +130,7 @@ class ChildProcess(Generic[M]):
         A child that dies or is ended here leads to a `Failed` of kind `killed`.
 
         Args:
-            request: What the child is to do.
+            request: Request that the child executes.
             patience_s: Time without a message other than `Alive` after which the child is ended.
             start_s: Time for the first such message, where it is longer than `patience_s`.
             silence_s: Time without any message after which the child is ended.

@@ -60,7 +60,7 @@ class Normal:
         return (low, high)
 
     def share_within(self) -> float:
-        """Probability that the Gaussian without limits falls between them."""
+        """Return the probability that the Gaussian without limits falls between them."""
         if self.sd == 0:
             return float(self.extremes()[0] <= self.mean <= self.extremes()[1])
         below, up_to = (NormalDist(self.mean, self.sd).cdf(end) for end in self.extremes())

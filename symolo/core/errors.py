@@ -16,7 +16,7 @@ _UNPRINTABLE = re.compile(
 
 
 class InputError(Exception):
-    """What the user gave cannot be used; nothing was written.
+    """Input of the user that cannot be used; nothing was written.
 
     The text is one line: `where: what: got X, allowed: Y; did you mean Z; cure`.
 
@@ -48,7 +48,7 @@ def _without_repetition(what: str, where: str) -> str:
 
 
 class FaultsError(InputError):
-    """Several faults of what the user gave, in a text of one line each.
+    """Several faults of the input, in a text of one line each.
 
     Args:
         faults: At least two.
@@ -61,7 +61,7 @@ class FaultsError(InputError):
         Exception.__init__(self, "\n".join([*lines, *([f"  and {more} more"] if more > 0 else [])]))
 
     def __reduce__(self) -> tuple[type["FaultsError"], tuple[tuple[InputError, ...]]]:
-        """Come out of a worker process unchanged."""
+        """Let pickle rebuild the error unchanged in the process that started the worker."""
         return FaultsError, (self.faults,)
 
 
@@ -101,19 +101,19 @@ class EnvironmentLacking(Exception):  # noqa: N818 - as above
 
 
 def one_line(text: str) -> str:
-    """The text without line breaks or control characters, which a hostile file could smuggle into a terminal."""
+    """Return a text without line breaks and control characters, which a hostile file could smuggle into a terminal."""
     return _UNPRINTABLE.sub(" ", text)
 
 
 def nearest(name: object, candidates: Iterable[str]) -> str:
-    """The candidate most like `name`, or an empty string where none is close."""
+    """Return the candidate that is most similar to `name`, or an empty string if none is close."""
     by_lower = {candidate.lower(): candidate for candidate in candidates}
     matches = difflib.get_close_matches(str(name)[:200].lower(), by_lower, n=1, cutoff=0.6)
     return by_lower[matches[0]] if matches else ""
 
 
 def shown(value: object) -> str:
-    """A value as the user would write it, shortened."""
+    """Return a value as the user would write it, shortened."""
     if value is None:
         return "nothing (null)"
     if isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""Numbers that are none, refused where they come in: one NaN would spread through a whole run in silence."""
+"""Check for NaN and infinity where numbers come in: one NaN would silently spread through a whole run."""
 
 from collections.abc import Sequence
 
@@ -10,12 +10,12 @@ def require_finite(values: NDArray[np.float64], name: str, axes: Sequence[str]) 
     """Refuse NaN and infinity.
 
     Args:
-        values: Of any shape.
-        name: What they are, with their unit.
-        axes: What each axis of them counts, in the singular.
+        values: Numbers of any shape.
+        name: Name of the numbers, with their unit, for the message.
+        axes: Noun for the index of each axis, in the singular, such as `row`.
 
     Raises:
-        ValueError: Names the first one and where it stands.
+        ValueError: A number is not finite; the first one and its place are named.
     """
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):

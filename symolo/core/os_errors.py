@@ -5,7 +5,7 @@ import re
 import sys
 
 NOT_THERE = (FileNotFoundError, NotADirectoryError, IsADirectoryError)
-"""What is raised for a file that is not there. Any other error says nothing about whether it is."""
+"""Errors for a file that is not there. Any other error leaves open whether it is."""
 
 _AGAIN = "run the same command again"
 _CURES = {
@@ -31,7 +31,7 @@ _NO_MEMORY = re.compile(
     r"|bad_alloc|out of memory|cannot apply additional memory protection",
     re.IGNORECASE,
 )
-"""What the loader of libraries, the threads of Python, OpenCV, Blender and C++ report in place of a MemoryError."""
+"""Texts that the loader of libraries, Python's threads, OpenCV, Blender and C++ report in place of a MemoryError."""
 
 
 def lacking(error: BaseException) -> str:

@@ -33,7 +33,7 @@ class Report(Protocol):
         Args:
             name: Name of the stage.
             total: All that there is to do, in `unit`.
-            unit: What is counted, in the plural.
+            unit: Noun for what is counted, in the plural.
             is_even: Whether each part advances so evenly that the time left follows from it. Otherwise only parts that
                 are done say something about it.
         """
@@ -182,7 +182,7 @@ def time_left(since_s: float, share: float) -> str:
 
 
 def seconds(duration_s: float) -> str:
-    """A duration as a person says it: `8.2 s`, `3 min 05 s`, `2 h 10 min`."""
+    """Return a duration in the usual units: `8.2 s`, `3 min 05 s`, `2 h 10 min`."""
     if duration_s < 60:
         return f"{duration_s:.1f} s"
     minutes, rest = divmod(round(duration_s), 60)

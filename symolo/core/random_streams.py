@@ -1,4 +1,4 @@
-"""Random streams keyed by what they serve, never by the order in which they are drawn."""
+"""Random streams keyed by the path of the field that they serve, not by the order in which they are drawn."""
 
 import hashlib
 import json
@@ -7,10 +7,10 @@ import numpy as np
 
 
 def stream(seed: int, *path: str | int) -> np.random.Generator:
-    """A generator that depends on the seed and the path alone.
+    """Return a generator that depends on the seed and the path alone.
 
-    A new field, run or sensor has a path of its own and thereby leaves every other stream as it was. The key is
-    the SHA-256 of both as JSON, in which `("a", "b")`, `("a.b",)`, `1` and `"1"` all differ.
+    A new field, run or sensor has a path of its own, so that it changes no other stream. The key is the SHA-256 of
+    both as JSON, in which `("a", "b")`, `("a.b",)`, `1` and `"1"` all differ.
     """
     key = json.dumps([seed, *path], separators=(",", ":")).encode()
     return np.random.Generator(np.random.PCG64(int.from_bytes(hashlib.sha256(key).digest(), "big")))

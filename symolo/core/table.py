@@ -163,10 +163,10 @@ def table_of(
 
     Args:
         text: The file.
-        columns: What to read.
+        columns: Columns to read.
         places: Index of each column among the cells of a row.
         first: Index of the first line below the header.
-        separator: Between cells.
+        separator: Character between cells.
         may_break: Whether a row with too few cells is left out with a note: logs of a serial line have broken rows.
         is_log: Whether each row may end with one more separator, and the last row may lack its line end.
     """

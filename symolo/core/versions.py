@@ -5,12 +5,13 @@ from importlib.metadata import PackageNotFoundError, version
 
 
 def versions(*packages: str) -> dict[str, str]:
-    """Installed version by package name; raises no error for one that is missing, `doctor` does."""
+    """Return the installed version of each package by its name; `missing` for one that is not installed."""
     return {package: installed_version(package) or "missing" for package in packages}
 
 
 @cache
 def installed_version(package: str) -> str | None:
+    """Return the installed version of a package; None if it is not installed."""
     try:
         return version(package)
     except PackageNotFoundError:

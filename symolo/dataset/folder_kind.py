@@ -18,7 +18,7 @@ KIND = "kind"
 
 
 NAME_DATASET = "name the folder that holds metadata.json"
-"""What to do where a dataset was expected."""
+"""Advice for a path that is not a dataset."""
 
 
 class Kind(TextEnum):
@@ -92,7 +92,7 @@ def check_is_whole(root: Path, command: str) -> None:
 
     Args:
         root: The folder.
-        command: What the user is to type before the name of the dataset, such as `symolo verify`.
+        command: Command that takes the dataset as its argument, such as `symolo verify`.
 
     Raises:
         InputError: The folder is inside a dataset.

@@ -5,7 +5,7 @@ DATA, POSITIONS, SIDE, IMAGES, ANNOTATIONS = "data.csv", "image_positions.txt", 
 SPEC = "spec.json"
 """Run specification, in `side/` and in the folder of the first stage."""
 JOB = "job.json"
-"""In the folder of a stage that renders: the input of the renderer."""
+"""Input of the renderer, in the folder of a stage that renders."""
 STAGES, DONE = ".stages", "done.json"
 """Hidden folder of an output folder with the results of each stage, and the last file that a finished stage writes."""
 CAMERAS = "cameras"

@@ -54,7 +54,7 @@ def decoded_contents(
 
     Args:
         contents: Contents of files; None yields None. An error that they raise comes after what was before it.
-        in_colour: As of `decoded_bytes`.
+        in_colour: As for `decoded_bytes`.
         size: Width and height [px] that an image must have. One whose header announces other ones is not decoded: the
             largest that is allowed would take a second or two.
     """

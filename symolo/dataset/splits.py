@@ -100,7 +100,7 @@ def check(rule: SplitRule, members: Sequence[SplitMember], where: str) -> None:
     """Refuse a rule that cannot be applied to runs that are planned; their images are not known yet.
 
     Raises:
-        InputError: As `assign` does.
+        InputError: As for `assign`.
     """
     if rule.by is None:
         _listed(rule.patterns, members, where)

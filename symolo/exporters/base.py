@@ -57,7 +57,7 @@ def check_labelled(data: Dataset, kind: AnnotationName, what: str) -> None:
     Args:
         data: The release.
         kind: The kind of annotations.
-        what: What the kind gives, in one word.
+        what: Noun for the content of the annotations.
 
     Raises:
         InputError: A run has no images, or no such annotations.

@@ -35,7 +35,7 @@ _CURES = MappingProxyType(
     }
     | dict.fromkeys(("ros2", "rosbag2", "foxglove"), "a bag of ROS 2 is the format mcap")
 )
-"""What to do in place of an export, by the name of what another format or command writes."""
+"""Advice by the name of a format that no exporter writes, but another format or command covers."""
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ class Playback:
     state: Ints
     """(N,), state of the controller."""
     arena: Arena | None
-    """None for a run whose arena is not known, such as one of somebody else."""
+    """Arena of the run; None if it is not known, such as for a run that symolo did not make."""
     robot: RobotOutline
     beams: tuple[Beam, ...]
     scans: tuple[Scan, ...]

@@ -22,7 +22,7 @@ _ALLOWED = {
     "doi": "a DOI such as 10.5281/zenodo.1234567",
     "url": "an address that begins with https:// or http://",
 }
-"""What may stand in a field, in words, where its pattern alone would say too little."""
+"""Allowed values of fields in words, for fields whose pattern alone would not explain them."""
 
 Line = Annotated[str, Field(pattern=r"^\S(?:[^\n\r]*\S)?$", max_length=500)]
 

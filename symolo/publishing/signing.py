@@ -68,8 +68,8 @@ def sign_release(
     Args:
         root: The release. It gets the signature, and the statement of provenance with a signature of its own.
         key: The key of its owner.
-        facts: What the trusted comments state.
-        check_spec: As of `verify`.
+        facts: Facts that the trusted comments state.
+        check_spec: As for `verify`.
         with_provenance: Whether the statement is written; one that is there is written again in any case.
 
     Raises:

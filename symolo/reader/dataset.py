@@ -35,7 +35,7 @@ class Dataset:
     runs: tuple[Run, ...]
 
     def __getitem__(self, name: str) -> Run:
-        """A run by its name.
+        """Return a run by its name.
 
         Raises:
             InputError: There is none of this name.
@@ -52,7 +52,7 @@ class Dataset:
         return iter(self.runs)
 
     def __len__(self) -> int:
-        """Number of runs."""
+        """Return the number of runs."""
         return len(self.runs)
 
     def matching(self, pattern: str | None) -> "Dataset":

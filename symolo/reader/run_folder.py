@@ -63,7 +63,7 @@ class Image:
         return self.run.image_path(self.number)
 
     def pixels(self) -> Pixels:
-        """(H, W, 3), uint8, red, green, blue.
+        """Return the pixels (H, W, 3), uint8, red, green, blue.
 
         Raises:
             InputError: The file is missing or no image.
@@ -74,7 +74,7 @@ class Image:
         return pixels
 
     def annotation(self, kind: str) -> np.ndarray:
-        """(H, W) or (H, W, 3): an annotation as stored, channels red, green, blue; decoded in docs/annotations.md.
+        """Return an annotation as stored, (H, W) or (H, W, 3), red, green, blue; docs/annotations.md decodes it.
 
         Args:
             kind: depth, instance, semantic, normals, flow or free_floor.
@@ -222,8 +222,9 @@ class RunFolder:
         return (*side_tables(self.spec, has_images=bool(self.numbers)), *self.sensor_tables)
 
     def side(self, name: str) -> pd.DataFrame:
-        """A table below `side/`, such as `wheels`: at the rows of `rows`, of `image_rows` for `camera`, or of the
-        samples of a sensor.
+        """Return a table below `side/`, such as `wheels`.
+
+        Its rows are those of `rows`, those of `image_rows` for `camera`, or the samples of a sensor.
 
         Raises:
             InputError: There is none of this name, or it is damaged or of other times than data.csv.
@@ -359,7 +360,7 @@ class RunFolder:
         return iter(self.images)
 
     def __len__(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return len(self.table.t_ms)
 
 

@@ -14,9 +14,9 @@ UNITS = "units"
 
 
 def frame(columns: Sequence[Column], numbers: Array) -> pd.DataFrame:
-    """A table of numbers (N, columns); what has no digits after the point and no empty cell is an integer.
+    """Return a table of numbers (N, columns); columns without decimals and without empty cells are integers.
 
-    `attrs["units"]` is the unit of each column: m, rad, ms...; "-" for what has none.
+    `attrs["units"]` is the unit of each column: m, rad, ms...; "-" for a column without one.
     """
     made = {
         column.name: values.copy() if column.decimals or np.isnan(values).any() else values.round().astype("int64")
@@ -28,5 +28,5 @@ def frame(columns: Sequence[Column], numbers: Array) -> pd.DataFrame:
 
 
 def rows_frame(rows: Rows) -> pd.DataFrame:
-    """The columns of data.csv."""
+    """Return the columns of data.csv as a table."""
     return frame(rows.definitions, rows.table())

@@ -25,11 +25,11 @@ class Frame(NamedTuple):
 
 
 def torch_dataset(data: Dataset, transform: Callable[[Pixels], Any] | None = None) -> Any:  # noqa: ANN401 - of torch
-    """A map-style `torch.utils.data.Dataset` of `Frame`, one for each image of all runs, decoded when it is requested.
+    """Return a map-style `torch.utils.data.Dataset` with a `Frame` for each image, which is decoded when requested.
 
     Args:
-        data: What `load` gives.
-        transform: What to make of the pixels, (H, W, 3) uint8 RGB, in place of a tensor in 0..1.
+        data: Dataset that `load` returned.
+        transform: Function of the pixels, (H, W, 3) uint8 RGB; by default it returns a tensor (3, H, W) from 0 to 1.
 
     Raises:
         InputError: No run has images.
@@ -56,7 +56,7 @@ def torch_dataset(data: Dataset, transform: Callable[[Pixels], Any] | None = Non
             return Frame(shown, pose, X_WC, image.t_s, image.run.name)
 
         def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-            """For loaders whose workers are spawned: a class made here has no name that another process finds."""
+            """Let pickle rebuild the dataset in spawned workers of a loader, which cannot import this local class."""
             return torch_dataset, (data, transform)
 
     return Frames()

@@ -22,7 +22,7 @@ def release_report(data: Dataset, max_detailed: int, report: Report) -> bytes:
     Args:
         data: A release, or some of its runs, whose checksums hold.
         max_detailed: At most this number of runs is shown in detail.
-        report: Where progress is reported.
+        report: Receiver of the progress.
 
     Raises:
         InputError: A file of the release is not what it should be.

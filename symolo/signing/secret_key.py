@@ -22,7 +22,7 @@ SALT_BYTES, CHECKSUM_BYTES = 32, 32
 SECRET_BYTES = KEY_ID_BYTES + SEED_BYTES + PUBLIC_BYTES + CHECKSUM_BYTES
 HEAD_BYTES = len(KEY_ALGORITHM + SCRYPT + CHECKSUM) + SALT_BYTES + 8 + 8
 OPERATIONS, MEMORY_BYTES = 1 << 25, 1 << 30
-"""What minisign asks of a passphrase: some seconds and 1 GiB of memory for each one that is tried."""
+"""Limits of minisign for scrypt: some seconds and 1 GiB of memory for each passphrase that is tried."""
 MAX_MEMORY_BYTES = (1 << 31) - (1 << 20)
 """Largest memory that `hashlib.scrypt` may be allowed; a file that asks for more is refused."""
 

@@ -90,7 +90,7 @@ class Bucket:
         return cls(url, store)
 
     def held(self) -> AbstractContextManager[None]:
-        """Need no lock: an object is replaced at once, and two processes that send a release send the same bytes."""
+        """Return a context without a lock: an object is replaced at once, and two senders send the same bytes."""
         return nullcontext()
 
     def sweep(self) -> None:

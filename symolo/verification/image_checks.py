@@ -25,7 +25,7 @@ def check_images(folder: Path, name: str, rows: Rows, record: RunRecord, source:
         name: Its path in the dataset.
         rows: Rows with the numbers of the images.
         record: The run as metadata.json describes it.
-        source: What the numbers follow from, for messages.
+        source: File that the numbers come from, for messages.
     """
     numbers = [int(number) for number in rows.image if number > 0]
     if len(numbers) != record.images:

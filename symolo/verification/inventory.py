@@ -65,7 +65,7 @@ def _empty_folders(root: Path) -> Iterator[Path]:
 
 
 def _entries(root: Path, unreadable: Callable[[OSError], None]) -> Iterator[Path]:
-    """Everything below that is no folder; a link to a folder is not followed."""
+    """Yield everything below a folder that is no folder itself; a link to a folder is not followed."""
     for folder, folders, files in os.walk(root, onerror=unreadable):
         here = Path(folder)
         if here == root and STAGES in folders:

@@ -1,7 +1,7 @@
-"""Writing of files: whole or not at all, and on the disk before anybody relies on them.
+"""Writing of files: whole or not at all, and synced to the disk before anybody relies on them.
 
-Every file of the packages goes this way, and an architecture test says so. What stands under a name that begins with a
-dot and ends in `.tmp` or `.dropped` is unfinished, and belongs to nobody once its process is gone.
+All packages write their files with this module, which an architecture test checks. A file or folder whose name begins
+with a dot and ends in `.tmp` or `.dropped` is unfinished, and belongs to nobody once its process is gone.
 """
 
 import contextlib
@@ -19,8 +19,8 @@ from symolo.core.files.file_locks import lock
 
 UNFINISHED = re.compile(r"\.(.+)\.([0-9a-f]{1,16})\.tmp")
 WRITER = "SYMOLO_WRITER"
-"""Variable with the first half of the chance in all such names of a process and its children, once they are given it:
-whoever ends them can then tell what they left from what others are writing beside them."""
+"""Environment variable with the first half of the random digits in the unfinished names of a process and its children.
+The process that ends them can then distinguish their leftovers from files that others are writing."""
 DROPPED = re.compile(r"\..+\.dropped")
 _FLAGS = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 """Windows writes bytes as they are only with `O_BINARY`; descriptors are not inherited there anyway."""
@@ -32,9 +32,9 @@ def write_file(path: Path, data: bytes, mode: int = 0o666) -> None:
     It is written under an exclusive name beside its place, synced, read back, renamed, and the folder synced.
 
     Args:
-        path: Its place.
-        data: Its content.
-        mode: Who may read and write it, before the umask.
+        path: Path of the file.
+        data: Content.
+        mode: Permissions of the file, before the umask.
 
     Raises:
         OSError: The disk did not take it, or does not give back what was written. The place is as it was before.
@@ -45,10 +45,10 @@ def write_file(path: Path, data: bytes, mode: int = 0o666) -> None:
 
 
 def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
-    """The same of a file that is too large to be held at once; its SHA-256.
+    """Put a whole file in place, or none, that is too large for the memory; return its SHA-256.
 
     Raises:
-        OSError: As of `write_file`.
+        OSError: As for `write_file`.
     """
     written = hashlib.sha256()
 
@@ -67,7 +67,7 @@ def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
 
 @contextlib.contextmanager
 def _whole(path: Path) -> Iterator[Path]:
-    """An exclusive name beside a place, for a file that takes the place when the block ends."""
+    """Yield an exclusive name beside a path, for a file that takes this path when the block ends."""
     beside = _unfinished(path)
     try:
         yield beside
@@ -96,12 +96,12 @@ def _unfinished(path: Path) -> Path:
 
 
 def new_writer() -> str:
-    """A value for `WRITER` that nobody else has."""
+    """Return a value for `WRITER` that no other process has."""
     return secrets.token_hex(4)
 
 
 def place_of(unfinished: Path) -> Path | None:
-    """The place that an unfinished file or folder was meant for; None of what bears no such name."""
+    """Return the path for which an unfinished file or folder was meant; None for any other name."""
     match = UNFINISHED.fullmatch(unfinished.name)
     return unfinished.with_name(match.group(1)) if match else None
 
@@ -185,7 +185,7 @@ def make_folder(path: Path) -> None:
 
 
 def new_folder_beside(path: Path) -> Path:
-    """An empty folder of the caller alone, to be filled and put in the place `path`."""
+    """Return a new empty folder that only the caller uses, to be filled and moved to `path`."""
     beside = _unfinished(path)
     make_folder(beside)
     return beside
@@ -243,7 +243,7 @@ def remove_file(path: Path) -> None:
 def remove_leftovers(folder: Path, *, below: bool = False, of: str = "") -> None:
     """Remove what a killed process left unfinished in a folder, or also in those `below`.
 
-    Nobody else may be writing there, but where only what is `of` one `WRITER` is to go.
+    No other process may be writing there, unless only the leftovers `of` one `WRITER` are removed.
     """
     folders = [folder] if folder.is_dir() else []
     while folders:  # a recursion would end on untrusted folders that are a thousand levels deep

@@ -32,7 +32,7 @@ def sha256_of(path: Path, kind: FileKind | None = None) -> str:
 
 
 def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:
-    """SHA-256 of every file below a folder by its path inside, sorted; `skip` names entries of the folder itself.
+    """Return the SHA-256 of every file below a folder by its path inside, sorted; `skip` names entries of the folder.
 
     Raises:
         OSError: A folder or file cannot be read; a list of some of them would pass for one of all.
@@ -43,9 +43,9 @@ def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:
 
 
 def sizes_below(folder: Path) -> Iterator[tuple[Path, int]]:
-    """Every regular file below a folder, and its bytes, while others may write there: what goes meanwhile is no file.
+    """Yield every regular file below a folder with its size [byte], while other processes may write there.
 
-    A link or a pipe is none either. A folder that is not there, or whose names may not be read, holds nothing.
+    Files that vanish meanwhile, links and pipes are left out. A folder that is missing or cannot be read has no files.
     """
     for place, _, names in os.walk(folder):
         for path in (Path(place, name) for name in names):
@@ -68,12 +68,12 @@ def _files_below(folder: Path) -> Iterator[Path]:
 
 
 def holds(folder: Path, files: Mapping[str, str]) -> bool:
-    """Whether each of the files is there with the SHA-256 named."""
+    """Return whether each of the files is there with its SHA-256."""
     return all(is_plain_file(folder / name) and sha256_of(folder / name) == digest for name, digest in files.items())
 
 
 def read_known(path: Path, digest: str) -> bytes:
-    """A file that is known by its SHA-256.
+    """Return the content of a file that is known by its SHA-256.
 
     Raises:
         EnvironmentLacking: It is no longer what was written.
@@ -85,5 +85,5 @@ def read_known(path: Path, digest: str) -> bytes:
 
 
 def canonical_json(value: object) -> bytes:
-    """JSON text that is the same bytes for the same value: sorted keys, two spaces, one line end."""
+    """Return JSON text that has the same bytes for the same value: sorted keys, two spaces, one line end."""
     return (json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -45,9 +45,9 @@ _SETTINGS = {
 """Environment of the child. OpenCV 5 has no function for the first. Without the last two, glibc gives the memory of
 each image back to the system. To get it again takes as long as to decode an image of 640 x 480 pixels."""
 _CHANNELS = frozenset({0, 3, 4})
-"""Of an image; 0 where it has two dimensions."""
+"""Possible numbers of channels of an image; 0 if it has two dimensions."""
 _LAST_SECONDS = 5.0
-"""Within which a child that has closed its pipes has ended."""
+"""Time in which a child ends after it has closed its pipes."""
 _SHORTAGE = "images are decoded in a child process, and the system ended it, as it does where memory is short"
 
 
@@ -57,7 +57,7 @@ class Undecodable(ValueError):  # noqa: N818 - the word that says it
 
 @dataclass(frozen=True)
 class ImageFile:
-    """What is to be decoded."""
+    """An encoded image, and how it is to be decoded."""
 
     data: bytes
     flags: int
@@ -68,7 +68,7 @@ class ImageFile:
 
 @dataclass(frozen=True)
 class DecodedImage:
-    """What comes of it."""
+    """A decoded image."""
 
     pixels: np.ndarray
     """(H, W) or (H, W, channels)."""
@@ -80,17 +80,17 @@ class ImageDecoder:
     """The child as its owner sees it; any thread may call `decode`."""
 
     def __init__(self, program: str = _PROGRAM) -> None:
-        """Remember what to start.
+        """Note the program of the child, which starts with the first image.
 
         Args:
-            program: What the child runs, as `python -c` takes it.
+            program: Program of the child, as `python -c` takes it.
         """
         self._program = program
         self._lock = threading.Lock()
         self._child: _Child | None = None
 
     def decode(self, images: Sequence[ImageFile]) -> list[DecodedImage | Undecodable]:
-        """Return what comes of each image. To send several at once takes less time than one after the other.
+        """Return each image decoded, or why it is not. Sending several at once takes less time than one by one.
 
         Raises:
             MemoryError: The machine lacks the memory for it.
@@ -155,7 +155,7 @@ def _shared() -> ImageDecoder:
 
 
 def decode_images(images: Sequence[ImageFile]) -> list[DecodedImage | Undecodable]:
-    """Return what comes of each image in the child of this process.
+    """Return each image decoded by the child of this process, or why it is not.
 
     Raises:
         MemoryError: The machine lacks the memory for it.

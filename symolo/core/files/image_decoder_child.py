@@ -26,17 +26,17 @@ REPLY = struct.Struct("<BBBBII")
 width and height [px]; the pixels follow."""
 DTYPES = tuple(map(np.dtype, ("uint8", "uint16", "float32")))
 SECONDS = 30
-"""Of the processor, for the images that are sent together, which are one or small; the worst that `image_headers` lets
-pass takes two."""
+"""Processor time for the images that are sent together: one, or several small ones. The slowest image that
+`image_headers` accepts takes two seconds."""
 BYTES = 1_500_000_000
-"""Memory beyond that of the child before its first image; the worst image that `image_headers` lets pass takes a third
+"""Memory beyond that of the child before its first image. The largest image that `image_headers` accepts takes a third
 of it, and the largest panorama two thirds."""
 
 Decode = Callable[[bytes, int], "np.ndarray | None"]
 
 
 class DecodingOutcome(IntEnum):
-    """What came of an image."""
+    """Result of decoding an image."""
 
     DECODED = 0
     UNDECODABLE = 1

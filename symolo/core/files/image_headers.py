@@ -24,18 +24,18 @@ _SIZES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _BASELINE, _EXTENDED, _PROGRESSIVE = 0xC0, 0xC1, 0xC2
 """The three frames that encoders write; arithmetic coding takes several times longer to decode."""
 _MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")
-"""What ends the data of a scan: no stuffed byte, no filling and no restart."""
+"""Marker that ends the data of a scan: no stuffed byte, no filling and no restart."""
 _COPIES = 2
 """Number of times that OpenCV holds the decoded image."""
 _COPIES_AND_COEFFICIENTS = 3
-"""The same where no scan has the whole image: two bytes for each coefficient, before the second copy is made."""
+"""The same number if no scan has the whole image: two bytes for each coefficient, before the second copy is made."""
 _CHANNELS = {0: 1, 2: 3}
 """Number of values of a decoded pixel by the colour type of a PNG, grey or colours; of others four, with opacity."""
 
 
 @dataclass(frozen=True)
 class _Header:
-    """What the header of an image says."""
+    """Size of an image by its header, and the resources that its decoder needs."""
 
     width: int
     height: int

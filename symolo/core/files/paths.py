@@ -9,7 +9,7 @@ from pathlib import Path
 from symolo.core.errors import InputError
 
 TEMPORARY_CHARS = 24
-"""What the temporary name of a file or folder has more than its own."""
+"""Number of characters that the temporary name of a file or folder has in addition."""
 BELOW_CHARS = 128
 """Longest path that is made inside an output folder."""
 _REFUSALS = frozenset({errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT})
@@ -18,10 +18,10 @@ _REFUSALS = frozenset({errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT})
 
 
 def check_path(path: Path, where: str) -> None:
-    """Refuse a path that the system or a file of ours cannot hold; one that leads nowhere is none of those.
+    """Refuse a path that the system or a file in UTF-8 cannot hold; a path at which there is nothing is accepted.
 
     Raises:
-        InputError: Not UTF-8, too long, a loop of links, or out of reach.
+        InputError: It is not UTF-8, too long, a loop of links, or not accessible.
     """
     try:
         str(path).encode()
@@ -39,8 +39,8 @@ def check_folder(path: Path, cure: str, where: str = "") -> None:
     """Refuse a path that is not the path of a folder.
 
     Args:
-        path: Of the folder to read.
-        cure: What to name instead.
+        path: Path of the folder to read.
+        cure: Advice on which folder to name instead.
         where: The path as the message names it; by default the path alone.
 
     Raises:
@@ -55,7 +55,7 @@ def check_new_path(path: Path, where: str, below_chars: int = 0) -> None:
     """Refuse what `check_path` refuses, and a path at which nothing could be made.
 
     Args:
-        path: Of the file or folder to be made.
+        path: Path of the file or folder to be made.
         where: The option that holds it.
         below_chars: Length of what will be made inside.
 

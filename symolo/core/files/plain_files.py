@@ -1,8 +1,8 @@
 """Reading of every file of a dataset: only plain files, no larger than files of their kind are.
 
 A dataset may come from a stranger. A pipe or a device in the place of a file would make a reader wait for ever or fill
-the memory, and a link would make it read a file of the user. An architecture test says that no file of a dataset is
-opened in another way. What an error says is never taken from the bytes of the file.
+the memory, and a link would make it read a file of the user. An architecture test checks that no file of a dataset
+is opened in another way. The text of an error never contains bytes of the file.
 
 Only what lies inside a dataset must be plain: the path that leads to it, which the user names, may contain links.
 Nobody is expected to exchange files while a command reads them.
@@ -42,7 +42,7 @@ class FileKind(Enum):
     BAG = "a bag", 1 << 39
     """Read by a child with limits of its own."""
     ANY = "a file of a dataset", 512 * _MIB
-    """What is copied as it is."""
+    """A file that is copied as it is."""
 
     def __init__(self, title: str, max_bytes: int) -> None:
         self.title = title

@@ -1,4 +1,4 @@
-"""Folders for temporary files, which go with their process, or with the next command if the process was killed.
+"""Folders for temporary files, which are removed with their process, or by the next command if it was killed.
 
 A folder belongs to a process for as long as the process holds the lock on a file in it. The operating system releases
 the lock however the process ends, and no number of a process can be mistaken for that of a later one.
@@ -28,7 +28,7 @@ def scratch_folder(parent: Path | None = None) -> Iterator[Path]:
     The first one that a process makes in a place also removes those that killed processes of the same user left there.
 
     Args:
-        parent: Where to make it; by default the system's folder for temporary files.
+        parent: Folder in which it is made; by default the system's folder for temporary files.
     """
     place = Path(tempfile.gettempdir()) if parent is None else parent
     _remove_abandoned(place)

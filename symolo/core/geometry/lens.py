@@ -65,7 +65,7 @@ def coefficients(camera: CameraOptics) -> Coefficients:
 
 
 def distorted(lens: Coefficients, rays: Array) -> Array:
-    """Where rays (N, 2) meet the sensor, (N, 2), in units of the focal length."""
+    """Return the points (N, 2) on the sensor, in units of the focal length, that rays (N, 2) meet."""
     k1, k2, p1, p2, k3 = lens
     x, y = rays[:, 0], rays[:, 1]
     r2 = x * x + y * y
@@ -76,9 +76,9 @@ def distorted(lens: Coefficients, rays: Array) -> Array:
 
 
 def undistorted(lens: Coefficients, points: Array) -> Array:
-    """The rays (N, 2) that meet the sensor in points (N, 2); NaN where the lens brings none, or more than one.
+    """Return the rays (N, 2) that meet the sensor in points (N, 2); NaN where no ray does, or more than one.
 
-    Followed from the axis outwards by Newton's method, so that a lens that folds the image back is found out.
+    Rays are followed from the axis outwards by Newton's method, so that a lens that folds the image is detected.
     """
     rays = np.zeros_like(points)
     whole = np.ones(len(points), bool)
@@ -95,7 +95,7 @@ def undistorted(lens: Coefficients, points: Array) -> Array:
 
 
 def refined(lens: Coefficients, points: Array, near: Array, newton_steps: int) -> Array:
-    """The rays (N, 2) that meet the sensor in points (N, 2), from others (N, 2) that nearly do."""
+    """Return the rays (N, 2) that meet the sensor in points (N, 2), by Newton steps from rays (N, 2) that nearly do."""
     rays = near
     for _ in range(newton_steps):
         a, b, d = _slopes(lens, rays)
@@ -105,7 +105,7 @@ def refined(lens: Coefficients, points: Array, near: Array, newton_steps: int) -
 
 
 def _slopes(lens: Coefficients, rays: Array) -> tuple[Array, Array, Array]:
-    """du/dx, du/dy = dv/dx and dv/dy of `distorted`."""
+    """Return du/dx, du/dy = dv/dx and dv/dy of `distorted`."""
     k1, k2, p1, p2, k3 = lens
     x, y = rays[:, 0], rays[:, 1]
     r2 = x * x + y * y
@@ -119,7 +119,7 @@ def _slopes(lens: Coefficients, rays: Array) -> tuple[Array, Array, Array]:
 
 
 def border_rays(lens: Coefficients, low: tuple[float, float], high: tuple[float, float]) -> Array:
-    """Rays (N, 2) that meet the border of a sensor with these corners, which encloses all others; NaN as above."""
+    """Return rays (N, 2) that meet the border of a sensor with these corners; NaN as for `undistorted`."""
     x, y = (np.linspace(low[i], high[i], _BORDER_POINTS) for i in (0, 1))
     sides = [np.column_stack(np.broadcast_arrays(x, edge)) for edge in (low[1], high[1])]
     sides += [np.column_stack(np.broadcast_arrays(edge, y)) for edge in (low[0], high[0])]
@@ -127,9 +127,9 @@ def border_rays(lens: Coefficients, low: tuple[float, float], high: tuple[float,
 
 
 def lens_problem(camera: CameraOptics, width_px: int, height_px: int) -> str:
-    """Why no image of this size can be made through the camera's lens; empty where one can.
+    """Return why no image of this size can be made through the camera's lens; empty if one can.
 
-    A lens that does not fold takes little more than twice the image's width and height of pinhole image.
+    For a lens that does not fold, the pinhole image is little more than twice as wide and high as the image.
     """
     if camera.fisheye is not None:
         return Fisheye.of(camera.fisheye).problem()

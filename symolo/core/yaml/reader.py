@@ -45,7 +45,7 @@ class Document:
 
 
 def displayed(path: Path) -> str:
-    """The path as the user would type it: relative to the working directory where it lies inside."""
+    """Return a path as the user would type it: relative to the working directory if it is inside."""
     absolute, here = Path(path).absolute(), Path.cwd()
     return str(absolute.relative_to(here)) if absolute.is_relative_to(here) else str(absolute)
 
@@ -54,7 +54,7 @@ def read_yaml(path: Path) -> Document:
     """Read a file whose top level is a mapping.
 
     Raises:
-        InputError: With file, line and field path of the first thing that is not strict YAML.
+        InputError: Something is not strict YAML; file, line and field path of the first fault are named.
     """
     name = displayed(path)
     root = parse_yaml(_read_text(path, name), name)
@@ -199,7 +199,7 @@ class _Builder:
 
 
 def _scalar(event: yaml.ScalarEvent, what: str, where: str) -> Scalar:
-    """YAML 1.2 core schema without octal, hexadecimal and numbers that are not finite."""
+    """Return a scalar by the core schema of YAML 1.2 without octal, hexadecimal and numbers that are not finite."""
     text = event.value
     if not event.implicit[0]:  # quoted, or a block of text
         return text

@@ -9,7 +9,7 @@ FieldPath = tuple[str | int, ...]
 """Keys and list indices from the top, for example `("arena", "walls", 0, "start")`."""
 
 Values = Mapping[FieldPath, Scalar]
-"""What stands in place of the distributions, by path."""
+"""Values in the place of distributions, by path."""
 
 DISTRIBUTION_KINDS = ("uniform", "normal", "log_uniform", "choice")
 
@@ -47,7 +47,7 @@ class Node:
         return node
 
     def plain(self) -> Any:  # noqa: ANN401 - whatever the file holds
-        """The value without places: dict, list and scalars."""
+        """Return the value without places: dict, list and scalars."""
         if isinstance(self.value, dict):
             return {key: child.plain() for key, child in self.value.items()}
         if isinstance(self.value, tuple):
@@ -69,7 +69,7 @@ class Node:
         return node.where
 
     def walk(self, path: FieldPath = ()) -> "Iterator[tuple[FieldPath, Node]]":
-        """Every node below and including this one, with its path."""
+        """Yield this node and every node below it, each with its path."""
         yield path, self
         for key, child in self.children():
             yield from child.walk((*path, key))
@@ -80,7 +80,7 @@ def dotted(path: FieldPath) -> str:
 
 
 def node_of(value: Any, where: str) -> Node:  # noqa: ANN401 - whatever JSON holds
-    """A plain value as nodes that all have one place."""
+    """Return a plain value as nodes that all have the same place."""
     if isinstance(value, dict):
         return Node({key: node_of(item, where) for key, item in value.items()}, where)
     if isinstance(value, list):
@@ -94,7 +94,7 @@ ALTERNATIVES = {one: other for pair in _PAIRS for one, other in (pair, pair[::-1
 
 
 def merge(base: Node, over: Node) -> Node:
-    """Mappings are merged deeply; lists, scalars, distributions and mappings of another `kind` replace."""
+    """Return `base` with `over` merged deeply; lists, scalars, distributions and mappings of another `kind` replace."""
     if not isinstance(base.value, dict) or not isinstance(over.value, dict):
         return over
     kinds = [kind.value for kind in (base.child("kind"), over.child("kind")) if kind]

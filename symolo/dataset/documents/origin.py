@@ -19,7 +19,7 @@ class LogOrigin(_Part):
     quantities: dict[str, str] = Field(default_factory=dict)
     """Source of each quantity in the log, such as a column with its unit or a topic."""
     changes: tuple[str, ...] = ()
-    """What was changed beside units, in one sentence each, such as a shift of the times."""
+    """Changes of the data except those of units, in one sentence each, such as a shift of the times."""
 
 
 class ReleaseOrigin(_Part):

@@ -12,7 +12,7 @@ from symolo.dataset.tables.column import Column, Series, single
 from symolo.dataset.tables.rows import Numbers, Rows, csv_bytes, heading
 
 RowsOf = Literal["data", "images", "samples"]
-"""What a row of a table belongs to: a row of data.csv, an image, or a sample at a time of its own."""
+"""Origin of the rows of a table: a row of data.csv, an image, or a sample at a time of its own."""
 
 
 @dataclass(frozen=True)
