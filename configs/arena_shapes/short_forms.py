@@ -18,7 +18,7 @@ def checked_alone(root: Node, path: FieldPath, model: type[Alone], cure: str) ->
         root: Tree of a scenario, or of a section.
         path: Path of the part.
         model: A section with the fields on this path and no others.
-        cure: What to do about a distribution, which the part must not have.
+        cure: Advice about a distribution, which the part must not have.
 
     Raises:
         InputError: The part is wrong or has a distribution.

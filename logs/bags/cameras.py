@@ -31,7 +31,7 @@ class BagCameras:
     topics: dict[str, str]
     """Topic, number and size of the images by the name of the camera."""
     notes: tuple[str, ...]
-    """What was changed or left out, in one sentence each."""
+    """Changes and omissions, in one sentence each."""
 
 
 class _LeftOutError(Exception):

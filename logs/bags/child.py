@@ -86,13 +86,13 @@ def _twist(stamped: Message, twist: Message) -> _Part:
 
 
 def _range(message: Message) -> _Part:
-    """Infinity is no target within reach, and minus infinity one that is too close (REP 117)."""
+    """Return the reading of a range sensor: infinity without a target, minus infinity if it is too close (REP 117)."""
     value = message.range if message.range <= message.max_range else np.inf
     return _Part(message, ("range_m",), [np.nan if value == -np.inf else value], message.header.frame_id)
 
 
 def _imu(message: Message) -> _Part:
-    """A covariance that begins with -1 stands for what the device does not measure."""
+    """Return the readings of an IMU; a covariance that begins with -1 marks those that the device does not measure."""
     values: list[float] = []
     for name in ("linear_acceleration", "angular_velocity"):
         vector, is_absent = getattr(message, name), getattr(message, f"{name}_covariance")[0] == -1
@@ -101,7 +101,7 @@ def _imu(message: Message) -> _Part:
 
 
 def _scan(message: Message) -> _Part:
-    """The range of a ray is infinite without a return, and NaN where the device failed (REP 117).
+    """Return a laser scan; a range is infinite without a return, and NaN where the device failed (REP 117).
 
     Many devices state 0 where there is no return.
     """

@@ -28,7 +28,7 @@ class Track:
     values: Array
     """(N, 7 or more), position [m] and quaternion; of odometry, then speed [m/s] and turn [rad/s]."""
     changes: tuple[str, ...] = ()
-    """What was changed, in one sentence each."""
+    """Changes of the data, in one sentence each."""
 
     @classmethod
     def of(cls, topic: Topic, good: np.ndarray) -> "Track":

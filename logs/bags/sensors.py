@@ -36,7 +36,7 @@ class BagSensors:
     topics: dict[str, str]
     """Topic and number of the messages by the name of the sensor."""
     notes: tuple[str, ...]
-    """What was left out or is not known, in one sentence each."""
+    """Omissions and unknown settings, in one sentence each."""
 
 
 def sensors_of(bag: Bag, robot_frame: str, transforms: Sequence[Track]) -> BagSensors:

@@ -16,7 +16,7 @@ def diagnosis_table(cases: Sequence[NamedCase], out: Path, failed: Collection[st
     """Yield a heading, a line for each case, and a count.
 
     Args:
-        cases: In the order in which they are shown.
+        cases: Cases in the order in which they are shown.
         out: Folder that holds the folders of the other cases.
         failed: Names of the cases that failed.
     """

@@ -33,7 +33,7 @@ DEFAULT_SCENARIO = "symolo"
 DEFAULT_LOOK, DEFAULT_ROBOT = "classroom", "nominal"
 ROUTE = "imported"
 UNKNOWN_LICENCE = "NOASSERTION"
-"""What SPDX documents write where nobody has stated a licence."""
+"""Value of SPDX documents for a licence that nobody has stated."""
 _MAX_NAME = 64
 
 

@@ -33,7 +33,7 @@ class LookPhotographs:
     """Folder of all photographs; their names are relative to it."""
     measured: tuple[PhotographMeasures, ...]
     notes: tuple[str, ...]
-    """What was changed or left out, one sentence each."""
+    """Changes and omissions, in one sentence each."""
 
 
 def read_photographs(files: Sequence[tuple[Path, bytes]], width_px: int | None) -> LookPhotographs:

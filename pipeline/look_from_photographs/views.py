@@ -30,7 +30,7 @@ class ViewGeometry:
     pitch_down_deg: float = 90.0
     """Angle of the optical axis below the horizon; 90 looks straight down."""
     field_of_view_deg: float = 60.0
-    """From the left border of the photographs to the right one."""
+    """Angle from the left border of the photographs to the right one."""
 
     def focal_px(self, place: LinePlace) -> float:
         """Return the focal length in pixels of a photograph."""

@@ -94,7 +94,7 @@ class ScenarioPlan:
     demands: tuple[str, ...] = ()
     """Lines about demands of the scenario that leave what this diagnosis measured."""
     warnings: tuple[str, ...] = ()
-    """What is suspicious about starts, lines and walls, each with the runs that it concerns."""
+    """Warnings about suspicious starts, lines and walls, each with the runs that it concerns."""
 
     @classmethod
     def of(cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None) -> "ScenarioPlan":

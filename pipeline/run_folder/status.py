@@ -99,7 +99,7 @@ class FolderStatus:
     """Warning by run whose frames were made on several classes of processor."""
     release: ReleaseStatus
     cost: ImageCost | None
-    """None where no image was rendered."""
+    """Time that the images took; None where no image was rendered."""
     disk_bytes: Mapping[str, int]
     """Size of each part of the folder, the largest name first."""
 

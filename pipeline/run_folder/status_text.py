@@ -6,7 +6,7 @@ from pipeline.run_folder.status import FolderStatus, ImageCost, ReleaseStatus, W
 from symolo.core.progress import plural
 
 MAX_DONE_RUNS = 20
-"""Of more runs, those that are done have no line."""
+"""Largest number of runs up to which those that are done have a line too."""
 
 
 def status_lines(status: FolderStatus, *, check: bool) -> Iterator[str]:

@@ -30,7 +30,7 @@ class _Suspicion:
     """Something suspicious about a run, before it is simulated."""
 
     about: str
-    """What it is about; the same for all runs whose texts differ in numbers alone."""
+    """Subject, which is the same for all runs whose texts differ in numbers alone."""
     text: str
 
 

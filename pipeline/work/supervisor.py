@@ -78,7 +78,7 @@ def run_units(
         on_event: Called in this thread for each message of a worker, with the unit as passed in `units`.
         environment: Environment variables of the children in addition to those of this process.
         limits: Limits for each child and number of tries.
-        command: What a child runs; it must speak the protocol of `pipeline.work.worker_main`.
+        command: Command of a child, which must follow the protocol of `pipeline.work.worker_main`.
         slot_environments: Further variables, such as that of a graphics card. They are dealt out in turn to the slots;
             a child that replaces another one keeps its slot.
 

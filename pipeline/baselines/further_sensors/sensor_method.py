@@ -25,9 +25,9 @@ def sensor_method(
     """Return a method that estimates the poses of a run by the log of a sensor.
 
     Args:
-        name: As in `Method`.
-        title: As in `Method`.
-        what: As in `Method`.
+        name: Name for `--methods`.
+        title: Name in figures.
+        what: Line about the readings that the method uses, and how.
         log_of: Function that returns the log of the sensor, or None without the sensor.
         missing: Message for a dataset without the sensor.
         estimate: Function that returns the estimate by the log.

@@ -53,7 +53,7 @@ class ModelDescription(BaseModel):
     training_runs: tuple[_Fingerprint, ...] = Field(min_length=1, max_length=_MAX_RUNS)
     """Fingerprint of each run that trained the network."""
     validation_runs: tuple[_Fingerprint, ...] = Field(min_length=1, max_length=_MAX_RUNS)
-    """The same for the runs that were set aside and decided when training stopped."""
+    """Fingerprint of each run that was set aside and decided when training stopped."""
     epochs: int = Field(ge=1)
     made_with: dict[str, str]
 
