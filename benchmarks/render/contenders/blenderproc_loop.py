@@ -1,4 +1,4 @@
-"""The process behind `painters.Painter` for BlenderProc: its own initialisation and render loop, on our scene.
+"""The child of `RenderProcess` for BlenderProc: its own initialisation and render loop, on our scene.
 
     python blenderproc_loop.py JOB SETTINGS FOLDER THREADS
 
@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.render.contenders.painter_side import Paint, PaintRequest, reply_stream, serve
+from benchmarks.render.contenders.child_side import ProcessArguments, RenderFrames, reply_stream, serve
 from symolo.core.files.exr import read_exr
 from symolo.core.geometry.poses import pose_X_WR
 
@@ -33,7 +33,7 @@ _LIGHT_PATHS = ("caustics_reflective", "caustics_refractive", "sample_clamp_indi
 
 def main() -> None:
     replies = reply_stream()
-    request = PaintRequest.from_arguments(sys.argv[1:])
+    request = ProcessArguments.from_arguments(sys.argv[1:])
     import bpy  # noqa: F401, PLC0415 - loaded before what stands on it
 
     _enter()
@@ -50,7 +50,7 @@ def _enter() -> None:
     sys.modules["blenderproc"] = package
 
 
-def _set_up(request: PaintRequest) -> None:
+def _set_up(request: ProcessArguments) -> None:
     import bpy  # noqa: PLC0415 - after reply_stream
     from blenderproc.python.renderer import RendererUtility  # noqa: PLC0415 - after _enter
     from blenderproc.python.utility.Initializer import _Initializer, clean_up  # noqa: PLC0415 - as above
@@ -74,7 +74,7 @@ def _set_up(request: PaintRequest) -> None:
             setattr(bpy.context.scene.cycles, name, value)
 
 
-def _loop(request: PaintRequest) -> Paint:
+def _loop(request: ProcessArguments) -> RenderFrames:
     import bpy  # noqa: PLC0415 - as above
     from blenderproc.python.camera import CameraUtility  # noqa: PLC0415 - as above
     from blenderproc.python.renderer import RendererUtility  # noqa: PLC0415 - as above
@@ -86,7 +86,7 @@ def _loop(request: PaintRequest) -> Paint:
     views = {view.number: view for view in request.job.frames}
     samples = bpy.context.scene.cycles.samples
 
-    def paint(numbers: Sequence[int], warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
+    def render(numbers: Sequence[int], warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a RenderFrames
         reset_keyframes()
         RendererUtility.set_max_amount_of_samples(1 if warm_up else samples)
         for frame, number in enumerate(numbers):
@@ -100,7 +100,7 @@ def _loop(request: PaintRequest) -> Paint:
         RendererUtility.render(output_dir=str(request.folder), file_prefix=_PREFIX, output_key=None, return_data=False)
         return {number: _light(request.folder, i, views[number].light_gain) for i, number in enumerate(numbers)}
 
-    return paint
+    return render
 
 
 def _light(folder: Path, frame: int, gain: Sequence[float]) -> np.ndarray:

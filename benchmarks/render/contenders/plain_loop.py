@@ -4,7 +4,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from benchmarks.render.contenders.painters import Painter
+from benchmarks.render.contenders.render_process import RenderProcess
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.job import RenderJob
 from symolo.core.arrays import FloatImage
@@ -37,18 +37,18 @@ def plain_lights(
     """Return the light of each view by the number of samples, as the plain loop renders it on a device."""
     job = replace(job, sampling=replace(job.sampling, device=device))
     settings = {"kind": "plain", "cycles": BLENDERS_DEFAULT, "each_of": PLAIN_SAMPLES}
-    with Painter("painter.py", job, settings, threads, sys.executable) as painter:
-        painter.paint(numbers)
-        return {number: dict(zip(PLAIN_SAMPLES, painter.light(number), strict=True)) for number in numbers}
+    with RenderProcess("cycles_process.py", job, settings, threads, sys.executable) as process:
+        process.render(numbers)
+        return {number: dict(zip(PLAIN_SAMPLES, process.light(number), strict=True)) for number in numbers}
 
 
 def plain_cost(job: RenderJob, numbers: list[int], threads: int, samples: int) -> RunCost:
     """Return the cost of the plain loop on the processor, after a first image of one sample."""
     settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
-    with Painter("painter.py", job, settings, threads, sys.executable) as painter:
-        first = painter.paint(numbers[:1], warm_up=True)
-        cost = painter.paint(numbers)
-        return RunCost(painter.set_up.core_s + first.core_s, cost.core_s / len(numbers))
+    with RenderProcess("cycles_process.py", job, settings, threads, sys.executable) as process:
+        first = process.render(numbers[:1], warm_up=True)
+        cost = process.render(numbers)
+        return RunCost(process.set_up.core_s + first.core_s, cost.core_s / len(numbers))
 
 
 def fewest_samples(mean_squares: Mapping[int, float], largest: float) -> int | None:

@@ -13,8 +13,8 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from benchmarks.render.contenders.painters import Painter
 from benchmarks.render.contenders.plain_loop import BLENDERS_DEFAULT
+from benchmarks.render.contenders.render_process import RenderProcess
 from benchmarks.render.yardsticks.views import LOOKS, job_along_the_line
 from blender_scenes.render.sampling import hybrid_samples
 from configs.schema.scenario import Render
@@ -32,20 +32,20 @@ def main() -> None:
     width_px, height_px = options.size
     samples = hybrid_samples(Render(width_px=width_px, height_px=height_px))
     settings = {"kind": "ours", "hybrid": asdict(samples)}
-    with Painter("painter.py", job, settings, 1, sys.executable) as painter:
-        print_cost("hybrid", painter, [view.number for view in job.frames], options.frames)
+    with RenderProcess("cycles_process.py", job, settings, 1, sys.executable) as process:
+        print_cost("hybrid", process, [view.number for view in job.frames], options.frames)
     for samples in options.plain:
         few = replace(job, frames=job.frames[:: options.every])
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
-        with Painter("painter.py", few, settings, 1, sys.executable) as painter:
-            print_cost(f"plain loop, {samples}", painter, [view.number for view in few.frames], options.frames)
+        with RenderProcess("cycles_process.py", few, settings, 1, sys.executable) as process:
+            print_cost(f"plain loop, {samples}", process, [view.number for view in few.frames], options.frames)
 
 
-def print_cost(name: str, painter: Painter, numbers: list[int], frames: int) -> None:
+def print_cost(name: str, process: RenderProcess, numbers: list[int], frames: int) -> None:
     """Prints the cost of a frame in a run of so many, and the median of one."""
-    costs = [painter.paint([number]) for number in numbers]
+    costs = [process.render([number]) for number in numbers]
     each = np.array([cost.core_s for cost in costs])
-    whole = (painter.set_up.core_s + each.sum() * frames / len(numbers)) / frames
+    whole = (process.set_up.core_s + each.sum() * frames / len(numbers)) / frames
     spread = f"median {np.median(each):.2f}, most {each.max():.1f}"
     print(f"{name:16} {whole:6.2f} core-s a frame, all counted; {spread}", flush=True)
 

@@ -26,8 +26,8 @@ import cv2
 import matplotlib as mpl
 import numpy as np
 
-from benchmarks.render.contenders.painters import Cost, Painter
 from benchmarks.render.contenders.plain_loop import BLENDERS_DEFAULT, RUN_FRAMES
+from benchmarks.render.contenders.render_process import Cost, RenderProcess
 from benchmarks.render.yardsticks.image_error import HAS_FLIP, Image, flip, mean_square, psnr_dB, ssim
 from benchmarks.render.yardsticks.reference import MIN_SAMPLES, Reference, references
 from benchmarks.render.yardsticks.views import LOOKS, POSES, Views, views_of
@@ -75,15 +75,17 @@ class Row:
 
 def contenders(options: argparse.Namespace) -> list[Contender]:
     rivals = [
-        Contender(f"ours, {name}", "ours", "painter.py", {"kind": "ours", "sampling": {**settings, "denoise": True}})
+        Contender(
+            f"ours, {name}", "ours", "cycles_process.py", {"kind": "ours", "sampling": {**settings, "denoise": True}}
+        )
         for name, settings in _ours(options).items()
     ]
     for samples in options.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
-        rivals.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
+        rivals.append(Contender(f"plain loop, {samples}", "plain loop", "cycles_process.py", settings))
     for samples in _hybrid_of(options):
         name = f"hybrid, {samples.near}, {samples.far}, {samples.surfaces}"
-        rivals.append(Contender(name, "hybrid", "painter.py", {"kind": "ours", "hybrid": asdict(samples)}))
+        rivals.append(Contender(name, "hybrid", "cycles_process.py", {"kind": "ours", "hybrid": asdict(samples)}))
     if options.blenderproc:
         for paths in options.blenderprocs_light_paths:
             python, settings = str(options.blenderproc), {"light_paths": paths}
@@ -91,7 +93,7 @@ def contenders(options: argparse.Namespace) -> list[Contender]:
             rivals.append(Contender(f"BlenderProc, {words}", "BlenderProc", "blenderproc_loop.py", settings, python))
     elif options.blenderprocs_settings:
         settings = {"kind": "plain", "cycles": BLENDERPROCS}
-        rivals.append(Contender("plain loop, BlenderProc's settings", "plain loop", "painter.py", settings))
+        rivals.append(Contender("plain loop, BlenderProc's settings", "plain loop", "cycles_process.py", settings))
     return rivals
 
 
@@ -133,25 +135,27 @@ def measured(views: Views, converged: dict[int, Reference], options: argparse.Na
     metered = median_luminance(np.concatenate([converged[n].light().reshape(-1, 3) for n in numbers]))
     true = {n: develop(converged[n].light(), views.job.response, metered, n) for n in numbers}
     with ExitStack() as stack:
-        painters = [
+        processes = [
             (
                 rival,
-                stack.enter_context(Painter(rival.script, views.job, rival.settings, options.threads, rival.python)),
+                stack.enter_context(
+                    RenderProcess(rival.script, views.job, rival.settings, options.threads, rival.python)
+                ),
             )
             for rival in contenders(options)
         ]
-        costs: dict[str, list[Cost]] = {rival.name: [] for rival, _ in painters}
-        warm = {rival.name: painter.paint(numbers, warm_up=True) for rival, painter in painters}
+        costs: dict[str, list[Cost]] = {rival.name: [] for rival, _ in processes}
+        warm = {rival.name: process.render(numbers, warm_up=True) for rival, process in processes}
         for repetition in range(options.repetitions):
-            for rival, painter in painters:
+            for rival, process in processes:
                 if rival.family == "BlenderProc" and repetition >= options.blenderprocs_repetitions:
                     continue
-                costs[rival.name].append(painter.paint(numbers))
+                costs[rival.name].append(process.render(numbers))
                 _say(f"  {views.look} {repetition + 1}: {rival.name} {costs[rival.name][-1].core_s:.1f} core-s")
         rows = []
-        for rival, painter in painters:
-            images = {n: develop(painter.light(n), views.job.response, metered, n) for n in numbers}
-            start = painter.set_up.core_s + warm[rival.name].core_s
+        for rival, process in processes:
+            images = {n: develop(process.light(n), views.job.response, metered, n) for n in numbers}
+            start = process.set_up.core_s + warm[rival.name].core_s
             rows.append(row(views.look, rival, costs[rival.name], start, images, true))
             if options.out:
                 _keep_images(options.out, views.look, rival.name, images, true)

@@ -38,8 +38,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from benchmarks.render.contenders.painters import CHECKOUT, Painter
 from benchmarks.render.contenders.plain_loop import RUN_FRAMES, RunCost, fewest_samples, plain_cost, plain_lights
+from benchmarks.render.contenders.render_process import CHECKOUT, RenderProcess
 from benchmarks.render.yardsticks.views import LOOKS, RandomCase, Views, random_cases
 from benchmarks.render.yardsticks.worst_places import WorstPlace, beside_reference, sheet, worst_place
 from benchmarks.render.yardsticks.yardstick import Judged, Yardstick, certain_yardstick
@@ -202,18 +202,22 @@ def chosen_lights(views: Views, numbers: list[int], method: str, options: argpar
     settings = {"kind": "ours", "hybrid": sampling.hybrid and asdict(sampling.hybrid)}
     if sampling.probe:
         settings = {"kind": "chosen", "run_images": RUN_FRAMES}
-    with Painter("painter.py", job, settings, options.threads, sys.executable, checkout=checkout) as painter:
-        cost = painter.paint(numbers)
-        decision = painter.decision() if sampling.probe else decision
-        by_view = {number: painter.light(number) for number in numbers}
-        return Lights(by_view, decision, RunCost(painter.set_up.core_s, cost.core_s / len(numbers)))
+    with RenderProcess(
+        "cycles_process.py", job, settings, options.threads, sys.executable, checkout=checkout
+    ) as process:
+        cost = process.render(numbers)
+        decision = process.decision() if sampling.probe else decision
+        by_view = {number: process.light(number) for number in numbers}
+        return Lights(by_view, decision, RunCost(process.set_up.core_s, cost.core_s / len(numbers)))
 
 
 def decision_on_card(job: RenderJob, options: argparse.Namespace, checkout: Path) -> Decision:
     job = replace(job, sampling=replace(job.sampling, device=options.card))
     settings = {"kind": "choice", "run_images": RUN_FRAMES}
-    with Painter("painter.py", job, settings, options.threads, sys.executable, checkout=checkout) as painter:
-        return painter.decision()
+    with RenderProcess(
+        "cycles_process.py", job, settings, options.threads, sys.executable, checkout=checkout
+    ) as process:
+        return process.decision()
 
 
 def decibels(ratio: float) -> float:

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.render.contenders.painter import PASSES
-from benchmarks.render.contenders.painters import Painter
+from benchmarks.render.contenders.cycles_process import PASSES
+from benchmarks.render.contenders.render_process import RenderProcess
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.light_paths import LIGHT_PATHS
@@ -54,10 +54,10 @@ def _of_seed(job: RenderJob, samples: int, seed: int, folder: Path, threads: int
     missing = [number for number, file in files.items() if not file.exists()]
     if missing:
         settings = {"kind": "passes", "samples": samples, "seed": seed}
-        with Painter("painter.py", job, settings, threads, sys.executable) as painter:
+        with RenderProcess("cycles_process.py", job, settings, threads, sys.executable) as process:
             for number in missing:
-                cost = painter.paint([number])
-                _keep(clean(painter.light(number)), files[number])
+                cost = process.render([number])
+                _keep(clean(process.light(number)), files[number])
                 print(f"  reference {number}, seed {seed}: {cost.core_s:.0f} core-s", file=sys.stderr, flush=True)
     gains = {view.number: np.array(view.light_gain, np.float32) for view in job.frames}
     return {number: np.load(file) * gains[number] for number, file in files.items()}

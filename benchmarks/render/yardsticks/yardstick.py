@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from benchmarks.render.contenders.painters import Painter
+from benchmarks.render.contenders.render_process import RenderProcess
 from benchmarks.render.yardsticks.views import Views
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.image_errors import ImageError, image_error
@@ -39,9 +39,9 @@ class Judged:
         job = self.views.job
         job = replace(job, sampling=replace(job.sampling, paths=LIGHT_PATHS["complete"], device=self.device))
         settings = {"kind": "references", "samples": samples, "seeds": seeds}
-        with Painter("painter.py", job, settings, self.threads, sys.executable) as painter:
-            painter.paint(self.numbers)
-            pairs = {number: painter.light(number) for number in self.numbers}
+        with RenderProcess("cycles_process.py", job, settings, self.threads, sys.executable) as process:
+            process.render(self.numbers)
+            pairs = {number: process.light(number) for number in self.numbers}
         return {number: (first, second) for number, (first, second) in pairs.items()}
 
 

@@ -53,7 +53,8 @@ _LIGHT_PASSES = (*_FLOOR_PASSES, "emit", "environment")
 _SURFACE_PASSES = ("diffuse_color", "normal", "z", "emit", "environment")
 _AWAY_M = 1000.0
 """Distance beyond which the camera sees nothing; a floor that is moved down by it is invisible."""
-Dresser = Callable[[bpy.types.Material], bpy.types.Material]
+MaterialChange = Callable[[bpy.types.Material], bpy.types.Material]
+"""Function that returns the material in the place of another one."""
 
 
 def lies_on_the_floor(name: str) -> bool:
@@ -69,10 +70,10 @@ class HybridScenes:
         moving = [bpy.data.objects[moving_name(number)] for number in range(len(scene.moving))]
         self._moves = {item for item in bpy.data.objects if item.parent and item.parent.name == ROBOT} | {*moving}
         self._floor = [bpy.data.objects[mesh.name] for mesh in scene.meshes if lies_on_the_floor(mesh.name)]
-        self._dressed: dict[tuple[Dresser, str], bpy.types.Material] = {}
+        self._changed: dict[tuple[MaterialChange, str], bpy.types.Material] = {}
         self._view = self._scene("view", _LIGHT_PASSES)
         black = plain("covering", "ShaderNodeEmission", {"Strength": 0.0}, is_floor=True)
-        self._grey_floor = self._dress_floor(self._view, in_grey)
+        self._grey_floor = self._replace_floor(self._view, in_grey)
         self._black_floor = self._add_floor(self._view, lambda _: black)
         white = plain("matt white", "ShaderNodeBsdfDiffuse", {"Color": WHITE})
         self._white_floor = self._add_floor(self._view, lambda _: white)
@@ -82,14 +83,14 @@ class HybridScenes:
         self._keep_floor(self._reflectance)
         names = dict.fromkeys(material.name for item in self._floor for material in item.data.materials)
         numbers = {name: number for number, name in enumerate(names)}
-        dressed = self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
-        shown = {slot.material.name: slot.material for item in dressed for slot in item.material_slots}
+        replaced = self._replace_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
+        shown = {slot.material.name: slot.material for item in replaced for slot in item.material_slots}
         self._joints = MaterialJoints(shown.values())
         self._reflectance.cycles.filter_width = _MIN_FILTER_PX
         _add_pass(self._reflectance, SURFACE_DATA)
         self._irradiance = self._scene("irradiance", _FLOOR_PASSES)
         self._hide_all_but_floor(self._irradiance)
-        self._lit_floor = self._dress_floor(self._irradiance, turned)
+        self._lit_floor = self._replace_floor(self._irradiance, turned)
         # Clamping applies to the light that the floor reflects: on the white floor it must set in at a higher value.
         self._irradiance.cycles.sample_clamp_indirect /= _reflectance_of_the_floor(scene)
         for baking in (self._reflectance, self._irradiance):
@@ -189,28 +190,28 @@ class HybridScenes:
         place(view)
         return self._traced(self._view, size, samples, seed, view=view, part=part), without
 
-    def _dress_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
+    def _replace_floor(self, scene: bpy.types.Scene, change: MaterialChange) -> list[bpy.types.Object]:
         """Replace the floor's objects of a scene by copies with other materials, and return the copies."""
         for item in self._floor:
             scene.collection.objects.unlink(item)
-        return self._add_floor(scene, dresser)
+        return self._add_floor(scene, change)
 
-    def _add_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
+    def _add_floor(self, scene: bpy.types.Scene, change: MaterialChange) -> list[bpy.types.Object]:
         made = []
         for item in self._floor:
             copy = item.copy()
             for slot in copy.material_slots:
                 material = slot.material
                 slot.link = "OBJECT"
-                slot.material = self._once(dresser, material)
+                slot.material = self._once(change, material)
             scene.collection.objects.link(copy)
             made.append(copy)
         return made
 
-    def _once(self, dresser: Dresser, material: bpy.types.Material) -> bpy.types.Material:
-        if (dresser, material.name) not in self._dressed:
-            self._dressed[dresser, material.name] = dresser(material)
-        return self._dressed[dresser, material.name]
+    def _once(self, change: MaterialChange, material: bpy.types.Material) -> bpy.types.Material:
+        if (change, material.name) not in self._changed:
+            self._changed[change, material.name] = change(material)
+        return self._changed[change, material.name]
 
     def _keep_floor(self, scene: bpy.types.Scene) -> None:
         scene.world, scene.cycles.max_bounces = None, 0

@@ -1,6 +1,6 @@
-"""The process behind `painters.Painter` for this project's renderer, for a plain loop, and for the reference's passes.
+"""The child of `RenderProcess` for this project's renderer, for a plain loop, and for the passes of the reference.
 
-    python painter.py JOB SETTINGS FOLDER THREADS
+    python cycles_process.py JOB SETTINGS FOLDER THREADS
 
 Settings: {"kind": "ours", "sampling": fields of `TracingSettings`, "hybrid": fields of `HybridSamples` or null},
 {"kind": "plain", "cycles": properties of Cycles, "each_of": several numbers of samples, if any}, {"kind": "passes",
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchmarks.render.contenders.painter_side import Paint, PaintRequest, reply_stream, serve
+from benchmarks.render.contenders.child_side import ProcessArguments, RenderFrames, reply_stream, serve
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.probe import PROBE, Candidate, ImageErrors, decide, to_json
 from blender_scenes.render.sampling import HybridSamples
@@ -36,7 +36,7 @@ _METERED = 1.0
 
 def main() -> None:
     replies = reply_stream()
-    request = PaintRequest.from_arguments(sys.argv[1:])
+    request = ProcessArguments.from_arguments(sys.argv[1:])
     load_bpy(request.threads)
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
@@ -52,21 +52,21 @@ def main() -> None:
     serve(replies, request.folder, _KINDS[kind](request))
 
 
-def _ours(request: PaintRequest) -> Paint:
+def _ours(request: ProcessArguments) -> RenderFrames:
     from blender_scenes.blender_side import engine  # noqa: PLC0415 - it imports bpy
 
     images = engine.FrameTracer(request.job, request.threads, request.folder)
-    return _painted(request, lambda view, _warm_up: images.light(view))
+    return _encoded(request, lambda view, _warm_up: images.light(view))
 
 
-def _chosen(request: PaintRequest) -> Paint:
-    """Return a painter that renders as a long run does; its decision lies in the folder of the images."""
+def _chosen(request: ProcessArguments) -> RenderFrames:
+    """Return a function that renders as a long run does; its decision lies in the folder of the images."""
     probe = _decided(request, lambda _device: None)
-    return _painted(request, lambda view, _warm_up: probe.tracer.light(view))
+    return _encoded(request, lambda view, _warm_up: probe.tracer.light(view))
 
 
-def _choice(request: PaintRequest) -> Paint:
-    """Choose as a long run does, with full rendering on a graphics card, and paint nothing.
+def _choice(request: ProcessArguments) -> RenderFrames:
+    """Choose as a long run does, with full rendering on a graphics card, and render nothing.
 
     Hybrid rendering is measured on the processor. The decision lies in the folder of the images.
     """
@@ -79,7 +79,7 @@ def _choice(request: PaintRequest) -> Paint:
     return lambda _numbers, _warm_up: {}
 
 
-def _decided(request: PaintRequest, use: Callable[[str], None]) -> "Probe":
+def _decided(request: ProcessArguments, use: Callable[[str], None]) -> "Probe":
     """Return the images on which the settings of a run of `run_images` were chosen; `use` sets the device."""
     from blender_scenes.blender_side.engine import metered_light  # noqa: PLC0415 - it imports bpy
     from blender_scenes.blender_side.measured_images import Probe  # noqa: PLC0415 - as above
@@ -98,8 +98,8 @@ def _decided(request: PaintRequest, use: Callable[[str], None]) -> "Probe":
     return probe
 
 
-def _plain(request: PaintRequest) -> Paint:
-    """Return a painter that only lets Cycles render, with the light paths of the job.
+def _plain(request: ProcessArguments) -> RenderFrames:
+    """Return a function that only lets Cycles render, with the light paths of the job.
 
     Given several numbers of samples, an image has a first axis for them.
     """
@@ -121,25 +121,25 @@ def _plain(request: PaintRequest) -> Paint:
     if each_of:
         views = {view.number: view for view in request.job.frames}
         return lambda numbers, _warm_up: {n: np.stack([light(views[n], each) for each in each_of]) for n in numbers}
-    return _painted(request, lambda view, warm_up: light(view, 1 if warm_up else samples))
+    return _encoded(request, lambda view, warm_up: light(view, 1 if warm_up else samples))
 
 
-def _painted(request: PaintRequest, light: Callable[[FrameView, bool], np.ndarray]) -> Paint:
-    """Develops and encodes each image too, as a run does."""
+def _encoded(request: ProcessArguments, light: Callable[[FrameView, bool], np.ndarray]) -> RenderFrames:
+    """Return a function that also develops and encodes each image, as a run does."""
     views, response = {view.number: view for view in request.job.frames}, request.job.response
 
-    def paint(numbers: Sequence[int], warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
+    def render(numbers: Sequence[int], warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a RenderFrames
         seen = {}
         for number in numbers:
             seen[number] = light(views[number], warm_up)
             encode_jpeg(develop(seen[number], response, _METERED, number), response.jpeg_quality)
         return seen
 
-    return paint
+    return render
 
 
-def _passes(request: PaintRequest) -> Paint:
-    """(5, H, W, 3): `PASSES`, traced without a denoiser."""
+def _passes(request: ProcessArguments) -> RenderFrames:
+    """Return a function that renders `PASSES` (5, H, W, 3) without a denoiser."""
     import bpy  # noqa: PLC0415 - as above
 
     scene, layer = bpy.context.scene, bpy.context.view_layer
@@ -150,14 +150,14 @@ def _passes(request: PaintRequest) -> Paint:
         setattr(layer, f"use_pass_{name}", True)
     views = {view.number: view for view in request.job.frames}
 
-    def paint(numbers: Sequence[int], _warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
+    def render(numbers: Sequence[int], _warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a RenderFrames
         return {number: _split(_rendered(views[number], request)) for number in numbers}
 
-    return paint
+    return render
 
 
-def _references(request: PaintRequest) -> Paint:
-    """(2, H, W, 3): two images of the light without a denoiser, with other random numbers."""
+def _references(request: ProcessArguments) -> RenderFrames:
+    """Return a function that renders two images (2, H, W, 3) without a denoiser, with different random numbers."""
     from blender_scenes.blender_side import engine  # noqa: PLC0415 - it imports bpy
 
     samples, seeds = request.settings["samples"], request.settings["seeds"]
@@ -168,10 +168,10 @@ def _references(request: PaintRequest) -> Paint:
         traced = engine.traced_light(view, size, seed=seed, samples=samples, denoise=False)
         return traced * np.array(view.light_gain, np.float32)
 
-    def paint(numbers: Sequence[int], _warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a Paint
+    def render(numbers: Sequence[int], _warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a RenderFrames
         return {number: np.stack([light(views[number], seed) for seed in seeds]) for number in numbers}
 
-    return paint
+    return render
 
 
 _KINDS = {
@@ -195,7 +195,7 @@ def _split(channels: dict[str, np.ndarray]) -> np.ndarray:
     )
 
 
-def _rendered(view: FrameView, request: PaintRequest) -> dict[str, Any]:
+def _rendered(view: FrameView, request: ProcessArguments) -> dict[str, Any]:
     import bpy  # noqa: PLC0415 - as above
 
     from blender_scenes.blender_side.placing import place  # noqa: PLC0415 - as above

@@ -27,8 +27,8 @@ class Cost:
     wall_s: float
 
 
-class Painter:
-    """A process with its own scene, as `painter_side` has it; `with` ends it.
+class RenderProcess:
+    """A process with its own scene, as `child_side` has it; `with` ends it.
 
     Raises:
         ChildProcessError: It died; with the last lines of its log.
@@ -45,11 +45,12 @@ class Painter:
         checkout: Path = CHECKOUT,
     ) -> None:
         """Start it; `checkout` is the folder of the version that renders."""
-        self._folder = tempfile.TemporaryDirectory(prefix="symolo-painter-")
+        self._folder = tempfile.TemporaryDirectory(prefix="symolo-render-")
         folder = Path(self._folder.name)
         self._log = (folder / "log").open("w+b")
         (folder / "job.json").write_text(job.to_json())
-        (program,) = (checkout / "benchmarks/render").rglob(script)  # its folder differs between versions
+        scripts = checkout / "benchmarks/render"  # the folder of a script in it differs between versions
+        program, *_ = *scripts.rglob(script), *scripts.rglob("painter.py")  # the name in earlier versions
         command = [python, str(program), str(folder / "job.json"), json.dumps(settings)]
         environment = {**without_blender_settings(os.environ), "TMPDIR": str(folder)}
         environment["PYTHONPATH"] = str(checkout)
@@ -64,8 +65,8 @@ class Painter:
         self.set_up = self._reply()
         """Cost from the start of the process until the scene is ready."""
 
-    def paint(self, numbers: Sequence[int], *, warm_up: bool = False) -> Cost:
-        """Renders frames of the job, one after the other; the cost of all of them."""
+    def render(self, numbers: Sequence[int], *, warm_up: bool = False) -> Cost:
+        """Render frames of the job, one after the other, and return the cost of all of them."""
         stdin = self._child.stdin
         try:
             if stdin is not None:
@@ -76,11 +77,11 @@ class Painter:
         return self._reply()
 
     def light(self, number: int) -> np.ndarray:
-        """(H, W, 3) linear light of a frame that was rendered last, or its passes."""
+        """Return the linear light (H, W, 3) of a frame that was rendered last, or its passes."""
         return np.load(Path(self._folder.name) / f"{number}.npy")
 
     def decision(self) -> Decision:
-        """Return what a painter of the kind `chosen` has chosen."""
+        """Return the rendering that a process of the kind `chosen` has chosen."""
         decision = read_decision(Path(self._folder.name, "images"), "")
         if decision is None:
             raise ChildProcessError("the rendering process chose nothing")

@@ -19,8 +19,8 @@ from blender_scenes.render.job import RenderJob
 
 
 @dataclass(frozen=True)
-class PaintRequest:
-    """The arguments of such a process."""
+class ProcessArguments:
+    """The arguments of a process that renders."""
 
     job: RenderJob
     settings: dict[str, Any]
@@ -28,29 +28,30 @@ class PaintRequest:
     threads: int
 
     @classmethod
-    def from_arguments(cls, arguments: Sequence[str]) -> "PaintRequest":
+    def from_arguments(cls, arguments: Sequence[str]) -> "ProcessArguments":
         job, settings, folder, threads = arguments
         return cls(RenderJob.from_json(Path(job).read_text()), json.loads(settings), Path(folder), int(threads))
 
 
-Paint = Callable[[Sequence[int], bool], dict[int, np.ndarray]]
-"""Frames' numbers, and whether they only warm up -> (H, W, 3) linear light, or (H, W, 3) of several passes."""
+RenderFrames = Callable[[Sequence[int], bool], dict[int, np.ndarray]]
+"""Function of the numbers of frames, and of whether they only warm up. It returns the linear light (H, W, 3) of each
+frame, or several passes (passes, H, W, 3)."""
 
 
 def reply_stream() -> TextIO:
-    """The standard output for replies alone, to be called before Blender is loaded."""
+    """Return the standard output for replies alone; call it before Blender is loaded."""
     replies = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
     return replies
 
 
-def serve(replies: TextIO, folder: Path, paint: Paint) -> None:
+def serve(replies: TextIO, folder: Path, render: RenderFrames) -> None:
     """Answer requests until the input ends; images are left as NUMBER.npy, which is not timed."""
     _reply(replies, time.process_time(), 0.0)
     for line in sys.stdin:
         request = json.loads(line)
         wall, core = time.perf_counter(), time.process_time()
-        seen = paint(request["numbers"], request["warm_up"])
+        seen = render(request["numbers"], request["warm_up"])
         wall, core = time.perf_counter() - wall, time.process_time() - core
         for number, light in seen.items():
             np.save(folder / f"{number}.npy", light)
