@@ -15,7 +15,7 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec, Scenario
 from configs.validation.faults import ConfigFault
-from configs.validation.values import Placed, validated
+from configs.validation.values import FieldDistribution, validated
 from symolo.core.errors import InputError, nearest
 from symolo.core.geometry.poses import PlanarPose
 from symolo.core.random_streams import stream
@@ -70,7 +70,7 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
     single = loaded.single_routes[route]
     values: dict[FieldPath, Scalar] = {}
     drawn: dict[str, Scalar] = {}
-    for path, item in single.placed.items():
+    for path, item in single.distributions.items():
         # A specification has the start of its route at the top.
         spec_path = path[2:] if path[0] == "routes" else path
         values[path] = drawn[dotted(spec_path)] = item.draw(_field_stream(spec_path, loaded.seed, route, run))
@@ -125,14 +125,14 @@ def draw_arena(
     section: LoadedSection, seed: int, *key: str | int, start: PlanarPose = (0.0, 0.0, 0.0)
 ) -> tuple[ArenaConfig, dict[str, Scalar]]:
     """Return an arena with its drawn values by path; a generated line is straight at the start."""
-    values = _draws(section.placed, seed, key)
+    values = _draws(section.distributions, seed, key)
     arena = validated(section.root, ArenaAlone, values).arena
     return _generated(arena, start, stream(seed, *key, GENERATE), section.root), _by_name(values)
 
 
 def draw_robot(section: LoadedSection, seed: int, *key: str | int) -> tuple[RobotConfig, dict[str, Scalar]]:
     """Return a robot with its drawn values by path."""
-    values = _draws(section.placed, seed, key)
+    values = _draws(section.distributions, seed, key)
     return validated(section.root, RobotAlone, values).robot, _by_name(values)
 
 
@@ -141,7 +141,7 @@ def draw_look(section: LoadedSection, seed: int, *key: str | int) -> tuple[LookC
 
     With the scenario's seed and `(route, run)` as key, the values are those of the run itself.
     """
-    values = _draws(section.placed, seed, key)
+    values = _draws(section.distributions, seed, key)
     return validated(section.root, LookAlone, values).look, _by_name(values)
 
 
@@ -150,8 +150,8 @@ def draw_render(loaded: LoadedScenario, seed: int, *key: str | int) -> Render:
 
     With the scenario's seed and `(route, run)` as key, the values are those of the run itself.
     """
-    values: dict[FieldPath, Scalar] = {path: item.ends()[0] for path, item in loaded.placed.items()}
-    values |= _draws({path: item for path, item in loaded.placed.items() if path[0] == "render"}, seed, key)
+    values: dict[FieldPath, Scalar] = {path: item.ends()[0] for path, item in loaded.distributions.items()}
+    values |= _draws({path: item for path, item in loaded.distributions.items() if path[0] == "render"}, seed, key)
     return validated(loaded.root, Scenario, values).render
 
 
@@ -161,7 +161,7 @@ def _drawn_about(single: SingleRoute, values: Mapping[FieldPath, Scalar]) -> Sce
     A generated line passes there, so that the drawn start is as far off the line as its distribution says.
     """
     middle: dict[FieldPath, Scalar] = {}
-    for path, item in single.placed.items():
+    for path, item in single.distributions.items():
         low, *_, high = (*item.ends(), item.ends()[-1])
         if path[0] == "routes" and not item.has_options and isinstance(low, float) and isinstance(high, float):
             middle[path] = 0.5 * (low + high)
@@ -178,8 +178,10 @@ def _generated(
         raise ConfigFault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
 
 
-def _draws(placed: Mapping[FieldPath, Placed], seed: int, key: tuple[str | int, ...]) -> dict[FieldPath, Scalar]:
-    return {path: item.draw(_field_stream(path, seed, *key)) for path, item in placed.items()}
+def _draws(
+    distributions: Mapping[FieldPath, FieldDistribution], seed: int, key: tuple[str | int, ...]
+) -> dict[FieldPath, Scalar]:
+    return {path: item.draw(_field_stream(path, seed, *key)) for path, item in distributions.items()}
 
 
 def _field_stream(path: FieldPath, seed: int, *key: str | int) -> np.random.Generator:

@@ -12,8 +12,15 @@ from configs.arena_shapes.line_course import with_course
 from configs.arena_shapes.polygons import with_polygons
 from configs.assets.folder import with_assets
 from configs.assets.meshes import with_meshes
-from configs.checks.scenario import check_arena, check_kinds, check_look, check_robot, check_scenario, check_splits
-from configs.effects.own_files import with_own_effects
+from configs.checks.scenario import (
+    check_arena,
+    check_distributions,
+    check_look,
+    check_robot,
+    check_scenario,
+    check_splits,
+)
+from configs.effects.user_files import with_user_effects
 from configs.overrides import apply_override
 from configs.posterior.agreement import check_posterior
 from configs.posterior.reading import with_posterior
@@ -26,7 +33,7 @@ from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Scenario, Stop
 from configs.validation.shapes import Shape, with_defaults
-from configs.validation.values import Placed, distributions_of, probes, validated
+from configs.validation.values import FieldDistribution, distributions_of, probes, validated
 from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 
 
@@ -47,7 +54,7 @@ class SingleRoute:
     index: int
     """Place of the route in the whole scenario; here it is the first one."""
     root: Node
-    placed: Mapping[FieldPath, Placed]
+    distributions: Mapping[FieldPath, FieldDistribution]
     """Distributions by field path; those of the route begin with `("routes", 0)`."""
 
 
@@ -56,7 +63,7 @@ class LoadedScenario:
     """A scenario with files, names and overrides resolved, checked at every end of its distributions."""
 
     root: Node
-    placed: Mapping[FieldPath, Placed]
+    distributions: Mapping[FieldPath, FieldDistribution]
     """Distributions by field path."""
     assets: Mapping[str, Path]
     """Paths of the user's files that the look names, by SHA-256."""
@@ -73,9 +80,9 @@ class LoadedScenario:
     @cached_property
     def single_routes(self) -> Mapping[str, SingleRoute]:
         """The scenario with each of its routes alone, by the name of the route."""
-        shared: dict[FieldPath, Placed] = {}
-        of_route: list[dict[FieldPath, Placed]] = [{} for _ in self.routes]
-        for path, item in self.placed.items():
+        shared: dict[FieldPath, FieldDistribution] = {}
+        of_route: list[dict[FieldPath, FieldDistribution]] = [{} for _ in self.routes]
+        for path, item in self.distributions.items():
             match path:
                 case "routes", int(index), *rest:
                     of_route[index][("routes", 0, *rest)] = item
@@ -107,7 +114,7 @@ class LoadedSection:
 
     kind: str
     root: Node
-    placed: Mapping[FieldPath, Placed]
+    distributions: Mapping[FieldPath, FieldDistribution]
     assets: Mapping[str, Path]
     """Paths of the user's files that the look names, by SHA-256."""
 
@@ -167,18 +174,18 @@ def load_resolved(tree: Mapping[str, Any], where: str) -> LoadedScenario:
 
 
 def _checked(root: Node, assets: Mapping[str, Path]) -> LoadedScenario:
-    placed = distributions_of(root, Scenario)
-    check_kinds(placed, root)
-    probed = [validated(root, Scenario, values) for values in probes(placed)]
+    distributions = distributions_of(root, Scenario)
+    check_distributions(distributions, root)
+    probed = [validated(root, Scenario, values) for values in probes(distributions)]
     for scenario in probed:
         check_scenario(scenario, root)
     scenario = probed[0]  # the fields below are the same in all
     check_splits(scenario, root)
     if scenario.like is not None:
-        check_posterior(root, scenario.like, next(probes(placed)))
+        check_posterior(root, scenario.like, next(probes(distributions)))
     return LoadedScenario(
         root=root,
-        placed=placed,
+        distributions=distributions,
         assets=assets,
         name=scenario.name,
         description=scenario.description,
@@ -218,10 +225,10 @@ def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSect
     model = ALONE[kind]
     root = _overridden(Node({kind: node}, node.where), model, overrides)
     root, assets = with_assets(with_meshes(with_course(with_polygons(root))), Shape.of(model))
-    placed = distributions_of(root, model)
-    for values in probes(placed):
+    distributions = distributions_of(root, model)
+    for values in probes(distributions):
         _CHECKS[kind](getattr(validated(root, model, values), kind), root)
-    return LoadedSection(kind, root, placed, assets)
+    return LoadedSection(kind, root, distributions, assets)
 
 
 def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> Node:
@@ -234,7 +241,7 @@ def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> N
 
 def _completed(root: Node, model: type[Section]) -> Node:
     """Return the tree with all defaults, after loading the effects of the user's own that its robot names."""
-    root = with_own_effects(root)
+    root = with_user_effects(root)
     return with_defaults(root, Shape.of(model))
 
 

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.effects.own_files import anchored_files, with_both
+from configs.effects.user_files import anchored_files, with_files_of_both
 from configs.posterior.reading import anchored_posterior
 from configs.scaling import MODELS, scaled
 from configs.schema.appearance.camera_look import CameraLook
@@ -119,7 +119,7 @@ def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), p
     complete |= _TEXTS if kind == "scenario" else set()
     inherited = {str(key): node for key, node in beneath.children() if key not in complete}
     base_node, over = Node(inherited, beneath.where), Node(fields, root.where)
-    return with_both(base_node, over, merge(base_node, over)) if kind == "robot" else merge(base_node, over)
+    return with_files_of_both(base_node, over, merge(base_node, over)) if kind == "robot" else merge(base_node, over)
 
 
 def _anchored(kind: str, node: Node, folder: Path) -> Node:

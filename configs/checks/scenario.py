@@ -14,7 +14,7 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario, SceneSpec
 from configs.validation.faults import ConfigFault
-from configs.validation.values import Placed
+from configs.validation.values import FieldDistribution
 from symolo.arena.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.distributions import Choice
 from symolo.core.errors import InputError, together
@@ -58,9 +58,9 @@ def check_splits(scenario: Scenario, root: Node) -> None:
         check(scenario.splits.rule(seed), members, root.place_of(("splits",)))
 
 
-def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
+def check_distributions(distributions: Mapping[FieldPath, FieldDistribution], root: Node) -> None:
     """Refuse distributions whose ends are valid while nearly all draws are not."""
-    for path, item in placed.items():
+    for path, item in distributions.items():
         of_sensor = path[0] == "robot" and (len(path) == 3 or path[1] == "sensors")
         timing = of_sensor and path[-1] in {"period_s", "delay_s"}
         if timing and not isinstance(item.distribution, Choice):

@@ -19,7 +19,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 @dataclass(frozen=True)
-class Placed:
+class FieldDistribution:
     """A distribution with the type of its field."""
 
     distribution: Distribution
@@ -50,27 +50,27 @@ class Placed:
         return value if isinstance(self.distribution, Choice) else round(value)
 
 
-def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, Placed]:
+def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, FieldDistribution]:
     """Return the distributions of a tree by path, after a check of their places and kinds.
 
     Raises:
         InputError: Distributions are malformed, or their fields take none.
     """
-    faults, placed = FaultList(), {}
+    faults, distributions = FaultList(), {}
     for path, node, shape in _distributions(root, Shape.of(model), ()):
         with faults.noted():
-            placed[path] = _placed(node, shape, path)
+            distributions[path] = _field_distribution(node, shape, path)
     faults.check()
-    return dict(sorted(placed.items(), key=lambda item: dotted(item[0])))
+    return dict(sorted(distributions.items(), key=lambda item: dotted(item[0])))
 
 
-def probes(placed: Mapping[FieldPath, Placed]) -> Iterator[Values]:
+def probes(distributions: Mapping[FieldPath, FieldDistribution]) -> Iterator[Values]:
     """Yield sets of values in which any two distributions take all four combinations of their ends.
 
     For each bit, the n-th distribution takes its high end if that bit of n is set, and once the opposite; any two
     numbers differ in some bit. The remaining options of choices follow, each once.
     """
-    ends = {path: item.ends() for path, item in placed.items()}
+    ends = {path: item.ends() for path, item in distributions.items()}
     yield {path: values[0] for path, values in ends.items()}
     if not ends:
         return
@@ -117,7 +117,7 @@ def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[
             yield from _distributions(child, inner, (*path, key))
 
 
-def _placed(node: Node, shape: Shape, path: FieldPath) -> Placed:
+def _field_distribution(node: Node, shape: Shape, path: FieldPath) -> FieldDistribution:
     refusal = partial(InputError, dotted(path), where=node.where, got=node.plain(), allowed=shape.words())
     names = f"it replaces one value; entries, such as sensors, cannot be named {', '.join(DISTRIBUTION_KINDS)}"
     reason = shape.not_drawn if shape.is_leaf else names
@@ -128,4 +128,4 @@ def _placed(node: Node, shape: Shape, path: FieldPath) -> Placed:
         raise refusal(cure="only {choice: [...]} may draw it")
     if shape.is_integer and isinstance(distribution, Uniform) and any(end % 1 for end in distribution.extremes()):
         raise refusal(cure="the ends of a whole-number field are whole numbers")
-    return Placed(distribution, shape.is_integer, shape.is_number)
+    return FieldDistribution(distribution, shape.is_integer, shape.is_number)

@@ -81,8 +81,8 @@ def nominal_json(name: str | None, against: Path | None = None) -> str:
     if name is None:
         return ""
     section = load_section("robot", name, option="--nominal")
-    if section.placed:
-        field = ".".join(map(str, next(iter(section.placed))))
+    if section.distributions:
+        field = ".".join(map(str, next(iter(section.distributions))))
         cure = "write a number in its place"
         raise InputError(f"{field}: a nominal robot has no distributions", where=f"--nominal {name}", cure=cure)
     robot, _ = draw_robot(section, 0, "diagnosis")

@@ -32,7 +32,7 @@ def test_files_name_and_extend_cameras_and_keep_nothing_of_the_look_that_they_ex
         "extends: smoke\nname: s\nlook: {camera: {extends: ./mine.yaml, contrast: 1}}\n"
     )
     look = load_section("look", str(tmp_path / "look.yaml"))
-    assert [path for path in look.placed if "camera" in path] == [("look", "camera", "shot_noise")]
+    assert [path for path in look.distributions if "camera" in path] == [("look", "camera", "shot_noise")]
     camera_look = draw_all(load_scenario(str(tmp_path / "scenario.yaml")))[0].look.camera
     webcam = camera("look.camera=webcam")
     assert 0.1 <= camera_look.shot_noise <= 0.2

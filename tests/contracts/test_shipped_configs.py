@@ -40,7 +40,7 @@ def test_a_shipped_section_loads_and_draws(kind: str, name: str):
     for run in range(1, 6):
         config, drawn = DRAW[kind](section, 1, "CW", run)
         assert config.name == name
-        assert len(drawn) == len(section.placed)
+        assert len(drawn) == len(section.distributions)
 
 
 @pytest.mark.parametrize("name", shipped_names("scenario"))

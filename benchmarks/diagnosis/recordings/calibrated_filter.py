@@ -120,7 +120,7 @@ def datasets(loaded: LoadedScenario) -> Iterator[tuple[str, Robots]]:
     """Yield each dataset with what it says of its robots."""
     like, single = loaded.like, loaded.single_routes["CW"]
     assert like is not None  # noqa: S101 - named above
-    root, values = single.root, {path: item.ends()[0] for path, item in single.placed.items()}
+    root, values = single.root, {path: item.ends()[0] for path, item in single.distributions.items()}
     robots, slips = [], []
     for number in range(ROBOTS):
         hypothesis = drawn_hypothesis(like, stream(1, "hypothesis", number))

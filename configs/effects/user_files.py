@@ -30,7 +30,7 @@ def anchored_files(robot: Node, folder: Path) -> Node:
     return Node({**robot.value, KEY: Node(paths, files.where)}, robot.where)
 
 
-def with_both(base: Node, over: Node, merged: Node) -> Node:
+def with_files_of_both(base: Node, over: Node, merged: Node) -> Node:
     """Return a robot that extends another, `merged`, with the files of both."""
     files = [node.value for robot in (base, over) if (node := robot.child(KEY)) and isinstance(node.value, tuple)]
     if len(files) < 2 or not isinstance(merged.value, dict):
@@ -38,7 +38,7 @@ def with_both(base: Node, over: Node, merged: Node) -> Node:
     return Node({**merged.value, KEY: Node((*files[0], *files[1]), merged.value[KEY].where)}, merged.where)
 
 
-def with_own_effects(root: Node) -> Node:
+def with_user_effects(root: Node) -> Node:
     """Load the files that the robot of a tree names, and return the tree with a record of each that it needs.
 
     Also an effect of a file that the command line names has a record, so that a specification contains all code that
