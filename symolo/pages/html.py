@@ -55,7 +55,7 @@ def render_page(package: str, *, scripts: Sequence[str] = (), **context: object)
 def _source(environment: Environment, name: str) -> str:
     """Return the text of a file in the folder `templates`; unlike a template, it is taken as it is."""
     if environment.loader is None:
-        raise ValueError("an environment of ours has a loader")
+        raise ValueError("the template environment has no loader")
     return environment.loader.get_source(environment, name)[0]
 
 

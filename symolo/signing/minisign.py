@@ -23,7 +23,7 @@ class PublicKey:
     """The key that proves who has signed."""
 
     key_id: bytes
-    """(8,) chance that names the pair of keys in their files."""
+    """(8,) random id of the pair of keys."""
     key: bytes
     """(32,), public key of Ed25519."""
 
@@ -63,7 +63,7 @@ class Signature:
     algorithm: bytes
     """`ED` where the data is hashed first, `Ed` where it is not."""
     key_id: bytes
-    """(8,) of the key that signed."""
+    """(8,) id of the key that signed."""
     of_data: bytes
     """(64,) signature of the data."""
     comment: str

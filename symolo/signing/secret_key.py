@@ -32,13 +32,13 @@ class SecretKey:
     """The key that signs."""
 
     key_id: bytes
-    """(8,) chance that names the pair of keys in their files."""
+    """(8,) random id of the pair of keys."""
     seed: bytes
     """(32,), seed of the secret key of Ed25519."""
 
     @classmethod
     def new(cls) -> "SecretKey":
-        """Return a key by the chance of the operating system."""
+        """Return a new key from random bytes of the operating system."""
         return cls(os.urandom(KEY_ID_BYTES), os.urandom(SEED_BYTES))
 
     @property
@@ -70,11 +70,11 @@ class SecretKeyFile:
 
     encrypted: bool
     salt: bytes
-    """(32,) of scrypt."""
+    """(32,) salt of scrypt."""
     operations: int
     memory_bytes: int
     secret: bytes
-    """(104,) number of the key, seed, public key and checksum."""
+    """(104,) id of the key, seed, public key and checksum."""
 
     @classmethod
     def from_text(cls, text: str) -> "SecretKeyFile":

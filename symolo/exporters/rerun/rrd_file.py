@@ -79,7 +79,7 @@ def rrd(arrow: ModuleType, recording: str, chunks: Sequence[Chunk]) -> bytes:
 
 
 def _batch(arrow: ModuleType, chunk: Chunk, numbers: "count[int]") -> Arrays:
-    """Return the table of a chunk; ids of chunk and rows are the next numbers; Rerun's writer uses time and chance."""
+    """Return the table of a chunk, whose ids are the next numbers; Rerun's writer has random ones with the time."""
     rows = len(chunk.components[0].values)
     chunk_id = next(numbers)
     row_ids = arrow.array([struct.pack(">QQ", 1, next(numbers)) for _ in range(rows)], arrow.binary(16))

@@ -11,7 +11,7 @@ from symolo.core.progress import plural
 from symolo.dataset.documents.metadata import Metadata
 
 RAI_CONFORMS_TO = "http://mlcommons.org/croissant/RAI/1.0"
-MOST = 200
+MAX_ENTRIES = 200
 """Entries of a list at most; metadata.json has them all."""
 
 
@@ -98,5 +98,5 @@ def _limitations(metadata: Metadata) -> Iterator[str]:
 def _limited(texts: Iterator[str]) -> list[str]:
     """Return texts of one line each, the last of which says how many were left out."""
     lines = [one_line(text) for text in texts]
-    left_out = len(lines) - MOST
-    return lines if left_out <= 0 else [*lines[:MOST], f"{left_out} more: see metadata.json"]
+    left_out = len(lines) - MAX_ENTRIES
+    return lines if left_out <= 0 else [*lines[:MAX_ENTRIES], f"{left_out} more: see metadata.json"]
