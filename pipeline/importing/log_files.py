@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from logs.trajectories import READERS
 from logs.trajectories.bag import READER as BAG
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
+from logs.trajectories.readers import READERS
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.file_hashes import sha256_of
 from symolo.core.files.plain_files import FileKind

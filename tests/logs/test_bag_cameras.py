@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from logs.bags import child
-from logs.trajectories import READERS
 from logs.trajectories.base import ReadSettings
+from logs.trajectories.readers import READERS
 from tests.logs.camera_messages import (
     CENTER,
     COUNT,

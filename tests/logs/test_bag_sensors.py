@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from logs.trajectories import READERS
 from logs.trajectories.base import ReadSettings
+from logs.trajectories.readers import READERS
 from symolo.core.geometry.poses import pose_X_WR
 from tests.logs.sensor_messages import RAY_S, RAYS, SCANS, messages, scan
 from tests.logs.written_bags import START_NS, T_S, Ros, write_mcap, write_ros1

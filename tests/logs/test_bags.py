@@ -12,8 +12,8 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
-from logs.trajectories import READERS
 from logs.trajectories.base import ReadSettings
+from logs.trajectories.readers import READERS
 from symolo.core.errors import InputError
 from symolo.core.geometry.poses import pose_X_WR
 from symolo.core.progress import LineReport

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from logs.axis import Axis
-from logs.trajectories import READERS
 from logs.trajectories.base import ReadSettings
+from logs.trajectories.readers import READERS
 from symolo.core.errors import InputError
 from symolo.core.geometry.poses import pose_X_WR, quaternions, rotations
 
