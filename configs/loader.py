@@ -151,7 +151,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     """Load a shipped scenario by name, or any by path.
 
     Args:
-        name_or_path: For example `smoke` or `my/scenario.yaml`.
+        name_or_path: Name of a shipped scenario such as `smoke`, or path of a YAML file.
         overrides: Texts such as `look.sun.elevation_deg=30`, applied in this order.
 
     Raises:

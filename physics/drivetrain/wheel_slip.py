@@ -18,7 +18,7 @@ class WheelSlip:
         self._since_m: Array = np.full(2, np.inf)
 
     def __bool__(self) -> bool:
-        """Whether the robot has such an effect."""
+        """Return whether the robot has such an effect."""
         return bool(self._functions)
 
     def travelled(self, rolled_m: Array) -> Array:

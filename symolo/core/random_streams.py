@@ -1,4 +1,4 @@
-"""Random streams keyed by the path of the field that they serve, not by the order in which they are drawn."""
+"""Random streams keyed by the path of what they serve, such as a field or a sensor, not by the order of the draws."""
 
 import hashlib
 import json
