@@ -46,7 +46,8 @@ _IMAGE_BYTES = 300_000_000
 _IMAGES = (RAW, COMPRESSED)
 _NS = 1_000_000_000
 _MAX_METADATA_BYTES = 200_000
-"""Of metadata.yaml, whose reader takes 7 s for a megabyte; a topic has about 600 bytes, and a bag `MAX_STREAMS`."""
+"""Largest size of metadata.yaml, whose reader takes 7 s for a megabyte; a topic has about 600 bytes, and a bag
+`MAX_STREAMS`."""
 _MAX_DEPTH = 100
 """Largest depth of nested lists in metadata.yaml, which has none in practice."""
 
