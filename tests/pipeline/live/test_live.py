@@ -15,7 +15,7 @@ from pipeline.live.snapshot import snapshot
 from pipeline.rerendering.rerender import RerenderRequest, prepare
 from pipeline.rerendering.sources import read_sources
 from pipeline.run_folder.workspace import Workspace
-from pipeline.stages.run_tables import take
+from pipeline.stages.run_tables import write_external_run
 from symolo.core.files.file_locks import held
 from symolo.dataset.folder_kind import Kind
 
@@ -77,7 +77,7 @@ def test_images_that_are_rendered_again_are_shown_too(is_log, dataset, tmp_path)
     request = RerenderRequest(("lab",), camera_hz=5.0, overrides=("render.width_px=32", "render.height_px=24"))
     workspace = Workspace(tmp_path / "data", Kind.RERENDERED)
     (run,) = prepare(read_sources([source], None, ImportRequest((source,))), request).runs
-    take(run, workspace.simulate(run.spec.key))
+    write_external_run(run, workspace.simulate(run.spec.key))
     images = workspace.render(run.spec.key).path / "images"
     images.mkdir(parents=True)
     shutil.copy(dataset / "CW/test_1/images/000001.jpg", images / "000002.jpg")

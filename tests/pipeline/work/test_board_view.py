@@ -9,7 +9,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from physics.control.base import Observation, Twist
 from physics.run.controller_runner import Decision
-from pipeline.work import live
+from pipeline.work import board_view
 from symolo.dataset.codes import BOARD_COLUMNS, State
 
 
@@ -26,9 +26,9 @@ class Screen:
 @pytest.fixture
 def shown(monkeypatch):
     """The view of two ticks, of which the second has these counts."""
-    monkeypatch.setattr(live, "BETWEEN_S", 0.0)
+    monkeypatch.setattr(board_view, "BETWEEN_S", 0.0)
     screen = Screen()
-    view = live.LiveView(draw_run(load_scenario("symolo", ["board.kind=simulated"]), "CW", 1), screen)
+    view = board_view.LiveView(draw_run(load_scenario("symolo", ["board.kind=simulated"]), "CW", 1), screen)
 
     def show(**counts):
         seen = Observation((1.0,) * 7 + (0.0,), 2.0, 0.6, 0.3, (0.0, 0.0, 0.0))
