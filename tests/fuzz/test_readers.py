@@ -45,12 +45,12 @@ def test_changed_files_are_read_or_refused(reader, tmp_path):
     assert {outcome.refusal for outcome in outcomes[: len(valid)]} == {""}
 
 
-@pytest.mark.parametrize("name", LONG)
-def test_long_files_are_read_or_refused(name, tmp_path):
+@pytest.mark.parametrize(("name", "data"), LONG.values(), ids=LONG)
+def test_long_files_are_read_or_refused(name, data, tmp_path):
     reader = READERS[name]
     read = reader.opened(tmp_path)
     with limits():
-        assert outcome_of(read, LONG[name](), reader.refusals).problem == ""
+        assert outcome_of(read, data, reader.refusals).problem == ""
 
 
 @pytest.mark.parametrize("name", ["dataset", "bag"])

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import FailFast, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from symolo.arena.geometry import Arena
@@ -19,7 +19,7 @@ from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import State
 from symolo.dataset.documents.origin import Origin
-from symolo.dataset.documents.record import Record
+from symolo.dataset.documents.record import Record, parsed_first
 from symolo.dataset.documents.rendering_record import RenderingRecord
 from symolo.dataset.documents.run_document import RunDocument, TofSection
 from symolo.dataset.documents.run_records import (
@@ -258,10 +258,12 @@ class Metadata(Record):
     """Sensors of `robot.sensors` by name."""
     scenario: dict[str, Any]
     """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
-    runs: list[RunRecord] = Field(min_length=1)
-    failed_runs: list[FailedRun]
+    runs: Annotated[list[RunRecord], FailFast()] = Field(min_length=1)
+    failed_runs: Annotated[list[FailedRun], FailFast()]
     splits: SplitsRecord | None = Field(default=None, exclude_if=lambda splits: splits is None)
     """Division into training, validation and test; None if the dataset is not divided."""
+
+    _parsed = model_validator(mode="before")(parsed_first)
 
     @model_validator(mode="after")
     def _splits_have_runs(self) -> "Metadata":

@@ -7,11 +7,12 @@ attributes, so that the program that makes a run can pass its specification.
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from symolo.arena.mesh import unpacked
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.origin import Origin
+from symolo.dataset.documents.record import parsed_first
 from symolo.dataset.rates import Rate
 
 Point2 = tuple[float, float]
@@ -264,6 +265,8 @@ class RunDocument(ImagingDocument):
     """Every value that was drawn for the run, by its field path in this document."""
     origin: Origin | None = None
     """Origin of the trajectory; None if it was simulated for this dataset."""
+
+    _parsed = model_validator(mode="before")(parsed_first)
 
     @property
     def is_imported(self) -> bool:

@@ -1,10 +1,12 @@
 """What metadata.json says of a run: limits as in the table, values in their own types, nothing of this machine."""
 
+import json
 from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from configs.draw import draw_all, draw_run
 from configs.loader import load_scenario
@@ -15,6 +17,7 @@ from pipeline.work.units import SimulateUnit
 from symolo.core.progress import LineReport
 from symolo.dataset.documents.metadata import FailedRun, Metadata, RunRecord, describe, made_with
 from symolo.dataset.documents.rendering_record import ImageErrorRecord, LightPathsRecord, RenderingRecord
+from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.tables.rows import Rows
 from symolo.verification.run_checks import check_run
 
@@ -133,3 +136,19 @@ def test_a_rendering_states_whether_its_error_was_measured():
     assert rendering.text.endswith("; error not measured")
     error = ImageErrorRecord(views=4, psnr_db=42.9, jpeg_psnr_db=39.6)
     assert rendering.model_copy(update={"error": error}).text.endswith("; estimated PSNR 42.9 dB (JPEG: 39.6 dB)")
+
+
+@pytest.mark.parametrize("document", [Metadata, RunDocument])
+def test_faults_of_a_document_share_its_content(document):
+    with pytest.raises(ValidationError) as raised:
+        document.model_validate_json('{"unknown": [1, 2, 3]}')
+    contents = [fault["input"] for fault in raised.value.errors() if fault["type"] == "missing"]
+    assert len(contents) > 3
+    assert all(content is contents[0] for content in contents)
+
+
+def test_of_many_faulty_runs_the_first_is_reported():
+    with pytest.raises(ValidationError) as raised:
+        Metadata.model_validate_json(json.dumps({"runs": 3 * [{"run": 1}], "failed_runs": 3 * [{"run": 1}]}))
+    places = {fault["loc"][:2] for fault in raised.value.errors() if len(fault["loc"]) > 1}
+    assert places == {("runs", 0), ("failed_runs", 0)}
