@@ -21,7 +21,8 @@ def parse_spec(text: str | bytes) -> SceneSpec:
     Raises:
         ValidationError: It breaks the format.
     """
-    if text.count(b"," if isinstance(text, bytes) else ",") >= MAX_VALUES:
+    commas = text.count(b",") if isinstance(text, bytes) else text.count(",")
+    if commas >= MAX_VALUES:
         problem = PydanticCustomError("too_many_values", "has more than {most} values", {"most": MAX_VALUES})
         raise ValidationError.from_exception_data("spec.json", [{"type": problem, "input": None}])
     try:
