@@ -29,10 +29,10 @@ def check_address_space() -> None:
             f"there is not enough memory: this process may address {limit // _MB} MB, and its libraries need up to"
             f" {needed_mb} MB; raise the limit, such as by `ulimit -v unlimited`, and run the same command again"
         )
-    _take_buffers()
+    take_buffers()
 
 
-def _take_buffers() -> None:
+def take_buffers() -> None:
     """Let both OpenBLAS take the memory of their first call, which they keep for all later ones."""
     import numpy as np  # noqa: PLC0415 - nothing else of a process without a limit needs it this early
     import scipy.linalg  # noqa: PLC0415

@@ -30,6 +30,7 @@ from blender_scenes.render.job import RenderJob
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from pipeline import cli
+from pipeline.address_space import take_buffers
 from pipeline.cli import main
 from pipeline.diagnosing import diagnose
 from pipeline.executors import local
@@ -137,8 +138,9 @@ def _in_the_child(order: Order, log: int) -> None:
     if order.file_bytes is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (order.file_bytes, resource.RLIM_INFINITY))
     if order.address_bytes is not None:
+        take_buffers()  # as the check of the command does before the process has loaded all libraries
         resource.setrlimit(resource.RLIMIT_AS, (_address_space() + order.address_bytes, resource.RLIM_INFINITY))
-        cli.check_address_space = lambda: None  # which the process that has loaded all libraries is past
+        cli.check_address_space = lambda: None  # which this process is past
     code = 1
     try:
         code = _command(order)
