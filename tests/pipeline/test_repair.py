@@ -147,7 +147,7 @@ def test_without_stages_a_run_is_simulated_and_only_the_damaged_frames_are_rende
     (root / RUN / "side/spec.json").write_bytes(b"")
     ended = symolo("repair", root)
     assert ended.code == 0
-    assert "1 of 1 frames" in ended.err
+    assert "1 of 1 frame " in ended.err
     assert release_of(root) == release_of(dataset)
     assert not (root / ".stages").exists()
 
