@@ -30,8 +30,8 @@ from diagnosis.inference.selection.stepwise import Selection, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
+from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.inference.unexplained.survivors import survivors
 from diagnosis.inference.unexplained.unlisted import with_forms
 from diagnosis.inference.unexplained.wander import Wander, wander
 from diagnosis.measured.measurement import Measurement
@@ -236,9 +236,9 @@ def diagnose(
     alternatives = tuple(_alternatives(measurement, evidence, comparisons))
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
     progress.begin(Phase.INTERVALS)
-    # The remembered fits with their slopes need much memory and are not used again.
-    evidence.known.clear()
-    measured.known.clear()
+    # The memoized fits with their slopes need much memory and are not used again.
+    evidence.memo.clear()
+    measured.memo.clear()
     return Diagnosis(
         measurement=measurement,
         evidence=evidence,
@@ -328,13 +328,13 @@ def _without_stand_ins(evidence: Evidence, selection: Selection, result: Adequac
         # A drift adds little to the noise, and outliers have a density of their own: neither stands behind an effect of
         # the noise.
         return _with_only(
-            evidence, selection, fit, [*noise_effects, *survivors(evidence, selection.nominal, fit, result)]
+            evidence, selection, fit, [*noise_effects, *retained_effects(evidence, selection.nominal, fit, result)]
         )
     mean_effects = [effect for effect in fit.hypothesis.effects if effect not in noise_effects]
     if len(mean_effects) < len(fit.hypothesis.effects):
         fit = _with_only(evidence, selection, fit, mean_effects)
         result = _structures_of(evidence, replace(selection, fit=fit), adequacy(evidence, fit))
-    return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, result))
+    return _with_only(evidence, selection, fit, retained_effects(evidence, selection.nominal, fit, result))
 
 
 def _with_only(

@@ -31,7 +31,7 @@ from diagnosis.inference.selection.refusal import is_at_bound
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import adequacy
-from diagnosis.inference.unexplained.survivors import NEEDED
+from diagnosis.inference.unexplained.retained_effects import NEEDED
 from diagnosis.measured.measurement import Measurement
 from symolo.core.arrays import Array
 

@@ -54,7 +54,7 @@ class EngineDrive(EngineStage):
         self._is_case = isinstance(measurement.nominal, NominalDrive)
         self._driver = driver
         self._grid = Grid.of(measurement, 1.0 / ROW_S if self._is_case else None)
-        held = [self._grid.held(measurement.trials, f"u_{wheel}_V")[:-1] for wheel in ("right", "left")]
+        held = [self._grid.zero_order_hold(measurement.trials, f"u_{wheel}_V")[:-1] for wheel in ("right", "left")]
         self._voltage_V = np.stack(held, axis=-1)
         self._has_heldout = [bool(trial.holdout.any()) for trial in measurement.trials]
         self._counts = nominal.encoder.counts_per_revolution

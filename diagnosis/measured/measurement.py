@@ -65,7 +65,7 @@ class Trial:
     """Whether `t_s` are times."""
     part: str = ""
     """Part of the robot that was measured; empty if it is the same in all trials."""
-    held: tuple[TimeSeries, ...] = ()
+    held_inputs: tuple[TimeSeries, ...] = ()
     """Inputs that also change between the rows, by the names of their channels: each value is held from its time to the
     next, and the channel has the mean from row to row. Empty if they change at rows only, or as far as is known."""
     session: str = ""

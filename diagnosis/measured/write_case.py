@@ -52,12 +52,14 @@ def csv_of(measurement: Measurement) -> str:
 
 def voltages_of(measurement: Measurement) -> str:
     """Return the text of voltages.csv; empty if no voltage changes between the rows."""
-    if not any(trial.held for trial in measurement.trials):
+    if not any(trial.held_inputs for trial in measurement.trials):
         return ""
     lines = [",".join(column.name for column in VOLTAGE_COLUMNS)]
     decimals = [column.decimals for column in VOLTAGE_COLUMNS]
     for number, trial in enumerate(measurement.trials, 1):
-        series = {each.name: dict(zip(each.t_s.tolist(), each.values.tolist(), strict=True)) for each in trial.held}
+        series = {
+            each.name: dict(zip(each.t_s.tolist(), each.values.tolist(), strict=True)) for each in trial.held_inputs
+        }
         for time in sorted({time for values in series.values() for time in values}):
             volts = [series.get(name, {}).get(time, np.nan) for name in WHEEL_VOLTAGES]
             name = trial.name if trial.name.isdecimal() else str(number)

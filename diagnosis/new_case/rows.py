@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.case_format import CAMERA_CHANNELS, RANGES, WHEEL_VOLTAGES, channel_columns
 from diagnosis.measured.channel import Channel, Label, Role
-from diagnosis.measured.held import held_means
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
 from logs.counts import running_counts
@@ -55,7 +55,7 @@ class _Rows:
     """(N,) of each column."""
     words: tuple[str, ...] = ()
     """(N,), materials; empty if there are none."""
-    held: tuple[TimeSeries, ...] = ()
+    held_inputs: tuple[TimeSeries, ...] = ()
     """Voltages that change between the rows."""
 
 
@@ -281,7 +281,7 @@ def _sampled(part: _Rows, step_s: float, wanted_s: float, first_s: float) -> _Ro
             values[name] = np.rint(values[name])
     voltages = [name for name in WHEEL_VOLTAGES if np.isfinite(part.values.get(name, np.nan)).any()]
     held = tuple(_changes(name, since_s, part.values[name]) for name in voltages)
-    return _Rows(t_s + first_s, values, held=held)
+    return _Rows(t_s + first_s, values, held_inputs=held)
 
 
 def _nearest(t_s: Array, wanted_s: Array) -> NDArray[np.int64]:
@@ -338,4 +338,4 @@ def _trial(name: str, part: _Rows, holdout: NDArray[np.bool_], kind: CaseKind, b
         for column in channel_columns(kind)
     )
     labels = (Label("material", part.words),) if kind is CaseKind.TOF_BENCH else ()
-    return Trial(name, part.t_s, holdout, channels, labels, begins_s, held=part.held)
+    return Trial(name, part.t_s, holdout, channels, labels, begins_s, held_inputs=part.held_inputs)

@@ -41,7 +41,7 @@ class Grid:
     def samples(self) -> int:
         return max(1, *(int(place[-1]) for place in self.places)) + 1
 
-    def held(self, trials: tuple[Trial, ...], name: str) -> Array:
+    def zero_order_hold(self, trials: tuple[Trial, ...], name: str) -> Array:
         """Return a channel at every sample, (T, N); missing values are those of the row before, and 0 at the start."""
         columns = []
         for trial, place in zip(trials, self.places, strict=True):

@@ -45,7 +45,7 @@ class MotorStep:
         trials = measurement.trials
         rate_hz = measurement.nominal.sample_rate_Hz if isinstance(measurement.nominal, NominalStep) else None
         self._grid = Grid.of(measurement, rate_hz)
-        self._voltage_V = self._grid.held(trials, "u_cmd_V")
+        self._voltage_V = self._grid.zero_order_hold(trials, "u_cmd_V")
         self._known = KnownPredictions(PARTS, SLOTS, self._motions)
         current, speed = (mean[0] for mean in self._means([nominal]))
         input_errors = self._input_errors(nominal)

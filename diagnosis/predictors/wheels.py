@@ -8,9 +8,9 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.held import held_means
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
+from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
@@ -61,7 +61,7 @@ class Wheels:
         self._known = KnownPredictions(PARTS, SLOTS, self._speeds)
         set_speeds = _set_speeds(measurement, nominal)
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
-        if any(trial.held for trial in measurement.trials):
+        if any(trial.held_inputs for trial in measurement.trials):
             speeds = self._divided(measurement, nominal, ERROR_SHARE * (sd or UNSTATED_RAD_S))
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S)
@@ -94,11 +94,11 @@ class Wheels:
         return np.stack([self._held_V(measurement, f"u_{side}_V", parts) for side in ("right", "left")], axis=-1)
 
     def _held_V(self, measurement: Measurement, name: str, parts: int) -> Array:
-        rows = np.repeat(self._grid.held(measurement.trials, name)[:-1], parts, axis=0)
+        rows = np.repeat(self._grid.zero_order_hold(measurement.trials, name)[:-1], parts, axis=0)
         duration_s = self._grid.period_s / parts
         begins_s = duration_s * np.arange(len(rows))
         for k, (trial, place) in enumerate(zip(measurement.trials, self._grid.places, strict=True)):
-            for series in trial.held:
+            for series in trial.held_inputs:
                 if series.name == name:
                     # Both begin at sample 0. A trial that ends before others has no voltage after its end.
                     inside = begins_s < self._grid.period_s * (int(place[-1]) + 1)

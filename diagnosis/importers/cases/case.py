@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from diagnosis.importers.base import Importer
-from diagnosis.importers.cases.held_voltages import with_held
+from diagnosis.importers.cases.held_voltages import with_held_voltages
 from diagnosis.importers.cases.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAGES, channel_columns
 from diagnosis.measured.csv_table import read_csv
@@ -86,7 +86,7 @@ def _read(
         trials = trials_of(table, channels, holdout, noise, from_rest=kind is CaseKind.MOTOR_STEP)
     if kind is CaseKind.DRIVE_LOG and trials and is_file(folder / VOLTAGES):
         with faults.noted():
-            trials = with_held(trials, folder / VOLTAGES)
+            trials = with_held_voltages(trials, folder / VOLTAGES)
     if nominal is None or not trials:
         raise together(faults.faults)
     source = MeasurementSource("a measured case", (str(folder / DATA), str(folder / NOMINAL)))

@@ -9,8 +9,8 @@ import numpy as np
 from diagnosis.importers.cases.order import check_increasing
 from diagnosis.measured.case_format import VOLTAGE_COLUMNS, VOLTAGES, WHEEL_VOLTAGES
 from diagnosis.measured.csv_table import read_csv
-from diagnosis.measured.held import held_means
 from diagnosis.measured.measurement import Trial
+from diagnosis.measured.zero_order_hold import held_means
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.time_series import TimeSeries
@@ -19,7 +19,7 @@ MAX_APART_V = 0.02
 """Largest median difference between a mean voltage of data.csv and that of the finer voltages; both are rounded."""
 
 
-def with_held(trials: Sequence[Trial], path: Path) -> tuple[Trial, ...]:
+def with_held_voltages(trials: Sequence[Trial], path: Path) -> tuple[Trial, ...]:
     """Return the trials with the voltages of a file.
 
     Raises:
@@ -41,7 +41,7 @@ def with_held(trials: Sequence[Trial], path: Path) -> tuple[Trial, ...]:
         rows = numbers == float(trial.name)
         series = [_series(name, table.numbers["t_s"][rows], values[rows]) for name, values in voltages.items()]
         with faults.noted():
-            several.append(replace(trial, held=tuple(_checked(each, trial, path) for each in series)))
+            several.append(replace(trial, held_inputs=tuple(_checked(each, trial, path) for each in series)))
     faults.check()
     return tuple(several)
 

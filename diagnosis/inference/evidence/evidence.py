@@ -76,8 +76,8 @@ class Evidence:
         # The variance of a mean of many AR(1) samples is (1 + p)/(1 - p) times that of independent ones.
         self.weight = np.repeat([(1.0 - p) / (1.0 + p) for p in self.correlations], self.counts)
         """(N,), number of independent samples that a sample is worth."""
-        self.known: dict[Hashable, object] = {}
-        """Results that were computed before (`diagnosis.inference.evidence.remembered`)."""
+        self.memo: dict[Hashable, object] = {}
+        """Results of the functions that are `memoized`, by function and arguments."""
         self.on_predicted: Callable[[int], None] = _nothing
         """Called with the number of robots before each prediction, which is nearly all the work of a fit."""
 
@@ -111,7 +111,7 @@ class Evidence:
     def with_rows(self, *, fit: Mask | None = None, heldout: Mask | None = None) -> "Evidence":
         """Return the same evidence with other samples (N,) for the fit or for the gain."""
         others = copy(self)
-        others.known = {}
+        others.memo = {}
         others.fit = self.fit if fit is None else fit
         others.heldout = self.heldout if heldout is None else heldout
         return others
@@ -126,7 +126,7 @@ class Evidence:
     def without(self, error: Array) -> "Evidence":
         """Return the same evidence with an error (N,), in the units of the samples, taken out of what was measured."""
         others = copy(self)
-        others.known = {}
+        others.memo = {}
         others.values = self.values - error
         return others
 

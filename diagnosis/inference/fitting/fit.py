@@ -340,9 +340,9 @@ def _of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array, is_go
     It is the Schur complement of the levels in the joint information. `is_good` are the weights of the rows of the fit.
     """
     lost = np.zeros((len(spreads), len(spreads)))
-    held = with_own_level(evidence, hypothesis, spreads)
+    has_own_level = with_own_level(evidence, hypothesis, spreads)
     quantity = evidence.quantity[evidence.fit]
-    for k in np.flatnonzero(~held).tolist():
+    for k in np.flatnonzero(~has_own_level).tolist():
         of_quantity = np.where(quantity == k, is_good, 0.0)
         shared = 2.0 * spreads[:, evidence.fit] @ of_quantity
         lost += np.outer(shared, shared) / (2.0 * of_quantity.sum() + LEVEL_SD**-2)
@@ -351,15 +351,15 @@ def _of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array, is_go
 
 def with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
     """Return the quantities (Q,) whose noise an effect scales as a whole, so that it has the place of the level."""
-    held = np.zeros(len(evidence.observed), dtype=bool)
+    has_own_level = np.zeros(len(evidence.observed), dtype=bool)
     for effect in hypothesis.effects:
         if effect.kind.slot is not Slot.RANGE_NOISE:
             continue
         change = np.abs(spreads[hypothesis.parameters(effect)]).sum(axis=0)
         for k, place in enumerate(evidence.places):
             inside = change[place][evidence.fit[place]]
-            held[k] |= bool(len(inside) and inside.min() > EVEN * inside.max())
-    return held
+            has_own_level[k] |= bool(len(inside) and inside.min() > EVEN * inside.max())
+    return has_own_level
 
 
 def _steps(fit: HypothesisFit) -> Array:

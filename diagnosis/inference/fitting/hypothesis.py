@@ -106,7 +106,7 @@ class Hypothesis:
     nominal: RobotConfig
     nuisances: tuple[Nuisance, ...]
     effects: tuple[CandidateEffect, ...] = ()
-    held: tuple[int, float] | None = None
+    fixed: tuple[int, float] | None = None
     """Index of a coordinate that no fit may change, and its value."""
 
     @cached_property
@@ -114,8 +114,8 @@ class Hypothesis:
         """The P coordinates, nuisances first."""
         nuisances = (Coordinate.of_spread(n.name, n.tolerance) for n in self.nuisances)
         coordinates = [*nuisances, *(c for effect in self.effects for c in effect.coordinates)]
-        if self.held is not None:
-            place, x = self.held
+        if self.fixed is not None:
+            place, x = self.fixed
             coordinates[place] = replace(coordinates[place], low=x, high=x)
         return tuple(coordinates)
 
@@ -222,9 +222,9 @@ class Hypothesis:
     def with_effect(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, (*self.effects, effect))
 
-    def with_held(self, place: int, x: float) -> "Hypothesis":
+    def with_fixed(self, place: int, x: float) -> "Hypothesis":
         """Return the hypothesis with one coordinate fixed."""
-        return replace(self, held=(place, x))
+        return replace(self, fixed=(place, x))
 
     def without(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))

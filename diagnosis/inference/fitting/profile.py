@@ -90,9 +90,9 @@ def profiles(
         open_ends = [end for end in ends if not end.is_done]
         if not open_ends:
             break
-        held_fits = fits(evidence, [_start(fit, end) for end in open_ends])
-        for end, held in zip(open_ends, held_fits, strict=True):
-            end.update(held.cost - fit.cost)
+        fixed_fits = fits(evidence, [_start(fit, end) for end in open_ends])
+        for end, fixed in zip(open_ends, fixed_fits, strict=True):
+            end.update(fixed.cost - fit.cost)
     intervals: dict[str, dict[str, tuple[Interval, ...]]] = {}
     for place, (effect, coordinate) in places.items():
         if both_ends := [end for end in ends if end.place == place]:
@@ -121,7 +121,7 @@ def _start(fit: HypothesisFit, end: _End) -> tuple[Hypothesis, Array]:
     covariance = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
     step = end.direction * end.reach
     x = fit.x + covariance[end.place] / covariance[end.place, end.place] * step
-    return fit.hypothesis.with_held(end.place, float(fit.x[end.place] + step)), x
+    return fit.hypothesis.with_fixed(end.place, float(fit.x[end.place] + step)), x
 
 
 def _intervals(fit: HypothesisFit, coordinate: Coordinate, ends: Sequence[_End]) -> list[Interval]:

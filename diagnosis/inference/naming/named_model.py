@@ -16,7 +16,7 @@ from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.selection.stepwise import Selection
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
-from diagnosis.inference.unexplained.survivors import survivors
+from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.unlisted import advantage, with_forms
 
 
@@ -80,8 +80,8 @@ def standing(
             fit = without(evidence, fit, comparison.effect)
         left = with_forms(evidence, nominal, fit, adequacy(evidence, fit))
         if left.has_cause and fit.hypothesis.effects:
-            surviving = survivors(evidence, nominal, fit, left)
-            substitutes = [effect for effect in fit.hypothesis.effects if effect not in surviving]
+            retained = retained_effects(evidence, nominal, fit, left)
+            substitutes = [effect for effect in fit.hypothesis.effects if effect not in retained]
             withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
             for effect in substitutes:
                 fit = without(evidence, fit, effect)

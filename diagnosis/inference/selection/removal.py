@@ -7,7 +7,7 @@ much by itself, this is no coincidence: the other one was hidden behind it.
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.remembered import remembered
+from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.fit import FAR, HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.selection.refusal import needed
@@ -18,7 +18,7 @@ CANCELLED = 0.5
 """Ratio of the size of the sum of two changes to that of the smaller one, below which they cancel each other."""
 
 
-@remembered
+@memoized
 def without(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> HypothesisFit:
     """Return the fit without one effect."""
     fewer = fit.hypothesis.without(effect)
@@ -28,7 +28,7 @@ def without(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> 
     return base
 
 
-@remembered
+@memoized
 def without_effects(evidence: Evidence, nominal: Hypothesis) -> HypothesisFit:
     """Return the fit of a hypothesis that has no effects."""
     (base,) = fits(evidence, [(nominal, nominal.null())])

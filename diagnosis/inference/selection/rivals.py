@@ -19,7 +19,7 @@ from math import exp
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.remembered import remembered
+from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import LEVELS
@@ -136,7 +136,7 @@ def _rise(evidence: Evidence, fit: HypothesisFit, other: HypothesisFit) -> float
     return _cost_of_all_rows(evidence, other) - _cost_of_all_rows(evidence, fit) + penalties
 
 
-@remembered
+@memoized
 def _cost_of_all_rows(evidence: Evidence, fit: HypothesisFit) -> float:
     """Return the cost of a hypothesis that is fitted to the held-out rows as well."""
     if not evidence.heldout.any():
@@ -178,8 +178,8 @@ def _of_statement(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffec
     at = null + float(np.copysign(np.log(STATED_WITHIN), fit.x[place] - null))
     x = fit.x.copy()
     x[place] = at
-    (held,) = fits(evidence, [(fit.hypothesis.with_held(place, at), x)])
-    return [(STATEMENT, held.whole_cost - fit.whole_cost)]
+    (fixed,) = fits(evidence, [(fit.hypothesis.with_fixed(place, at), x)])
+    return [(STATEMENT, fixed.whole_cost - fit.whole_cost)]
 
 
 def relative_weight(rise: float) -> float:

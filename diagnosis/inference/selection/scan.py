@@ -14,7 +14,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
-from diagnosis.inference.evidence.remembered import remembered
+from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.coordinate import Coordinate
 from diagnosis.inference.fitting.fit import HypothesisFit, at
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
@@ -119,7 +119,7 @@ class _Rigid:
     """(N,), difference of the predictions of the fit from those of its robot, without play."""
 
 
-@remembered
+@memoized
 def _rigid(evidence: Evidence, fit: HypothesisFit) -> _Rigid:
     """Return a fit as a linear model.
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.remembered import remembered
+from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.fit import FAR, Contest, HypothesisFit, fits, fits_of_contests
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.selection.penalty import parameter_penalty
@@ -301,13 +301,13 @@ def scanned(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateE
     return tuple(sorted((p for p in prospects if p is not None), key=lambda prospect: -prospect.drop))
 
 
-@remembered
+@memoized
 def _known_prospects(_evidence: Evidence, _fit: HypothesisFit) -> dict[CandidateEffect, Prospect | None]:
     """Return the prospects that are known beside a fit, to which others are added; None for an effect without one."""
     return {}
 
 
-@remembered
+@memoized
 def fitted(evidence: Evidence, fit: HypothesisFit, prospects: tuple[Prospect, ...], goal: float) -> list[HypothesisFit]:
     return _best_of_each(fits(evidence, _starts(fit, prospects), goal))
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.remembered import remembered
+from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.fit import HypothesisFit, with_own_level
 from diagnosis.inference.fitting.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
 from diagnosis.inference.fitting.projection import orthonormal
@@ -153,7 +153,7 @@ def _run_of_rows(evidence: Evidence, found: FittedForm) -> int:
     return run_of_outliers(change > CHANGED * change.max(initial=0.0))
 
 
-@remembered
+@memoized
 def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
     """Return the form that lowers the cost of a fit most, penalties included; None if no form can be tested."""
     listed = list(_bench_forms(evidence, fit))
@@ -238,7 +238,7 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
     """Return a form with its size, beside the coordinates of a fit and the noise, all of them fitted again."""
     rows, nuisances = evidence.fit, len(fit.hypothesis.nuisances)
     design = np.concatenate([column[None], fit.slopes])
-    held = with_own_level(evidence, fit.hypothesis, fit.spreads)
+    has_own_level = with_own_level(evidence, fit.hypothesis, fit.spreads)
     has_prior = (np.arange(len(design)) >= 1) & (np.arange(len(design)) <= nuisances)
     prior = np.zeros(len(design))
     prior[has_prior] = fit.hypothesis.prior(fit.x)
@@ -249,7 +249,7 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
         normal = (design * weight) @ design.T + np.diag(has_prior.astype(float))
         step = np.linalg.lstsq(normal, (design * weight) @ fit.z - prior, rcond=1e-12)[0]
         z = (fit.z - step @ design) * level
-        noise = fitted_noise(evidence, z, sd, noise, held)
+        noise = fitted_noise(evidence, z, sd, noise, has_own_level)
         own = noise.levels[evidence.quantity]
         costs = costs_of_residuals(evidence, z / own, sd * own, noise)
         cost = float(costs[rows].sum() + ((prior + step)[has_prior] ** 2).sum()) + fit.by_tolerances + noise.prior_cost

@@ -171,7 +171,7 @@ def _trial(run: _DatasetRun) -> Trial:
         held.append(_held(name, t_s, mean_V, last_V))
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
-    return replace(trial_of(run_name(run.folder), rows, (*drive, *seen)), held=tuple(held))
+    return replace(trial_of(run_name(run.folder), rows, (*drive, *seen)), held_inputs=tuple(held))
 
 
 def _held(name: str, t_s: Array, mean_V: Array, last_V: Array) -> TimeSeries:

@@ -5,8 +5,8 @@ import pytest
 
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.held import held_means
 from diagnosis.measured.write_case import write_case
+from diagnosis.measured.zero_order_hold import held_means
 from symolo.core.errors import InputError
 
 HEADER = "trial,t_s,u_left_V,u_right_V\n"
@@ -36,10 +36,10 @@ def drive(case):
 
 def test_each_voltage_is_held_until_its_next_value(drive):
     first, second = read_measurement(drive(GOOD), IMPORTERS).trials
-    left, right = first.held
+    left, right = first.held_inputs
     assert (left.t_s.tolist(), left.values.tolist()) == ([0.0, 0.025, 0.05], [0.2, 0.8, 0.5])
     assert (right.t_s.tolist(), right.values.tolist()) == ([0.0], [0.5])
-    assert second.held[1].values.tolist() == [1.0, 0.0]
+    assert second.held_inputs[1].values.tolist() == [1.0, 0.0]
 
 
 def test_the_file_comes_back_from_what_was_written(drive, tmp_path):
@@ -48,13 +48,13 @@ def test_the_file_comes_back_from_what_was_written(drive, tmp_path):
     assert (tmp_path / "again/voltages.csv").read_text().splitlines()[0] == HEADER.strip()
     again = read_measurement(tmp_path / "again", IMPORTERS)
     for before, after in zip(measurement.trials, again.trials, strict=True):
-        for one, other in zip(before.held, after.held, strict=True):
+        for one, other in zip(before.held_inputs, after.held_inputs, strict=True):
             assert (one.t_s.tolist(), one.values.tolist()) == (other.t_s.tolist(), other.values.tolist())
 
 
 def test_without_the_file_nothing_finer_is_known(case, tmp_path):
     measurement = read_measurement(case("drive_log"), IMPORTERS)
-    assert all(trial.held == () for trial in measurement.trials)
+    assert all(trial.held_inputs == () for trial in measurement.trials)
     write_case(measurement, tmp_path / "again")
     assert not (tmp_path / "again/voltages.csv").exists()
 

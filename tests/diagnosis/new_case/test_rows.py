@@ -128,7 +128,7 @@ def test_voltages_within_a_row_are_kept_where_they_change(log):
     t = 0.01 * np.arange(400)
     volts = np.where(np.arange(400) % 5 < 2, 1.0, 6.0)
     (trial,) = measured(log(drive(np.round(t, 6), volts=volts))).trials
-    left, right = trial.held
+    left, right = trial.held_inputs
     assert (left.name, right.name) == ("u_left_V", "u_right_V")
     np.testing.assert_allclose(left.t_s, np.sort(np.append(0.05 * np.arange(80), 0.05 * np.arange(80) + 0.02)))
     np.testing.assert_array_equal(left.values, np.tile([1.0, 6.0], 80))
@@ -137,7 +137,7 @@ def test_voltages_within_a_row_are_kept_where_they_change(log):
 
 def test_of_a_log_with_twenty_rows_a_second_nothing_finer_is_known(log):
     (trial,) = measured(log(drive(0.05 * np.arange(80)))).trials
-    assert trial.held == ()
+    assert trial.held_inputs == ()
 
 
 def test_an_irregular_log_is_sampled_again_and_its_gaps_stay_gaps(log):

@@ -163,7 +163,7 @@ class TestWheels:
         coarse = trial("1", u_left_V=0.0 * rows, u_right_V=rows, **turned)
         steps = TimeSeries("u_right_V", "V", np.array([0.0, begins_s]), np.array([0.0, self.U]))
         still = TimeSeries("u_left_V", "V", np.array([0.0]), np.array([0.0]))
-        fine = replace(coarse, held=(still, steps))
+        fine = replace(coarse, held_inputs=(still, steps))
         expected = self.run_up(late_s=begins_s)[:-1]
         off = []
         for log in (coarse, fine):

@@ -61,7 +61,7 @@ def test_voltages_between_rows_have_the_mean_and_the_last_value_of_each_row(data
     run = dataset / "CW" / "test_1"
     (trial,) = read(run).trials
     wheels = np.genfromtxt(run / "side" / "wheels.csv", delimiter=",", names=True)
-    for series, side in zip(trial.held, "lr", strict=True):
+    for series, side in zip(trial.held_inputs, "lr", strict=True):
         between = series.values.reshape(20, 5)  # the wheel loop runs at 100 Hz, and there are 20 rows per second
         np.testing.assert_allclose(between.mean(axis=1), wheels[f"mean_voltage_{side}"][1:], atol=1e-9)
         np.testing.assert_allclose(between[:, -1], wheels[f"voltage_{side}"][1:], atol=1e-9)

@@ -96,22 +96,22 @@ class Ball:
         return np.interp(off_mm, at_mm, 1e3 * table)
 
 
-def remembering(law: Law) -> Law:
+def memoizing(law: Law) -> Law:
     """Return a law that remembers its last result: a fit moves a ball sideways more often than it changes it."""
     last: list[tuple[tuple[float, float, int], Array]] = []
 
-    def remembered(nearest_m: float, radius_m: float, off_m: Array) -> Array:
+    def memoized(nearest_m: float, radius_m: float, off_m: Array) -> Array:
         key = (nearest_m, radius_m, len(off_m))
         if not last or last[0][0] != key:
             last[:] = [(key, law(nearest_m, radius_m, off_m))]
         return last[0][1]
 
-    return remembered
+    return memoized
 
 
 def fitted_ball(law: Law, places_mm: Array, reading_mm: Array) -> Ball:
     """Return the ball whose readings at places (P, 2) are nearest to those measured (P,), by least squares."""
-    law = remembering(law)
+    law = memoizing(law)
     nearest = float(reading_mm.min())
     x_mm, y_mm = places_mm[reading_mm < nearest + 0.3 * INNER_MM].mean(axis=0).tolist()
 

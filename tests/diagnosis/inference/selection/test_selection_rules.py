@@ -325,7 +325,7 @@ class TestSteps:
         assert found.fit.hypothesis.effects == (A, B)
         assert found.entries == (*begin.entries, "step")
         started.clear()
-        evidence.known.clear()
+        evidence.memo.clear()
         assert select(evidence, nominal, ()).fit.hypothesis.effects == ()
         assert started == [(nominal, "null")]
 

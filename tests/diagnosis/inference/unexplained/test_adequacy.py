@@ -6,7 +6,7 @@ import pytest
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.unexplained.adequacy import adequacy, run_of_outliers
-from diagnosis.inference.unexplained.survivors import survivors
+from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.predictors.base import Predicted, SharedReading
 
 SD_A = 0.01
@@ -75,7 +75,7 @@ def test_a_name_that_stood_in_for_the_unknown_is_given_up_and_another_is_kept(ev
         fit, base = fitted(evidence, hypothesis.with_effect(hidden)), fitted(evidence, hypothesis)
         left = adequacy(evidence, fit)
         assert not left.is_adequate
-        kept = survivors(evidence, base, fit, left)
+        kept = retained_effects(evidence, base, fit, left)
         assert kept == ([hidden] if is_kept else [])
 
 
@@ -122,7 +122,7 @@ def test_what_is_unexplained_in_one_stage_withdraws_no_effect_of_another(evidenc
         fit, base = fitted(evidence, hypothesis.with_effect(hidden)), fitted(evidence, hypothesis)
         left = adequacy(evidence, fit)
         assert left.worst.p < 1e-9
-        assert survivors(evidence, base, fit, left) == ([hidden] if is_kept else [])
+        assert retained_effects(evidence, base, fit, left) == ([hidden] if is_kept else [])
 
 
 def test_outliers_in_a_row_are_reported_and_withdraw_no_effect_that_acts_in_all_rows(evidence_of, hypothesis, effect):
@@ -138,7 +138,7 @@ def test_outliers_in_a_row_are_reported_and_withdraw_no_effect_that_acts_in_all_
         left = adequacy(evidence, fit)
         assert not left.is_adequate
         assert left.leaves_only_outliers == is_kept
-        assert survivors(evidence, base, fit, left) == ([hidden] if is_kept else [])
+        assert retained_effects(evidence, base, fit, left) == ([hidden] if is_kept else [])
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from diagnosis.inference.selection.scan import scan
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
+from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.inference.unexplained.survivors import survivors
 
 SD_A = 0.01
 X = np.linspace(0.3, 1.0, 16)
@@ -120,7 +120,7 @@ def test_a_name_that_a_nominal_number_imitates_stays_beside_outliers_in_a_row(st
     assert 36.0 < nominal.cost - named.cost < 49.0
     rows = np.isin(np.arange(len(named.z)), [500, 501, 502, 503])
     outliers = replace(adequacy(evidence, named).structures[0], p=0.0, basis=rows[:, None] * 1.0, longest_run=4)
-    assert survivors(evidence, nominal, named, Adequacy((outliers,))) == [friction]
+    assert retained_effects(evidence, nominal, named, Adequacy((outliers,))) == [friction]
 
 
 def test_the_channel_without_which_all_the_rest_is_well(evidence_of, hypothesis):

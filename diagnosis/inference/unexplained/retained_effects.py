@@ -1,4 +1,4 @@
-"""Which of the selected effects stay named where a structure remains unexplained.
+"""The effects that stay named where a structure remains unexplained.
 
 An effect stays named only if it is needed in addition to the flexible functions that describe the structure: an effect
 that was only a substitute for the unknown cause becomes insignificant beside them.
@@ -27,7 +27,7 @@ MIN_PART = 0.05
 """Part of the change by an effect in one stage, from which a structure of that stage speaks about the effect."""
 
 
-def survivors(
+def retained_effects(
     evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, result: Adequacy
 ) -> list[CandidateEffect]:
     """Return the effects of a fit that are needed in addition to what is unexplained, the most needed first.
