@@ -30,10 +30,10 @@ from diagnosis.inference.selection.stepwise import Selection, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
+from diagnosis.inference.unexplained.random_drift import RandomDrift, random_drift
 from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.unlisted import with_forms
-from diagnosis.inference.unexplained.wander import Wander, wander
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors import STAGES, check_kind
 from diagnosis.predictors.base import Stage
@@ -68,7 +68,7 @@ class Diagnosis:
 
     measurement: Measurement
     evidence: Evidence
-    """The observations, to which the effects are fitted; without the error `wander` if there is one."""
+    """The observations, to which the effects are fitted; without the `random_drift` if there is one."""
     measured: Evidence
     """The observations as they were measured, with all errors. Every gain is computed on them."""
     base_robot: RobotConfig
@@ -89,7 +89,7 @@ class Diagnosis:
     """Gain of the extended model over the nominal one."""
     calibrated: Gain | None
     """Gain of plain calibration: the nominal model with its nuisances fitted and without effects."""
-    wander: Wander | None = None
+    random_drift: RandomDrift | None = None
     """The slow error of a range sensor, which is random and therefore not part of the fit."""
     alternatives: tuple[Alternative, ...] = ()
     """Fits with a rival in place of one named effect, which these data do not distinguish from `fit`."""
@@ -114,7 +114,10 @@ class Diagnosis:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects with their choices."""
-        return (*(named.effect.name for named in self.named), *((self.wander.effect.name,) if self.wander else ()))
+        return (
+            *(named.effect.name for named in self.named),
+            *((self.random_drift.effect.name,) if self.random_drift else ()),
+        )
 
     @property
     def conclusion(self) -> CaseVerdict:
@@ -139,7 +142,7 @@ class Diagnosis:
     @property
     def extended(self) -> RobotConfig:
         """The robot with fitted nuisances and the named effects."""
-        return self.fit.robot.with_effect(self.wander.effect) if self.wander else self.fit.robot
+        return self.fit.robot.with_effect(self.random_drift.effect) if self.random_drift else self.fit.robot
 
     def answer(self) -> dict[str, object]:
         """Return the answer in GAP_FORMAT, ready for JSON."""
@@ -155,7 +158,7 @@ class Diagnosis:
                 }
                 for named in self.named
             ]
-            + ([self.wander.answer()] if self.wander else []),
+            + ([self.random_drift.answer()] if self.random_drift else []),
             "unexplained": self.unexplained is not None,
         }
         if self.unexplained is not None:
@@ -211,7 +214,7 @@ def diagnose(
     if not result.leaves_only_outliers and (better := rescued(evidence, selection, library.testable)) is not None:
         selection, result = better, adequacy(evidence, better.fit)
     result = _structures_of(evidence, selection, result)
-    measured, slow = evidence, wander(evidence, selection.nominal, selection.fit)
+    measured, slow = evidence, random_drift(evidence, selection.nominal, selection.fit)
     if slow is not None:
         steady, without_it = _selected(evidence.without(slow.path_m), bare, library.testable)
         rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
@@ -254,7 +257,7 @@ def diagnose(
         adequacy=result,
         gain=gain(measured, robot, fit.robot, (0.0, fit.local_change)),
         calibrated=gain(measured, robot, selection.nominal.robot, (0.0, selection.nominal.local_change)),
-        wander=slow,
+        random_drift=slow,
         alternatives=alternatives,
     )
 

@@ -267,10 +267,10 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
             comments["effects", named.effect.kind.name, name] = f"{source}; {known}{seen}"
         for name, _ in named.effect.choices:
             comments["effects", named.effect.kind.name, name] = source
-    if diagnosis.wander is not None:
-        for name, error in diagnosis.wander.std.items():
+    if diagnosis.random_drift is not None:
+        for name, error in diagnosis.random_drift.std.items():
             text = f"named by the diagnosis; standard error {error:.2g}"
-            comments["effects", diagnosis.wander.effect.name, name] = text
+            comments["effects", diagnosis.random_drift.effect.name, name] = text
     own = "an effect of your own; a copy of the file that was loaded"
     comments["effect_files",] = "the law, and effects of your own if there are any" if diagnosis.law else own
     comments["chassis", "width_m"] = "widened to cover the wheels"

@@ -166,7 +166,7 @@ def _noise(diagnosis: Diagnosis, inputs: UnseenInputs, mean: Array) -> Array:
     predicted = inputs.stage.predict([diagnosis.extended])
     stated: Array = np.stack([np.broadcast_to(p.sd, p.mean.shape)[0] for p in predicted])
     sds = stated * np.array([[levels.get(name, 1.0)] for name in inputs.names])
-    return sds if diagnosis.wander is None else np.hypot(sds, diagnosis.wander.effect.sd_m)
+    return sds if diagnosis.random_drift is None else np.hypot(sds, diagnosis.random_drift.effect.sd_m)
 
 
 def _distance(

@@ -38,8 +38,8 @@ def remaining_models(diagnosis: Diagnosis) -> tuple[RemainingModel, ...]:
     Raises:
         InputError: Nothing is named and nothing is near it, or the cause is in no list.
     """
-    if diagnosis.wander is not None:
-        what, cure = "the sensor has an error that wanders", "measure longer: range_wander is not seen in a short trial"
+    if diagnosis.random_drift is not None:
+        what, cure = "the sensor has a random drift", "measure longer: range_wander is not seen in a short trial"
         raise InputError(what, cure=cure)
     if diagnosis.conclusion == CaseVerdict.UNEXPLAINED:
         unexplained = diagnosis.unexplained

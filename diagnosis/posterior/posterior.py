@@ -125,8 +125,8 @@ def _hypothesis(
     if slip is not None:
         numbers = slip.beside(numbers)
     effects = [effect.name for effect in fit.hypothesis.effects]
-    if is_named and diagnosis.wander is not None:
-        effects.append(diagnosis.wander.effect.name)
+    if is_named and diagnosis.random_drift is not None:
+        effects.append(diagnosis.random_drift.effect.name)
     base_robot, drawn = plain_tree(diagnosis.base_robot), {number.path for number in numbers.numbers}
     return {
         "name": " and ".join(effects)[:200] or NO_EFFECT,

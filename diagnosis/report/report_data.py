@@ -81,8 +81,8 @@ class ReportData:
     means: tuple[Array, Array, Array]
     """Predictions (N,) of the nominal robot, of the same with its nuisances fitted, and of the extended robot."""
     z: tuple[Array, Array, Array]
-    """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN if not usable. The wandering
-    error of a range sensor is in them, as in the gains."""
+    """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN if not usable. The random
+    drift of a range sensor is in them, as in the gains."""
     row_sentences: tuple[str, ...] = ()
     """Sentences about single rows of a bench, or sessions, slip and whole runs of a drive."""
     engines: EngineComparison | None = None

@@ -22,10 +22,10 @@ from diagnosis.report.verdict import (
     gain_sentences,
     headline,
     hints,
+    random_drift_sentence,
     reach,
     to_measure,
     unexplained_sentence,
-    wander_sentence,
     without_effect,
 )
 
@@ -48,8 +48,8 @@ def summary(data: ReportData) -> list[str]:
     lines += wrap(why_no_name(diagnosis), WIDTH)
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
         lines += ["", *_effect(named, ablation, data.intervals.get(named.effect.name, {}))]
-    if diagnosis.wander is not None:
-        lines += ["", *wrap(wander_sentence(diagnosis.wander), WIDTH)]
+    if diagnosis.random_drift is not None:
+        lines += ["", *wrap(random_drift_sentence(diagnosis.random_drift), WIDTH)]
     lines += _not_named(data)
     lines += ["", *(line for text in (*gain_sentences(data), *data.row_sentences) for line in wrap(text, WIDTH))]
     if data.dataset is not None:

@@ -17,8 +17,8 @@ from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Structure
+from diagnosis.inference.unexplained.random_drift import RandomDrift
 from diagnosis.inference.unexplained.scatter import SCATTER
-from diagnosis.inference.unexplained.wander import Wander
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences.quantities import (
@@ -120,15 +120,15 @@ def listed(names: Sequence[str]) -> str:
 def effect_sentences(diagnosis: Diagnosis) -> list[str]:
     """Return the name, the parameters, the meaning and the possible causes of each effect."""
     sentences = [_sentence(n.effect.name, n.effect.kind, n.values, n.std) for n in diagnosis.named]
-    if diagnosis.wander is not None:
-        sentences.append(wander_sentence(diagnosis.wander))
+    if diagnosis.random_drift is not None:
+        sentences.append(random_drift_sentence(diagnosis.random_drift))
     return sentences
 
 
-def wander_sentence(wander: Wander) -> str:
+def random_drift_sentence(random_drift: RandomDrift) -> str:
     """Return what is known of the slow error of a range sensor."""
-    effect = wander.effect
-    sentence = _sentence(effect.name, type(effect), effect.model_dump(), wander.std)
+    effect = random_drift.effect
+    sentence = _sentence(effect.name, type(effect), effect.model_dump(), random_drift.std)
     return f"{sentence} It is random and in no prediction, so the errors on held-out rows and the residuals include it."
 
 

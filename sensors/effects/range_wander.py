@@ -1,4 +1,4 @@
-"""Ranges with a slow error that wanders up and down."""
+"""Ranges with a slow random drift (first-order Gauss-Markov process)."""
 
 from typing import Annotated
 

@@ -74,11 +74,11 @@ class RangeDevices:
             Sampling.from_seconds(config.period_s, delay_s, physics_hz), subsamples_before=subsamples
         )
         self._subsamples: list[tuple[float, Light]] = []
-        self._wandering = effects.functions(Slot.RANGE_WANDER)
-        # A stream of its own, so that the noise is the same with and without a wandering error.
-        (self._wander_rng,) = rng.spawn(1)
+        self._drift_functions = effects.functions(Slot.RANGE_WANDER)
+        # A stream of its own, so that the noise is the same with and without a random drift.
+        (self._drift_rng,) = rng.spawn(1)
         self._count = len(mounts)
-        self._wander_m, self._wandered_s = np.zeros(self._count), -np.inf
+        self._drift_m, self._drift_time_s = np.zeros(self._count), -np.inf
         self._effects = RangeEffects.of(effects)
         self._config = config
         self._rng = rng
@@ -120,8 +120,8 @@ class RangeDevices:
         if self._effects.need_view:
             reading, sd = self._effects.seen(reading, sd, self._view(world, true_range, light))
             self._previous_m = true_range
-        if self._wandering:
-            reading = reading + self._wandered(world.time_s)
+        if self._drift_functions:
+            reading = reading + self._drifted(world.time_s)
         noise = sd * self._rng.standard_normal(self._count)
         reading = self._effects.limited(quantise(reading + noise, config.quantisation_m))
         fresh = self._all_judged(light, true_range, reading)
@@ -162,12 +162,12 @@ class RangeDevices:
         # Without any light the mean is 0, as the range of a single moment is.
         return (weight * ranges).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-12)
 
-    def _wandered(self, time_s: float) -> Array:
-        """Return the slow error (N,) at a time."""
-        deviates = self._wander_rng.standard_normal(self._count)
-        self._wander_m = applied(self._wandering, self._wander_m, time_s - self._wandered_s, deviates)
-        self._wandered_s = time_s
-        return self._wander_m
+    def _drifted(self, time_s: float) -> Array:
+        """Return the random drift (N,) at a time [m]."""
+        deviates = self._drift_rng.standard_normal(self._count)
+        self._drift_m = applied(self._drift_functions, self._drift_m, time_s - self._drift_time_s, deviates)
+        self._drift_time_s = time_s
+        return self._drift_m
 
     def _all_judged(self, light: Light, true_m: Array, reading_m: Array) -> list[tuple[float, float]]:
         """Return range [m] and status of each sensor."""

@@ -2,8 +2,8 @@
 
 The nominal sensors of data.csv follow the equations of the paper. This one shares their rays, surfaces, error and
 noise, and adds what recordings of real devices show: near parts of the scene outweigh far ones, light is gathered over
-the timing budget, emitter and receiver sit side by side, the error wanders, and outside of its working range readings
-are disturbed and become rare before they are absent.
+the timing budget, emitter and receiver sit side by side, the error drifts at random, and outside of its working range
+readings are disturbed and become rare before they are absent.
 """
 
 from collections.abc import Iterator

@@ -132,7 +132,7 @@ def _conclusions(diagnosis: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...]
         numbers = ", ".join(f"{k} {v:.3g} +- {n.std[k]:.2g}" for k, v in n.values.items())
         too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.kind, n.values, n.std)]
         named.append(f"{n.effect.name} ({numbers}; confidence {n.comparison.confidence:.2f}{''.join(too_large)})")
-    if (slow := diagnosis.wander) is not None:
+    if (slow := diagnosis.random_drift) is not None:
         numbers = ", ".join(f"{k} {v:.3g} +- {slow.std[k]:.2g}" for k, v in slow.effect.model_dump().items())
         named.append(f"{slow.effect.name} ({numbers}; confidence {slow.confidence:.2f})")
     left = diagnosis.adequacy.structures[:1] if diagnosis.unexplained else ()

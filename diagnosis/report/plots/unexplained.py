@@ -14,7 +14,7 @@ SIZE_IN = (7.2, 3.4)
 def unexplained_plot(data: ReportData, structure: Structure) -> bytes:
     """Return the residuals of the model with the named effects, along the covariate of a structure, as PNG.
 
-    They are those in which the structure was detected, without the wandering error of a range sensor, and without a law
+    They are those in which the structure was detected, without the random drift of a range sensor, and without a law
     that was discovered afterwards.
     """
     evidence = data.diagnosis.evidence

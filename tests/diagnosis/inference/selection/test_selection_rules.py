@@ -52,7 +52,7 @@ def fake_fit(cost, *effects, **fields) -> Any:
 @pytest.fixture
 def evidence() -> Any:
     """More rows than those up to which all pairs are compared: the steps alone decide."""
-    return Fake(known={}, fit=np.ones(stepwise.BEAM_SAMPLES + 1, dtype=bool))
+    return Fake(memo={}, fit=np.ones(stepwise.BEAM_SAMPLES + 1, dtype=bool))
 
 
 class TestRefusal:
@@ -286,7 +286,7 @@ class TestSteps:
         assert grown[0] == 4
 
     def test_a_better_pair_replaces_the_effects_and_a_third_one_is_tried_beside_it(self, monkeypatch):
-        few: Any = Fake(known={}, fit=np.ones(stepwise.BEAM_SAMPLES, dtype=bool))
+        few: Any = Fake(memo={}, fit=np.ones(stepwise.BEAM_SAMPLES, dtype=bool))
         base, single, pair, three = fake_fit(100.0), fake_fit(80.0, A), fake_fit(40.0, B, C), fake_fit(20.0, B, C, D)
         alone = {B: fake_fit(75.0, C), C: fake_fit(90.0, B)}
         next_of = {base: (single, ["A enters"]), single: (None, ["B is refused"]), pair: (three, ["D enters"])}

@@ -1,4 +1,4 @@
-"""The likelihood of an error that wanders, against the dense normal distribution of all rows."""
+"""The likelihood of a random drift, against the dense normal distribution of all rows."""
 
 import numpy as np
 import pytest

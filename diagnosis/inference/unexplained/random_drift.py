@@ -1,13 +1,13 @@
-"""Test whether a range sensor has a slow, wandering error, and how large that is.
+"""Test whether a range sensor has a random drift, and how large that is.
 
-A wandering error is random: it has a standard deviation and a time constant, and no law. Its name stands only if its
+The drift (effect `range_wander`) has a standard deviation and a time constant, and no law. Its name stands only if its
 likelihood beats that of all that looks like it: white noise, a drift after power-on, a linear drift, a jump at one
-moment, noise that is correlated over few rows, a scale that wanders, and any smooth function of another covariate. The
-likelihood is that of a first-order Gauss-Markov error beside white noise, with the error itself integrated out
-(`diagnosis.inference.unexplained.gauss_markov`).
+moment, noise that is correlated over few rows, a scale that drifts randomly, and any smooth function of another
+covariate. The likelihood is that of a first-order Gauss-Markov error beside white noise, with the error itself
+integrated out (`diagnosis.inference.unexplained.gauss_markov`).
 
-An error that wanders up and down imitates a drift after power-on, an offset, and structure along anything that changes
-slowly. So the selected effects are weighed again beside it: what it explains by itself is no effect.
+It imitates a drift after power-on, an offset, and structure along anything that changes slowly. So the selected effects
+are weighed again beside it: what it explains by itself is no effect.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -36,13 +36,13 @@ OUTLIER = 4.0
 MIN_ROWS, MAX_ROWS = 40, 400
 """Fewest rows, and number of rows from which neighbours are averaged, since the time grows with its third power."""
 MIN_LASTING_ROWS = 5.0
-"""Least time constant in rows; noise that is correlated over fewer rows does not wander."""
+"""Least time constant in rows; noise that is correlated over fewer rows is no drift."""
 SHORT = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0)
 """Time constants of correlated noise, in rows."""
 JUMP_ROWS = 4
 """Rows at either end between which an offset may jump."""
 RATIOS = np.geomspace(0.01, 30.0, 40)
-"""Variance of the wandering error over that of the white noise."""
+"""Variance of the random drift over that of the white noise."""
 WITHOUT_WHITE = np.array([1e3])
 """Such a ratio for noise that has hardly any white part."""
 TIMES = 12
@@ -56,8 +56,8 @@ LIMITS = RangeWander.parameters()["time_constant_s"]
 
 
 @dataclass(frozen=True)
-class Wander:
-    """A wandering error of a range sensor."""
+class RandomDrift:
+    """A random drift of a range sensor."""
 
     effect: RangeWander
     std: dict[str, float]
@@ -113,7 +113,7 @@ class _Series:
 
 @dataclass(frozen=True)
 class _Seen:
-    """A fit with a wandering error beside it."""
+    """A fit with a random drift beside it."""
 
     fit: HypothesisFit
     series: _Series
@@ -152,8 +152,8 @@ class _Seen:
         return self.error.between(at_s, series.t_s) @ np.linalg.solve(covariance, residual_m)
 
 
-def wander(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Wander | None:
-    """Return the wandering error that a reading shows over time; None if anything else explains it.
+def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> RandomDrift | None:
+    """Return the random drift that a reading shows over time; None if anything else explains it.
 
     Args:
         evidence: The observations.
@@ -187,7 +187,7 @@ def wander(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Wa
     white = plain.cost_of(float(plain.z @ plain.z))
     if white - seen.cost < THRESHOLD + PER_PARAMETER and not _warms_up(fit):
         return None
-    # A drift after power-on and a wandering error imitate each other.
+    # A drift after power-on and a random drift imitate each other.
     others = [white] if _warms_up(fit) else []
     seen = _weighed(evidence, seen, beside)
     z, sd = seen.series.z, seen.series.sd_m
@@ -205,7 +205,7 @@ def wander(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Wa
 
 
 def _weighed(evidence: Evidence, seen: _Seen, beside: Callable[[HypothesisFit], _Seen]) -> _Seen:
-    """Return the fit with those effects that the readings need beside a wandering error."""
+    """Return the fit with those effects that the readings need beside a random drift."""
     while True:
         falls = _falls(seen)
         weak = {effect: fall - needed(effect) for effect, fall in falls.items() if fall < needed(effect)}
@@ -217,7 +217,7 @@ def _weighed(evidence: Evidence, seen: _Seen, beside: Callable[[HypothesisFit], 
 def _falls(seen: _Seen) -> dict[CandidateEffect, float]:
     """Return by how much each effect of the mean lowers the cost beside the error (Wald, Trans. AMS 54 (1943) 426).
 
-    A limit is left out: it is not linear, and nothing that wanders imitates it.
+    A limit is left out: it is not linear, and no random drift imitates it.
     """
     fit = seen.fit
     result = seen.estimate(seen.series)
@@ -235,7 +235,7 @@ def _falls(seen: _Seen) -> dict[CandidateEffect, float]:
     return falls
 
 
-def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) -> Wander:
+def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) -> RandomDrift:
     """Return the error with the mean of its size and time constant over all that were tried."""
     weight = np.exp(-0.5 * (seen.found.costs - seen.cost))
     weight /= weight.sum()
@@ -247,7 +247,7 @@ def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) ->
             np.broadcast_to(seen.times_s[:, None], weight.shape),
         )
     )
-    return Wander(
+    return RandomDrift(
         RangeWander(sd_m=min(sd_of, 0.1), time_constant_s=tau),
         {"sd_m": sd_error, "time_constant_s": tau_error},
         confidence(
@@ -261,8 +261,8 @@ def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) ->
 def _gains_of_others(seen: _Seen, observed: Observed, place: slice, time_s: Array, rows: Mask) -> Iterator[float]:
     """Yield the falls of the cost of white noise by errors that look alike where a log is not varied enough.
 
-    One wanders in proportion to the distance, as a scale does. The others are any smooth functions of a covariate other
-    than time: along it, they have the same likelihood as a wandering error has along time.
+    One of them drifts in proportion to the distance, as a scale does. The others are any smooth functions of a
+    covariate other than time: along it, they have the same likelihood as a random drift has along time.
     """
     fit = seen.fit
     for covariate in observed.covariates:

@@ -12,8 +12,8 @@ from diagnosis.importers import tof_bench
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.unexplained import wander as module
-from diagnosis.inference.unexplained.wander import wander
+from diagnosis.inference.unexplained import random_drift as module
+from diagnosis.inference.unexplained.random_drift import random_drift
 from diagnosis.report.report_data import report_data
 from diagnosis.report.verdict import effect_sentences, headline
 from sensors.effects.range_wander import RangeWander
@@ -46,7 +46,7 @@ def gauss_markov(t_s, sd_m, tau_s, seed=2):
     return sd_m * factor @ np.random.default_rng(seed).standard_normal(len(t_s))
 
 
-def test_an_error_that_wanders_is_named_with_its_size_and_time(diagnosed):
+def test_a_random_drift_is_named_with_its_size_and_time(diagnosed):
     diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 25.0))
     answer = diagnosis.answer()
     (effect,) = answer["effects"]
@@ -73,7 +73,7 @@ def test_an_error_that_wanders_is_named_with_its_size_and_time(diagnosed):
     ],
     ids=["linear drift", "jump", "noise correlated over few rows"],
 )
-def test_what_is_simpler_than_wandering_is_not_called_so(diagnosed, error_m):
+def test_what_is_simpler_than_a_random_drift_is_not_called_so(diagnosed, error_m):
     assert "range_wander" not in diagnosed(error_m).names
 
 
@@ -103,26 +103,26 @@ def swept(tmp_path):
         lambda distance_m, _: 0.02 * np.exp(-(((distance_m - 0.4) / 0.08) ** 2)),
         lambda distance_m, t_s: distance_m * gauss_markov(t_s, 0.02, 25.0),
     ],
-    ids=["bump along the distance", "scale that wanders"],
+    ids=["bump along the distance", "scale that drifts"],
 )
-def test_what_depends_on_the_distance_does_not_wander(swept, error_m):
+def test_what_depends_on_the_distance_is_no_random_drift(swept, error_m):
     diagnosis = swept(error_m)
     assert "range_wander" not in diagnosis.names
     assert diagnosis.answer()["unexplained"]
 
 
-def test_a_jump_is_no_drift_with_an_error_that_wanders(diagnosed):
-    """A drift after power-on, an offset and a wandering error imitate it together."""
+def test_a_jump_is_no_random_drift(diagnosed):
+    """A drift after power-on, an offset and a random drift imitate it together."""
     assert diagnosed(lambda t_s: np.where(t_s > 0.4 * t_s.max(), -0.02, 0.0)).names == ()
 
 
 @pytest.mark.parametrize("seed", [2, 3, 5])
-def test_what_a_wandering_error_explains_by_itself_is_no_effect(diagnosed, seed):
-    """Over few time constants an error that wanders has a mean and a trend, which look like other effects."""
+def test_what_a_random_drift_explains_by_itself_is_no_effect(diagnosed, seed):
+    """Over few time constants a random drift has a mean and a trend, which look like other effects."""
     assert diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 60.0, seed)).names == ("range_wander",)
 
 
-def test_an_offset_beyond_what_wanders_is_named_beside_it(diagnosed):
+def test_an_offset_beyond_a_random_drift_is_named_beside_it(diagnosed):
     diagnosis = diagnosed(lambda t_s: 0.03 + gauss_markov(t_s, 0.006, 25.0))
     assert set(diagnosis.names) == {"range_offset", "range_wander"}
     (offset,) = diagnosis.named
@@ -131,7 +131,7 @@ def test_an_offset_beyond_what_wanders_is_named_beside_it(diagnosed):
 
 
 def test_every_error_of_the_report_is_that_of_the_readings_as_they_were_measured(diagnosed):
-    """The bench has one quantity, so its errors are those of the headline; the wandering error is in all of them."""
+    """The bench has one quantity, so its errors are those of the headline; the random drift is in all of them."""
     diagnosis = diagnosed(lambda t_s: 0.03 + gauss_markov(t_s, 0.006, 25.0))
     data = report_data(diagnosis)
     (quantity,), (ablation,) = data.by_quantity, data.ablations
@@ -149,7 +149,7 @@ def test_held_out_readings_have_no_part_in_the_error_that_is_taken_out_of_them(d
 
     def path_m(evidence):
         (fit,) = fits(evidence, [(nominal.hypothesis, nominal.x)])
-        return wander(evidence, fit, fit).path_m
+        return random_drift(evidence, fit, fit).path_m
 
     changed = diagnosis.measured.without(np.where(diagnosis.measured.heldout, 0.003, 0.0))
     assert path_m(changed) == pytest.approx(path_m(diagnosis.measured), abs=1e-9)
@@ -166,7 +166,7 @@ def test_an_error_along_another_covariate_must_only_be_less_likely(diagnosed, mo
             yield seen.series.cost_of(float(seen.series.z @ seen.series.z)) - seen.cost - rise
 
         monkeypatch.setattr(module, "_gains_of_others", gains)
-        return wander(diagnosis.measured, fit, fit)
+        return random_drift(diagnosis.measured, fit, fit)
 
     assert beside(-0.1) is None
     assert 0.4 < beside(0.1).confidence < 0.52
@@ -174,13 +174,13 @@ def test_an_error_along_another_covariate_must_only_be_less_likely(diagnosed, mo
 
 
 @pytest.mark.parametrize(("row_s", "tau_s"), [(0.008, 0.1), (1200.0, 15_000.0)], ids=["8 ms", "20 minutes"])
-def test_a_wandering_error_of_rows_of_any_distance_has_a_time_constant_within_its_limits(diagnosed, row_s, tau_s):
+def test_a_random_drift_of_rows_of_any_distance_has_a_time_constant_within_its_limits(diagnosed, row_s, tau_s):
     diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, tau_s), slower=0.5 * row_s)
-    assert diagnosis.wander is not None
+    assert diagnosis.random_drift is not None
     time_constant = RangeWander.parameters()["time_constant_s"]
-    assert time_constant.low <= diagnosis.wander.effect.time_constant_s <= time_constant.high
+    assert time_constant.low <= diagnosis.random_drift.effect.time_constant_s <= time_constant.high
 
 
 @pytest.mark.parametrize("row_s", [1e-4, 1e4])
-def test_rows_too_close_or_too_far_apart_for_any_time_constant_show_no_wandering_error(diagnosed, row_s):
-    assert diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 20.0 * row_s), slower=0.5 * row_s).wander is None
+def test_rows_too_close_or_too_far_apart_for_any_time_constant_show_no_random_drift(diagnosed, row_s):
+    assert diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 20.0 * row_s), slower=0.5 * row_s).random_drift is None
