@@ -18,7 +18,7 @@ from pipeline.importing.cameras import camera_content, camera_settings, image_ti
 from pipeline.importing.floor import MAX_HALF_EXTENT_M, fitting_floor, middle_of
 from pipeline.importing.log_files import ReadLog, read_logs
 from pipeline.importing.rows import ImportedRows, ImportedTable, imported_rows
-from pipeline.importing.suspicions import check_possible, trajectory_warnings
+from pipeline.run_warnings.imported_trajectory import check_possible, trajectory_warnings
 from pipeline.stages.run_tables import ExternalRun
 from pipeline.stages.simulate_runs import RunOutcome
 from symolo.core.arrays import Array

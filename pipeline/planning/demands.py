@@ -2,7 +2,7 @@
 
 The built-in controller has its speeds and yaw rates as settings. Speeds and steady voltages of the wheels follow from
 them by the equations of the drive and the motor, and the readings of the range sensors from the size of the arena. What
-the robot really does is known after a run, which `stages/beyond_range.py` looks at.
+the robot really does is known after a run, which `run_warnings/observed_range.py` looks at.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,7 +12,7 @@ from math import hypot
 from configs.posterior.schema import LoadedPosterior, MeasuredRange
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
-from pipeline.stages.beyond_range import MARGIN, within
+from pipeline.run_warnings.observed_range import MARGIN, within
 from symolo.core.yaml.tree import dotted
 
 _V = (

@@ -8,8 +8,8 @@ from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from configs.posterior.schema import LoadedPosterior
 from configs.schema.scenario import RunSpec
 from pipeline.planning.demands import demand_lines, source_line
+from pipeline.run_warnings.simulated_run import plan_warnings
 from pipeline.stages.cameras import RunCamera, cameras_of
-from pipeline.stages.suspicious_run import plan_warnings
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import seconds

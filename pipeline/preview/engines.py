@@ -76,10 +76,10 @@ def _cycles(
     check_scratch(len(views) * each, "choose fewer images with -n")
     views = on_device(views)
     folders = {view.number: StageFolder(folder / str(view.number)) for view in views}
-    orders = (
-        RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,), user_files) for view in views
+    frame_jobs = (
+        RenderTask.frame_job(view.name, folders[view.number], view.job(), (view.frame,), user_files) for view in views
     )
-    failures = render_runs(orders, Local(workers), report)
+    failures = render_runs(frame_jobs, Local(workers), report)
     failed = {failure.run for failure in failures}
     good = [view.number for view in views if view.name not in failed]
     images = {}

@@ -14,7 +14,7 @@ from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.cameras import RunCamera, cameras_of
-from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
+from pipeline.stages.render import IMAGES, JOB, Appearance, FrameJob, FrameTask, RenderTask, blocks
 from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
@@ -84,14 +84,14 @@ def _ordered(
         check_user_files(spec, user_files)
     rows = read_rows(state.out / run / DATA)
     device, scratch = tools.devices.get(run, "CPU"), Workspace(tools.scratch)
-    order = RenderTask.of_camera(camera, rows, scratch.render(run, camera.name), user_files, device)
-    write_job(order)
-    work = [_Work(run, camera.inner(IMAGES), only_frames(order.task, images), images)] if images else []
+    frame_job = RenderTask.of_camera(camera, rows, scratch.render(run, camera.name), user_files, device)
+    write_job(frame_job)
+    work = [_Work(run, camera.inner(IMAGES), only_frames(frame_job.task, images), images)] if images else []
     if annotations:
         appearance = Appearance.of(spec, device, camera.name)
-        order = AnnotationTask.of(order.task, appearance, scratch.annotate(run, camera.name))
-        write_job(order)
-        task = order.task if DOCUMENT in annotations else only_frames(order.task, annotations)
+        frame_job = AnnotationTask.of(frame_job.task, appearance, scratch.annotate(run, camera.name))
+        write_job(frame_job)
+        task = frame_job.task if DOCUMENT in annotations else only_frames(frame_job.task, annotations)
         work.append(_Work(run, camera.inner(ANNOTATIONS), task, annotations))
     return work
 
@@ -106,10 +106,10 @@ def check_user_files(spec: SceneSpec, folder: Path) -> None:
         raise InputError("it shows your own images, and .stages/assets no longer contains them")
 
 
-def write_job(order: Order) -> None:
+def write_job(frame_job: FrameJob) -> None:
     """Write the job of a task into its folder."""
-    make_folder(order.task.files)
-    write_file(order.task.folder.path / JOB, order.job_text.encode())
+    make_folder(frame_job.task.files)
+    write_file(frame_job.task.folder.path / JOB, frame_job.job_text.encode())
 
 
 def only_frames(task: FrameTask, files: Iterable[str]) -> FrameTask:

@@ -132,9 +132,9 @@ def _prepared(root: Path, drawn: DrawnImages, scratch: Path) -> FrameTask:
     if camera is None:
         raise InputError(f"its specification has no camera {drawn.camera}")
     rows, folder = read_rows(root / run / DATA), Workspace(scratch).render(run, drawn.camera)
-    order = RenderTask.of_camera(camera, rows, folder, user_files, recorded_device(drawn.device))
-    write_job(order)
-    return only_frames(order.task, [frame_name(number) for number in drawn.numbers])
+    frame_job = RenderTask.of_camera(camera, rows, folder, user_files, recorded_device(drawn.device))
+    write_job(frame_job)
+    return only_frames(frame_job.task, [frame_name(number) for number in drawn.numbers])
 
 
 def _compared(root: Path, task: FrameTask, number: int) -> ReproducedImage:

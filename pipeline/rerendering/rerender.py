@@ -17,7 +17,6 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import Render, RunSpec, SceneSpec
 from pipeline.executors.base import Executor
 from pipeline.importing.imported_runs import DEFAULT_SCENARIO
-from pipeline.importing.suspicions import Where
 from pipeline.planning.plan import BYTES_PER_ROW, image_bytes
 from pipeline.rerendering.image_rows import with_images
 from pipeline.rerendering.robot_section import robot_of_images
@@ -26,6 +25,7 @@ from pipeline.rerendering.sources import Sources
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
+from pipeline.run_warnings.imported_trajectory import Where
 from pipeline.stages.assemble import assemble
 from pipeline.stages.cameras import cameras_of, logged_cameras
 from pipeline.stages.render_specs import render_specs

@@ -4,7 +4,7 @@ import numpy as np
 
 from blender_scenes.scene.run_scene import floor_bounds
 from configs.schema.appearance.look import LookConfig
-from pipeline.importing.suspicions import Where
+from pipeline.run_warnings.imported_trajectory import Where
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.dataset.tables.rows import Rows

@@ -8,7 +8,7 @@ from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_ann
 from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import RenderJob
 from pipeline.run_folder.workspace import StageFolder, Workspace, mark_done
-from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, journal
+from pipeline.stages.render import IMAGES, JOB, Appearance, FrameJob, FrameTask, ImageFindings, journal
 from pipeline.stages.rendering_facts import Rendered
 from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
@@ -24,12 +24,12 @@ class AnnotationTask(FrameTask):
     STAGE, FILES, WORK = "annotate", ANNOTATIONS, "annotations"
 
     @classmethod
-    def of(cls, images: FrameTask, appearance: Appearance, folder: StageFolder) -> Order:
-        """Return the order for the images that a task rendered; only its job is read."""
+    def of(cls, images: FrameTask, appearance: Appearance, folder: StageFolder) -> FrameJob:
+        """Return the task with its job for the images that a task rendered; only its job is read."""
         arena = Arena.from_config(appearance.arena)
         rendered = RenderJob.from_json(read_file(images.folder.path / JOB, FileKind.JOB).decode())
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
-        return cls.order(images.run, folder, job, images.frames, camera=images.camera)
+        return cls.frame_job(images.run, folder, job, images.frames, camera=images.camera)
 
     def names(self) -> list[str]:
         job = self._job()

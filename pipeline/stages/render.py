@@ -114,7 +114,7 @@ class FrameTask(ABC):
     """Name of the further camera whose images these are; empty for the camera of data.csv."""
 
     @classmethod
-    def order(
+    def frame_job(
         cls,
         run: str,
         folder: StageFolder,
@@ -123,10 +123,10 @@ class FrameTask(ABC):
         user_files: Path | None = None,
         *,
         camera: str = "",
-    ) -> "Order":
+    ) -> "FrameJob":
         text = job.to_json()
         digest = hashlib.sha256(text.encode()).hexdigest()
-        return Order(cls(run, folder, digest, frames, job.sampling, user_files, camera), text)
+        return FrameJob(cls(run, folder, digest, frames, job.sampling, user_files, camera), text)
 
     @property
     def name(self) -> str:
@@ -167,8 +167,8 @@ class FrameTask(ABC):
 
 
 @dataclass(frozen=True)
-class Order:
-    """A task with the text of its job. The text is long, so the orders of many runs are built one after the other."""
+class FrameJob:
+    """A task with the text of its job file. The text is long, so those of many runs are built one after the other."""
 
     task: FrameTask
     job_text: str
@@ -187,12 +187,12 @@ class RenderTask(FrameTask):
         folder: StageFolder,
         user_files: Path | None = None,
         device: DeviceKind = "CPU",
-    ) -> Order:
-        """Return the order for the images of any camera of a run; the rows are those of data.csv."""
+    ) -> FrameJob:
+        """Return the task with its job for the images of any camera of a run; the rows are those of data.csv."""
         frames = frame_poses(camera.rows(rows))
         appearance = Appearance.of(camera.spec, device, camera.name)
         job = appearance.job(Arena.from_config(appearance.arena), frames, path_of(rows))
-        return cls.order(camera.spec.key, folder, job, frames, user_files, camera=camera.name)
+        return cls.frame_job(camera.spec.key, folder, job, frames, user_files, camera=camera.name)
 
     def names(self) -> list[str]:
         return [frame_name(frame.number) for frame in self.frames]
@@ -247,7 +247,7 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
 
 
 def render_runs(
-    orders: Iterable[Order],
+    frame_jobs: Iterable[FrameJob],
     executor: Executor,
     report: Report,
     name: str = "render",
@@ -259,20 +259,20 @@ def render_runs(
     unfinished; an executor that does all units finishes them.
 
     Args:
-        orders: Orders of the runs.
+        frame_jobs: Tasks of the runs with their jobs.
         executor: Executor that does them.
         report: Progress report.
         name: Name of the stage.
         on_complete: Called with the name of each task that finishes without a problem, while others go on.
     """
     pending, done_before = [], 0
-    for order in orders:
-        if order.task.folder.is_done(order.task.key):
+    for frame_job in frame_jobs:
+        if frame_job.task.folder.is_done(frame_job.task.key):
             done_before += 1
-            on_complete(order.task.name)
+            on_complete(frame_job.task.name)
         else:
-            _prepare(order)
-            pending.append(order.task)
+            _prepare(frame_job)
+            pending.append(frame_job.task)
     if done_before:
         report.say(f"{name}: {done_before} of {plural(done_before + len(pending), 'run')} done before")
     if not pending:
@@ -366,9 +366,9 @@ def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
     ]
 
 
-def _prepare(order: Order) -> None:
+def _prepare(frame_job: FrameJob) -> None:
     """Prepare a folder; several parts of the work may do this at the same time."""
-    task, path = order.task, order.task.folder.path
+    task, path = frame_job.task, frame_job.task.folder.path
     inputs = canonical_json({"key": task.key})
     make_folder(path.parent)
     with held(path.parent):
@@ -377,7 +377,7 @@ def _prepare(order: Order) -> None:
         make_folder(task.files)
         for name in (DONE, FAILED):
             remove_file(path / name)
-        write_file(path / JOB, order.job_text.encode())
+        write_file(path / JOB, frame_job.job_text.encode())
         write_file(path / INPUTS, inputs)
 
 

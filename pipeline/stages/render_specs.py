@@ -8,7 +8,7 @@ from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.cameras import RunCamera, cameras_of
-from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
+from pipeline.stages.render import Appearance, FrameJob, FrameTask, RenderTask, render_runs
 from pipeline.stages.run_tables import stage_rows
 from symolo.core.progress import Report
 from symolo.dataset.documents.metadata import FailedRun
@@ -49,10 +49,10 @@ def render_specs(
         if not left[run]:
             on_complete(by_key[run])
 
-    orders = noted(render_orders(workspace, specs, device, failures), tasks)
-    failed = render_runs(orders, executor, report, on_complete=on_task)
+    frame_jobs = noted(render_jobs(workspace, specs, device, failures), tasks)
+    failed = render_runs(frame_jobs, executor, report, on_complete=on_task)
     if any(camera.spec.render.annotations for of_run in cameras.values() for camera in of_run):
-        annotations = annotation_orders(workspace, specs, device, tasks.values(), failed)
+        annotations = annotation_jobs(workspace, specs, device, tasks.values(), failed)
         failed += render_runs(annotations, executor, report, "annotate", on_task)
     return failed
 
@@ -62,10 +62,10 @@ def _cameras(specs: Sequence[SceneSpec]) -> Mapping[str, tuple[RunCamera, ...]]:
     return {spec.key: cameras_of(spec) for spec in specs}
 
 
-def render_orders(
+def render_jobs(
     workspace: Workspace, specs: Sequence[SceneSpec], device: DeviceKind, failures: Sequence[FailedRun]
-) -> Iterator[Order]:
-    """Yield the orders of the images of all cameras of the runs that did not fail."""
+) -> Iterator[FrameJob]:
+    """Yield the tasks, with their jobs, for the images of all cameras of the runs that did not fail."""
     failed = {failure.run for failure in failures}
     for spec in specs:
         if spec.key not in failed:
@@ -75,14 +75,14 @@ def render_orders(
                 yield RenderTask.of_camera(camera, rows, folder, user_files, device)
 
 
-def annotation_orders(
+def annotation_jobs(
     workspace: Workspace,
     specs: Sequence[SceneSpec],
     device: DeviceKind,
     images: Iterable[FrameTask],
     failures: Sequence[FailedRun],
-) -> Iterator[Order]:
-    """Yield the orders of the annotations; none where the specifications ask for none."""
+) -> Iterator[FrameJob]:
+    """Yield the tasks, with their jobs, for the annotations; none where the specifications ask for none."""
     failed = {failure.run for failure in failures}
     appearances = {
         (run, camera.name): Appearance.of(camera.spec, device, camera.name)
@@ -96,8 +96,8 @@ def annotation_orders(
             yield AnnotationTask.of(task, appearance, workspace.annotate(task.run, task.camera))
 
 
-def noted(orders: Iterable[Order], tasks: dict[str, FrameTask]) -> Iterator[Order]:
-    """Yield the orders and note their tasks in `tasks` by name; their long jobs are not kept."""
-    for order in orders:
-        tasks[order.task.name] = order.task
-        yield order
+def noted(frame_jobs: Iterable[FrameJob], tasks: dict[str, FrameTask]) -> Iterator[FrameJob]:
+    """Yield the frame jobs and add their tasks to `tasks` by name; the long texts of the jobs are not stored."""
+    for frame_job in frame_jobs:
+        tasks[frame_job.task.name] = frame_job.task
+        yield frame_job

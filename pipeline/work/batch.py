@@ -15,8 +15,8 @@ from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
 from pipeline.stages.cameras import cameras_of
-from pipeline.stages.render import FrameTask, Order
-from pipeline.stages.render_specs import annotation_orders, noted, render_orders, render_specs
+from pipeline.stages.render import FrameJob, FrameTask
+from pipeline.stages.render_specs import annotation_jobs, noted, render_jobs, render_specs
 from pipeline.stages.simulate_runs import problems_of, simulate_runs, simulation_key
 from pipeline.work.supervisor import cores
 from symolo.core.errors import InputError
@@ -116,17 +116,17 @@ class Batch:
             InputError: A good run is not rendered or annotated yet, or from other inputs.
         """
         tasks: dict[str, FrameTask] = {}
-        orders = render_orders(self.workspace, self.specs, self.device, failures)
-        failed = self._problems(noted(orders, tasks))
-        annotations = annotation_orders(self.workspace, self.specs, self.device, tasks.values(), failed)
+        frame_jobs = render_jobs(self.workspace, self.specs, self.device, failures)
+        failed = self._problems(noted(frame_jobs, tasks))
+        annotations = annotation_jobs(self.workspace, self.specs, self.device, tasks.values(), failed)
         return failed + self._problems(annotations)
 
     def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
         assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
 
-    def _problems(self, orders: Iterable[Order]) -> list[FailedRun]:
+    def _problems(self, frame_jobs: Iterable[FrameJob]) -> list[FailedRun]:
         failed = []
-        for task in (order.task for order in orders):
+        for task in (frame_job.task for frame_job in frame_jobs):
             if problem := task.folder.problem(task.key):
                 failed.append(task.failed(task.STAGE, problem))
             elif not task.folder.is_done(task.key):

@@ -19,7 +19,7 @@ from configs.loader import load_scenario
 from pipeline.assembly.description import markdown
 from pipeline.executors.local import Local
 from pipeline.run_folder.workspace import StageFolder
-from pipeline.stages.render import Order, RenderTask, render_runs
+from pipeline.stages.render import FrameJob, RenderTask, render_runs
 from pipeline.stages.rendering_facts import FRAMES, Rendered
 from pipeline.work.units import RenderUnit
 from sensors.camera.response import encode_jpeg
@@ -54,7 +54,7 @@ def render(tmp_path, monkeypatch):
             return []
 
         monkeypatch.setattr("pipeline.executors.local.run_units", paint)
-        return task, render_runs([Order(task, "{}")], Local(1), LineReport())
+        return task, render_runs([FrameJob(task, "{}")], Local(1), LineReport())
 
     return rendered
 
@@ -87,13 +87,13 @@ def test_of_a_thousand_jobs_no_more_than_two_are_held_at_a_time(tmp_path, monkey
     """Each is some megabytes; it is written before the next one but one is made."""
     frames, made = (FramePose(1, 0.0, 0.0, 0.0, 0.0),), []
 
-    def orders() -> Iterator[Order]:
+    def frame_jobs() -> Iterator[FrameJob]:
         for number in range(1, 7):
             folder = StageFolder(tmp_path / str(number))
-            order = Order(RenderTask(f"CW/test_{number}", folder, "", frames, SAMPLING), "{}")
-            made.append(weakref.ref(order))
-            yield order
-            del order
+            frame_job = FrameJob(RenderTask(f"CW/test_{number}", folder, "", frames, SAMPLING), "{}")
+            made.append(weakref.ref(frame_job))
+            yield frame_job
+            del frame_job
             assert sum(one() is not None for one in made) <= 2
 
     def stop(*_: object, **__: object) -> None:
@@ -101,7 +101,7 @@ def test_of_a_thousand_jobs_no_more_than_two_are_held_at_a_time(tmp_path, monkey
 
     monkeypatch.setattr("pipeline.executors.local.run_units", stop)
     with pytest.raises(RunFailed):
-        render_runs(orders(), Local(1), LineReport())
+        render_runs(frame_jobs(), Local(1), LineReport())
     assert len(made) == 6
     assert all((tmp_path / f"{number}/job.json").read_text() == "{}" for number in range(1, 7))
 

@@ -7,7 +7,7 @@ from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from blender_scenes.render.job import FramePose
 from blender_scenes.render.sampling import TracingSettings
 from pipeline.run_folder.workspace import StageFolder
-from pipeline.stages.render import Order, RenderTask, render_runs
+from pipeline.stages.render import FrameJob, RenderTask, render_runs
 from pipeline.work.supervisor import FrameGivenUp, UnitFailure
 from sensors.camera.response import encode_jpeg
 from symolo.core.child_process import Finished
@@ -50,29 +50,29 @@ class Blocks:
 
 
 @pytest.fixture
-def orders(tmp_path):
+def frame_jobs(tmp_path):
     frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in (1, 2))
     sampling = TracingSettings(seed=1, samples=1, denoise=False)
     tasks = [
         RenderTask(run, StageFolder(tmp_path / run), f"job of {run}", frames, sampling) for run in ("CW/1", "CW/2")
     ]
-    return [Order(task, "{}") for task in tasks]
+    return [FrameJob(task, "{}") for task in tasks]
 
 
-def test_a_run_is_whole_as_its_last_block_ends_while_others_are_made(orders):
+def test_a_run_is_whole_as_its_last_block_ends_while_others_are_made(frame_jobs):
     whole, seen = [], []
     executor = Blocks((0, 2, 1, 3), after=lambda: seen.append([*whole]))
-    assert render_runs(orders, executor, LineReport(), on_complete=whole.append) == []
+    assert render_runs(frame_jobs, executor, LineReport(), on_complete=whole.append) == []
     assert seen == [[], [], ["CW/1"], ["CW/1", "CW/2"]]
     again = []
-    assert render_runs(orders, executor, LineReport(), on_complete=again.append) == []
+    assert render_runs(frame_jobs, executor, LineReport(), on_complete=again.append) == []
     assert again == ["CW/1", "CW/2"]  # they were there
     assert len(seen) == 4
 
 
-def test_a_run_of_which_a_frame_was_given_up_is_not_whole_though_its_files_are_there(orders):
+def test_a_run_of_which_a_frame_was_given_up_is_not_whole_though_its_files_are_there(frame_jobs):
     whole = []
-    failed = render_runs(orders, Blocks(range(4), given_up=0), LineReport(), on_complete=whole.append)
+    failed = render_runs(frame_jobs, Blocks(range(4), given_up=0), LineReport(), on_complete=whole.append)
     assert [(one.run, one.problem) for one in failed] == [("CW/1", "given up")]
     assert whole == ["CW/2"]
-    assert not orders[0].task.folder.is_done(orders[0].task.key)
+    assert not frame_jobs[0].task.folder.is_done(frame_jobs[0].task.key)

@@ -103,13 +103,13 @@ def test_a_folder_that_is_gone_is_reported_before_anything_is_made(dataset, own,
 
 def test_a_release_hands_its_renderers_the_copies(copy_of, dataset, own, tiny, symolo, monkeypatch):
     seen = []
-    monkeypatch.setattr(render_specs, "render_runs", lambda orders, *_, **__: seen.extend(orders) or [])
+    monkeypatch.setattr(render_specs, "render_runs", lambda frame_jobs, *_, **__: seen.extend(frame_jobs) or [])
     out = copy_of(dataset, stages=True)
     assert symolo("render", "smoke", "--out", out, *tiny, "--set", f"look={own}").code == 0
     assert len(seen) == 2
-    for order in seen:
-        assert order.task.user_files == out / ".stages/assets"
-        assert sha256(RED) in order.job_text
+    for frame_job in seen:
+        assert frame_job.task.user_files == out / ".stages/assets"
+        assert sha256(RED) in frame_job.job_text
     assert {path.name for path in (out / ".stages/assets").iterdir()} == {sha256(RED), sha256(HALL)}
 
 

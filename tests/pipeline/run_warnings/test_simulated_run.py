@@ -10,8 +10,8 @@ import pytest
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from configs.references import shipped_names
+from pipeline.run_warnings.simulated_run import plan_warnings, run_warnings
 from pipeline.stages.simulate import simulate
-from pipeline.stages.suspicious_run import plan_warnings, run_warnings
 
 
 def spec_of(x_m=0.55, yaw_deg=-90.0):
