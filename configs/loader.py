@@ -20,7 +20,7 @@ from configs.checks.scenario import (
     check_scenario,
     check_splits,
 )
-from configs.effects.user_files import with_user_effects
+from configs.effects.effect_files import with_user_effects
 from configs.overrides import apply_override
 from configs.posterior.agreement import check_posterior
 from configs.posterior.reading import with_posterior

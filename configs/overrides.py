@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.effects.user_files import KEY, anchored_files
+from configs.effects.effect_files import KEY, anchored_files
 from configs.posterior.reading import KEY as LIKE
 from configs.posterior.reading import anchored_posterior
 from configs.references import SECTIONS, resolve_camera, resolve_section

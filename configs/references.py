@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.effects.user_files import anchored_files, with_files_of_both
+from configs.effects.effect_files import anchored_files, with_files_of_both
 from configs.posterior.reading import anchored_posterior
 from configs.scaling import MODELS, scaled
 from configs.schema.appearance.camera_look import CameraLook

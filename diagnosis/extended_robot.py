@@ -17,8 +17,8 @@ from pydantic import ValidationError
 from configs.checks.robot import robot_faults
 from configs.draw import draw_robot
 from configs.effects.base import Effect
+from configs.effects.effect_files import record_of
 from configs.effects.registry import EFFECTS
-from configs.effects.user_files import record_of
 from configs.loader import load_section
 from configs.schema.effect_file import EffectFile
 from configs.schema.effect_range import EffectRange

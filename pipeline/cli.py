@@ -157,7 +157,7 @@ def _options(
 ) -> None:
     del version  # its callback has printed it
     if effect_file or sensor_file or controller_file or controller_command:
-        from pipeline.user_files import FAMILIES, PROGRAM  # noqa: PLC0415 - loads NumPy, which --help does not need
+        from pipeline.user_code import FAMILIES, PROGRAM  # noqa: PLC0415 - loads NumPy, which --help does not need
 
         for family, paths in zip(FAMILIES, (effect_file, sensor_file, controller_file), strict=True):
             for path in paths or ():

@@ -19,7 +19,7 @@ from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import LensDistortion, RobotConfig
-from pipeline.run_folder.user_files import keep_user_files
+from pipeline.run_folder.user_image_copies import copy_user_images
 from symolo.arena.geometry import Arena
 from symolo.core.geometry.pinhole import Intrinsics, intrinsics, pose_X_RC, project
 from symolo.core.geometry.poses import pose_X_WR
@@ -71,7 +71,7 @@ def frames(kind: Kind, scenes: range, count: int, folder: Path, threads: int) ->
         place = folder / f"scene_{scene}"
         place.mkdir(parents=True, exist_ok=True)
         (place / "job.json").write_text(job.to_json())
-        keep_user_files((draw_run(loaded, loaded.routes[0].name, scene + 1).look,), loaded.assets, folder / "assets")
+        copy_user_images((draw_run(loaded, loaded.routes[0].name, scene + 1).look,), loaded.assets, folder / "assets")
         render_job(place / "job.json", place / "images", threads=threads, user_files=folder / "assets")
         names = [place / "images" / frame_name(view.number) for view in job.frames]
         images += [cv2.imread(str(name)) for name in names]

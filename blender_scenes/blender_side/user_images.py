@@ -5,7 +5,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from blender_scenes.render.user_files import read_user_file
+from blender_scenes.render.user_image_reader import read_user_image
 from configs.assets.images import read_image
 from configs.assets.panoramas import read_panorama
 
@@ -20,13 +20,13 @@ class UserImages:
     def image(self, sha256: str) -> bpy.types.Image:
         """Return an 8-bit image; Cycles decodes sRGB."""
         if sha256 not in self._made:
-            pixels = read_image(read_user_file(self._folder, sha256))
+            pixels = read_image(read_user_image(self._folder, sha256))
             self._made[sha256] = _image(sha256, pixels.astype(np.float32) / 255, "sRGB", in_floats=False)
         return self._made[sha256]
 
     def panorama(self, sha256: str) -> bpy.types.Image:
         if sha256 not in self._made:
-            light = read_panorama(read_user_file(self._folder, sha256))
+            light = read_panorama(read_user_image(self._folder, sha256))
             self._made[sha256] = _image(sha256, light, "Linear Rec.709", in_floats=True)
         return self._made[sha256]
 

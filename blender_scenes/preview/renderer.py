@@ -12,7 +12,7 @@ from blender_scenes.preview.rasteriser import Ints, VisibleTriangles, rasterise
 from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Triangles
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.user_files import read_user_file
+from blender_scenes.render.user_image_reader import read_user_image
 from blender_scenes.scene.typical import typical_color
 from configs.assets.images import read_image
 from sensors.camera.lens_warp import pinhole_image, through_lens
@@ -40,7 +40,7 @@ class FlatRenderer:
         scene = job.scene
         numbers = {surface.name: number for number, surface in enumerate(scene.surfaces)}
         self._job = job
-        self._pixels = cache(lambda sha256: read_image(read_user_file(user_files, sha256)))
+        self._pixels = cache(lambda sha256: read_image(read_user_image(user_files, sha256)))
         self._still = Triangles.of(scene.meshes, numbers)
         self._moving = tuple(Triangles.of((mesh,), numbers) for mesh in scene.moving)
         self._robot = Triangles.of(scene.robot_in_sight, numbers)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from configs.effects.effect_files import record_of
 from configs.effects.registry import EFFECTS
-from configs.effects.user_files import record_of
 from configs.posterior.schema import FILE, VERSION, Posterior
 from configs.validation.schema_faults import all_explained
 from configs.validation.shapes import Shape

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from configs.effects.effect_files import record_of
 from configs.effects.registry import EFFECTS
-from configs.effects.user_files import record_of
 from configs.posterior.schema import FILE, VERSION, Posterior
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis

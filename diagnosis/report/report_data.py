@@ -24,11 +24,11 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.posterior.random_slip import random_slip
 from diagnosis.prediction_error import UnseenPrediction, predictions
-from diagnosis.report.sentences.own_effects import TriedEffect, tried_effects
 from diagnosis.report.sentences.random_slip import random_slip_sentences
 from diagnosis.report.sentences.rows import row_sentences
 from diagnosis.report.sentences.run_ends import run_ends
 from diagnosis.report.sentences.sessions import session_sentences
+from diagnosis.report.sentences.unnamed_own_effects import TriedEffect, tried_effects
 from diagnosis.report.signatures import Signatures, signatures
 from symolo.core.arrays import Array
 

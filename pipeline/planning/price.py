@@ -172,7 +172,7 @@ def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:
 
 
 def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
-    batch.keep_user_files()
+    batch.copy_user_images()
     _require_success(batch.simulate(report))
     simulated = time.perf_counter()
     _require_success(batch.render([], report))

@@ -12,7 +12,7 @@ from pipeline.executors.local import Local
 from pipeline.planning.plan import image_bytes
 from pipeline.preview import Engine
 from pipeline.preview.views import PreviewImage, on_device
-from pipeline.run_folder.user_files import keep_user_files
+from pipeline.run_folder.user_image_copies import copy_user_images
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
 from symolo.core.files.disk_space import check_scratch
@@ -39,7 +39,7 @@ def render_views(engine: Engine, views: Sequence[PreviewImage], workers: int, re
     with scratch_folder() as folder:
         user_files = folder / "assets"
         for view in views:
-            keep_user_files((view.appearance.look,), view.assets, user_files)
+            copy_user_images((view.appearance.look,), view.assets, user_files)
         if engine is Engine.FLAT:
             return _flat(views, user_files, report)
         return _cycles(views, folder, user_files, workers, report)

@@ -81,7 +81,7 @@ def _ordered(
         raise InputError("it needs the poses in data.csv, which is not restored")
     user_files = state.workspace.user_files
     if images:
-        check_user_files(spec, user_files)
+        check_user_images(spec, user_files)
     rows = read_rows(state.out / run / DATA)
     device, scratch = tools.devices.get(run, "CPU"), Workspace(tools.scratch)
     frame_job = RenderTask.of_camera(camera, rows, scratch.render(run, camera.name), user_files, device)
@@ -96,7 +96,7 @@ def _ordered(
     return work
 
 
-def check_user_files(spec: SceneSpec, folder: Path) -> None:
+def check_user_images(spec: SceneSpec, folder: Path) -> None:
     """Check that the user's own images that a run shows are still in `.stages`.
 
     Raises:

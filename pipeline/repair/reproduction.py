@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.repair.descriptions import machine_differences
-from pipeline.repair.frames import check_user_files, only_frames, render_tasks, write_job
+from pipeline.repair.frames import check_user_images, only_frames, render_tasks, write_job
 from pipeline.repair.repair_state import recorded_device
 from pipeline.run_folder.stored_spec import read_spec
 from pipeline.run_folder.workspace import Workspace
@@ -127,7 +127,7 @@ def _difference(root: Path, metadata: Metadata, chosen: Sequence[DrawnImages]) -
 def _prepared(root: Path, drawn: DrawnImages, scratch: Path) -> FrameTask:
     run = drawn.record.run
     spec, user_files = read_spec(root / run / SIDE / SPEC), Workspace(root.absolute()).user_files
-    check_user_files(spec, user_files)
+    check_user_images(spec, user_files)
     camera = next((one for one in cameras_of(spec) if one.name == drawn.camera), None)
     if camera is None:
         raise InputError(f"its specification has no camera {drawn.camera}")

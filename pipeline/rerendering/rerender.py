@@ -23,7 +23,7 @@ from pipeline.rerendering.robot_section import robot_of_images
 from pipeline.rerendering.room_check import check_on_the_floor
 from pipeline.rerendering.sources import Sources
 from pipeline.run_folder.output import check_out
-from pipeline.run_folder.user_files import keep_user_files
+from pipeline.run_folder.user_image_copies import copy_user_images
 from pipeline.run_folder.workspace import Workspace
 from pipeline.run_warnings.imported_trajectory import Where
 from pipeline.stages.assemble import assemble
@@ -161,7 +161,7 @@ def make_release(rerendering: Rerendering, out: Path, executor: Executor, report
     workspace = Workspace(out.absolute(), Kind.RERENDERED)
     specs = [run.spec for run in rerendering.runs]
     with workspace.locked():
-        keep_user_files((spec.look for spec in specs), rerendering.assets, workspace.user_files)
+        copy_user_images((spec.look for spec in specs), rerendering.assets, workspace.user_files)
         for run in rerendering.runs:
             write_external_run(run, workspace.simulate(run.spec.key))
         failures = render_specs(workspace, specs, executor, rerendering.device, failures=[], report=report)

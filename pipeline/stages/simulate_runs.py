@@ -17,7 +17,7 @@ from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.run_warnings.observed_range import range_warnings
 from pipeline.run_warnings.simulated_run import run_warnings
-from pipeline.user_files import hashes_of_controller, hashes_of_files
+from pipeline.user_code import hashes_of_controller, hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import UnitFailure
 from pipeline.work.unit_progress import report_event

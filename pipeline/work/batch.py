@@ -11,7 +11,7 @@ from pipeline.executors.base import Executor
 from pipeline.planning.drawing import draw_reported
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.output import check_out
-from pipeline.run_folder.user_files import keep_user_files
+from pipeline.run_folder.user_image_copies import copy_user_images
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
 from pipeline.stages.cameras import cameras_of
@@ -70,13 +70,13 @@ class Batch:
         """Whether any run has images to render."""
         return any(map(cameras_of, self.specs))
 
-    def keep_user_files(self) -> None:
+    def copy_user_images(self) -> None:
         """Copy the user's files for the renderers. Call it before the simulation, during which they could change.
 
         Raises:
             InputError: One of them is missing or has changed.
         """
-        keep_user_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.user_files)
+        copy_user_images((spec.look for spec in self.specs), self.loaded.assets, self.workspace.user_files)
 
     def simulate(self, report: Report) -> list[FailedRun]:
         return simulate_runs(self.workspace, self.specs, self.executor, report)

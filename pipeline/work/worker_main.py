@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Protocol
 
-from pipeline.user_files import load_from_environment
+from pipeline.user_code import load_from_environment
 from pipeline.work.processors import cpu_class
 from pipeline.work.units import UNITS, AnyUnit, DiagnoseUnit, Progress, RenderUnit, SimulateUnit
 from symolo.core.child_process import ErrorKind, Failed, Finished, Owner

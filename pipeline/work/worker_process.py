@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.render.surroundings import without_blender_settings
-from pipeline import user_files
+from pipeline import user_code
 from pipeline.work.units import MESSAGES, AnyMessage, AnyUnit
 from symolo.core.child_process import GB, SILENCE_S, ChildProcess, Failed
 from symolo.core.files.atomic_files import WRITER, new_writer
@@ -49,7 +49,7 @@ class WorkerProcess(ChildProcess[AnyMessage]):
         # The safe path keeps a folder `configs` in the user's working directory from being imported as ours.
         inherited = {**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1", WRITER: self.writer}
         super().__init__(
-            "the worker", command, MESSAGES, {**inherited, **user_files.environment(), **environment}, own_group=True
+            "the worker", command, MESSAGES, {**inherited, **user_code.environment(), **environment}, own_group=True
         )
 
     def do(self, unit: AnyUnit, limits: WorkerLimits) -> Iterator[AnyMessage]:

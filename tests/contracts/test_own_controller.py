@@ -17,7 +17,7 @@ from physics.control.program import PROGRAM
 from physics.control.registry import CONTROLLERS
 from physics.drivetrain.motor import MotorModel
 from pipeline.stages.simulate import simulate
-from pipeline.user_files import environment, hashes_of_files
+from pipeline.user_code import environment, hashes_of_files
 from symolo.core.errors import InputError, RunFailed
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -16,7 +16,7 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.validation.json_schema import scenario_json_schema
 from pipeline.stages.simulate import simulate
-from pipeline.user_files import environment, hashes_of_files
+from pipeline.user_code import environment, hashes_of_files
 from sensors.build import build_sensors
 from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena

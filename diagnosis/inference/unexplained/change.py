@@ -16,7 +16,7 @@ from diagnosis.inference.fitting.projection import beyond, orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
-from diagnosis.inference.unexplained.own_effects import is_same_as_own
+from diagnosis.inference.unexplained.equivalent_errors import is_same_as_own
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array

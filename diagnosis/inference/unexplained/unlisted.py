@@ -24,8 +24,8 @@ from diagnosis.inference.fitting.projection import orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
+from diagnosis.inference.unexplained.equivalent_errors import is_same_as_own
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
-from diagnosis.inference.unexplained.own_effects import is_same_as_own
 from diagnosis.inference.unexplained.series_forms import series_forms
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array

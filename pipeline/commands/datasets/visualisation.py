@@ -82,7 +82,7 @@ def view(
 
 
 def _follow(folder: Path, page: Path | None, every_s: float) -> None:
-    from pipeline.live.follow import follow
+    from pipeline.release_view.follow import follow
 
     place = page or new_file_check(".html", option="--page")(Path(f"{folder.absolute().name}-live.html"))
 

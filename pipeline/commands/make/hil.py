@@ -91,7 +91,7 @@ def hil(
     with batch.workspace.locked():
         for line in (*batch.notes, *again(batch.workspace, batch.specs)):
             report.say(line)
-        batch.keep_user_files()
+        batch.copy_user_images()
         failures = drive_runs(batch.workspace, batch.specs, port or "", report)
         failures += batch.render(failures, report)
         batch.assemble(failures, report)

@@ -282,7 +282,7 @@ def _do_stages(
     for line in (*(batch.notes if "simulate" in stages else ()), *again(batch.workspace, batch.specs)):
         report.say(line)
     if "render" in stages and batch.has_images:
-        batch.keep_user_files()
+        batch.copy_user_images()
     if "simulate" in stages:
         failed += batch.simulate(report)
     if "render" in stages:

@@ -15,7 +15,7 @@ from pipeline.executors.local import Local
 from pipeline.importing.imported_runs import ImportRequest
 from pipeline.rerendering.rerender import Rerendering, RerenderRequest, make_release, prepare
 from pipeline.rerendering.sources import read_sources
-from pipeline.run_folder.user_files import keep_user_files
+from pipeline.run_folder.user_image_copies import copy_user_images
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages import render_specs
 from pipeline.stages.cameras import cameras_of
@@ -62,7 +62,7 @@ def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tm
     begun = rendering(dataset / "CW/test_1", own, camera_hz=1)
     workspace = Workspace(tmp_path / "out", Kind.RERENDERED)
     kept, look = workspace.user_files, begun.runs[0].spec.look
-    keep_user_files((look,), begun.assets, kept)
+    copy_user_images((look,), begun.assets, kept)
     assert {path.name: path.read_bytes() for path in kept.iterdir()} == {sha256(RED): RED, sha256(HALL): HALL}
     written = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
     shutil.rmtree(tmp_path / "photos")
@@ -127,17 +127,17 @@ def test_a_damaged_copy_is_made_again_and_a_file_that_changes_meanwhile_is_refus
     section = load_section("look", str(own))
     look, _ = draw_look(section, 1, "CW", 1)
     kept = tmp_path / "kept"
-    keep_user_files((look,), section.assets, kept)
+    copy_user_images((look,), section.assets, kept)
     (kept / sha256(RED)).write_bytes(RED[:-1])
-    keep_user_files((look,), section.assets, kept)
+    copy_user_images((look,), section.assets, kept)
     assert (kept / sha256(RED)).read_bytes() == RED
     (kept / sha256(RED)).unlink()
     (tmp_path / "photos/floor.png").write_bytes(BLUE)
     with pytest.raises(InputError, match=r"photos/floor\.png: has changed since it was read"):
-        keep_user_files((look,), section.assets, kept)
+        copy_user_images((look,), section.assets, kept)
     (tmp_path / "photos/floor.png").unlink()
     with pytest.raises(InputError, match=r"photos/floor\.png: has disappeared since it was read; put it back"):
-        keep_user_files((look,), section.assets, kept)
+        copy_user_images((look,), section.assets, kept)
     assert not (kept / sha256(RED)).exists()
 
 

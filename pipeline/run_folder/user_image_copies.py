@@ -12,7 +12,7 @@ from symolo.core.files.plain_files import FileKind, read_named_file
 from symolo.core.yaml.reader import displayed
 
 
-def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:
+def copy_user_images(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:
     """Copy the files that the looks show into `folder`, each named by its SHA-256; unchanged copies stay.
 
     Args:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pipeline.live.snapshot import RenderedImage, RunProgress, Snapshot
+from pipeline.release_view.snapshot import RenderedImage, RunProgress, Snapshot
 from pipeline.run_folder.shown_runs import shown_runs
 from symolo.core.errors import InputError
 from symolo.core.progress import plural, seconds
@@ -37,7 +37,7 @@ class LastMoment:
     """JPEG and caption of the images before it, the last one first."""
 
 
-def live_page(name: str, progress: Snapshot, every_s: float) -> bytes:
+def release_page(name: str, progress: Snapshot, every_s: float) -> bytes:
     """Return the page.
 
     Args:
@@ -47,7 +47,7 @@ def live_page(name: str, progress: Snapshot, every_s: float) -> bytes:
     """
     newest = progress.newest
     page = render_page(
-        "pipeline.live",
+        "pipeline.release_view",
         title=f"{name}: {_headline(progress)}",
         name=name,
         headline=_headline(progress),

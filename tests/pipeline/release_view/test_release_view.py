@@ -9,9 +9,9 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from pipeline.importing.imported_runs import ImportRequest
-from pipeline.live.follow import follow
-from pipeline.live.page import live_page
-from pipeline.live.snapshot import snapshot
+from pipeline.release_view.follow import follow
+from pipeline.release_view.page import release_page
+from pipeline.release_view.snapshot import snapshot
 from pipeline.rerendering.rerender import RerenderRequest, prepare
 from pipeline.rerendering.sources import read_sources
 from pipeline.run_folder.workspace import Workspace
@@ -56,7 +56,7 @@ def test_how_far_it_is(begun):
 
 
 def test_the_page_shows_the_last_image_and_loads_itself_again(begun, dataset):
-    html = live_page("data", snapshot(begun, NOW_S), 3.0).decode()
+    html = release_page("data", snapshot(begun, NOW_S), 3.0).decode()
     tree = ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
     (refresh,) = (meta for meta in tree.iter("meta") if meta.get("http-equiv") == "refresh")
     assert refresh.get("content") == "3"
@@ -83,7 +83,7 @@ def test_images_that_are_rendered_again_are_shown_too(is_log, dataset, tmp_path)
     shutil.copy(dataset / "CW/test_1/images/000001.jpg", images / "000002.jpg")
     progress = snapshot(tmp_path / "data", NOW_S)
     assert (progress.rendered, progress.planned) == (1, 6)
-    text = words(live_page("data", progress, 3.0).decode())
+    text = words(release_page("data", progress, 3.0).decode())
     assert f"{run.spec.key}, image 2 of 6, 0.2 s{' Runs' if is_log else ', state 0 line'}" in text
 
 
@@ -104,7 +104,7 @@ def test_it_is_written_again_until_the_release_is_finished(begun, dataset, tmp_p
         if len(pauses) == 2:
             shutil.copy(dataset / "tagmanifest-sha256.txt", begun)
 
-    monkeypatch.setattr("pipeline.live.follow.time.sleep", finish)
+    monkeypatch.setattr("pipeline.release_view.follow.time.sleep", finish)
     written = []
     page = tmp_path / "live.html"
     follow(begun, page, 3.0, lambda: written.append(page.read_bytes()))
@@ -119,11 +119,11 @@ def test_a_run_that_failed_is_marked(begun):
     outcome.write_text(re.sub(r'"problems":\s*\[\]', '"problems": ["hit the wall A2 at 0.9 s"]', outcome.read_text()))
     progress = snapshot(begun, NOW_S)
     assert progress.planned == 6, "it has no images to come"
-    assert "hit the wall A2 at 0.9 s" in words(live_page("data", progress, 3.0).decode())
+    assert "hit the wall A2 at 0.9 s" in words(release_page("data", progress, 3.0).decode())
 
 
 def test_an_empty_folder_is_waited_for_and_another_one_is_refused(tmp_path, symolo):
-    html = live_page("data", snapshot(tmp_path, NOW_S), 3.0).decode()
+    html = release_page("data", snapshot(tmp_path, NOW_S), 3.0).decode()
     assert "No run is simulated" in words(html)
     (tmp_path / "other").mkdir()
     (tmp_path / "other/file.txt").write_text("")

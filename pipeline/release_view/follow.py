@@ -4,8 +4,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from pipeline.live.page import live_page
-from pipeline.live.snapshot import snapshot
+from pipeline.release_view.page import release_page
+from pipeline.release_view.snapshot import snapshot
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import write_file
 from symolo.dataset.layout import STAGES
@@ -28,7 +28,7 @@ def follow(out: Path, page: Path, every_s: float, on_written: Callable[[], None]
     is_first = True
     while True:
         progress = snapshot(out, time.time())
-        write_file(page, live_page(out.absolute().name, progress, every_s))
+        write_file(page, release_page(out.absolute().name, progress, every_s))
         if is_first:
             on_written()
             is_first = False

@@ -1,4 +1,4 @@
-"""The user's files for renderers, which read them from the workspace by their SHA-256 and from nowhere else."""
+"""The user's images and panoramas, which renderers read from the workspace by their SHA-256 and from nowhere else."""
 
 import hashlib
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 from symolo.core.files.plain_files import FileKind, read_file
 
 
-def read_user_file(folder: Path | None, sha256: str) -> bytes:
+def read_user_image(folder: Path | None, sha256: str) -> bytes:
     """Return the bytes of the file in `folder` whose name is its SHA-256.
 
     Raises:
