@@ -261,7 +261,7 @@ def reliability(workspace: Path) -> None:
         make = ["-m", "benchmarks.diagnosis.independent_cases", "--kind", kind, "--cases=500", "--seed=8102"]
         subprocess.run([sys.executable, *make, f"--out={cases.absolute()}"], check=True, cwd=repository)
     _command("diagnose", *sorted(path.parent for path in cases.glob("*/nominal.yaml")), "--out", answers)
-    script, diagram = repository / "benchmarks/diagnosis/exams/reliability.py", workspace / "reliability.png"
+    script, diagram = repository / "benchmarks/diagnosis/evaluations/reliability.py", workspace / "reliability.png"
     files = [f"--truth={cases / 'truth.json'}", f"--answers={answers}", f"--out={diagram}"]
     subprocess.run([sys.executable, script, *files], check=True)
     _save_smaller("reliability.png", diagram, 780)

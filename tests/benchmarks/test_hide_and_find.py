@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 def _scripts_on_the_path():
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT / "tests"))
-        patch.syspath_prepend(str(ROOT / "benchmarks" / "diagnosis" / "exams"))
+        patch.syspath_prepend(str(ROOT / "benchmarks" / "diagnosis" / "evaluations"))
         yield
 
 
@@ -161,8 +161,8 @@ def test_a_planned_case_is_detectable_and_comes_out_the_same(gap):
 
 def test_our_packages_are_not_hidden_by_folders_of_tests_of_the_same_name(tmp_path):
     """As the script is started, from anywhere: tests/configs is no package, and yet comes before an installed one."""
-    exams = str(ROOT / "benchmarks" / "diagnosis" / "exams")
-    script = f"import sys; sys.path.insert(0, {exams!r}); import hidden_cases, score; import diagnosis.diagnose"
+    evaluations = str(ROOT / "benchmarks" / "diagnosis" / "evaluations")
+    script = f"import sys; sys.path.insert(0, {evaluations!r}); import hidden_cases, score; import diagnosis.diagnose"
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     ended = subprocess.run(
         [sys.executable, "-c", script], cwd=tmp_path, env=kept, capture_output=True, text=True, check=False

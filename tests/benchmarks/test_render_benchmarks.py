@@ -1,4 +1,4 @@
-"""The yardsticks of `benchmarks/render`: errors of images, references to measure against, and costs at equal error."""
+"""The measures of `benchmarks/render`: errors of images, their references, and costs at equal error."""
 
 import argparse
 import importlib
@@ -10,12 +10,12 @@ import pytest
 
 @pytest.fixture
 def errors():
-    return importlib.import_module("benchmarks.render.yardsticks.image_error")
+    return importlib.import_module("benchmarks.render.references.image_error")
 
 
 @pytest.fixture
 def reference():
-    return importlib.import_module("benchmarks.render.yardsticks.reference")
+    return importlib.import_module("benchmarks.render.references.reference")
 
 
 def grey(values):
@@ -73,7 +73,7 @@ def test_the_start_of_a_run_is_spread_over_200_images():
 def judge(monkeypatch):
     """Judges named cases by a function that stands for the rendering."""
     fresh_draws = importlib.import_module("benchmarks.render.errors.fresh_draws")
-    views = importlib.import_module("benchmarks.render.yardsticks.views")
+    views = importlib.import_module("benchmarks.render.references.views")
 
     def judge(judged_case, names, **options):
         monkeypatch.setattr(fresh_draws, "judged_case", lambda case, _options, _device: judged_case(case.look))

@@ -1,7 +1,7 @@
 """What is hidden in cases of an independent generator is found again, and what is not there is not.
 
-There are a few cases of each kind, with effects that nobody should miss. `benchmarks/diagnosis/exams/hide_and_find.py`
-measures how often effects are found, over all effects and sizes.
+There are a few cases of each kind, with effects that nobody should miss.
+`benchmarks/diagnosis/evaluations/hide_and_find.py` measures how often effects are found, over all effects and sizes.
 """
 
 import importlib

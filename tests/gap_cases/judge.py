@@ -1,4 +1,4 @@
-"""What can be known from a case, by the model it was made with: the yardstick for what a program finds in it.
+"""What can be known from a case, by the model it was made with: the limit for what a program can find in it.
 
 An effect shows as far as the nominal model with its tolerances cannot imitate it: the expected drop of chi-square is
 |P W (mu_with - mu_without) / sigma|^2 over the rows that may be fitted, with W whitening the noise and P projecting out

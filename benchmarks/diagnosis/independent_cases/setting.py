@@ -29,7 +29,7 @@ class Setting(ABC):
     OUTSIDE: ClassVar[Sequence[str]]
     """Names of the effects that the format does not list."""
     FURTHER: ClassVar[Sequence[str]] = ()
-    """Names of such effects that only the exam of discovery draws."""
+    """Names of such effects that only the evaluation of discovery draws."""
     IN_NOISE: ClassVar[tuple[str, ...]] = ()
     """Listed effects that change the noise and not the mean of the readings."""
 

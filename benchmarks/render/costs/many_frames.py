@@ -16,7 +16,7 @@ from statistics import mean
 
 import numpy as np
 
-from benchmarks.render.yardsticks.views import LOOKS, job_along_the_line
+from benchmarks.render.references.views import LOOKS, job_along_the_line
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.renderer import render_job
 from blender_scenes.render.sampling import hybrid_samples

@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 from types import ModuleType
 
-from benchmarks.render.yardsticks.views import LOOKS, job_along_the_line
+from benchmarks.render.references.views import LOOKS, job_along_the_line
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.frame_files import put_in_place
 from blender_scenes.render.sampling import tracing_settings

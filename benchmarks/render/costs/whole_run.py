@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.render.contenders.plain_loop import BLENDERS_DEFAULT
 from benchmarks.render.contenders.render_process import RenderProcess
-from benchmarks.render.yardsticks.views import LOOKS, job_along_the_line
+from benchmarks.render.references.views import LOOKS, job_along_the_line
 from blender_scenes.render.sampling import hybrid_samples
 from configs.schema.scenario import Render
 

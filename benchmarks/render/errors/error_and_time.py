@@ -28,9 +28,9 @@ import numpy as np
 
 from benchmarks.render.contenders.plain_loop import BLENDERS_DEFAULT, RUN_FRAMES
 from benchmarks.render.contenders.render_process import Cost, RenderProcess
-from benchmarks.render.yardsticks.image_error import HAS_FLIP, Image, flip, mean_square, psnr_dB, ssim
-from benchmarks.render.yardsticks.reference import MIN_SAMPLES, Reference, references
-from benchmarks.render.yardsticks.views import LOOKS, POSES, Views, views_of
+from benchmarks.render.references.image_error import HAS_FLIP, Image, flip, mean_square, psnr_dB, ssim
+from benchmarks.render.references.reference import MIN_SAMPLES, Reference, references
+from benchmarks.render.references.views import LOOKS, POSES, Views, views_of
 from blender_scenes.render.sampling import (
     HYBRID_QUALITIES,
     QUALITIES,
@@ -187,7 +187,7 @@ def row(  # noqa: PLR0917 - what a row is made of
     )
 
 
-def yardsticks(views: Views, converged: dict[int, Reference]) -> list[Row]:
+def comparisons(views: Views, converged: dict[int, Reference]) -> list[Row]:
     """What JPEG adds to the reference, and how far apart the two halves of the reference are."""
     quality = views.job.response.jpeg_quality
     lights = {n: reference.light() for n, reference in converged.items()}
@@ -196,14 +196,14 @@ def yardsticks(views: Views, converged: dict[int, Reference]) -> list[Row]:
     for name, job in (("without noise", views.job), ("with camera noise", views.noisy())):
         true = {n: develop(light, job.response, metered, n) for n, light in lights.items()}
         packed = {n: _decoded(encode_jpeg(image, quality)) for n, image in true.items()}
-        rows.append(row(views.look, _yardstick(f"JPEG {quality} {name}"), [Cost(0, 0)], 0, packed, true))
+        rows.append(row(views.look, _comparison(f"JPEG {quality} {name}"), [Cost(0, 0)], 0, packed, true))
     halves = [{n: develop(converged[n].halves[i], views.job.response, metered, n) for n in converged} for i in range(2)]
-    rows.append(row(views.look, _yardstick("reference, seed against seed"), [Cost(0, 0)], 0, *halves))
+    rows.append(row(views.look, _comparison("reference, seed against seed"), [Cost(0, 0)], 0, *halves))
     return rows
 
 
-def _yardstick(name: str) -> Contender:
-    return Contender(name, "yardstick", "", {})
+def _comparison(name: str) -> Contender:
+    return Contender(name, "comparison", "", {})
 
 
 def _decoded(data: bytes) -> Image:
@@ -241,7 +241,7 @@ def plot(rows: list[Row], size: tuple[int, int], file: Path) -> None:
             series = sorted((r.core_s, r.psnr_dB) for r in here if r.family == family)
             if series:
                 pane.plot([x for x, _ in series], [y for _, y in series], mark, label=family)
-        for r, line in zip((r for r in here if r.family == "yardstick"), ("-", "--", ":"), strict=True):
+        for r, line in zip((r for r in here if r.family == "comparison"), ("-", "--", ":"), strict=True):
             pane.axhline(r.psnr_dB, color="0.5", linestyle=line, linewidth=1, label=r.contender)
         pane.set(xscale="log", title=look, xlabel=f"core-seconds a frame of {size[0]} x {size[1]} px")
         pane.grid(alpha=0.3, which="both")
@@ -301,7 +301,7 @@ def main() -> None:
     for look in options.looks:
         views = views_of(look, tuple(options.poses), tuple(options.size))
         converged = references(views.job, options.reference_samples, options.cache, options.threads)
-        rows += yardsticks(views, converged) + measured(views, converged, options)
+        rows += comparisons(views, converged) + measured(views, converged, options)
         if options.out:
             keep(rows, options)  # after each look: the whole takes hours
     print_rows(rows)

@@ -40,9 +40,9 @@ import numpy as np
 
 from benchmarks.render.contenders.plain_loop import RUN_FRAMES, RunCost, fewest_samples, plain_cost, plain_lights
 from benchmarks.render.contenders.render_process import CHECKOUT, RenderProcess
-from benchmarks.render.yardsticks.views import LOOKS, RandomCase, Views, random_cases
-from benchmarks.render.yardsticks.worst_places import WorstPlace, beside_reference, sheet, worst_place
-from benchmarks.render.yardsticks.yardstick import Judged, Yardstick, certain_yardstick
+from benchmarks.render.references.reference_set import Judged, ReferenceSet, sufficient_references
+from benchmarks.render.references.views import LOOKS, RandomCase, Views, random_cases
+from benchmarks.render.references.worst_places import WorstPlace, beside_reference, sheet, worst_place
 from blender_scenes.render.devices import DeviceKind, device_for
 from blender_scenes.render.image_errors import ImageError
 from blender_scenes.render.job import RenderJob
@@ -130,23 +130,25 @@ def judged_case(case: RandomCase, options: argparse.Namespace, device: DeviceKin
         for version, at in options.versions.items()
         for method in options.method
     }
-    yardstick = certain_yardstick(
+    reference_set = sufficient_references(
         Judged(views, numbers, options.threads, device), [each.by_view for each in lights.values()], options.samples
     )
     plain = plain_lights(views.job, numbers, options.threads, device) if options.plain else {}
     plain_errors = {
-        samples: yardstick.mean_error({number: plain[number][samples] for number in numbers})
+        samples: reference_set.mean_error({number: plain[number][samples] for number in numbers})
         for samples in next(iter(plain.values()), {})
     }
     images = []
     for version, seen in lights.items():
-        samples = fewest_samples(plain_errors, yardstick.mean_error(seen.by_view))
+        samples = fewest_samples(plain_errors, reference_set.mean_error(seen.by_view))
         rival = None if samples is None else plain_cost(views.job, numbers, options.threads, samples)
         for number in numbers:
-            image = judged_image(case, yardstick, number, version, seen)
+            image = judged_image(case, reference_set, number, version, seen)
             row = replace(
                 image.row,
-                plain_db={n: excess_dB(yardstick.error(number, light)) for n, light in plain.get(number, {}).items()},
+                plain_db={
+                    n: excess_dB(reference_set.error(number, light)) for n, light in plain.get(number, {}).items()
+                },
                 plain_samples=samples,
                 plain_core_s=rival and round(rival.per_image_s, 3),
                 ratio=rival and round(rival.per_image_s / seen.cost.per_image_s, 3),
@@ -155,12 +157,12 @@ def judged_case(case: RandomCase, options: argparse.Namespace, device: DeviceKin
     return images
 
 
-def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: str, seen: Lights) -> JudgedImage:
+def judged_image(case: RandomCase, reference_set: ReferenceSet, number: int, version: str, seen: Lights) -> JudgedImage:
     """Return a view with its errors, which are not yet compared with those of the plain loop."""
-    light, pair, job = seen.by_view[number], yardstick.references[number], yardstick.judged.views.job
+    light, pair, job = seen.by_view[number], reference_set.references[number], reference_set.judged.views.job
     errors = seen.decision and seen.decision.errors
-    error = yardstick.error(number, light)
-    place = worst_place(light, pair, job.response, yardstick.metered)
+    error = reference_set.error(number, light)
+    place = worst_place(light, pair, job.response, reference_set.metered)
     brightness = [float((each @ LUMINANCE).mean()) for each in (light, *pair)]
     row = Row(
         case=case.name,
@@ -184,7 +186,7 @@ def judged_image(case: RandomCase, yardstick: Yardstick, number: int, version: s
         plain_core_s=None,
         ratio=None,
     )
-    return JudgedImage(row, place, beside_reference(light, pair, job.response, yardstick.metered))
+    return JudgedImage(row, place, beside_reference(light, pair, job.response, reference_set.metered))
 
 
 def chosen_lights(views: Views, numbers: list[int], method: str, options: argparse.Namespace, checkout: Path) -> Lights:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.render.contenders.child_side import reply_stream
-from benchmarks.render.yardsticks.views import LOOKS, RandomCase, Views, random_cases
+from benchmarks.render.references.views import LOOKS, RandomCase, Views, random_cases
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits
 from sensors.camera.colour import LUMINANCE

@@ -19,7 +19,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from benchmarks.render.yardsticks.views import LOOKS, POSES, views_of
+from benchmarks.render.references.views import LOOKS, POSES, views_of
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.renderer import render_job
 from blender_scenes.render.sampling import QUALITIES, hybrid_samples

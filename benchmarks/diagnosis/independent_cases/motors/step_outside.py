@@ -96,7 +96,7 @@ FURTHER: dict[str, Callable[[StepDraft], Recipe]] = {
     ).seen_in("omega_rad_s", "omega_rad_s", "the speed counter stops counting above one speed"),
     "tacho_compression": _tacho_compression,
 }
-"""Effects that only the exam of discovery draws, so that the cases of known seeds stay as they are."""
+"""Effects that only the evaluation of discovery draws, so that the cases of known seeds stay as they are."""
 
 
 def change_law(law: Law, effect: Effect, session_s: Array, trial: int, u_V: Array) -> None:

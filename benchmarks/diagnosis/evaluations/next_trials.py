@@ -1,6 +1,6 @@
 """How often a designed trial leaves one right name, beside trials with evenly spaced and with random inputs.
 
-    python -m benchmarks.diagnosis.exams.next_trials --kind motor_steady --cases 200 --seed 501 --out result.json
+    python -m benchmarks.diagnosis.evaluations.next_trials --kind motor_steady --cases 200 --seed 501 --out result.json
 
 The cases come from `independent_cases`, whose simulator shares no code with symolo. Those with one listed effect, of
 which little remains beside another name (a likelihood ratio below `NEAR`), are diagnosed; where two or more names
@@ -9,7 +9,7 @@ and random inputs of the same time and of three times the time. Each new trial i
 diagnosed together with the old case. The result is right if the named effects are the hidden ones, and no name is
 ambiguous. A row of a bench takes 1 s, which is at least four time constants of these motors.
 
-    python -m benchmarks.diagnosis.exams.next_trials --kind motor_steady --seed 401 --cases 60 --number 44 \\
+    python -m benchmarks.diagnosis.evaluations.next_trials --kind motor_steady --seed 401 --cases 60 --number 44 \\
         --fill next/trial_1
 
 measures a trial that `symolo next` has designed: it fills the readings of its data.csv from the robot of one case.
@@ -132,7 +132,7 @@ def state(diagnosis: Diagnosis, truth: set[str]) -> dict:
     }
 
 
-def exam(kind: str, cases: int, seed: int) -> Iterator[dict]:
+def evaluation(kind: str, cases: int, seed: int) -> Iterator[dict]:
     """Yield the result of each case whose first diagnosis leaves two or more names."""
     for number, (category, names, rng) in enumerate(deal_cases(kind, cases, seed), 1):
         if category != "one":
@@ -216,7 +216,7 @@ def lines_of_groups(groups: Mapping[str, Sequence[dict]], ways: Collection[str])
 
 
 def main() -> None:
-    """Run the exam and print its table."""
+    """Run the evaluation and print its table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kind", choices=("motor_steady", "tof_bench"), default="motor_steady")
     parser.add_argument("--cases", type=int, default=200)
@@ -229,7 +229,7 @@ def main() -> None:
         fill(args.fill, trial_files(args.fill, args.kind, args.cases, args.seed, args.number))
         return
     results = []
-    for result in exam(args.kind, args.cases, args.seed):
+    for result in evaluation(args.kind, args.cases, args.seed):
         results.append(result)
         print(json.dumps(result), flush=True)
         if args.out:

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from benchmarks.render.contenders.render_process import RenderProcess
-from benchmarks.render.yardsticks.views import Views
+from benchmarks.render.references.views import Views
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.image_errors import ImageError, image_error
 from blender_scenes.render.light_paths import LIGHT_PATHS
@@ -46,7 +46,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Yardstick:
+class ReferenceSet:
     """The judged views of a case."""
 
     judged: Judged
@@ -73,17 +73,17 @@ class Yardstick:
         return max(error.standard_error / error.jpeg for error in errors)
 
 
-def certain_yardstick(judged: Judged, lights: Sequence[Mapping[int, FloatImage]], most: int) -> Yardstick:
+def sufficient_references(judged: Judged, lights: Sequence[Mapping[int, FloatImage]], most: int) -> ReferenceSet:
     """Return references of as many samples as the errors of `lights` need, or of the largest number."""
     samples = min(_FIRST_SAMPLES, most)
-    yardstick = Yardstick.of(judged, judged.references(samples, _SEEDS))
-    while samples < most and any(yardstick.uncertainty(light) > _CERTAIN for light in lights):
+    reference_set = ReferenceSet.of(judged, judged.references(samples, _SEEDS))
+    while samples < most and any(reference_set.uncertainty(light) > _CERTAIN for light in lights):
         traced = min(samples, most - samples)
         new, share = judged.references(traced, (_SEEDS[0] + samples, _SEEDS[1] + samples)), traced / (samples + traced)
-        pairs = {number: _mixed(pair, new[number], share) for number, pair in yardstick.references.items()}
+        pairs = {number: _mixed(pair, new[number], share) for number, pair in reference_set.references.items()}
         samples += traced
-        yardstick = Yardstick.of(judged, pairs)
-    return yardstick
+        reference_set = ReferenceSet.of(judged, pairs)
+    return reference_set
 
 
 def _mixed(

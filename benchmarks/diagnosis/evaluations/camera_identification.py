@@ -1,6 +1,6 @@
 """Names that the camera identification gives to deviations that are hidden in rendered images.
 
-python benchmarks/diagnosis/exams/camera_identification.py RUN FOLDER [--workers 2]
+python benchmarks/diagnosis/evaluations/camera_identification.py RUN FOLDER [--workers 2]
 
 RUN is a run of a dataset with its images, such as smoke/CW/test_1. Renders it again with other stains and other
 noise, once as it is and then with one thing changed each time, into FOLDER, and diagnoses each against RUN.

@@ -1,6 +1,6 @@
 """Errors of predictions outside the range in which an effect was seen, beside their standard deviations.
 
-    python benchmarks/diagnosis/exams/beyond_range.py --benches 100 --drives 10 --seed 1
+    python benchmarks/diagnosis/evaluations/beyond_range.py --benches 100 --drives 10 --seed 1
 
 From each motor bench of our generator the diagnosis gets the rows up to half the highest voltage, and predicts currents
 and speeds of the others. There the law of the hidden effect goes on, or it becomes another one (`LAWS`). The program

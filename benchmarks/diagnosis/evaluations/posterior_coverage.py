@@ -1,6 +1,6 @@
 """How often the true robot lies inside the regions of posterior.yaml, on simulated cases with known robots.
 
-    nice -n 15 python benchmarks/diagnosis/exams/posterior_coverage.py --cases 120 --seed 4101
+    nice -n 15 python benchmarks/diagnosis/evaluations/posterior_coverage.py --cases 120 --seed 4101
 
 Every fourth case hides no effect, the others one; the names are taken in turn, the sizes drawn. tests/gap_cases
 simulates them, which shares no code with the diagnosis (family `narrow`: noise and tolerances are as stated). The

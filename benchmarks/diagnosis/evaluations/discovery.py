@@ -1,8 +1,8 @@
 """Blind cases with an effect that is in no list, and cases with nothing hidden, given to `diagnose --discover`.
 
-    python -m benchmarks.diagnosis.exams.discovery_exam --cases 100 --nothing 60 --seed 606 --out exam.jsonl
-    python -m benchmarks.diagnosis.exams.discovery_exam --kinds motor_step --cases 48 --seed 606 --out steps.jsonl
-    python -m benchmarks.diagnosis.exams.discovery_exam --kinds drive_log --cases 22 --seed 606 --out drives.jsonl
+    python -m benchmarks.diagnosis.evaluations.discovery --cases 100 --nothing 60 --seed 606 --out evaluation.jsonl
+    python -m benchmarks.diagnosis.evaluations.discovery --kinds motor_step --cases 48 --seed 606 --out steps.jsonl
+    python -m benchmarks.diagnosis.evaluations.discovery --kinds drive_log --cases 22 --seed 606 --out drives.jsonl
 
 The cases come from `independent_cases`, whose simulator shares no code with symolo: benches, half of them motors and
 half range sensors, step logs of motors, or drives. Each effect outside the list comes about equally often. The results

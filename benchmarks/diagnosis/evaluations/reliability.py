@@ -1,6 +1,6 @@
 """Whether names are right as often as the confidence reported with them says.
 
-    python benchmarks/diagnosis/exams/reliability.py --truth CASES/truth.json --answers ANSWERS --out reliability.png
+    python benchmarks/diagnosis/evaluations/reliability.py --truth CASES/truth.json --answers ANSWERS --out FILE
 
 This command prints the table and draws the diagram for independent cases (benchmarks/diagnosis/independent_cases). For
 cases of our own generator, hide_and_find.py does it.

@@ -1,6 +1,6 @@
 """How often a designed drive leaves one right name, beside squares, random arcs and shuttles of the same and more time.
 
-    python -m benchmarks.diagnosis.exams.next_drives --cases 200 --seed 711 --seconds 6 --out result.json
+    python -m benchmarks.diagnosis.evaluations.next_drives --cases 200 --seed 711 --seconds 6 --out result.json
 
 The robots come from `independent_cases`, whose simulator shares no code with symolo. Each has one listed effect and
 first drives laps of one circle for OLD_S seconds, in one direction and at one speed. Where the diagnosis of this drive
@@ -10,8 +10,8 @@ times as long. Each new drive is diagnosed together with the old one. The result
 hidden ones, and no name is ambiguous. Errors of markers and clocks belong to a session when two drives are diagnosed
 together, so that such effects are counted apart.
 
-    python -m benchmarks.diagnosis.exams.next_drives --seed 711 --cases 200 --number 5 --first CASE
-    python -m benchmarks.diagnosis.exams.next_drives --seed 711 --cases 200 --number 5 --fill next/trial_1
+    python -m benchmarks.diagnosis.evaluations.next_drives --seed 711 --cases 200 --number 5 --first CASE
+    python -m benchmarks.diagnosis.evaluations.next_drives --seed 711 --cases 200 --number 5 --fill next/trial_1
 
 The first of these commands writes the first drive of one robot as a case; the second one drives the commands of a trial
 that `symolo next` has designed, and fills its data.csv.
@@ -27,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.diagnosis.exams.next_trials import fill, lines_of_groups, read, state
+from benchmarks.diagnosis.evaluations.next_trials import fill, lines_of_groups, read, state
 from benchmarks.diagnosis.independent_cases.case import deal_cases, draw_case
 from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 from benchmarks.diagnosis.independent_cases.drives.paths import commands
@@ -93,7 +93,7 @@ def script_of(trial: Measurement) -> tuple[np.ndarray, np.ndarray]:
     return script, np.array([only[name].values[0] for name in ("x_m", "y_m", "theta_rad")])
 
 
-def exam(cases: int, seed: int, seconds: float, among: Sequence[str]) -> Iterator[dict]:
+def evaluation(cases: int, seed: int, seconds: float, among: Sequence[str]) -> Iterator[dict]:
     """Yield the result of each case with one of some effects whose first diagnosis leaves two or more names."""
     for number, (category, names, rng) in enumerate(deal_cases(KIND, cases, seed), 1):
         if category != "one" or names[0] not in among:
@@ -175,7 +175,7 @@ def table(results: list[dict]) -> Iterator[str]:
 
 
 def main() -> None:
-    """Run the exam and print its table."""
+    """Run the evaluation and print its table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
@@ -193,7 +193,7 @@ def main() -> None:
             fill(args.fill, drive_files(args.fill, args.cases, args.seed, args.number))
         return
     results = []
-    for result in exam(args.cases, args.seed, args.seconds, args.effects):
+    for result in evaluation(args.cases, args.seed, args.seconds, args.effects):
         results.append(result)
         print(json.dumps(result), flush=True)
         if args.out:

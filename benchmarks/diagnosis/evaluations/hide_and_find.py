@@ -3,9 +3,9 @@
 The cases come from the oracle in tests/gap_cases, which shares no code with the models that are fitted; effects that
 are too small to be detected by anybody are drawn again. A run that was stopped goes on where it stopped.
 
-    python benchmarks/diagnosis/exams/hide_and_find.py --cases 400 --seed 1 --family wide_b --workers 2
+    python benchmarks/diagnosis/evaluations/hide_and_find.py --cases 400 --seed 1 --family wide_b --workers 2
         [--kinds motor_steady,tof_bench] [--out DIR] [--compare OTHER.jsonl] [--verdicts FILE.jsonl]
-    python benchmarks/diagnosis/exams/hide_and_find.py --show A.jsonl B.jsonl
+    python benchmarks/diagnosis/evaluations/hide_and_find.py --show A.jsonl B.jsonl
 
 DIR/cases.jsonl gets a line for every case as soon as it is done, DIR/reliability.png and .svg show whether stated
 confidences hold, and the data of cases that went wrong are in DIR/wrong. `--show` prints the tables of earlier runs,

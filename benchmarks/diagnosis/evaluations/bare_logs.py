@@ -1,6 +1,6 @@
 """What `symolo diagnose` finds in bare SyMoLo logs (`data.csv` alone) with one hidden effect, or none.
 
-    python benchmarks/diagnosis/exams/log_exam.py --cases 60 --seed 1 [--workers 2] [--out DIR] [--names a,b]
+    python benchmarks/diagnosis/evaluations/bare_logs.py --cases 60 --seed 1 [--workers 2] [--out DIR] [--names a,b]
 
 Each log is a simulated drive in one of our arenas (log_cases.py). Names and arenas are taken in turn, sizes are drawn.
 The file DIR/logs.jsonl gets a line for every log as soon as it is done. A run that was stopped continues where it
@@ -35,7 +35,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--names", default="", help=f"what to hide in turn, some of {', '.join(dict.fromkeys(TURNS))}")
-    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "log_exam")
+    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "bare_logs")
     arguments = parser.parse_args()
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(variable, "1")

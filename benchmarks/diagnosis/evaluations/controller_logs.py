@@ -1,6 +1,6 @@
 """Names that a diagnosis gives where nothing is hidden, for logs of controllers that run at 100 to 500 Hz.
 
-    python benchmarks/diagnosis/exams/controller_logs.py --logs 30 --seed 1 [--poses] [--json FILE]
+    python benchmarks/diagnosis/evaluations/controller_logs.py --logs 30 --seed 1 [--poses] [--json FILE]
 
 Each log is that of a robot whose motors obey the textbook model exactly. A controller changes both voltages many times
 within the twentieth of a second to which `symolo case init` samples a log again: it holds steps of the voltage or of

@@ -4,8 +4,8 @@ The checkouts take turns at every case, each in a process of its own on one thre
 meets both. The time is from the file's rows to the answer, without what it takes to start. For drives, it is the time
 for each minute of log.
 
-    python benchmarks/diagnosis/exams/cpu_time.py [OTHER_CHECKOUT] [--cases 12] [--seed 1] [--kinds motor_step]
-    python benchmarks/diagnosis/exams/cpu_time.py [OTHER_CHECKOUT] --folder DIR [--every 10]
+    python benchmarks/diagnosis/evaluations/cpu_time.py [OTHER_CHECKOUT] [--cases 12] [--seed 1] [--kinds motor_step]
+    python benchmarks/diagnosis/evaluations/cpu_time.py [OTHER_CHECKOUT] --folder DIR [--every 10]
 
 With --folder, the cases are those in DIR, such as independent ones (benchmarks/diagnosis/independent_cases).
 """
