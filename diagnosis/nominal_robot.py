@@ -19,8 +19,8 @@ from diagnosis.measured.nominal import (
     PositiveSpread,
     Spread,
 )
-from sensors.effects.range_offset import RangeOffset
-from sensors.effects.range_scale import RangeScale
+from sensors.effects.range_sensor.range_offset import RangeOffset
+from sensors.effects.range_sensor.range_scale import RangeScale
 
 PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
     {"error_scale": 0.0, "noise_scale": 1.0, "rays": 1, "field_of_view_deg": 1e-3}

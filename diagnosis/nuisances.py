@@ -21,10 +21,10 @@ from diagnosis.measured.nominal import (
     PositiveSpread,
     Spread,
 )
-from physics.effects.input_delay import InputDelay
-from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
-from sensors.effects.range_offset import RangeOffset
-from sensors.effects.range_scale import RangeScale
+from physics.effects.driver_and_battery.input_delay import InputDelay
+from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from sensors.effects.range_sensor.range_offset import RangeOffset
+from sensors.effects.range_sensor.range_scale import RangeScale
 from symolo.core.arrays import Array
 
 Number = float | NDArray[np.float64]

@@ -21,7 +21,7 @@ from diagnosis.measured.noise import trimmed_variance
 from diagnosis.posterior.robot_numbers import RobotNumber, RobotNumbers
 from diagnosis.predictors.pose.by_counts import WINDOW, Pose
 from diagnosis.predictors.rows import good_values
-from physics.effects.random_slip import RandomSlip
+from physics.effects.wheels_and_floor.random_slip import RandomSlip
 from symolo.core.arrays import Array
 
 MARK_M = 1.0

@@ -12,7 +12,7 @@ import numpy as np
 from configs.effects.base import Effect, Slot
 from configs.schema.robot import RobotConfig
 from physics.drivetrain.motor import MotorModel, Motors
-from physics.effects.gear_backlash import GearBacklash
+from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
 from physics.robot.wheel_geometry import WheelGeometry
 from symolo.core.errors import InputError
 

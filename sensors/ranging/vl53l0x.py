@@ -22,11 +22,11 @@ from configs.schema.robot import RangeBeam, TofMount
 from configs.validation.faults import ConfigFault
 from physics.arena.surfaces import SURFACES
 from sensors.base import Reading, Sensor, World
-from sensors.effects.near_field_error import NearFieldError
-from sensors.effects.range_gathering_time import RangeGatheringTime
-from sensors.effects.range_signal_weighting import RangeSignalWeighting
-from sensors.effects.range_wander import RangeWander
-from sensors.effects.tilt_asymmetry import TiltAsymmetry
+from sensors.effects.range_sensor.near_field_error import NearFieldError
+from sensors.effects.range_sensor.range_gathering_time import RangeGatheringTime
+from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.range_sensor.range_wander import RangeWander
+from sensors.effects.range_sensor.tilt_asymmetry import TiltAsymmetry
 from sensors.ranging.tof import NO_TARGET, VALID, Light, RangeDevices
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array

@@ -128,7 +128,7 @@ def test_an_effect_acts_and_is_looked_for(walk):
 
 def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
     path = tmp_path / "tof_ripple.py"
-    path.write_text(NEW_FILES["sensors/effects/tof_ripple.py"])
+    path.write_text(NEW_FILES["sensors/effects/range_sensor/tof_ripple.py"])
     effect = EFFECTS.load(path)
     assert effect.name == "tof_ripple"
     EFFECTS.unload(path)

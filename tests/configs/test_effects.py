@@ -7,14 +7,14 @@ import pytest
 
 from configs.draw import draw_robot, draw_run
 from configs.loader import load_scenario, load_section
-from physics.effects.coulomb_friction_scale import CoulombFrictionScale
-from physics.effects.input_delay import InputDelay
-from physics.effects.supply_sag import SupplySag
-from physics.effects.torque_constant_scale import TorqueConstantScale
-from physics.effects.viscous_friction_scale import ViscousFrictionScale
-from physics.effects.wheelbase_scale import WheelbaseScale
-from physics.effects.winding_resistance_scale import WindingResistanceScale
-from sensors.effects.marker_offset import MarkerOffset
+from physics.effects.driver_and_battery.input_delay import InputDelay
+from physics.effects.driver_and_battery.supply_sag import SupplySag
+from physics.effects.motor_and_gearbox.coulomb_friction_scale import CoulombFrictionScale
+from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
+from physics.effects.motor_and_gearbox.viscous_friction_scale import ViscousFrictionScale
+from physics.effects.motor_and_gearbox.winding_resistance_scale import WindingResistanceScale
+from physics.effects.wheels_and_floor.wheelbase_scale import WheelbaseScale
+from sensors.effects.pose_log.marker_offset import MarkerOffset
 from symolo.core.distributions import Normal
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream

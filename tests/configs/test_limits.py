@@ -13,8 +13,8 @@ from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArcPiece, ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route
-from sensors.effects.line_adc_saturation import LineAdcSaturation
-from sensors.effects.pose_clock_drift import PoseClockDrift
+from sensors.effects.line_sensor.line_adc_saturation import LineAdcSaturation
+from sensors.effects.pose_log.pose_clock_drift import PoseClockDrift
 from symolo.core.yaml.tree import dotted
 
 LITTLE = 1e-6

@@ -225,7 +225,10 @@ def test_new_writes_a_file_once(tmp_path, monkeypatch, capsys):
     assert "`symolo effect list` shows" in said
     for words, message in [
         (["oval_wheel", "--slot", "rollin", "--out", "a.py"], "did you mean rolling"),
-        (["oval_wheel", "--slot", "command-delay", "--out", "a.py"], "physics/effects/input_delay.py"),
+        (
+            ["oval_wheel", "--slot", "command-delay", "--out", "a.py"],
+            "physics/effects/driver_and_battery/input_delay.py",
+        ),
         (["supply_sag", "--out", "a.py"], "a shipped effect has this name"),
         (["Oval-Wheel", "--out", "a.py"], "small letters and digits"),
     ]:

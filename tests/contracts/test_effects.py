@@ -9,7 +9,7 @@ from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
-from physics.effects.gear_backlash import GearBacklash
+from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
 from physics.robot.model import RobotModel
 from pipeline.effects.contract import RULES, judged
 from pipeline.effects.probe import Probe, equal

@@ -12,7 +12,7 @@ from diagnosis.dataset_comparison import compare_with_dataset
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.report.dataset_comparison import in_json, verdict
-from physics.effects.wheel_radius_scale import WheelRadiusScale
+from physics.effects.wheels_and_floor.wheel_radius_scale import WheelRadiusScale
 from symolo.core.errors import InputError
 
 

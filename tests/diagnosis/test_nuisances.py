@@ -11,9 +11,9 @@ from diagnosis.measured.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
-from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
-from sensors.effects.range_offset import RangeOffset
-from sensors.effects.range_scale import RangeScale
+from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from sensors.effects.range_sensor.range_offset import RangeOffset
+from sensors.effects.range_sensor.range_scale import RangeScale
 
 MOTOR = {"winding_resistance_ohm", "torque_constant_N_m_A", "viscous_friction_N_m_s_rad", "coulomb_friction_N_m"}
 NAMES = {

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from physics.effects.encoder_missed_ticks import EncoderMissedTicks
+from physics.effects.encoders.encoder_missed_ticks import EncoderMissedTicks
 
 
 @pytest.mark.parametrize(("side", "index"), [("right", 0), ("left", 1)])

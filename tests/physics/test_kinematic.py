@@ -8,20 +8,20 @@ import pytest
 
 from configs.schema.scenario import Rates
 from physics.bullet.simulation import BulletSimulation
-from physics.effects.battery_decline import BatteryDecline
-from physics.effects.bridge_coast import BridgeCoast
-from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
-from physics.effects.coulomb_friction_scale import CoulombFrictionScale
-from physics.effects.encoder_missed_ticks import EncoderMissedTicks
-from physics.effects.floor_slope import FloorSlope
-from physics.effects.input_delay import InputDelay
-from physics.effects.stribeck_friction import StribeckFriction
-from physics.effects.supply_sag import SupplySag
-from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
-from physics.effects.turn_slip import TurnSlip
-from physics.effects.wheel_eccentricity import WheelEccentricity
-from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
-from physics.effects.wheelbase_scale import WheelbaseScale
+from physics.effects.driver_and_battery.battery_decline import BatteryDecline
+from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
+from physics.effects.driver_and_battery.bridge_voltage_drop import BridgeVoltageDrop
+from physics.effects.driver_and_battery.input_delay import InputDelay
+from physics.effects.driver_and_battery.supply_sag import SupplySag
+from physics.effects.encoders.encoder_missed_ticks import EncoderMissedTicks
+from physics.effects.motor_and_gearbox.coulomb_friction_scale import CoulombFrictionScale
+from physics.effects.motor_and_gearbox.stribeck_friction import StribeckFriction
+from physics.effects.motor_and_gearbox.torque_constant_mismatch import TorqueConstantMismatch
+from physics.effects.wheels_and_floor.floor_slope import FloorSlope
+from physics.effects.wheels_and_floor.turn_slip import TurnSlip
+from physics.effects.wheels_and_floor.wheel_eccentricity import WheelEccentricity
+from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from physics.effects.wheels_and_floor.wheelbase_scale import WheelbaseScale
 from physics.robot.model import RobotModel
 from physics.twin import MAX_SCALAR_TRIALS, KinematicTwin, ReplayedWorld
 from sensors.build import build_sensors

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from configs.effects.robot_effects import RobotEffects
-from sensors.effects.range_gathering_time import RangeGatheringTime
-from sensors.effects.range_wander import RangeWander
+from sensors.effects.range_sensor.range_gathering_time import RangeGatheringTime
+from sensors.effects.range_sensor.range_wander import RangeWander
 from sensors.ranging.tof import TofArray
 from sensors.suite import SensorSuite
 from symolo.dataset.codes import TofStatus

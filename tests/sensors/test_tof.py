@@ -8,8 +8,8 @@ import pytest
 
 from configs.effects.robot_effects import RobotEffects
 from sensors.base import Sampling
-from sensors.effects.range_offset import RangeOffset
-from sensors.effects.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.range_sensor.range_offset import RangeOffset
+from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
 from sensors.ranging.tof import TofArray, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.dataset.codes import TofStatus
 

@@ -21,9 +21,9 @@ from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.holdout import of_part
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.sentences.discovered import sentences
-from physics.effects.bridge_coast import BridgeCoast
+from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
 from pipeline.diagnosing.importers import IMPORTERS
-from sensors.effects.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
 
 
 def main() -> None:

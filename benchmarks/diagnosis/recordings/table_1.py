@@ -19,7 +19,7 @@ from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.leave_one_out import leave_one_out
 from diagnosis.motor_identification import TABLE_1
-from physics.effects.supply_sag import SupplySag
+from physics.effects.driver_and_battery.supply_sag import SupplySag
 
 Array = NDArray[np.float64]
 Extra = Callable[[Array, Array, Array], Array]

@@ -23,10 +23,10 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
-from sensors.effects.marker_offset import MarkerOffset
-from sensors.effects.marker_yaw import MarkerYaw
-from sensors.effects.pose_clock_drift import PoseClockDrift
-from sensors.effects.pose_time_offset import PoseTimeOffset
+from sensors.effects.pose_log.marker_offset import MarkerOffset
+from sensors.effects.pose_log.marker_yaw import MarkerYaw
+from sensors.effects.pose_log.pose_clock_drift import PoseClockDrift
+from sensors.effects.pose_log.pose_time_offset import PoseTimeOffset
 from symolo.core.arrays import Array
 
 

@@ -13,7 +13,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import adequacy
-from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.range_sensor.noise_scale import NoiseScale
 from symolo.core.arrays import Array
 
 THRESHOLD = 15.0

@@ -28,7 +28,7 @@ from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, 
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.stepwise import replaced
 from diagnosis.inference.unexplained.unlisted import advantage
-from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.range_sensor.noise_scale import NoiseScale
 
 AS_GOOD = 4.6
 """Increase of the cost up to which a rival explains the data as well: its weight is then a tenth of the name's."""

@@ -26,8 +26,8 @@ from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME, CovariateShape, Observed
-from sensors.effects.range_wander import RangeWander
-from sensors.effects.warmup_drift import WarmupDrift
+from sensors.effects.range_sensor.range_wander import RangeWander
+from sensors.effects.range_sensor.warmup_drift import WarmupDrift
 from symolo.core.arrays import Array
 
 READING = "reading_m"

@@ -15,7 +15,7 @@ from diagnosis.validation.measures import mean_and_sd
 from diagnosis.validation.panels import COLORS, DASHES, MARKERS, Curve, Panel
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM
 from diagnosis.validation.range_sensor.stand import SensorOnStand, grid, target
-from sensors.effects.tilt_asymmetry import TiltAsymmetry
+from sensors.effects.range_sensor.tilt_asymmetry import TiltAsymmetry
 from symolo.core.arrays import Array
 from symolo.pages.plotting import GREY
 

@@ -12,8 +12,8 @@ from diagnosis.engine.gain import compare_engines
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.nominal_robot import nominal_robot
-from physics.effects.torque_constant_scale import TorqueConstantScale
-from physics.effects.wheel_radius_scale import WheelRadiusScale
+from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
+from physics.effects.wheels_and_floor.wheel_radius_scale import WheelRadiusScale
 
 
 @pytest.fixture(scope="module")

@@ -24,8 +24,8 @@ from diagnosis.next_trial.limits import limits_of
 from diagnosis.next_trial.separation import ModelOfUnits, UnitStatistics
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors.pose.by_counts import LEVER_M, STRIDE, WINDOW, Pose
-from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
-from physics.effects.wheelbase_scale import WheelbaseScale
+from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from physics.effects.wheels_and_floor.wheelbase_scale import WheelbaseScale
 from pipeline.cli import main
 from pipeline.diagnosing.made_from import MADE_FROM
 from symolo.core.errors import InputError

@@ -7,9 +7,9 @@ from configs.draw import draw_robot
 from configs.effects.base import Slot
 from configs.loader import load_section
 from diagnosis.predictors.distinct import KnownPredictions, distinct
-from physics.effects.encoder_ticks_scale import EncoderTicksScale
-from physics.effects.supply_sag import SupplySag
-from sensors.effects.range_scale import RangeScale
+from physics.effects.driver_and_battery.supply_sag import SupplySag
+from physics.effects.encoders.encoder_ticks_scale import EncoderTicksScale
+from sensors.effects.range_sensor.range_scale import RangeScale
 
 
 @pytest.fixture(scope="module")

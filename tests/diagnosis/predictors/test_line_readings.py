@@ -18,13 +18,13 @@ from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.predictors.line_readings import LineReadings
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.ranges.unit_spread import cleaned
-from sensors.effects.line_adc_saturation import LineAdcSaturation
-from sensors.effects.line_ambient import LineAmbient
-from sensors.effects.line_crosstalk import LineCrosstalk
-from sensors.effects.line_gain import LineGain
-from sensors.effects.line_height import LineHeight
-from sensors.effects.line_lateral_offset import LineLateralOffset
-from sensors.effects.line_offset import LineOffset
+from sensors.effects.line_sensor.line_adc_saturation import LineAdcSaturation
+from sensors.effects.line_sensor.line_ambient import LineAmbient
+from sensors.effects.line_sensor.line_crosstalk import LineCrosstalk
+from sensors.effects.line_sensor.line_gain import LineGain
+from sensors.effects.line_sensor.line_height import LineHeight
+from sensors.effects.line_sensor.line_lateral_offset import LineLateralOffset
+from sensors.effects.line_sensor.line_offset import LineOffset
 from symolo.core.time_series import TimeSeries
 
 ROWS = 40

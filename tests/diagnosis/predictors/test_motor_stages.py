@@ -15,13 +15,13 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from physics.effects.friction_warmup import FrictionWarmup
-from physics.effects.gear_backlash import GearBacklash
-from physics.effects.input_delay import InputDelay
-from physics.effects.stribeck_friction import StribeckFriction
-from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
-from sensors.effects.current_sensor_gain import CurrentSensorGain
-from sensors.effects.speed_time_offset import SpeedTimeOffset
+from physics.effects.driver_and_battery.input_delay import InputDelay
+from physics.effects.motor_and_gearbox.friction_warmup import FrictionWarmup
+from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
+from physics.effects.motor_and_gearbox.stribeck_friction import StribeckFriction
+from physics.effects.motor_and_gearbox.torque_constant_mismatch import TorqueConstantMismatch
+from sensors.effects.motor_bench.current_sensor_gain import CurrentSensorGain
+from sensors.effects.motor_bench.speed_time_offset import SpeedTimeOffset
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
 

@@ -11,7 +11,7 @@ from diagnosis.discovery.discover import with_law
 from diagnosis.importers.vl53l0x_scan import IMPORTER
 from diagnosis.validation.range_sensor.recordings.ball_scene import BallScene
 from diagnosis.validation.range_sensor.stand import HEIGHT_M
-from sensors.effects.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
 from sensors.ranging.tof import ray_pattern
 from symolo.core.errors import InputError
 

@@ -12,20 +12,20 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.predictors import STAGES
-from physics.effects.floor_slope import FloorSlope
-from physics.effects.turn_slip import TurnSlip
-from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
-from physics.effects.wheel_radius_scale import WheelRadiusScale
-from physics.effects.wheelbase_scale import WheelbaseScale
-from sensors.effects.incidence_bias import IncidenceBias
-from sensors.effects.marker_offset import MarkerOffset
-from sensors.effects.pose_time_offset import PoseTimeOffset
-from sensors.effects.range_gathering_time import RangeGatheringTime
-from sensors.effects.range_signal_weighting import RangeSignalWeighting
-from sensors.effects.tilt_asymmetry import TiltAsymmetry
-from sensors.effects.tof_mount_yaw import TofMountYaw
-from sensors.effects.tof_range_offset import TofRangeOffset
-from sensors.effects.tof_time_offset import TofTimeOffset
+from physics.effects.wheels_and_floor.floor_slope import FloorSlope
+from physics.effects.wheels_and_floor.turn_slip import TurnSlip
+from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from physics.effects.wheels_and_floor.wheel_radius_scale import WheelRadiusScale
+from physics.effects.wheels_and_floor.wheelbase_scale import WheelbaseScale
+from sensors.effects.pose_log.marker_offset import MarkerOffset
+from sensors.effects.pose_log.pose_time_offset import PoseTimeOffset
+from sensors.effects.range_sensor.incidence_bias import IncidenceBias
+from sensors.effects.range_sensor.range_gathering_time import RangeGatheringTime
+from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.range_sensor.tilt_asymmetry import TiltAsymmetry
+from sensors.effects.range_sensor.tof_mount_yaw import TofMountYaw
+from sensors.effects.range_sensor.tof_range_offset import TofRangeOffset
+from sensors.effects.range_sensor.tof_time_offset import TofTimeOffset
 from symolo.core.time_series import TimeSeries
 
 ROW_S, ROWS = 0.05, 41

@@ -13,17 +13,17 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from sensors.effects.ambient_noise import AmbientNoise
-from sensors.effects.cover_crosstalk import CoverCrosstalk
-from sensors.effects.incidence_bias import IncidenceBias
-from sensors.effects.log_range_error import LogRangeError
-from sensors.effects.material_bias import MaterialBias
-from sensors.effects.material_slope import MaterialSlope
-from sensors.effects.near_field_error import NearFieldError
-from sensors.effects.noise_scale import NoiseScale
-from sensors.effects.range_saturation import RangeSaturation
-from sensors.effects.temperature_drift import TemperatureDrift
-from sensors.effects.warmup_drift import WarmupDrift
+from sensors.effects.range_sensor.ambient_noise import AmbientNoise
+from sensors.effects.range_sensor.cover_crosstalk import CoverCrosstalk
+from sensors.effects.range_sensor.incidence_bias import IncidenceBias
+from sensors.effects.range_sensor.log_range_error import LogRangeError
+from sensors.effects.range_sensor.material_bias import MaterialBias
+from sensors.effects.range_sensor.material_slope import MaterialSlope
+from sensors.effects.range_sensor.near_field_error import NearFieldError
+from sensors.effects.range_sensor.noise_scale import NoiseScale
+from sensors.effects.range_sensor.range_saturation import RangeSaturation
+from sensors.effects.range_sensor.temperature_drift import TemperatureDrift
+from sensors.effects.range_sensor.warmup_drift import WarmupDrift
 from symolo.core.time_series import TimeSeries
 
 REFLECTANCE = {"wood": 0.45, "black_card": 0.05}

@@ -20,9 +20,9 @@ from diagnosis.inference.fitting.likelihood import stated_noise
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.rivals import RivalComparison
 from physics.drivetrain.motor_bench import steady_states
-from physics.effects.torque_constant_scale import TorqueConstantScale
+from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
 from physics.robot.model import RobotModel
-from sensors.effects.range_saturation import RangeSaturation
+from sensors.effects.range_sensor.range_saturation import RangeSaturation
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from diagnosis.report.report_data import shown_structures
 from diagnosis.report.sentences.compared import misfit_caption
 from diagnosis.report.sentences.quantities import along
 from diagnosis.report.summary import summary
-from sensors.effects.tof_range_offset import TofRangeOffset
+from sensors.effects.range_sensor.tof_range_offset import TofRangeOffset
 
 BENCHES = ("weak", "plain", "bumped")
 PNG = b"\x89PNG\r\n\x1a\n"

@@ -17,7 +17,7 @@ from diagnosis.inference.fitting.likelihood import stated_noise
 from diagnosis.nuisances import Nuisance, of_section
 from diagnosis.posterior.posterior import posterior, posterior_text
 from diagnosis.posterior.robot_numbers import robot_numbers
-from physics.effects.gear_backlash import GearBacklash
+from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
 
 STEP = 0.5
 """Step of a difference in standard deviations."""

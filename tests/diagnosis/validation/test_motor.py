@@ -15,8 +15,8 @@ from diagnosis.validation.motor.experiments import require_inertia
 from diagnosis.validation.motor.steady_states import largest, steady_states
 from diagnosis.validation.motor.steps import steps
 from diagnosis.validation.motor.stiction import starts_and_reversals, stiction
-from physics.effects.input_delay import InputDelay
-from physics.effects.stribeck_friction import StribeckFriction
+from physics.effects.driver_and_battery.input_delay import InputDelay
+from physics.effects.motor_and_gearbox.stribeck_friction import StribeckFriction
 from symolo.core.errors import InputError
 
 NOMINAL = Path(__file__).parents[3] / "configs" / "robots" / "nominal.yaml"

@@ -27,8 +27,8 @@ from diagnosis.validation.range_sensor.recordings.static import (
 )
 from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board, target
 from physics.bullet.ray_oracle import EngineRays
-from sensors.effects.range_signal_weighting import RangeSignalWeighting
-from sensors.effects.tilt_asymmetry import TiltAsymmetry
+from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.range_sensor.tilt_asymmetry import TiltAsymmetry
 from sensors.ranging.tof import ray_pattern
 from symolo.core.errors import InputError
 

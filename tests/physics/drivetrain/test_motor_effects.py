@@ -10,26 +10,26 @@ from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor_bench import steady_states, steady_states_of_known_motion, step_responses
 from physics.drivetrain.two_mass import Load, TwoMass
 from physics.drivetrain.wheel_turns import counted_turns
-from physics.effects.actuator_lag import ActuatorLag
-from physics.effects.battery_decline import BatteryDecline
-from physics.effects.bridge_coast import BridgeCoast
-from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
-from physics.effects.coulomb_friction_scale import CoulombFrictionScale
-from physics.effects.current_limit import CurrentLimit
-from physics.effects.friction_asymmetry import FrictionAsymmetry
-from physics.effects.friction_warmup import FrictionWarmup
-from physics.effects.gear_backlash import GearBacklash
-from physics.effects.input_delay import InputDelay
-from physics.effects.quadratic_drag import QuadraticDrag
-from physics.effects.rotor_inertia_scale import RotorInertiaScale
-from physics.effects.stribeck_friction import StribeckFriction
-from physics.effects.supply_sag import SupplySag
-from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
-from physics.effects.torque_constant_scale import TorqueConstantScale
-from physics.effects.viscous_friction_scale import ViscousFrictionScale
-from physics.effects.winding_resistance_scale import WindingResistanceScale
+from physics.effects.driver_and_battery.actuator_lag import ActuatorLag
+from physics.effects.driver_and_battery.battery_decline import BatteryDecline
+from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
+from physics.effects.driver_and_battery.bridge_voltage_drop import BridgeVoltageDrop
+from physics.effects.driver_and_battery.current_limit import CurrentLimit
+from physics.effects.driver_and_battery.input_delay import InputDelay
+from physics.effects.driver_and_battery.supply_sag import SupplySag
+from physics.effects.motor_and_gearbox.coulomb_friction_scale import CoulombFrictionScale
+from physics.effects.motor_and_gearbox.friction_asymmetry import FrictionAsymmetry
+from physics.effects.motor_and_gearbox.friction_warmup import FrictionWarmup
+from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
+from physics.effects.motor_and_gearbox.quadratic_drag import QuadraticDrag
+from physics.effects.motor_and_gearbox.rotor_inertia_scale import RotorInertiaScale
+from physics.effects.motor_and_gearbox.stribeck_friction import StribeckFriction
+from physics.effects.motor_and_gearbox.torque_constant_mismatch import TorqueConstantMismatch
+from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
+from physics.effects.motor_and_gearbox.viscous_friction_scale import ViscousFrictionScale
+from physics.effects.motor_and_gearbox.winding_resistance_scale import WindingResistanceScale
 from physics.robot.model import RobotModel
-from sensors.effects.speed_scale import SpeedScale
+from sensors.effects.motor_bench.speed_scale import SpeedScale
 
 R, K, B, TC, J, SUPPLY_V = 3.0, 0.3, 0.002, 0.02, 2e-3, 8.0
 

@@ -8,8 +8,8 @@ import pytest
 from physics.bullet.open_loop import open_loop
 from physics.drivetrain.motor_bench import step_responses
 from physics.drivetrain.wheel_turns import counted_turns
-from physics.effects.gear_backlash import GearBacklash
-from physics.effects.torque_ripple import TorqueRipple
+from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
+from physics.effects.motor_and_gearbox.torque_ripple import TorqueRipple
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin
 

@@ -14,7 +14,7 @@ from physics.bullet.body import add_robot
 from physics.bullet.world import connect
 from pipeline.models.files import model_files
 from pipeline.models.robot import frames
-from sensors.effects.tof_mount_yaw import TofMountYaw
+from sensors.effects.range_sensor.tof_mount_yaw import TofMountYaw
 from symolo.core.geometry.poses import roll_pitch_yaw
 
 ARMS = ("right_wheel", "left_wheel", "caster")

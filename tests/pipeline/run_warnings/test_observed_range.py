@@ -6,7 +6,7 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.posterior.schema import MeasuredRange
 from configs.schema.effect_range import EffectRange
-from physics.effects.turn_slip import TurnSlip
+from physics.effects.wheels_and_floor.turn_slip import TurnSlip
 from pipeline.run_warnings.observed_range import range_warnings
 from symolo.core.time_series import Recording, TimeSeries, Trajectory
 

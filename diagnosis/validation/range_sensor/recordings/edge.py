@@ -14,7 +14,7 @@ from diagnosis.validation.range_sensor.recordings.ball_scene import BALL, BOARD,
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording
 from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board
 from diagnosis.validation.range_sensor.step import places_of_shares
-from sensors.effects.range_signal_weighting import RangeSignalWeighting
+from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, VERMILION
 

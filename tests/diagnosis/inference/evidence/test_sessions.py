@@ -26,7 +26,7 @@ from diagnosis.nuisances import Nuisance
 from diagnosis.predictors import STAGES
 from diagnosis.report.sentences.sessions import session_sentences
 from diagnosis.usual_tolerances import usual_wheels
-from sensors.effects.marker_yaw import MarkerYaw
+from sensors.effects.pose_log.marker_yaw import MarkerYaw
 from symolo.core.time_series import TimeSeries
 
 COUNTS = 20_000

@@ -6,11 +6,11 @@ import pytest
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.selection.scan import tried_values
-from physics.effects.current_limit import CurrentLimit
-from physics.effects.floor_slope import FloorSlope
-from sensors.effects.range_offset import RangeOffset
-from sensors.effects.range_scale import RangeScale
-from sensors.effects.tof_mount_yaw import TofMountYaw
+from physics.effects.driver_and_battery.current_limit import CurrentLimit
+from physics.effects.wheels_and_floor.floor_slope import FloorSlope
+from sensors.effects.range_sensor.range_offset import RangeOffset
+from sensors.effects.range_sensor.range_scale import RangeScale
+from sensors.effects.range_sensor.tof_mount_yaw import TofMountYaw
 
 
 @pytest.mark.parametrize(

@@ -3,12 +3,12 @@
 import pytest
 
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
-from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
-from physics.effects.current_limit import CurrentLimit
-from physics.effects.quadratic_drag import QuadraticDrag
-from physics.effects.stribeck_friction import StribeckFriction
-from physics.effects.supply_sag import SupplySag
-from sensors.effects.current_sensor_offset import CurrentSensorOffset
+from physics.effects.driver_and_battery.bridge_voltage_drop import BridgeVoltageDrop
+from physics.effects.driver_and_battery.current_limit import CurrentLimit
+from physics.effects.driver_and_battery.supply_sag import SupplySag
+from physics.effects.motor_and_gearbox.quadratic_drag import QuadraticDrag
+from physics.effects.motor_and_gearbox.stribeck_friction import StribeckFriction
+from sensors.effects.motor_bench.current_sensor_offset import CurrentSensorOffset
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.fitting.standard_errors import standard_errors
 from diagnosis.predictors.base import Predicted
-from sensors.effects.current_sensor_offset import CurrentSensorOffset
+from sensors.effects.motor_bench.current_sensor_offset import CurrentSensorOffset
 
 SD_A = 0.01
 ROWS = 100

@@ -4,9 +4,9 @@ import pytest
 
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.selection.plausible import beyond
-from physics.effects.supply_sag import SupplySag
-from physics.effects.torque_constant_scale import TorqueConstantScale
-from sensors.effects.marker_offset import MarkerOffset
+from physics.effects.driver_and_battery.supply_sag import SupplySag
+from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
+from sensors.effects.pose_log.marker_offset import MarkerOffset
 
 LIMITS = [(effect, name) for effect in EFFECTS.classes() for name in effect.plausible_sizes()]
 

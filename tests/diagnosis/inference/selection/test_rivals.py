@@ -22,7 +22,7 @@ from diagnosis.inference.selection.rivals import (
 )
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Predicted
-from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.range_sensor.noise_scale import NoiseScale
 
 SD_A = 0.01
 X = np.linspace(-1.0, 1.0, 120)

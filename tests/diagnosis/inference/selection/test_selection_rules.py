@@ -12,7 +12,7 @@ from diagnosis.inference.selection import removal, rescue, stepwise
 from diagnosis.inference.selection.refusal import is_at_bound, refusal
 from diagnosis.inference.selection.rescue import rescued
 from diagnosis.inference.selection.stepwise import Entry, Selection, select
-from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.range_sensor.noise_scale import NoiseScale
 
 NO_ROWS = np.zeros(0)
 

@@ -16,7 +16,7 @@ from diagnosis.inference.unexplained import random_drift as module
 from diagnosis.inference.unexplained.random_drift import random_drift
 from diagnosis.report.report_data import report_data
 from diagnosis.report.verdict import effect_sentences, headline
-from sensors.effects.range_wander import RangeWander
+from sensors.effects.range_sensor.range_wander import RangeWander
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 

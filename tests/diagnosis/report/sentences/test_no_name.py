@@ -8,7 +8,7 @@ import pytest
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.selection.stepwise import Entry
 from diagnosis.report.sentences.no_name import why_no_name
-from physics.effects.winding_resistance_scale import WindingResistanceScale
+from physics.effects.motor_and_gearbox.winding_resistance_scale import WindingResistanceScale
 
 
 @pytest.fixture

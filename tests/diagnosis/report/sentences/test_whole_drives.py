@@ -14,7 +14,7 @@ from diagnosis.posterior.posterior import posterior
 from diagnosis.posterior.random_slip import random_slip
 from diagnosis.report.sentences.random_slip import random_slip_sentences
 from diagnosis.report.sentences.run_ends import run_ends
-from physics.effects.random_slip import RandomSlip
+from physics.effects.wheels_and_floor.random_slip import RandomSlip
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,1 @@
+"""Effects on the voltage and current that the motors get: command, driver, supply and battery."""

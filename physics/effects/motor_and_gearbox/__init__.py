@@ -1,0 +1,1 @@
+"""Effects on the motors with their friction, and on the play of their gearboxes."""

@@ -1,0 +1,1 @@
+"""Effects on how turns of the wheels become motion: radii, wheel separation, slip and slope."""

@@ -1,0 +1,1 @@
+"""Effects on the readings and the place of the line sensor."""

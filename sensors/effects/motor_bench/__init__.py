@@ -1,0 +1,1 @@
+"""Effects on current and speed as the instruments of a motor bench measure them."""

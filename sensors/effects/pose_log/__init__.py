@@ -1,0 +1,1 @@
+"""Effects on the logged pose: the tracked point, its heading, and its clock."""

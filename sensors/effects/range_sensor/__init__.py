@@ -1,0 +1,1 @@
+"""Effects on the readings, times and mounts of range sensors."""
