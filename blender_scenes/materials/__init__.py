@@ -6,19 +6,19 @@ from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.boards import board
 from blender_scenes.materials.brick import brick
 from blender_scenes.materials.cardboard import cardboard
-from blender_scenes.materials.carpet import carpet
-from blender_scenes.materials.ceramic_tile import ceramic_tile
-from blender_scenes.materials.concrete import concrete
+from blender_scenes.materials.floors.carpet import carpet
+from blender_scenes.materials.floors.ceramic_tile import ceramic_tile
+from blender_scenes.materials.floors.concrete import concrete
+from blender_scenes.materials.floors.linoleum import linoleum
+from blender_scenes.materials.floors.paper_sheets import paper_sheets
+from blender_scenes.materials.floors.parquet import parquet
+from blender_scenes.materials.floors.vinyl import vinyl
 from blender_scenes.materials.glass import glass
 from blender_scenes.materials.image import image, image_floor
-from blender_scenes.materials.linoleum import linoleum
 from blender_scenes.materials.metal import metal
 from blender_scenes.materials.paper import paper
-from blender_scenes.materials.paper_sheets import paper_sheets
-from blender_scenes.materials.parquet import parquet
 from blender_scenes.materials.plastic import plastic
 from blender_scenes.materials.plywood import plywood, plywood_floor
-from blender_scenes.materials.vinyl import vinyl
 from blender_scenes.materials.wood import wood
 from blender_scenes.scene.shading import Surface
 from configs.schema.appearance.asset import ImageLook

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded, streaks, worn_gloss
+from blender_scenes.materials.marks.patterns import shaded, streaks, worn_gloss
 from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles
 from configs.schema.appearance.look import LookConfig, Paint
 

@@ -1,7 +1,7 @@
 """Bare brickwork."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded, specks
+from blender_scenes.materials.marks.patterns import shaded, specks
 from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, Tiles, paint_color
 from configs.schema.appearance.look import LookConfig
 

@@ -1,7 +1,7 @@
 """White drawing paper on a body."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded
+from blender_scenes.materials.marks.patterns import shaded
 from blender_scenes.scene.shading import NoiseTexture, Surface
 from configs.schema.appearance.look import LookConfig
 

@@ -1,7 +1,7 @@
 """Injection-moulded plastic."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import streaks
+from blender_scenes.materials.marks.patterns import streaks
 from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, paint_color
 from configs.schema.appearance.look import LookConfig
 

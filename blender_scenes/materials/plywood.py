@@ -3,7 +3,7 @@
 import math
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import either, shaded, specks
+from blender_scenes.materials.marks.patterns import either, shaded, specks
 from blender_scenes.scene.shading import (
     Arithmetic,
     Constant,

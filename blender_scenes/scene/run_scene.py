@@ -8,11 +8,11 @@ import numpy as np
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.materials import FLOORS, body_material
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.dirt import dirtied
-from blender_scenes.materials.line_paint import line_paint
+from blender_scenes.materials.line.line_paint import line_paint
+from blender_scenes.materials.line.tape import tape
+from blender_scenes.materials.marks.dirt import dirtied
+from blender_scenes.materials.marks.stains import stained
 from blender_scenes.materials.paper import paper
-from blender_scenes.materials.stains import stained
-from blender_scenes.materials.tape import tape
 from blender_scenes.rooms.base import RoomModel
 from blender_scenes.rooms.plain import plain_room, room_bounds
 from blender_scenes.scene import line_mesh

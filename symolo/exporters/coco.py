@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationEntry, KeyPointSighting, pixel_box
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_labelled, copied_file, run_of
-from symolo.exporters.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
+from symolo.exporters.shared.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image, RunFolder
 

@@ -18,7 +18,7 @@ from symolo.dataset.documents.camera_model import CameraDocument
 from symolo.dataset.documents.sensor_sections import ImuSection
 from symolo.dataset.rates import period_beside_rows_s
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
-from symolo.exporters.stereo import pair_first
+from symolo.exporters.shared.stereo import pair_first
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run

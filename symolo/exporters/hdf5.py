@@ -15,8 +15,8 @@ import numpy as np
 from symolo.core.extras import optional_module
 from symolo.dataset.annotations import DEPTH_UNIT_M, FLOW_PER_PX, FLOW_ZERO, NORMAL_SCALE, NORMAL_ZERO
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
-from symolo.exporters.record import record_of
-from symolo.exporters.splits import images_of_splits
+from symolo.exporters.shared.record import record_of
+from symolo.exporters.shared.splits import images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image, RunFolder
 from symolo.reader.tables import UNITS

@@ -19,9 +19,9 @@ from symolo.core.extras import optional_module
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.description import markdown_table
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, run_of
-from symolo.exporters.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
-from symolo.exporters.hub_card import hub_card
-from symolo.exporters.splits import images_of_splits, runs_of_splits
+from symolo.exporters.shared.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
+from symolo.exporters.shared.hub_card import hub_card
+from symolo.exporters.shared.splits import images_of_splits, runs_of_splits
 from symolo.reader.balance import balance
 from symolo.reader.dataset import RUN, Dataset
 from symolo.reader.run import Run

@@ -12,7 +12,7 @@ import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, copied_file
-from symolo.exporters.stereo import StereoPair, cameras_with_images, first_camera, stereo_pair
+from symolo.exporters.shared.stereo import StereoPair, cameras_with_images, first_camera, stereo_pair
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import RunFolder

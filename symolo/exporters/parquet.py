@@ -10,7 +10,7 @@ import pandas as pd
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, copied_file
-from symolo.exporters.features import stacked_bytes
+from symolo.exporters.shared.features import stacked_bytes
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image, RunFolder

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 from symolo.core.files.tar_files import Member, shards, tar_bytes, tar_chunks
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images
-from symolo.exporters.record import record_of
-from symolo.exporters.splits import ImagesOfSplits, further_cameras_of_splits, images_of_splits
+from symolo.exporters.shared.record import record_of
+from symolo.exporters.shared.splits import ImagesOfSplits, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image
 

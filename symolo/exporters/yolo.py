@@ -16,8 +16,8 @@ import yaml
 from symolo.dataset.annotations import AnnotationName, Category, PixelBox
 from symolo.dataset.documents.splits_record import SplitName
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_labelled, copied_file
-from symolo.exporters.polygons import polygon_of
-from symolo.exporters.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
+from symolo.exporters.shared.polygons import polygon_of
+from symolo.exporters.shared.splits import ImagesOfSplits, by_run, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
 from symolo.reader.run_folder import Image, RunFolder
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symolo.exporters.stereo import pair_first
+from symolo.exporters.shared.stereo import pair_first
 from symolo.pages.thumbnails import thumbnail
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image

@@ -13,10 +13,10 @@ from pydantic import TypeAdapter
 from blender_scenes.lighting.panoramas import MEAN_COLOR
 from blender_scenes.materials import FLOORS, SURFACES
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.dirt import dirtied
-from blender_scenes.materials.line_paint import line_paint
-from blender_scenes.materials.stains import stained
-from blender_scenes.materials.tape import tape
+from blender_scenes.materials.line.line_paint import line_paint
+from blender_scenes.materials.line.tape import tape
+from blender_scenes.materials.marks.dirt import dirtied
+from blender_scenes.materials.marks.stains import stained
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
 from blender_scenes.scene.run_scene import describe

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.exporters.stereo import cameras_with_images, stereo_pair
+from symolo.exporters.shared.stereo import cameras_with_images, stereo_pair
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Pixels
 

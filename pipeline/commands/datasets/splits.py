@@ -10,8 +10,8 @@ from symolo.core.files.paths import check_path
 from symolo.core.progress import plural
 from symolo.core.yaml.reader import parse_yaml, read_yaml
 from symolo.core.yaml.tree import Node
-from symolo.exporters.splits import OPTION, check_splits, divided
-from symolo.exporters.stereo import first_camera
+from symolo.exporters.shared.splits import OPTION, check_splits, divided
+from symolo.exporters.shared.stereo import first_camera
 from symolo.reader.dataset import Dataset
 
 _NONE = "none"

@@ -24,13 +24,13 @@ from symolo.dataset.tables.rows import LINE, RANGES
 from symolo.dataset.tables.sensor_tables import LOGGED
 from symolo.dataset.tables.side_tables import WHEELS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images, image_bytes
-from symolo.exporters.features import Feature, image_file, parquet_bytes, value, vector
-from symolo.exporters.hub_card import hub_card
 from symolo.exporters.lerobot.frames import image_hz, images_of_frames
 from symolo.exporters.lerobot.stats import Levels, Stats, vector_stats
 from symolo.exporters.lerobot.video import check_video, video_bytes, video_info
-from symolo.exporters.splits import OPTION, runs_of_splits
-from symolo.exporters.stereo import first_camera
+from symolo.exporters.shared.features import Feature, image_file, parquet_bytes, value, vector
+from symolo.exporters.shared.hub_card import hub_card
+from symolo.exporters.shared.splits import OPTION, runs_of_splits
+from symolo.exporters.shared.stereo import first_camera
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run

@@ -3,7 +3,7 @@
 import numpy as np
 
 from symolo.core.errors import InputError
-from symolo.exporters.stereo import first_camera
+from symolo.exporters.shared.stereo import first_camera
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image

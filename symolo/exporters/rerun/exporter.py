@@ -16,7 +16,7 @@ from symolo.core.geometry.poses import rotations_about_z
 from symolo.dataset.manifest import MANIFEST
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.rerun.rrd_file import Arrays, Chunk, Component, rrd
-from symolo.exporters.stereo import OWN_CAMERA, cameras_with_images
+from symolo.exporters.shared.stereo import OWN_CAMERA, cameras_with_images
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 from symolo.reader.run_folder import RunFolder

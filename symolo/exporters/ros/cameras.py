@@ -11,7 +11,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.sensor_sections import optical_frame, sensor_frame
 from symolo.exporters.ros.topic import Log, Stamped, Topic
 from symolo.exporters.ros.vocabulary import BASE, START_NS, Vocabulary
-from symolo.exporters.stereo import OWN_CAMERA, cameras_with_images, stereo_pair
+from symolo.exporters.shared.stereo import OWN_CAMERA, cameras_with_images, stereo_pair
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.run import Run
 from symolo.reader.run_folder import Image, RunFolder

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.stains import stained
-from blender_scenes.materials.tape import tape
+from blender_scenes.materials.line.tape import tape
+from blender_scenes.materials.marks.stains import stained
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
 from blender_scenes.scene.run_scene import describe

@@ -27,7 +27,7 @@ from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_h
 from symolo.dataset.splits import SplitRule
 from symolo.exporters.base import ExportSettings
 from symolo.exporters.export import export, exporters_of, open_release, plan
-from symolo.exporters.splits import divided
+from symolo.exporters.shared.splits import divided
 from symolo.reader.run_folder import RunFolder
 
 RUN = "CW/test_1"

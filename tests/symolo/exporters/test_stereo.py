@@ -7,7 +7,7 @@ import pytest
 
 import symolo
 from symolo.dataset.documents.camera_model import X_CB, CameraDocument
-from symolo.exporters.stereo import StereoPair, stereo_pair
+from symolo.exporters.shared.stereo import StereoPair, stereo_pair
 
 K = ((100.0, 0.0, 79.5), (0.0, 100.0, 59.5), (0.0, 0.0, 1.0))
 AHEAD = np.linalg.inv(X_CB)

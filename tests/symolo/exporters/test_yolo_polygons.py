@@ -8,7 +8,7 @@ import pytest
 import yaml
 from pycocotools import mask as coco_masks
 
-from symolo.exporters.polygons import polygon_of
+from symolo.exporters.shared.polygons import polygon_of
 
 U = np.array([[1, 0, 1], [1, 0, 1], [1, 1, 1]], dtype=bool)
 

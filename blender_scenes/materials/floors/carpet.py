@@ -1,7 +1,7 @@
 """Loop-pile carpet tiles."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded
+from blender_scenes.materials.marks.patterns import shaded
 from blender_scenes.scene.shading import Cells, Mix, NoiseTexture, Surface, Tiles, paint_color
 from configs.schema.appearance.floors import FloorLook
 

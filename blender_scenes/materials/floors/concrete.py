@@ -1,7 +1,7 @@
 """Power-floated, sealed concrete."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded, specks, threads, worn_gloss
+from blender_scenes.materials.marks.patterns import shaded, specks, threads, worn_gloss
 from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, paint_color
 from configs.schema.appearance.floors import FloorLook
 

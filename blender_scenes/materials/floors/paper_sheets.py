@@ -1,7 +1,7 @@
 """White paper laid out in sheets."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded, threads
+from blender_scenes.materials.marks.patterns import shaded, threads
 from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, Tiles, paint_color
 from configs.schema.appearance.floors import FloorLook
 

@@ -1,7 +1,7 @@
 """Paint of a painted line."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import either, shaded, specks, streaks, worn_gloss
+from blender_scenes.materials.marks.patterns import either, shaded, specks, streaks, worn_gloss
 from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate
 from configs.schema.appearance.look import LinePaintLook
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import arcs, blotches, either, specks
+from blender_scenes.materials.marks.patterns import arcs, blotches, either, specks
 from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, Texture
 
 _DUST = Color((0.33, 0.31, 0.28))

@@ -1,7 +1,7 @@
 """Cushioned vinyl with a print of planks or of terrazzo."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded, worn_gloss
+from blender_scenes.materials.marks.patterns import shaded, worn_gloss
 from blender_scenes.scene.shading import Cells, Mix, NoiseTexture, Step, Surface, Texture, Tiles, paint_color
 from configs.schema.appearance.floors import FloorLook, Vinyl
 

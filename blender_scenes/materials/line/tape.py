@@ -1,7 +1,7 @@
 """Adhesive tape of the line."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import either, specks, streaks, worn_gloss
+from blender_scenes.materials.marks.patterns import either, specks, streaks, worn_gloss
 from blender_scenes.scene.shading import (
     Color,
     Mix,

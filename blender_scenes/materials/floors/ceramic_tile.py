@@ -1,7 +1,7 @@
 """Glazed ceramic tiles with grouted joints."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import blotches, shaded, specks
+from blender_scenes.materials.marks.patterns import blotches, shaded, specks
 from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, Tiles, paint_color
 from configs.schema.appearance.floors import FloorLook
 

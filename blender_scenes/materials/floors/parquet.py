@@ -1,7 +1,7 @@
 """Varnished wooden parquet."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import shaded, worn_gloss
+from blender_scenes.materials.marks.patterns import shaded, worn_gloss
 from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, Tiles, paint_color
 from configs.schema.appearance.floors import FloorLook
 

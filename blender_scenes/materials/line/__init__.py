@@ -1,0 +1,1 @@
+"""Materials of the line on the floor: tape and paint."""

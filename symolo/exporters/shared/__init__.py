@@ -1,0 +1,1 @@
+"""What several formats share: splits, stereo pairs, records of images, typed columns and cards."""
