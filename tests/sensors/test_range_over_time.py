@@ -148,14 +148,14 @@ class Deviates:
         return row
 
 
-def test_a_wandering_error_keeps_what_time_leaves_of_it_and_gains_the_rest(exact, arena_of, plane_world, monkeypatch):
+def test_a_random_drift_keeps_what_time_leaves_of_it_and_gains_the_rest(exact, arena_of, plane_world, monkeypatch):
     """First-order Gauss-Markov of 3 mm and 2 s: e' = r e + sqrt(1 - r^2) 3 mm z, with r = 1/2 after 2 ln 2 s.
 
     The first error is one of the stationary process: it has been going on before.
     """
     effects = RobotEffects().with_effect(RangeWander(sd_m=0.003, time_constant_s=2.0))
     sensor = TofArray(exact, arena_of(), 1000, np.random.Generator(np.random.PCG64(3)), effects)
-    monkeypatch.setattr(sensor, "_wander_rng", Deviates([[1.0, -2.0, 0.5], [2.0, 1.0, 0.0], [0.0, 0.0, 0.0]]))
+    monkeypatch.setattr(sensor, "_drift_rng", Deviates([[1.0, -2.0, 0.5], [2.0, 1.0, 0.0], [0.0, 0.0, 0.0]]))
     times_s = (10.0, 10.0 + 2.0 * np.log(2.0), 10.0 + 6.0 * np.log(2.0))
     read_mm = [1e3 * sensor.sample(plane_world(wall_x_m=0.5, time_s=time_s))[:, 0] for time_s in times_s]
     still = TofArray(exact, arena_of(), 1000, np.random.default_rng(0)).sample(plane_world(wall_x_m=0.5))[:, 0]
@@ -163,7 +163,7 @@ def test_a_wandering_error_keeps_what_time_leaves_of_it_and_gains_the_rest(exact
     assert np.array(read_mm) - 1e3 * still == pytest.approx(np.array([*errors, errors[1] / 4.0]))
 
 
-def test_a_wandering_error_has_its_deviation_and_forgets_exponentially(exact, arena_of, plane_world):
+def test_a_random_drift_has_its_deviation_and_forgets_exponentially(exact, arena_of, plane_world):
     """First-order Gauss-Markov: neighbours that are 0.5 s apart have a correlation of exp(-0.5 / 2).
 
     Three sensors with 1500 samples each are worth 4500 (1 - r)/(1 + r) = 560 independent ones, r = exp(-0.25).
