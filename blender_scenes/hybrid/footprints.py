@@ -26,24 +26,7 @@ class Footprints:
 
     def covered(self, tile: Tile) -> FloatImage:
         """Return the share (N, N, 1) of each texel, rows along y, that is inside of a body."""
-        count = tile.texels
-        begin, end = np.moveaxis((self._edges - tile.low) / tile.texel_m, 1, 0)
-        low, high = np.minimum(begin, end), np.maximum(begin, end)
-        near = (high[:, 1] > 0) & (low[:, 1] < count) & (low[:, 0] < count)
-        begin, end = begin[near, None], end[near, None]
-        y = (np.arange(count * _LINES) + 0.5) / _LINES
-        edge, line = np.nonzero((begin[..., 1] <= y) != (end[..., 1] <= y))
-        (x0, y0), (x1, y1) = begin[edge, 0].T, end[edge, 0].T
-        at = np.clip(x0 + (x1 - x0) * (y[line] - y0) / (y1 - y0), 0, count)
-        # Edges run counter-clockwise around a body: from an edge that runs down, all that follows along x is inside,
-        # up to an edge that runs up.
-        enters = np.where(y1 < y0, 1.0, -1.0)
-        texel = at.astype(int)
-        change = np.zeros((count * _LINES, count + 2))
-        np.add.at(change, (line, texel), enters * (1 - (at - texel)))
-        np.add.at(change, (line, texel + 1), enters * (at - texel))
-        inside = change.cumsum(axis=1)[:, :count].reshape(count, _LINES, count).mean(axis=1)
-        return np.clip(inside, 0, 1)[..., None].astype(np.float32)
+        return covered(self._edges, tile)
 
 
 def _outline(mesh: Mesh) -> Array:
@@ -67,3 +50,30 @@ def _is_closed(outline: Array) -> bool:
     """Return whether each edge ends where another one begins."""
     begins, ends = (sorted(map(tuple, np.round(outline[:, i], _DIGITS).tolist())) for i in (0, 1))
     return begins == ends
+
+
+def covered(edges: Array, tile: Tile) -> FloatImage:
+    """Return the share (N, N, 1) of each texel, rows along y, that is inside of areas.
+
+    Args:
+        edges: Begin and end (K, 2, 2) of the edges of the areas, counter-clockwise, in the coordinates of the tile.
+        tile: Tile.
+    """
+    count = tile.texels
+    begin, end = np.moveaxis((edges - tile.low) / tile.texel_m, 1, 0)
+    low, high = np.minimum(begin, end), np.maximum(begin, end)
+    near = (high[:, 1] > 0) & (low[:, 1] < count) & (low[:, 0] < count)
+    begin, end = begin[near, None], end[near, None]
+    y = (np.arange(count * _LINES) + 0.5) / _LINES
+    edge, line = np.nonzero((begin[..., 1] <= y) != (end[..., 1] <= y))
+    (x0, y0), (x1, y1) = begin[edge, 0].T, end[edge, 0].T
+    at = np.clip(x0 + (x1 - x0) * (y[line] - y0) / (y1 - y0), 0, count)
+    # Edges run counter-clockwise around an area: from an edge that runs down, all that follows along x is inside,
+    # up to an edge that runs up.
+    enters = np.where(y1 < y0, 1.0, -1.0)
+    texel = at.astype(int)
+    change = np.zeros((count * _LINES, count + 2))
+    np.add.at(change, (line, texel), enters * (1 - (at - texel)))
+    np.add.at(change, (line, texel + 1), enters * (at - texel))
+    inside = change.cumsum(axis=1)[:, :count].reshape(count, _LINES, count).mean(axis=1)
+    return np.clip(inside, 0, 1)[..., None].astype(np.float32)

@@ -16,6 +16,7 @@ from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
 from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, Passes, lies_on_the_floor
 from blender_scenes.blender_side.hybrid.sunlight import Sunlight, SunlightTracer
 from blender_scenes.hybrid.denoiser import Denoiser
+from blender_scenes.hybrid.floor_layers import FloorLayers
 from blender_scenes.hybrid.floor_light import without_noise
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
 from blender_scenes.hybrid.footprints import Footprints
@@ -103,6 +104,7 @@ class HybridRenderer:
         floor = [mesh for mesh in job.scene.meshes if lies_on_the_floor(mesh.name)]
         things = [mesh for mesh in job.scene.meshes if not lies_on_the_floor(mesh.name)]
         clear = {surface.name for surface in job.scene.surfaces if surface.transmission}
+        self._layers = FloorLayers(floor, GRID_TURN_RAD)
         self._footprints = Footprints([mesh for mesh in things if not clear & set(mesh.face_surface)])
         things += [_outline(panel) for panel in job.scene.panels if panel.seen]
         self._edges = EdgesInSight(camera, things, job.scene.moving, job.scene.robot_in_sight)
@@ -289,7 +291,7 @@ class HybridRenderer:
     def _reflectance_tile(self, tile: Tile) -> FloatImage:
         """Return (N, N, 6): reflectance, roughness, and x and y of the normal; (N, N, 4) for a floor without relief."""
         colour, data = self._scenes.reflectance(tile.widened())
-        texels = np.concatenate([colour, data[..., 2:]], axis=-1)[1:-1, 1:-1]
+        texels = self._layers.blended(tile, np.concatenate([colour, data[..., 2:]], axis=-1), data[..., 1])
         if not self._has_relief:
             return texels
         normal = normals(data[..., 0], data[..., 1], tile.texel_m)
