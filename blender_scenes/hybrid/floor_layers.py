@@ -27,7 +27,8 @@ class FloorLayers:
                 itself; its other surfaces are those of sheets.
             turn_rad: Angle of the tiles in W.
         """
-        (floor,), line = ([mesh for mesh in meshes if (mesh.name == "floor") == of_floor] for of_floor in (True, False))
+        (floor,) = (mesh for mesh in meshes if mesh.name == "floor")
+        line = [mesh for mesh in meshes if mesh is not floor]
         names = list(dict.fromkeys(name for mesh in meshes for name in mesh.face_surface))
         sheets = set(floor.face_surface) - {floor.face_surface[0]}
         lines = {name for mesh in line for name in mesh.face_surface}
@@ -55,10 +56,11 @@ class FloorLayers:
         upper = [np.isin(numbers, found) for _, found in self._layers]
         left, total, weights = np.ones_like(crossed, np.float32), np.zeros_like(inner), np.float32(1e-6)
         for cover, shown in zip([*covers, 1.0], [*upper, ~np.any(upper, axis=0)], strict=True):
-            count, mean = _mean_around(values, shown)
-            weight = np.where(count > 0, left * cover, 0)
-            total, weights, left = total + weight * mean, weights + weight, left * (1 - cover)
-        return np.where(crossed, total / weights, inner)
+            if shown.any():
+                total = total + left * cover * _around(values, shown)
+                weights = weights + left * cover
+            left = left * (1 - cover)
+        return np.where(crossed, total / weights, inner).astype(np.float32)
 
 
 def _edges(mesh: Mesh, names: set[str]) -> Array:
@@ -69,9 +71,12 @@ def _edges(mesh: Mesh, names: set[str]) -> Array:
     return np.array(mesh.vertices)[np.array(around, int).reshape(-1, 2), :2]
 
 
-def _mean_around(values: FloatImage, shown: np.ndarray) -> tuple[FloatImage, FloatImage]:
-    """Return (N, N, 1) how many of 3 x 3 samples (N+2, N+2, K) count, and their mean (N, N, K)."""
+def _around(values: FloatImage, shown: np.ndarray) -> FloatImage:
+    """Return the mean (N, N, K) of those of 3 x 3 samples (N+2, N+2, K) that count, or of all that count in the tile.
+
+    The second is for a gap between two tapes that lies between the samples.
+    """
     chosen = np.concatenate([np.where(shown[..., None], values, 0), shown[..., None]], axis=-1).astype(np.float32)
     sums = cv2.boxFilter(chosen, -1, (3, 3), normalize=False)[1:-1, 1:-1]
     count = sums[..., -1:]
-    return count, sums[..., :-1] / np.maximum(count, 1)
+    return np.where(count > 0, sums[..., :-1] / np.maximum(count, 1), values[shown].mean(axis=0))

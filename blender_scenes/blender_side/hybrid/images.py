@@ -64,8 +64,7 @@ _HEIGHTS = 16
 _BLENDED = 1 / 15
 """Share of the rows over which one light image blends into the other."""
 _LOW, _TIMES_LOW = 0.25, 2
-"""Share of the rows up to which the upper light image has that many times the samples: things there are mostly lit from
-behind, and more samples of few rows take little time."""
+"""Share of the rows up to which the upper light image has that many times the samples, which take little time there."""
 _WHOLLY, _MOSTLY = 0.99, 0.5
 _CORNERS = (0, 2, -3, -1)
 """Indices of the corners in `filter_points`."""
