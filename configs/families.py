@@ -173,6 +173,14 @@ class Family(Generic[Member]):
         """Forget the member of a file that was loaded."""
         sys.modules.pop(self._loaded.pop(Path(path).resolve()).member.__module__, None)
 
+    def fault_of(self, error: Exception) -> InputError | None:
+        """Return the message for an error that code of a loaded file led to; None where no such code was under way."""
+        for file in self._loaded.values():
+            if call := last_call(error, file.path):
+                what = f"{self.noun} file: in {call.name}: {type(error).__name__}: {error}"
+                return InputError(what, where=f"{file.path}:{call.lineno}")
+        return None
+
     def load_from_environment(self) -> None:
         """Load the files that the environment variable names.
 
@@ -205,8 +213,8 @@ class Family(Generic[Member]):
             spec.loader.exec_module(module)
         except (Exception, SystemExit) as error:  # a user's file may raise whatever it likes
             del sys.modules[name]
-            lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-            what, line = str(error), lines[-1] if lines else None
+            call = last_call(error, file)
+            what, line = str(error), call.lineno if call else None
             if isinstance(error, SyntaxError) and error.filename == str(file):
                 what, line = error.msg, error.lineno
             where = f"{file}:{line}" if line else str(file)
@@ -232,6 +240,12 @@ class Family(Generic[Member]):
             raise InputError(f"{self.noun} file", where=where, got=names, allowed=allowed)
         self.check(classes[0], place(classes[0]))
         return classes[0]
+
+
+def last_call(error: BaseException, file: str | Path) -> traceback.FrameSummary | None:
+    """Return function and line of a file that were under way at an error, the last one; None where none was."""
+    calls = [call for call in traceback.extract_tb(error.__traceback__) if call.filename == str(file)]
+    return calls[-1] if calls else None
 
 
 def _members_instead(error: BaseException) -> tuple[tuple[str, ...], str]:

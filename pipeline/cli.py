@@ -190,6 +190,10 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
             return _interrupted()
         if problem := extra_lacking(error) or lacking(error):
             return _fail(MACHINE_LACKS, one_line(problem))
+        from pipeline.user_code import fault_of_user_code  # noqa: PLC0415 - loads NumPy, which --help does not need
+
+        if fault := fault_of_user_code(error):
+            return _fail(BAD_INPUT, str(fault))
         traceback.print_exc()
         return _fail(BUG, "this is a bug in symolo; please report it with the lines above")
     return _interrupted() if code == INTERRUPTED else int(code or 0)

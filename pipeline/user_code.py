@@ -11,6 +11,7 @@ from configs.schema.scenario import RunSpec
 from physics.control.program import PROGRAM, VARIABLE, Program
 from physics.control.registry import CONTROLLERS
 from sensors.registry import SENSORS
+from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import sha256_of
 
 FAMILIES = (EFFECTS, SENSORS, CONTROLLERS)
@@ -27,6 +28,11 @@ def load_from_environment() -> None:
         family.load_from_environment()
     if command := os.environ.get(VARIABLE):
         PROGRAM.choose(command)
+
+
+def fault_of_user_code(error: Exception) -> InputError | None:
+    """Return the message for an error that code of a loaded file led to; None where it is a bug of this project."""
+    return next((fault for family in FAMILIES if (fault := family.fault_of(error))), None)
 
 
 def environment() -> dict[str, str]:

@@ -1,6 +1,5 @@
 """Runners of controllers: at each control tick a runner gets an observation and decides what the wheels do."""
 
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from configs.effects.robot_effects import RobotEffects
+from configs.families import last_call
 from configs.robot_controller import ChosenController, ControllerSettings
 from configs.schema.robot import RobotConfig
 from physics.control.base import Command, Observation, RobotController, Twist, Voltages
@@ -159,8 +159,6 @@ def _explained(name: str, when: str) -> Iterator[None]:
         file = CONTROLLERS.files.get(name)
         if file is None:
             raise
-        lines = [
-            frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file.path)
-        ]
-        place = f"{file.path.name}:{lines[-1]}" if lines else file.path.name
+        call = last_call(error, file.path)
+        place = f"{file.path.name}:{call.lineno}" if call else file.path.name
         raise RunFailed(one_line(f"controller {name} {when}: {place}: {type(error).__name__}: {error}")) from error

@@ -3,7 +3,6 @@
 `symolo effect check` and `tests/contracts/test_effects.py` use these rules.
 """
 
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -13,6 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from configs.effects.base import Effect, Setup
+from configs.families import last_call
 from configs.schema.robot import RobotConfig
 from pipeline.effects.calls import Call, frozen, numbers_in, rows_of
 from pipeline.effects.closest import SAME_SHARE, closest
@@ -73,10 +73,8 @@ def judged(trial: EffectTrial, rules: "Sequence[Rule] | None" = None) -> Iterato
 def place_and_text(error: BaseException, effect: type[Effect]) -> str:
     """Return the line of the effect's file where an error was raised, with its text."""
     text = f"{type(error).__name__}: {error}"
-    file = effect.apply.__code__.co_filename
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
-    if lines:
-        return f"apply fails in line {lines[-1]}: {text}"
+    if call := last_call(error, effect.apply.__code__.co_filename):
+        return f"apply fails in line {call.lineno}: {text}"
     if isinstance(error, TypeError) and "apply()" in text:
         how = f"`symolo effect new NAME --slot '{effect.slot}'` writes a file that takes them"
         return f"apply takes other arguments than this slot passes: {text}; {how}"

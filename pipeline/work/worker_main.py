@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Protocol
 
-from pipeline.user_code import load_from_environment
+from pipeline.user_code import fault_of_user_code, load_from_environment
 from pipeline.work.processors import cpu_class
 from pipeline.work.units import UNITS, AnyUnit, DiagnoseUnit, Progress, RenderUnit, SimulateUnit
 from symolo.core.child_process import ErrorKind, Failed, Finished, Owner
@@ -98,8 +98,9 @@ def diagnose_case(unit: DiagnoseUnit, on_progress: OnProgress) -> None:
     except Exception as error:
         if unit.alone or lacking(error):
             raise
-        if isinstance(error, InputError):
-            raise RunFailed(str(error)) from error
+        fault = error if isinstance(error, InputError) else fault_of_user_code(error)
+        if fault is not None:
+            raise RunFailed(str(fault)) from error
         # A bug that one case brings out is no reason to lose the others; its traceback is kept.
         make_folder(unit.folder)
         note = unit.folder / TRACEBACK
@@ -136,6 +137,8 @@ def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:
                 return Failed(error=kind, text=str(error))
         if cause := extra_lacking(error) or lacking(error):
             return Failed(error="environment", text=cause)
+        if fault := fault_of_user_code(error):
+            return Failed(error="input", text=str(fault))
         return Failed(error="bug", text=traceback.format_exc())
     return Finished()
 

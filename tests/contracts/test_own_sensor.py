@@ -17,6 +17,8 @@ from configs.loader import load_scenario
 from configs.validation.json_schema import scenario_json_schema
 from pipeline.stages.simulate import simulate
 from pipeline.user_code import environment, hashes_of_files
+from pipeline.work.units import SimulateUnit
+from pipeline.work.worker_main import do
 from sensors.build import build_sensors
 from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
@@ -366,3 +368,35 @@ def test_a_file_that_is_not_complete_is_refused_with_its_place_and_a_cure(tmp_pa
     with pytest.raises(InputError, match=message):
         SENSORS.load(written(tmp_path, TOY.replace(*change)))
     assert SENSORS.classes() == before
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("self.settings.height_m", "self.settings.hight_m"), r"35: sensor file: in sample: AttributeError: .*hight_m"),
+        # A mistake of the file may show only in the code of the project that it calls.
+        (("origin[None]", "None"), r"36: sensor file: in sample: TypeError: "),
+    ],
+)
+def test_an_error_in_its_code_is_one_line_with_its_place_and_no_bug_of_the_project(tmp_path, change, message):
+    path = written(tmp_path, TOY.replace(*change))
+    SENSORS.load(path)
+    try:
+        spec = drawn(f"{TRAVEL}=0.02", "stop.time_limit_s=0.1").model_dump_json()
+        unit = SimulateUnit(name="CW/test_1", folder=tmp_path / "run", spec=spec, key="0")
+        ended = do(unit, lambda *_: None)
+    finally:
+        SENSORS.unload(path)
+    assert (ended.error, len(ended.text.splitlines())) == ("input", 1)
+    assert re.match(rf"{path}:{message}", ended.text)
+
+
+def test_an_error_in_its_code_in_the_process_of_the_command_is_one_line_too(tmp_path, symolo):
+    faults = "        def faults(self):\n            return self.rate_hz\n\n    columns = ("
+    path = written(tmp_path, TOY.replace("    columns = (", faults))
+    try:
+        ended = symolo("--sensor-file", path, "plan", "smoke", "--set", f"{TRAVEL}=0.02")
+    finally:
+        SENSORS.unload(path)
+    assert (ended.code, len(ended.err.splitlines())) == (2, 1)
+    assert re.search(r"feeler\.py:\d+: sensor file: in faults: AttributeError: .*rate_hz", ended.err)
