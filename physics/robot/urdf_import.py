@@ -1,6 +1,7 @@
 """Import of a URDF file as the settings of a robot, with lists of what was read and what was assumed."""
 
 import math
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,8 +23,12 @@ _MIN_TRACK_M, _MAX_RISE = 1e-3, 0.05
 _SIDE_BY_SIDE = "two wheels side by side, on one level axle"
 _WHEEL_M = (0.001, 1.0)
 """Radius or diameter of a wheel that a plug-in may state."""
+_MAX_LISTED = 20
+"""Number of joints in a message."""
 _CASTERS = ("caster", "ball")
 _CAMERAS = ("camera",)
+_SENSORS = (*_CAMERAS, "lidar", "laser", "scan", "imu", "gyro", "sonar", "range", "depth", "gps", "bumper")
+"""Parts of the names of links that are sensors."""
 
 
 @dataclass
@@ -35,6 +40,14 @@ class ImportedRobot:
     """Sentences about what the file says."""
     assumed: list[str] = field(default_factory=list)
     """Sentences about what it does not say."""
+    ignored: list[str] = field(default_factory=list)
+    """Sentences about links that the robot does not have."""
+
+    def lists(self) -> Iterator[tuple[str, list[str]]]:
+        """Yield each list of sentences that is not empty, with its heading."""
+        for heading, sentences in (("read", self.read), ("assumed", self.assumed), ("not used", self.ignored)):
+            if sentences:
+                yield heading, sentences
 
 
 @dataclass(frozen=True)
@@ -75,6 +88,7 @@ class _Importer:
         self._origin = 0.5 * (left.center + right.center) - self._radius_m * z
         self._imported = ImportedRobot({"extends": "nominal", "scale": _rounded(self._track_m / NOMINAL_TRACK_M)})
         self._imported.settings["name"] = name
+        self._camera_link: UrdfLink | None = None
 
     def robot(self) -> ImportedRobot:
         imported = self._imported
@@ -83,6 +97,7 @@ class _Importer:
         self._chassis()
         self._camera()
         self._motor()
+        self._ignored()
         imported.assumed.append(
             f"gains of wheel loop and controller, line sensor and range sensors: those of the nominal robot, scaled by "
             f"{imported.settings['scale']:g}, the ratio of the tracks"
@@ -182,7 +197,7 @@ class _Importer:
         if not named:
             self._imported.assumed.append("camera: that of the nominal robot, scaled")
             return
-        link = min(named, key=lambda one: ("optical" in one.name.lower(), len(one.name)))
+        link = self._camera_link = min(named, key=lambda one: ("optical" in one.name.lower(), len(one.name)))
         x_m, y_m, z_m = self._in_R(link.X_root[:3, 3][None])[0].tolist()
         ahead = self._to_R @ link.X_root[:3, :3] @ np.array([1.0, 0.0, 0.0])
         pitch_deg = math.degrees(math.asin(max(-1.0, min(1.0, -float(ahead[2])))))
@@ -214,6 +229,19 @@ class _Importer:
         self._imported.read.append(f"motors: {torque_N_m:g} N m at rest, {speed_rad_s:g} rad/s without load")
         self._imported.assumed.append(f"{NOMINAL_LIMIT_V:g} V motors with a dry friction of 3 % of their torque")
 
+    def _ignored(self) -> None:
+        """List sensors, and links at the end of a branch that have neither mass nor shape and may stand for one."""
+        parents = {joint.parent for joint in self._tree.joints}
+        for link in self._others():
+            is_empty = link.mass_kg == 0.0 and not link.shapes
+            is_sensor = any(word in link.name.lower() for word in _SENSORS)
+            if link is self._camera_link or link.name in parents or not (is_empty or is_sensor):
+                continue
+            x_m, y_m, z_m = self._in_R(link.X_root[:3, 3][None])[0].tolist()
+            place = f"x {_place(x_m)} m, y {_place(y_m)} m, z {_place(z_m)} m"
+            what = "has neither mass nor shape" if is_empty else "gives the body mass and shape, and is no sensor"
+            self._imported.ignored.append(f"link {link.name} at {place}: {what}; sensors are keys of robot.sensors")
+
 
 def _pair(tree: UrdfTree, where: str, names: tuple[str, str] | None) -> tuple[_Wheel, _Wheel]:
     turning = {joint.name: joint for joint in tree.joints if joint.kind in TURNING and abs(joint.axis[2]) < _LEVEL}
@@ -242,6 +270,8 @@ def _likely_pair(turning: dict[str, UrdfJoint], where: str) -> tuple[str, str]:
                 break
     if len(pairs) != 1:
         cure = "name the joints with --wheels LEFT,RIGHT"
+        if turning:
+            cure += f"; joints that turn about a level axis are {', '.join([*turning][:_MAX_LISTED])}"
         if len(pairs) > 1:
             cure += "; a robot with four driven wheels cannot be simulated"
         got = f"{len(pairs)} pairs of wheels" + (f": {', '.join(left for left, _ in pairs)}" if pairs else "")
@@ -274,6 +304,10 @@ def _length_m(tree: UrdfTree, setting: str, where: str) -> float:
 
 def _rounded(value: float) -> float:
     return float(f"{value:.6g}") + 0.0
+
+
+def _place(metres: float) -> str:
+    return f"{round(metres, 4) + 0.0:g}"
 
 
 def _up(value: float) -> float:

@@ -72,6 +72,18 @@ def new_file_check(*suffixes: str, option: str = "--out") -> Callable[[Path], Pa
     return checked
 
 
+def absent_file_check(*suffixes: str) -> Callable[[Path], Path]:
+    """Return the same check of `--out` for a file that users change by hand, which is not replaced."""
+    check = new_file_check(*suffixes)
+
+    def checked(path: Path) -> Path:
+        if check(path).exists():
+            raise InputError("exists already", where=str(path), cure="name another file with --out, or remove this one")
+        return path
+
+    return checked
+
+
 checked_new_image = new_file_check(".jpg", ".png")
 
 

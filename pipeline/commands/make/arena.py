@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import checked_input, new_file_check, read_input
+from pipeline.commands.options import absent_file_check, checked_input, read_input
 from symolo.core.files.plain_files import FileKind
 
 HELP = "Import an arena from a drawing."
@@ -22,7 +22,7 @@ def import_(
     *,
     out: Annotated[
         Path,
-        typer.Option("--out", metavar="ARENA.yaml", callback=new_file_check(".yaml"), help="Arena file to write."),
+        typer.Option("--out", metavar="ARENA.yaml", callback=absent_file_check(".yaml"), help="Arena file to write."),
     ],
     width_m: Annotated[
         float | None,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.exit_codes import BAD_INPUT
-from pipeline.commands.options import Dataset, NewFolder, checked_input, if_given, new_file_check
+from pipeline.commands.options import Dataset, NewFolder, absent_file_check, checked_input, if_given
 from symolo.core.errors import InputError
 
 HELP = "Write and check an effect of your own, or look at those that there are."
@@ -29,7 +29,7 @@ def new(
         typer.Option(
             "--out",
             metavar="FILE.py",
-            callback=if_given(new_file_check(".py")),
+            callback=if_given(absent_file_check(".py")),
             help="File to write; by default NAME.py in this folder.",
         ),
     ] = None,
@@ -42,10 +42,8 @@ def new(
     from pipeline.effects.template_laws import LAWS
     from symolo.core.files.atomic_files import write_file
 
-    file = out or new_file_check(".py")(Path(f"{name}.py"))
+    file = out or absent_file_check(".py")(Path(f"{name}.py"))
     text = template(name, slot_named(_DEFAULT_SLOT if slot is None else slot))
-    if file.exists():
-        raise InputError("exists already", where=str(file), cure="name another file with --out, or remove this one")
     write_file(file, text.encode())
     if slot is None:
         others = ", ".join(sorted(one for one in LAWS if one != _DEFAULT_SLOT))

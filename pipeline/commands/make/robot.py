@@ -1,12 +1,13 @@
 """Commands for descriptions of robots: `symolo robot import`, `symolo robot show`."""
 
 import re
+import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import checked_input, new_file_check, read_input
+from pipeline.commands.options import absent_file_check, checked_input, read_input
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind
 
@@ -20,7 +21,7 @@ def import_(
     *,
     out: Annotated[
         Path,
-        typer.Option("--out", metavar="ROBOT.yaml", callback=new_file_check(".yaml"), help="Robot file to write."),
+        typer.Option("--out", metavar="ROBOT.yaml", callback=absent_file_check(".yaml"), help="Robot file to write."),
     ],
     wheels: Annotated[
         str | None,
@@ -37,7 +38,7 @@ def import_(
     from configs.loader import section_of
     from physics.robot.urdf_import import robot_from_urdf
     from physics.robot.urdf_tree import read_urdf
-    from pipeline.robot_file import robot_file_text
+    from pipeline.robot_file import arena_settings, robot_file_text
     from symolo.core.files.atomic_files import write_file
 
     name = re.sub(r"[^A-Za-z0-9_-]", "_", out.stem)[:64]
@@ -49,11 +50,12 @@ def import_(
     imported = robot_from_urdf(read_urdf(data, str(urdf)), name, str(urdf), pair)
     section_of("robot", imported.settings, f"{urdf}, imported")
     write_file(out, robot_file_text(imported, urdf.name).encode())
-    for heading, lines in (("read", imported.read), ("assumed", imported.assumed)):
+    for heading, lines in imported.lists():
         typer.echo(f"{heading}:")
         for line in lines:
             typer.echo(f"  - {line}")
-    typer.echo(f"{out}: try it with `symolo simulate smoke --set robot={out} --out data`")
+    settings = " ".join(f"--set {shlex.quote(setting)}" for setting in (f"robot={out}", *arena_settings(imported)))
+    typer.echo(f"{out}: try it with `symolo simulate smoke {settings} --out data`")
 
 
 def show(

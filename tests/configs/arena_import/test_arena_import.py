@@ -27,6 +27,9 @@ def test_the_example_is_a_closed_track_within_a_room(tmp_path, symolo):
     ended = symolo("arena", "import", EXAMPLE, "--out", out)
     assert ended.code == 0
     assert "9 walls, 1 room, 1 pillar, 1 obstacle, a line of 8 pieces" in ended.out
+    again = symolo("arena", "import", EXAMPLE, "--out", out)
+    assert again.code == 2
+    assert "track.yaml: exists already; name another file with --out, or remove this one" in again.err
     arena = Arena.from_config(_config(out))
     straights = [piece for piece in arena.line.pieces if isinstance(piece, Straight)]
     arcs = [piece for piece in arena.line.pieces if isinstance(piece, Arc)]

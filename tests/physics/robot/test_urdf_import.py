@@ -1,6 +1,7 @@
 """URDF files of other robots, with numbers that are known from their manuals or from our own configuration."""
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,28 @@ def test_our_own_robot_comes_back_from_its_urdf():
     assert robot["controller"] == nominal["controller"]
 
 
+def test_links_of_sensors_and_of_nothing_are_listed_with_their_places():
+    links = {
+        "base_scan": "<inertial><mass value='0.1'/></inertial>",
+        "imu_link": "",
+        "beacon": "",
+    }
+    added = "".join(
+        f"<link name='{name}'>{content}</link><joint name='to_{name}' type='fixed'><parent link='base_link'/>"
+        f"<child link='{name}'/><origin xyz='-0.032 0.01 0.172'/></joint>"
+        for name, content in links.items()
+    )
+    robot = imported(BURGER.replace("</robot>", added + "</robot>"))
+    # The base is 10 mm above the floor, and the axle in the middle of the base's frame.
+    place, cure = "at x -0.032 m, y 0.01 m, z 0.182 m", "sensors are keys of robot.sensors"
+    assert robot.ignored == [
+        f"link base_scan {place}: gives the body mass and shape, and is no sensor; {cure}",
+        f"link imu_link {place}: has neither mass nor shape; {cure}",
+        f"link beacon {place}: has neither mass nor shape; {cure}",
+    ]
+    assert imported(BURGER).ignored == []
+
+
 def test_limits_of_the_joints_are_motors():
     limited = BURGER.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><limit effort="0.5" velocity="12"/>')
     robot = imported(limited)
@@ -86,7 +109,7 @@ def test_a_plug_in_names_wheels_that_are_meshes():
     robot = imported(text.replace("</robot>", plugin))
     assert robot.settings["drive"]["wheel_diameter_m"] == pytest.approx(0.066)
     assert any("width of the wheels" in line for line in robot.assumed)
-    with pytest.raises(InputError, match=r"0 pairs of wheels.*--wheels LEFT,RIGHT"):
+    with pytest.raises(InputError, match=r"0 pairs of wheels.*--wheels LEFT,RIGHT; joints .* are port, starboard$"):
         imported(text)
     with pytest.raises(InputError, match=r"wheel wheel_left_link: no cylinder and no sphere.*wheel_radius"):
         imported(text, wheels=("port", "starboard"))
@@ -137,8 +160,19 @@ def test_the_command_writes_a_robot_that_drives(tmp_path, symolo):
     assert "read:\n  - wheels wheel_left_joint and wheel_right_joint" in ended.out
     assert out.read_text().startswith("# Imported from burger.urdf.\n# Read:\n")
     assert load_section("robot", str(out)).tree["name"] == "burger"
-    settings = [f"--set=robot={out}", "--set=stop.lap=false", "--set=stop.time_limit_s=1", "--workers=1"]
-    assert symolo("simulate", "smoke", *settings, "--out", tmp_path / "data").code == 0
+    changed = out.read_text() + "# changed by hand\n"
+    out.write_text(changed)
+    again = symolo("robot", "import", tmp_path / "burger.urdf", "--out", out)
+    assert (again.code, out.read_text()) == (2, changed)
+    assert "exists already; name another file with --out" in again.err
+    _, command, _ = ended.out.split("`")
+    words = shlex.split(command)
+    # The track is 8/7 of that of the nominal robot, for which arena and start were made.
+    assert words[:3] == ["symolo", "simulate", "smoke"]
+    assert {"arena={extends: symolo, scale: 1.14286}", f"robot={out}"} < {*words}
+    assert "start: {x_m: 0.6286, y_m: -0.2286, yaw_deg: -90}" in command
+    settings = ["--set=stop.lap=false", "--set=stop.time_limit_s=1", "--workers=1"]
+    assert symolo(*words[1:-1], tmp_path / "data", *settings).code == 0
     assert symolo("robot", "import", tmp_path / "burger.urdf", "--out", tmp_path / "x.yaml", "--wheels=a").code == 2
     shown = symolo("robot", "show", "micromouse")
     assert "track_m: 0.07\n" in shown.out
