@@ -4,6 +4,7 @@ import numpy as np
 
 from logs.drive import COUNTED
 from logs.mapping import MAPPING, Source
+from logs.times import usual_step
 from symolo.core.arrays import Array
 
 COUNTERS = tuple(2.0**bits for bits in (8, 10, 12, 13, 14, 15, 16, 24, 32))
@@ -17,6 +18,8 @@ TYPICAL = 0.99
 MAX_STEPS = 3.0
 JUMP, JUMP_TICKS = 20.0, 100.0
 """Steps of a counter that stand out: so many times a typical one, and at least so many counts."""
+MOVING = 0.9
+"""Share of the steps of a turning wheel that are no jumps: one that jumps more often has no steps so much smaller."""
 
 
 def running_counts(numbers: Array, source: Source, name: str, notes: list[str]) -> Array:
@@ -26,7 +29,7 @@ def running_counts(numbers: Array, source: Source, name: str, notes: list[str]) 
         numbers: (N,), as the log has them, NaN where one is missing.
         source: Entry of the mapping for the column.
         name: Name of the quantity.
-        notes: List to which a sentence is added for each change, and for each guess that the user has to check.
+        notes: List to which a sentence is added for each change.
     """
     if name not in COUNTED:
         return numbers
@@ -35,11 +38,6 @@ def running_counts(numbers: Array, source: Source, name: str, notes: list[str]) 
     counts, wraps_at = unwrapped(numbers, source.wraps_at)
     if wraps_at:
         notes.append(f"{source.column} wraps at {wraps_at:.0f} and is continued beyond it")
-    elif far := jump(counts):
-        notes.append(
-            f"CHECK {source.column}: it jumps by {far:.0f} from one row to the next; if its counter begins again "
-            f"there, give wraps_at in {MAPPING}"
-        )
     return counts
 
 
@@ -87,14 +85,33 @@ def unwrapped(counts: Array, wraps_at: float = 0.0) -> tuple[Array, float]:
     return counts, 0.0
 
 
-def jump(counts: Array) -> float:
-    """Return the largest step between two rows of running counts, if it stands out; else 0."""
-    steps = np.diff(counts[np.isfinite(counts)])
+def jump_note(column: str, counts: Array, t_s: Array) -> str:
+    """Return a sentence if running counts of a column jump; else an empty string."""
+    far = jump(counts, t_s)
+    if not far:
+        return ""
+    return (
+        f"{column}: it jumps by {far:.0f} from one row to the next; if its counter begins again there, give wraps_at "
+        f"in {MAPPING}"
+    )
+
+
+def jump(counts: Array, t_s: Array) -> float:
+    """Return the largest step between two rows of running counts, if it stands out; else 0.
+
+    Args:
+        counts: (N,), NaN where one is missing.
+        t_s: (N,), times of the rows; over a gap of time, a wheel turns farther.
+    """
+    known = np.isfinite(counts) & np.isfinite(t_s)
+    steps, steps_s = np.diff(counts[known]), np.diff(t_s[known])
+    steps, steps_s = steps[steps_s > 0.0], steps_s[steps_s > 0.0]
     if not len(steps):
         return 0.0
-    largest = float(steps[np.argmax(np.abs(steps))])
-    typical = max(float(np.quantile(np.abs(steps), TYPICAL)), 1.0)
-    return largest if abs(largest) > max(JUMP * typical, JUMP_TICKS) else 0.0
+    sizes = np.abs(steps) / np.maximum(steps_s / usual_step(steps_s), 1.0)
+    largest = int(np.argmax(sizes))
+    typical = float(np.quantile(sizes[sizes > 0.0], MOVING)) if sizes.any() else 0.0
+    return float(steps[largest]) if sizes[largest] > max(JUMP * typical, JUMP_TICKS) else 0.0
 
 
 def are_per_row(counts: Array, speed: Array) -> bool:

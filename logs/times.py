@@ -1,11 +1,39 @@
-"""The usual step between the times of a log."""
+"""The usual step between the times of a log, gaps, and times that go back."""
 
 import numpy as np
 
 from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+from symolo.core.progress import plural
 
 
 def usual_step(steps_s: Array) -> float:
     """Return the median of steps [s]."""
     # Of two steps in the middle the shorter counts, so that a gap is never the usual step.
     return float(np.sort(steps_s)[(len(steps_s) - 1) // 2])
+
+
+def gap_note(t_s: Array, min_steps: float) -> str:
+    """Return a sentence about gaps of time; empty if there is none.
+
+    Args:
+        t_s: (N,), increasing times.
+        min_steps: Smallest gap, as a multiple of the usual step.
+    """
+    steps_s = np.diff(t_s)
+    usual_s = usual_step(steps_s) if len(steps_s) else 0.0
+    gaps = np.flatnonzero(steps_s > min_steps * usual_s)
+    if not len(gaps):
+        return ""
+    longest = int(gaps[np.argmax(steps_s[gaps])])
+    return (
+        f"rows are usually {usual_s:.4g} s apart, but {plural(len(gaps), 'gap')} of time"
+        f" {'is' if len(gaps) == 1 else 'are'} more than {min_steps:g} times as long;"
+        f" the longest gap is {steps_s[longest]:.4g} s, from t = {t_s[longest] - t_s[0]:.3f} s on"
+    )
+
+
+def goes_back(by_s: float, where: str) -> InputError:
+    """Return the error for a row of a log whose time is earlier than that of the row above."""
+    cure = "sort the rows by time, or make each part a log of its own"
+    return InputError(f"the time goes back by {by_s:.4g} s", where=where, cure=cure)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.importers.cases.case import case_importer, scale_note
+from diagnosis.importers.cases.drive_checks import drive_checks
 from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.measured.case_format import RANGE_SIDES
@@ -40,19 +41,17 @@ def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
     with faults.noted():
         nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
     faults.check()
-    return [*_left_out(nominal, measurement), *_travel_notes(nominal, measurement)]
+    units = _travel_notes(nominal, measurement)
+    checks = drive_checks(nominal, measurement, has_wrong_unit=bool(units))
+    return [*_left_out(nominal, measurement), *units, *checks]
 
 
 def _left_out(nominal: NominalDrive, measurement: Measurement) -> list[str]:
     """Return a note for each stage that is not compared because nominal.yaml lacks a section."""
-
-    def has(name: str) -> bool:
-        return any(channel.is_offered for channel in measurement.across(name))
-
     notes = []
-    if nominal.motor is None and has("u_left_V"):
+    if nominal.motor is None and measurement.has("u_left_V"):
         notes.append("nominal.yaml has no section motor: speeds are not compared with voltages")
-    ranges = [side for side in RANGE_SIDES if has(f"tof_{side}_m")]
+    ranges = [side for side in RANGE_SIDES if measurement.has(f"tof_{side}_m")]
     lacking = [name for name, section in (("tof", nominal.tof), ("world", nominal.world)) if section is None]
     if ranges and lacking:
         notes.append(f"nominal.yaml has no section {' and '.join(lacking)}: ranges are not compared")

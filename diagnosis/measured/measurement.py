@@ -11,8 +11,10 @@ from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
 from symolo.core.time_series import TimeSeries
 
-CHECK_UNIT = "CHECK THE UNIT"
-"""Words in each note about a column that is probably in another unit."""
+CHECK = "CHECK"
+"""First word of each note about data that are probably wrong, so that a user has to check them."""
+CHECK_UNIT = f"{CHECK} THE UNIT"
+"""First words of each note about a column that is probably in another unit."""
 
 
 class CaseKind(TextEnum):
@@ -125,9 +127,13 @@ class Measurement:
         return sum(len(trial.t_s) for trial in self.trials)
 
     @property
-    def unit_warnings(self) -> tuple[str, ...]:
-        """Return the notes about columns that are probably in another unit."""
-        return tuple(note for note in self.notes if CHECK_UNIT in note)
+    def checks(self) -> tuple[str, ...]:
+        """Notes about what is probably wrong in the data."""
+        return tuple(note for note in self.notes if note.startswith(CHECK))
+
+    def has(self, *names: str) -> bool:
+        """Return whether all of these channels were logged."""
+        return all(any(channel.is_offered for channel in self.across(name)) for name in names)
 
     @property
     def heldout_rows(self) -> int:

@@ -149,8 +149,10 @@ def overview(measurement: Measurement) -> list[str]:
         lines.append(f"read from {first}{f' and {len(more)} more' if more else ''}")
     if not summary.has_nominal:
         lines.append("nominal parameters: none came with the data")
+    lines += measurement.checks
     lines += ["", *_trial_lines(summary), "", *_channel_lines(summary)]
-    lines += ["", *(f"note: {note}" for note in summary.notes)] if summary.notes else []
+    notes = [note for note in summary.notes if note not in measurement.checks]
+    lines += ["", *(f"note: {note}" for note in notes)] if notes else []
     return lines
 
 

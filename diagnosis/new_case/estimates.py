@@ -6,19 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.measurement import CaseKind, Measurement, Trial
-from diagnosis.measured.noise import trimmed_variance
+from diagnosis.measured.measurement import CaseKind, Measurement
+from diagnosis.measured.pose_by_ticks import MIN_ROWS, PoseByTicks
 from diagnosis.motor_identification import least_squares
-from diagnosis.new_case.known_numbers import has
 from diagnosis.predictors.rows import good_values
 from symolo.core.arrays import Array
 
-MIN_ROWS = 20
-"""Number of rows from which an equation is fitted; with fewer, the shipped robot's numbers are used."""
 SMALLEST, LARGEST = 1e-4, 1e6
 """Bounds of an estimate; anything else comes from values that no robot has."""
-MIN_SHARE = 0.5
-"""Share that the ticks explain of the motion of a robot, below which poses and ticks do not belong together."""
 MOVING_RAD_S = 0.3
 """Speed above which friction is that of a moving motor."""
 
@@ -33,81 +28,9 @@ class _Motion:
     current_A: Array | None
 
 
-@dataclass(frozen=True)
-class PoseByTicks:
-    """How the pose moves with the ticks, by least squares over all rows."""
-
-    m_per_tick: float
-    """Distance forward for a change of the mean of both ticks by one."""
-    rad_per_tick: float
-    """Turn for a change of the difference of the ticks, right minus left, by one."""
-    pose_xy_m: float
-    """Standard deviation of the noise of x_m and y_m in one row [m]."""
-    pose_theta_rad: float
-    """Standard deviation of the noise of theta_rad in one row [rad]."""
-    forward_share: float
-    """Sum of squares of the steps by the ticks, as a share of that of the steps of the pose."""
-    turn_share: float
-    """Sum of squares of the turns by the ticks, as a share of that of the turns of the pose."""
-
-
-def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
-    """Return how the pose moves with the ticks; None if one of them is not logged, or nothing moves."""
-    if not has(measurement, "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad"):
-        return None
-    steps = np.concatenate([_steps(trial) for trial in measurement.trials])
-    steps = steps[np.isfinite(steps).all(axis=1)]
-    forward_m, turn_rad, ticks, more_right, _ = steps.T
-    if len(steps) < MIN_ROWS or not ticks.any() or not more_right.any():
-        return None
-    (m_per_tick,), (rad_per_tick,) = least_squares([ticks], forward_m), least_squares([more_right], turn_rad)
-    if m_per_tick == 0.0 or rad_per_tick == 0.0:
-        return None
-    # Two poses make a step, and outliers of the tracker shall not count.
-    followed = (m_per_tick * ticks, rad_per_tick * more_right)
-    left = (forward_m - followed[0], turn_rad - followed[1])
-    sds = [float(np.sqrt(trimmed_variance(each) / 2.0)) for each in left]
-    shares = [
-        float(each @ each) / max(float(whole @ whole), 1e-30)
-        for each, whole in zip(followed, (steps[:, 4], turn_rad), strict=True)
-    ]
-    return PoseByTicks(m_per_tick, rad_per_tick, *sds, *shares)
-
-
-def contradictions(moved: PoseByTicks) -> list[str]:
-    """Return a sentence for each sign that poses and ticks do not belong together as they are mapped."""
-    lines = []
-    if moved.turn_share < MIN_SHARE:
-        lines.append("theta_rad does not follow the wheels: check the columns of left and right, heading and time")
-    elif moved.rad_per_tick < 0.0:
-        lines.append(
-            "theta_rad turns against the wheels: exchange left and right, or give theta_rad (and y_m, if y points to "
-            "the right) factor: -1"
-        )
-    elif moved.forward_share < MIN_SHARE:
-        lines.append(
-            "x_m and y_m do not move where theta_rad points: its zero must be along +x, and it must count from x to y"
-        )
-    elif moved.m_per_tick < 0.0:
-        lines.append("the pose moves backwards while the ticks grow: give both columns of ticks factor: -1")
-    return lines
-
-
-def _steps(trial: Trial) -> Array:
-    """Return distance forward [m], turn [rad], mean ticks, right minus left ticks, and distance [m] from each row to
-    the next, (N - 1, 5).
-    """
-    names = ("x_m", "y_m", "theta_rad", "enc_left_ticks", "enc_right_ticks")
-    columns = np.stack([trial[name].values for name in names])
-    x, y, turn, left, right = columns[:, 1:] - columns[:, :-1]
-    middle = 0.5 * (columns[2, 1:] + columns[2, :-1])
-    forward = x * np.cos(middle) + y * np.sin(middle)
-    return np.stack([forward, turn, 0.5 * (left + right), right - left, np.hypot(x, y)], axis=1)
-
-
 def wheels_of(moved: PoseByTicks | None, known: dict[str, float]) -> dict[str, float]:
     """Return diameter, track or ticks, as far as they follow from counts, poses and the known ones of them."""
-    if moved is None or contradictions(moved):
+    if moved is None or not moved.is_explained:
         return {}
     result = {"track_m": moved.m_per_tick / moved.rad_per_tick}
     if "ticks_per_turn" in known:
@@ -165,7 +88,7 @@ def _moving(measurement: Measurement, known: dict[str, float]) -> _Motion | None
     else:
         u, w = good_values(measurement, "u_cmd_V"), good_values(measurement, "omega_rad_s")
         a = np.concatenate([_slope(trial["omega_rad_s"].values, trial.t_s) for trial in measurement.trials])
-        current = good_values(measurement, "current_A") if has(measurement, "current_A") else None
+        current = good_values(measurement, "current_A") if measurement.has("current_A") else None
     usable = np.isfinite(u + w) & (np.abs(w) > MOVING_RAD_S)
     if measurement.kind is not CaseKind.MOTOR_STEADY:
         usable &= np.isfinite(a)

@@ -59,11 +59,6 @@ def _mount(side: str) -> tuple[KnownNumber, ...]:
     )
 
 
-def has(measurement: Measurement, *names: str) -> bool:
-    """Return whether all of these channels were logged."""
-    return all(any(channel.is_offered for channel in measurement.across(name)) for name in names)
-
-
 def numbers_of(measurement: Measurement) -> tuple[KnownNumber, ...]:
     """Return the numbers that matter for what was logged."""
     match measurement.kind:
@@ -79,12 +74,12 @@ def numbers_of(measurement: Measurement) -> tuple[KnownNumber, ...]:
 
 def _of_drive(measurement: Measurement) -> Sequence[KnownNumber]:
     numbers: list[KnownNumber] = []
-    has_pose = has(measurement, "x_m", "y_m", "theta_rad")
-    if has(measurement, "enc_left_ticks", "enc_right_ticks"):
+    has_pose = measurement.has("x_m", "y_m", "theta_rad")
+    if measurement.has("enc_left_ticks", "enc_right_ticks"):
         numbers += [_TICKS, *(_WHEELS if has_pose else ())]
-        if has(measurement, "u_left_V", "u_right_V"):
+        if measurement.has("u_left_V", "u_right_V"):
             numbers += [*_MOTOR, _INERTIA]
-    sides = [side for side in RANGE_SIDES if has(measurement, f"tof_{side}_m")]
+    sides = [side for side in RANGE_SIDES if measurement.has(f"tof_{side}_m")]
     if has_pose and sides:
         numbers += [*_ROOM, _MAX_RANGE, *(number for side in sides for number in _mount(side))]
     return numbers

@@ -10,8 +10,7 @@ from diagnosis.measured.case_format import DATA, RANGE_SIDES, VOLTAGES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NOMINAL
 from diagnosis.measured.write_case import csv_of, voltages_of
-from diagnosis.new_case.estimates import contradictions, pose_by_ticks
-from diagnosis.new_case.known_numbers import KnownNumber, has, missing, numbers_of
+from diagnosis.new_case.known_numbers import KnownNumber, missing, numbers_of
 from diagnosis.new_case.nominal_text import compared_sides, nominal_text
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.rows import measurement_of
@@ -89,7 +88,7 @@ class NewCase:
             CaseKind.MOTOR_STEADY: ("current_A", "omega_rad_s"),
             CaseKind.MOTOR_STEP: ("current_A", "omega_rad_s"),
         }.get(self.measurement.kind, ("reading_m",))
-        logged = [name for name in names if has(self.measurement, name)]
+        logged = [name for name in names if self.measurement.has(name)]
         return [
             f"compared: {', '.join(logged)}",
             *(f"not compared: {name}, because it was not logged" for name in names if name not in logged),
@@ -98,27 +97,22 @@ class NewCase:
     def _of_drive(self) -> Sequence[str]:
         lines = []
         for title, needs in _STAGES.items():
-            lacking = [name for channels, name in needs if not has(self.measurement, *channels)]
+            lacking = [name for channels, name in needs if not self.measurement.has(*channels)]
             reason = f", because the log lacks {' and '.join(lacking)}" if lacking else ""
             lines.append(f"{'not compared' if lacking else 'compared'}: {title}{reason}")
         sides = compared_sides(self.measurement, self.known)
         for side in RANGE_SIDES:
             if side in sides:
                 lines.append(f"compared: range of the {side} sensor")
-            elif has(self.measurement, f"tof_{side}_m"):
+            elif self.measurement.has(f"tof_{side}_m"):
                 keys = ["room_x_m", "room_y_m", *(f"{side}_{end}" for end in ("x_m", "y_m", "yaw_deg"))]
                 lacking = [key for key in keys if key not in self.known]
-                has_pose = has(self.measurement, "x_m", "y_m", "theta_rad")
+                has_pose = self.measurement.has("x_m", "y_m", "theta_rad")
                 reason = f"{', '.join(lacking)} not given" if has_pose else "the log lacks poses"
                 lines.append(f"not compared: range of the {side} sensor, because {reason}")
-        if not any(has(self.measurement, f"tof_{side}_m") for side in RANGE_SIDES):
+        if not any(self.measurement.has(f"tof_{side}_m") for side in RANGE_SIDES):
             lines.append("not compared: ranges, because the log lacks them")
         return lines
-
-    def contradictions(self) -> list[str]:
-        """Return one sentence for each sign that columns or signs are mixed up."""
-        moved = pose_by_ticks(self.measurement) if self.measurement.kind is CaseKind.DRIVE_LOG else None
-        return [] if moved is None else contradictions(moved)
 
     def unknown(self) -> list[str]:
         """Return one line for each number that was not given, with what it would allow the diagnosis to name."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
+from diagnosis.measured.pose_by_ticks import pose_by_ticks
 from diagnosis.measured.screening import noise_of
 from diagnosis.measured.sweep_noise import noise_of_sweeps
-from diagnosis.new_case.estimates import contradictions, motor_of, pose_by_ticks, speed_noise, wheels_of
-from diagnosis.new_case.known_numbers import has
+from diagnosis.new_case.estimates import motor_of, speed_noise, wheels_of
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
 from logs.times import usual_step
@@ -145,7 +145,7 @@ def _range_noise(prefix: str) -> Iterator[str]:
 
 
 def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
-    has_ticks = has(measurement, "enc_left_ticks", "enc_right_ticks")
+    has_ticks = measurement.has("enc_left_ticks", "enc_right_ticks")
     usual_wheels = {"wheel_diameter_m": USUAL_DIAMETER_M, "track_m": USUAL_TRACK_M}
     if not has_ticks:
         known = {"ticks_per_turn": 1000.0, **usual_wheels} | known
@@ -162,7 +162,7 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
             cure="give it with --set ticks_per_turn=NUMBER: pulses of the encoder, times edges, times gear ratio",
         )
     known = usual_wheels | known
-    if has_ticks and has(measurement, "u_left_V", "u_right_V"):
+    if has_ticks and measurement.has("u_left_V", "u_right_V"):
         motor = {key: value for key, value in known.items() if key in {*given, "ticks_per_turn"}}
         yield from _motor(measurement, motor, list(USUAL_MOTOR), gear=False)
     yield "robot:"
@@ -180,7 +180,7 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     yield from _ranges(measurement, known)
     yield "noise:  # standard deviations; a factor of two off does no harm"
     yield f"  wheel_speed_rad_s: {speed_noise(known['ticks_per_turn']):.3g}  # rounding to ticks, and disturbances"
-    if moved is None or contradictions(moved):
+    if moved is None or not moved.is_explained:
         yield "  pose_xy_m: 0.001  # a usual value"
         yield "  pose_theta_rad: 0.003  # a usual value"
     else:
@@ -217,10 +217,10 @@ def _ranges(measurement: Measurement, known: Mapping[str, float]) -> Iterator[st
 
 def compared_sides(measurement: Measurement, known: Mapping[str, float]) -> list[str]:
     """Return the range sensors whose readings can be predicted: logged, with pose, mount and room."""
-    if not has(measurement, "x_m", "y_m", "theta_rad") or not {"room_x_m", "room_y_m"} <= set(known):
+    if not measurement.has("x_m", "y_m", "theta_rad") or not {"room_x_m", "room_y_m"} <= set(known):
         return []
     return [
         side
         for side in RANGE_SIDES
-        if has(measurement, f"tof_{side}_m") and {f"{side}_x_m", f"{side}_y_m", f"{side}_yaw_deg"} <= set(known)
+        if measurement.has(f"tof_{side}_m") and {f"{side}_x_m", f"{side}_y_m", f"{side}_yaw_deg"} <= set(known)
     ]

@@ -15,10 +15,11 @@ from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
 from logs.counts import running_counts
 from logs.log_file import LogFile
-from logs.mapping import MAPPING, LogMapping
+from logs.mapping import MAPPING, LogMapping, Source
+from logs.possible_motion import check_motion, larger_time_unit
 from logs.proposal import unit_faults
-from logs.times import usual_step
-from logs.units import factor_to
+from logs.times import goes_back, usual_step
+from logs.units import factor_to, unit_of
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.progress import plural
@@ -77,6 +78,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         notes.append("no times were logged: rows count as taken long after the device was switched on")
     parts = _trials(values, words, kind, log, notes)
     if kind is CaseKind.DRIVE_LOG:
+        _check_motion(parts, mapping.columns["t_s"], log)
         parts = [_unwrapped(part, "theta_rad") for part in parts]
         parts = _at_sample_times(parts, notes)
     if kind is CaseKind.MOTOR_STEP:
@@ -135,12 +137,15 @@ def _trials(
     """Return the trials: those of the column, or else a new one wherever the time goes back.
 
     Raises:
-        InputError: The time goes back within a trial, or on a range bench, which has one trial only.
+        InputError: The time goes back within a trial, at most rows, or on a range bench, which has one trial only.
     """
     t_s = values["t_s"]
     group = values.get("trial", values.get("sweep"))
     steps = np.diff(t_s)
     new = steps < 0.0 if group is None else np.diff(group) != 0.0
+    if group is None and 2 * np.count_nonzero(new) > len(steps):
+        first = int(np.argmax(new))
+        raise goes_back(float(-steps[first]), f"{log.path}: row {first + 3}")
     if kind is CaseKind.TOF_BENCH and new.any():
         cure = f"sort the rows by time, or leave t_s out of {MAPPING}"
         raise InputError("the time goes back", where=f"{log.path}: row {int(np.argmax(new)) + 3}", cure=cure)
@@ -166,6 +171,19 @@ def _trials(
             )
         )
     return parts
+
+
+def _check_motion(parts: Sequence[_Rows], times: Source, log: LogFile) -> None:
+    """Refuse a drive whose times are in a larger unit than was taken."""
+    unit = larger_time_unit(unit_of(times.unit))
+    cure = "are the times in a larger unit, or the places in a smaller one?"
+    if unit:
+        cure = f"if the times are in {unit}, write unit: {unit} for t_s"
+    cure = f"{cure} in a {MAPPING} (docs/case_from_log.md), and give it with --mapping"
+    for part in parts:
+        absent = np.full(len(part.t_s), np.nan)
+        place = np.column_stack([part.values.get(name, absent) for name in ("x_m", "y_m")])
+        check_motion(part.t_s, place, lambda _row: str(log.path), cure, column=times.column)
 
 
 def _at_sample_times(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows]:

@@ -44,7 +44,7 @@ def wrap(text: str, width: int, **settings: Any) -> list[str]:  # noqa: ANN401 -
 def summary(data: ReportData) -> list[str]:
     """Return the lines: verdict, effects, alternatives, what remains unexplained, gain."""
     diagnosis = data.diagnosis
-    lines = [summary_line(diagnosis.measurement), *_unit_warnings(data), "", *wrap(headline(diagnosis), WIDTH)]
+    lines = [summary_line(diagnosis.measurement), *_warnings(data), "", *wrap(headline(diagnosis), WIDTH)]
     lines += wrap(why_no_name(diagnosis), WIDTH)
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
         lines += ["", *_effect(named, ablation, data.intervals.get(named.effect.name, {}))]
@@ -69,10 +69,10 @@ def summary(data: ReportData) -> list[str]:
     return lines
 
 
-def _unit_warnings(data: ReportData) -> Iterator[str]:
-    for text in data.diagnosis.measurement.unit_warnings:
+def _warnings(data: ReportData) -> Iterator[str]:
+    for text in data.diagnosis.measurement.checks:
         yield ""
-        warning = f"warning: {text}. If the unit is wrong, so is everything below."
+        warning = f"warning: {text}. If the log is wrong there, so is everything below."
         yield from wrap(warning, WIDTH, break_on_hyphens=False)
 
 

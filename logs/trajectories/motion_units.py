@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 
 from logs.plausible_units import OTHER_UNITS
+from logs.possible_motion import LONGEST_STEP_S, SHORTEST_STEP_S
 from logs.times import usual_step
 from logs.trajectories.path_direction import MAX_UNJUDGED_CHORDS, angle_to_path, chords
 from symolo.core.arrays import Array
@@ -18,8 +19,6 @@ from symolo.core.arrays import Array
 USUAL_M_S = 0.3
 """Speed of a small robot; of several units that are possible, that with the speed nearest to it is taken."""
 SLOWEST_M_S, FASTEST_M_S = 0.005, 5.0
-SHORTEST_STEP_S, LONGEST_STEP_S = 2e-4, 5.0
-"""Steps between the rows of a log."""
 WIDEST_M = 100.0
 _MIN_MARGIN_RAD = math.radians(5.0)
 """Smallest difference by which headings must follow the path better in one unit than in the other."""

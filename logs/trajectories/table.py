@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from logs.counts import running_counts
-from logs.drive import DRIVE_TABLE
+from logs.counts import jump_note, running_counts
+from logs.drive import COUNTED, DRIVE_TABLE
 from logs.log_file import LogFile, read_log
 from logs.mapping import LogMapping, Source, check_mapping, read_mapping, unused_columns
 from logs.proposal import Proposal, missing, propose_as, unit_faults
 from logs.recognition import first_line, is_file
+from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.motion_units import heading_unit, per_unit, time_and_length
 from logs.trajectories.path_direction import headings_along
@@ -128,6 +129,9 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
     values = table.values(notes)
     rows, changes = _usable_rows(values, table)
     values = {name: column[rows] for name, column in values.items()}
+    sources = table.mapping.columns
+    jumps = [jump_note(sources[name].column, values[name], values["t_s"]) for name in COUNTED if name in values]
+    notes += [f"CHECK {jump}" for jump in jumps if jump]
     pose, quantities, lost, warnings, guesses = _poses(values, table, settings)
     others = (*_drive(values), *_others(table, rows))
     return [
@@ -162,8 +166,7 @@ def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.n
     back = np.flatnonzero(steps < 0.0)
     if len(back):
         row = int(rows[int(back[0]) + 1])
-        where, cure = f"{table.log.path}: row {row + 2}", "sort the rows by time, or import each part as its own log"
-        raise InputError(f"the time goes back by {-steps[back[0]]:.4g} s", where=where, cure=cure)
+        raise goes_back(float(-steps[back[0]]), f"{table.log.path}: row {row + 2}")
     repeated = np.concatenate(([False], steps == 0.0))
     if repeated.any():
         changes.append(f"left out: {plural(np.count_nonzero(repeated), 'row')} with the time of the row above")

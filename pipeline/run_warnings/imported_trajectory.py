@@ -1,11 +1,12 @@
 """Suspicious properties of an imported trajectory, with the unit that is suspected."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
-from logs.times import usual_step
+from logs.possible_motion import MAX_PATH_WIDTH_M, Where, check_motion
+from logs.times import gap_note
 from logs.trajectories.path_direction import (
     EXPLAINED_RAD,
     MAX_UNJUDGED_CHORDS,
@@ -15,13 +16,7 @@ from logs.trajectories.path_direction import (
 )
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.progress import plural
 
-Where = Callable[[int], str]
-"""Returns the place of a row for messages, such as `data.csv:7`."""
-
-MAX_POSSIBLE_M_S = 10.0
-"""Largest speed that a small robot can have; most drive at 0.1 to 1 m/s, which seconds turn into 100 or more."""
 MAX_USUAL_M_S = 3.0
 """Largest speed that a small robot usually has."""
 MIN_USUAL_M_S = 0.002
@@ -29,8 +24,6 @@ MIN_USUAL_M_S = 0.002
 it."""
 MAX_USUAL_RAD_S = 15.0
 """Largest rate of turn that a small robot usually has."""
-MAX_PATH_WIDTH_M = 100.0
-"""Width of a path from which on a robot that is too fast has places in millimetres, rather than times in seconds."""
 MAX_PLACE_M = 1.1e7
 """Largest coordinate of a place; that of UTM, from the equator to a pole, is 1e7."""
 MIN_PATH_M = 0.01
@@ -59,21 +52,13 @@ def check_possible(t_s: Array, pose: Array, at: Where, *, in_milliseconds: bool)
         x_m, y_m = pose[row, :2].tolist()
         raise InputError(f"x = {x_m:g}, y = {y_m:g} m is no place on Earth", where=at(row), cure="remove the row")
     _check_headings(pose, at)
-    ways = np.hypot(*np.diff(pose[:, :2], axis=0).T)
-    moves = np.flatnonzero(ways > 0.0)
-    # The median counts, so that a jump is no reason.
-    if len(moves) and (speed := float(np.median(ways[moves] / np.diff(t_s)[moves]))) > MAX_POSSIBLE_M_S:
-        column = "t"
-        cure = "are the times in a larger unit, or the places in a smaller one? name their units in a mapping file"
-        if in_milliseconds:
-            cure = "give t in milliseconds; this looks like seconds: multiply it by 1000"
-            if float(np.ptp(pose[:, :2], axis=0).max()) > MAX_PATH_WIDTH_M:
-                column, cure = "x", "give x and y in metres; this looks like millimetres: divide them by 1000"
-        raise InputError(
-            f"column {column}: the robot moves at {speed:.3g} m/s, more than {MAX_POSSIBLE_M_S:g} m/s",
-            where=at(int(moves[0])),
-            cure=cure,
-        )
+    column = "t"
+    cure = "are the times in a larger unit, or the places in a smaller one? name their units in a mapping file"
+    if in_milliseconds:
+        cure = "give t in milliseconds; this looks like seconds: multiply it by 1000"
+        if float(np.ptp(pose[:, :2], axis=0).max()) > MAX_PATH_WIDTH_M:
+            column, cure = "x", "give x and y in metres; this looks like millimetres: divide them by 1000"
+    check_motion(t_s, pose[:, :2], at, cure, column=column)
 
 
 def _check_headings(pose: Array, at: Where) -> None:
@@ -142,16 +127,8 @@ def _usual_rate(changes: Array, t_s: Array) -> float:
 
 
 def _spacing(t_s: Array, pose: Array) -> Iterator[str]:
-    steps = np.diff(t_s)
-    step = usual_step(steps)
-    gaps = np.flatnonzero(steps > MAX_GAP_STEPS * step)
-    if len(gaps):
-        longest = int(gaps[np.argmax(steps[gaps])])
-        yield (
-            f"rows are usually {step:.4g} s apart, but {plural(len(gaps), 'gap')} of time"
-            f" {'is' if len(gaps) == 1 else 'are'} more than {MAX_GAP_STEPS:g} times as long;"
-            f" the longest gap is {steps[longest]:.4g} s, from t = {t_s[longest] - t_s[0]:.3f} s on"
-        )
+    if gap := gap_note(t_s, MAX_GAP_STEPS):
+        yield gap
     moved = np.any(np.diff(pose, axis=0) != 0.0, axis=1)
     inside = moved[np.argmax(moved) : len(moved) - np.argmax(moved[::-1])] if moved.any() else moved[:0]
     if len(inside) and np.mean(~inside) > SAME_STEPS:

@@ -33,7 +33,7 @@ def test_missing_counts_stay_missing_when_a_counter_wraps():
 def test_a_counter_that_wraps_elsewhere_is_continued_where_that_is_known():
     wrapped = np.mod(COUNTS, 1440.0)
     assert unwrapped(wrapped)[1] == 0.0
-    assert abs(jump(wrapped)) > 1400.0
+    assert abs(jump(wrapped, T)) > 1400.0
     found, wraps_at = unwrapped(wrapped, 1440.0)
     assert wraps_at == 1440.0
     np.testing.assert_array_equal(found - found[0], COUNTS - COUNTS[0])
@@ -46,12 +46,18 @@ def test_a_counter_that_is_set_to_zero_does_not_wrap():
     found, wraps_at = unwrapped(reset)
     assert wraps_at == 0.0
     np.testing.assert_array_equal(found, reset)
-    assert jump(reset) == pytest.approx(COUNTS[899] - COUNTS[900] - COUNTS[899], abs=30)
+    assert jump(reset, T) == pytest.approx(COUNTS[899] - COUNTS[900] - COUNTS[899], abs=30)
 
 
 def test_counts_that_run_on_have_no_jump():
-    assert jump(COUNTS) == 0.0
+    assert jump(COUNTS, T) == 0.0
     np.testing.assert_array_equal(unwrapped(COUNTS)[0], COUNTS)
+
+
+def test_counts_that_run_on_during_a_gap_have_no_jump():
+    logged = (T < 5.0) | (T > 8.0)
+    assert jump(COUNTS[logged], T[logged]) == 0.0
+    assert jump(np.where(T > 10.0, COUNTS - 40_000.0, COUNTS)[logged], T[logged]) < -30_000.0
 
 
 def test_counts_of_single_rows_add_up_and_a_missing_one_is_bridged():

@@ -136,19 +136,24 @@ def _asked(case: "NewCase") -> dict[str, float]:
 
 
 def _print(case: "NewCase", out: Path, notes: tuple[str, ...]) -> None:
+    from diagnosis.measured.measurement import CHECK
     from diagnosis.measured.overview import summary_line
     from logs.mapping import unused_columns
 
+    checks = tuple(note for note in notes if note.startswith(CHECK))
     typer.echo(summary_line(case.measurement))
+    for check in checks:
+        typer.echo(check)
+    if checks:
+        typer.echo(f"If that is a mistake, correct {out / 'mapping.yaml'} or a number, and make the case again.\n")
     for name, source in case.mapping.columns.items():
         typer.echo(f"  {name:16}from {source.column or source.constant}{f', in {source.unit}' if source.unit else ''}")
     unused = unused_columns(case.mapping, case.log)
     for line in (*([f"not used: {', '.join(unused)}"] if unused else []), *case.compared()):
         typer.echo(line)
     for note in notes:
-        typer.echo(f"note: {note}")
-    for contradiction in case.contradictions():
-        typer.echo(f"CHECK {contradiction}; correct {out / 'mapping.yaml'} and give it with --mapping")
+        if note not in checks:
+            typer.echo(f"note: {note}")
     unknown = case.unknown()
     if unknown:
         typer.echo("\nNot given; each can be added with --set KEY=VALUE, or in nominal.yaml:")

@@ -200,6 +200,32 @@ def test_a_corrected_mapping_is_taken_again(init, columns, tmp_path):
     np.testing.assert_array_equal(again["y_m"].values, first["y_m"].values)
 
 
+def test_a_check_is_the_first_thing_that_each_command_prints(init, columns, capsys, tmp_path):
+    """Exchanged wheels turn the other way; inspect reads the case only."""
+    swapped = {**columns, "enc_l": columns["enc_r"], "enc_r": columns["enc_l"]}
+    _, out, _, _ = init(swapped, "--set", f"ticks_per_turn={TICKS}")
+    check = "CHECK theta_rad turns against the wheels"
+    assert out.splitlines()[1].startswith(check)
+    assert [note.split(":")[0] for note in read_measurement(tmp_path / "run", IMPORTERS).checks] == [check]
+    assert main(["inspect", str(tmp_path / "run")]) == 0
+    assert any(line.startswith(check) for line in capsys.readouterr().out.splitlines()[:4])
+
+
+@pytest.mark.parametrize(("ticks", "times"), [(360, "4 times"), (720, "2 times"), (2880, "0.5 times")])
+def test_ticks_of_other_edges_of_the_encoder_are_named(ticks, times, init, columns):
+    known = (f"ticks_per_turn={ticks}", f"wheel_diameter_m={2 * RADIUS}", f"track_m={TRACK}")
+    _, out, _, _ = init(columns, *(word for setting in known for word in ("--set", setting)))
+    (check,) = re.findall(r"CHECK.*", out)
+    assert f"with ticks_per_turn 1440, {times} as many" in check
+
+
+def test_a_gap_is_noted_and_is_no_jump_of_a_counter(init, columns):
+    logged = {name: np.delete(column, slice(200, 260)) for name, column in columns.items()}
+    _, out, _, _ = init(logged, "--set", f"ticks_per_turn={TICKS}")
+    assert "CHECK" not in out
+    assert re.search(r"1 gap of time is more than 10 times as long; the longest gap is 3.05 s, from t = 9.950 s", out)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

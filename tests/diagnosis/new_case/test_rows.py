@@ -243,6 +243,22 @@ def test_a_broken_time_stamp_is_refused_with_its_row(row, log):
         measured(log(drive(t)))
 
 
+def test_a_log_from_its_end_to_its_beginning_is_refused_as_by_import(log):
+    t = np.round(0.02 * np.arange(40)[::-1], 6)
+    with pytest.raises(InputError, match=r"run.csv: row 3: the time goes back by 0.02 s; sort the rows"):
+        measured(log(drive(t)))
+
+
+@pytest.mark.parametrize(("rate", "message"), [(0.1, "the robot moves at 141 m/s"), (0.0, "rows are 2e-05 s apart")])
+def test_times_in_seconds_that_are_taken_for_milliseconds_are_named_with_their_unit(rate, message, log):
+    """A robot that moves at 0.1 m/s in x and y; one whose poses are not logged shows the rows only."""
+    t = 0.02 * np.arange(100)
+    header = DRIVE.replace("t,", "time_ms,", 1)
+    rows = drive(t, header=header) if rate else table(header, t, *[np.round(200 * t)] * 2, *[2 + 0 * t] * 5)
+    with pytest.raises(InputError, match=rf"column time_ms: {message}.*if the times are in s, write unit: s for t_s"):
+        measured(log(rows))
+
+
 def test_trials_may_have_words_for_names(log):
     t = np.round(0.05 * np.arange(40), 6)
     lines = drive(t).splitlines()

@@ -170,7 +170,7 @@ def test_a_unit_that_is_probably_wrong_comes_before_all_results(findings_of, fil
     for text in (" ".join(summary(doubtful)), text_of(page(doubtful, images))):
         assert note in text
         assert text.index(note) < text.index("The nominal simulation explains these data")
-    assert "If the unit is wrong" not in files_of("plain")[SUMMARY].decode()
+    assert "If the log is wrong there" not in files_of("plain")[SUMMARY].decode()
 
 
 def test_the_answer_is_that_of_the_format(files_of):
