@@ -5,6 +5,7 @@ It is loaded here and in the processes that do the work.
 
 import os
 import shlex
+from collections.abc import Iterator
 
 from configs.effects.registry import EFFECTS
 from configs.schema.scenario import RunSpec
@@ -53,6 +54,18 @@ def hashes_of_files(spec: RunSpec) -> dict[str, str]:
     if spec.controller.name == Program.name:  # its command line as well
         hashes |= {f"{Program.name}.{place}": word for place, word in enumerate(PROGRAM.command)}
     return hashes | hashes_of_controller(spec.controller.name)
+
+
+def not_loaded(spec: RunSpec) -> Iterator[str]:
+    """Yield a message for each sensor and controller of a run whose class is not loaded."""
+    for kind in sorted(spec.robot.sensors.kinds - SENSORS.by_name().keys()):
+        yield f"sensor {kind} is not loaded; name its file: symolo --sensor-file FILE ..."
+    if spec.controller is None:
+        return
+    if spec.controller.name not in CONTROLLERS.by_name():
+        yield f"controller {spec.controller.name} is not loaded; name its file: symolo --controller-file FILE ..."
+    elif spec.controller.name == Program.name and not PROGRAM.command:
+        yield "the program that controls the robot is not known; name it: symolo --controller-command COMMAND ..."
 
 
 def hashes_of_controller(name: str) -> dict[str, str]:

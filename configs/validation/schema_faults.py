@@ -25,6 +25,7 @@ NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pi
 """Keys of an arena by which users try to describe a floor that is no plane."""
 IMAGE_RATE = frozenset({"rate_hz", "period_s", "fps", "frame_rate", "frame_rate_hz"})
 """Keys by which users try to give the rate of the images of data.csv."""
+OWN_SENSOR = "a kind of your own needs its file: symolo --sensor-file FILE ..."
 FLAT_FLOOR = (
     "the floor is a plane: ramps, steps and tilted things cannot be simulated; for a floor that slopes everywhere, use"
     " robot.effects.floor_slope"
@@ -76,13 +77,19 @@ def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> Co
         return ConfigFault(path, got=context["got"], allowed=context["allowed"], against=_changed_beside(path, root))
     got = fault["input"]
     if here.tag_key and isinstance(got, dict):
-        tag, tags = got.get(here.tag_key), f"one of {shown_names(here.tags)}"
-        if tag is None:
-            close = nearest(path[-1], here.tags) if path else ""
-            return ConfigFault((*path, here.tag_key), "missing", allowed=tags, nearest=close)
-        return ConfigFault((*path, here.tag_key), got=tag, allowed=tags, nearest=nearest(tag, here.tags))
+        return _unknown_tag(path, got, here)
     close = nearest(got, [str(option) for option in here.schema.get("enum", [])])
     return ConfigFault(path, got=got, allowed=here.words(), nearest=close, cure=_cure(path, got, here))
+
+
+def _unknown_tag(path: FieldPath, got: dict[str, object], here: Shape) -> ConfigFault:
+    """Return the fault of a mapping whose field for the kind, `tag_key`, is missing or has an unknown value."""
+    place, tag, allowed = (*path, here.tag_key), got.get(here.tag_key), f"one of {shown_names(here.tags)}"
+    close = nearest(tag or (path[-1] if path else ""), here.tags)
+    cure = OWN_SENSOR if path[:2] == ("robot", "sensors") and not close else ""
+    if tag is None:
+        return ConfigFault(place, "missing", allowed=allowed, nearest=close, cure=cure)
+    return ConfigFault(place, got=tag, allowed=allowed, nearest=close, cure=cure)
 
 
 def _changed_beside(path: FieldPath, root: Node) -> FieldPath:

@@ -21,6 +21,7 @@ from pipeline.stages.cameras import RunCamera, cameras_of
 from pipeline.stages.render import IMAGES, JOB, journal
 from pipeline.stages.run_tables import stage_rows
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
+from pipeline.user_code import hashes_of_files, not_loaded
 from symolo.core.errors import InputError, one_line
 from symolo.core.files.atomic_files import place_of
 from symolo.core.files.file_hashes import holds
@@ -223,12 +224,16 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
         if outcome is not None and outcome.problems:
             return StageStatus("simulate", f"failed: {one_line('; '.join(outcome.problems))}", has_failed=True)
         return StageStatus("simulate", "done")
-    changed = changes(stored, current, simulation=True)
-    return StageStatus(
-        "simulate",
-        "outdated",
-        first_changes(changed) if changed else "it was made with different versions of the programs",
-    )
+    return StageStatus("simulate", "outdated", _why_outdated(stored, current))
+
+
+def _why_outdated(stored: RunSpec | SceneSpec, current: RunSpec) -> str:
+    if changed := changes(stored, current, simulation=True):
+        return first_changes(changed)
+    if lacking := [*not_loaded(current)]:
+        return ", ".join(lacking)
+    files = "".join(f" or of the file of {name}" for name in hashes_of_files(current))
+    return f"it was made with different versions of the programs{files}"
 
 
 def _framed(folder: StageFolder, stage: str, total: str, *, check: bool) -> StageStatus:

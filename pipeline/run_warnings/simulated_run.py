@@ -1,5 +1,6 @@
 """Warnings of a run that is probably not what its scenario was meant to make, with the suspected cause."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import cos, degrees, pi, radians, sin
@@ -23,6 +24,9 @@ BESIDE_M = 0.1
 ALONG_RAD, ACROSS_RAD = radians(10.0), radians(20.0)
 """Largest angle of a start along the line, and smallest angle of one that leads away from it."""
 SPACING_M = 0.005
+EIGHTH_RAD = pi / 4.0
+"""An eighth of a turn. Sensors are mounted at multiples of it, which in degrees have no decimals."""
+MOUNT_ANGLE = re.compile(r"(yaw|pitch|roll)\w*_deg")
 
 
 @dataclass(frozen=True)
@@ -111,16 +115,40 @@ def _without_the_line(spec: RunSpec, line: Line, recording: Recording) -> Iterat
 
 
 def _in_radians(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
+    """Yield the angles of the start and of mounts whose numbers are probably radians."""
     yaw = spec.start.yaw_deg
-    if not line.pieces or not 0.0 < abs(yaw) <= 2.0 * pi:
-        return
-    _, along = _nearest(line, spec)
-    if _angle(along, radians(yaw)) > ACROSS_RAD and _angle(along, yaw) < ALONG_RAD:
-        yield _Suspicion(
-            "yaw in radians",
-            f"yaw_deg {yaw:g} looks like radians: as degrees, the start leads away from the line; if it is in radians,"
-            f" write yaw_deg: {degrees(yaw):.0f}",
-        )
+    if line.pieces and 0.0 < abs(yaw) <= 2.0 * pi:
+        _, along = _nearest(line, spec)
+        if _angle(along, radians(yaw)) > ACROSS_RAD and _angle(along, yaw) < ALONG_RAD:
+            yield _radians("", "yaw_deg", yaw, ": as degrees, the start leads away from the line")
+    for (*section, field), angle in _mount_angles(spec.robot.model_dump(exclude={"effects"}), ("robot",)):
+        place = f"{'.'.join(section)}."
+        if f"{place}{field}" not in spec.drawn and _is_eighth_of_turn(angle):
+            yield _radians(place, field, angle, "")
+
+
+def _radians(place: str, field: str, angle: float, reason: str) -> _Suspicion:
+    return _Suspicion(
+        f"{place}{field} in radians",
+        f"{place}{field} {angle:g} looks like radians{reason}; if it is in radians, write {field}: "
+        f"{degrees(angle):.0f}",
+    )
+
+
+def _mount_angles(settings: object, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float]]:
+    """Yield path and value of each angle by which something is mounted on the robot."""
+    if isinstance(settings, dict):
+        for key, value in settings.items():
+            yield from _mount_angles(value, (*path, key))
+    elif isinstance(settings, float) and MOUNT_ANGLE.fullmatch(path[-1]):
+        yield path, settings
+
+
+def _is_eighth_of_turn(angle: float) -> bool:
+    """Return whether a number with at least two decimals is a multiple of pi/4 to its last decimal."""
+    eighths = round(abs(angle) / EIGHTH_RAD)
+    decimals = len(f"{angle:.6g}".partition(".")[2])
+    return 1 <= eighths <= 8 and decimals >= 2 and abs(abs(angle) - eighths * EIGHTH_RAD) < 10.0**-decimals
 
 
 def _nearest(line: Line, spec: RunSpec) -> tuple[float, Array]:

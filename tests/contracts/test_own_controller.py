@@ -17,7 +17,7 @@ from physics.control.program import PROGRAM
 from physics.control.registry import CONTROLLERS
 from physics.drivetrain.motor import MotorModel
 from pipeline.stages.simulate import simulate
-from pipeline.user_code import environment, hashes_of_files
+from pipeline.user_code import environment, hashes_of_files, not_loaded
 from symolo.core.errors import InputError, RunFailed
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -129,7 +129,9 @@ def test_the_specification_is_read_where_the_class_is_not_loaded_and_does_not_dr
     assert read.model_dump_json() == spec.model_dump_json()
     with pytest.raises(InputError, match=r"controller\.toy: no such controller.*--controller-file"):
         simulate(read)
+    assert [*not_loaded(read)] == ["controller toy is not loaded; name its file: symolo --controller-file FILE ..."]
     CONTROLLERS.load(tmp_path / "toy.py")
+    assert [*not_loaded(read)] == []
 
 
 def test_it_observes_what_the_sensors_deliver_and_not_the_effects_of_its_robot(load):

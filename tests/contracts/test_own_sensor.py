@@ -104,7 +104,7 @@ def drawn(*settings):
 def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
     path = written(tmp_path)
     for _ in range(2):
-        with pytest.raises(InputError, match=r"robot\.sensors\.feeler.* allowed"):
+        with pytest.raises(InputError, match=r"sensors\.feeler.* allowed.*your own needs its file: .* --sensor-file"):
             drawn(f"{TRAVEL}=0.02")
         SENSORS.load(path)
         assert drawn(f"{TRAVEL}=0.02").robot.sensors.get("feeler").travel_m == 0.02
@@ -223,6 +223,20 @@ def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
         assert 0 < table["clearance"].min() <= table["clearance"].max() <= 2.0
     readme = (released / "README.md").read_text()
     assert re.search(r"\| feeler\.csv \| Contact of the feeler.*contact \[-\], clearance \[m\]", readme)
+
+
+def test_status_names_the_file_that_is_not_loaded_or_has_changed(released, tmp_path, symolo):
+    ended = symolo("status", released)
+    assert "simulate: sensor feeler is not loaded; name its file: symolo --sensor-file FILE ..." in ended.out
+    for text, expected in (
+        (TOY, "runs: 1 of 1 released and up to date"),
+        (TOY + "# changed\n", "of the file of feeler"),
+    ):
+        path = written(tmp_path, text)
+        try:
+            assert expected in symolo("--sensor-file", path, "status", released).out
+        finally:
+            SENSORS.unload(path)
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,29 @@ def test_a_start_in_radians_is_named_with_the_number_in_degrees(yaw, degrees):
     assert f"write yaw_deg: {degrees}" in unit
 
 
+@pytest.mark.parametrize(
+    ("setting", "field", "angle", "degrees"),
+    [
+        ("robot.sensors.r2={kind: vl53l0x, yaw_deg: 1.57}", "robot.sensors.r2.yaw_deg", "1.57", 90),
+        ("robot.tof.mounts.left.yaw_deg=0.785", "robot.tof.mounts.left.yaw_deg", "0.785", 45),
+        ("robot.camera.yaw_left_deg=-1.5708", "robot.camera.yaw_left_deg", "-1.5708", -90),
+        ("robot.sensors.r2={kind: lidar, roll_deg: 3.14159}", "robot.sensors.r2.roll_deg", "3.14159", 180),
+    ],
+)
+def test_a_mount_in_radians_is_named_with_the_number_in_degrees(setting, field, angle, degrees):
+    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
+    (spec,) = draw_all(load_scenario("smoke", [route, setting]))
+    (warning,) = plan_warnings([spec])
+    assert f"{field} {angle} looks like radians" in warning
+    assert warning.endswith(f"write {field.rpartition('.')[2]}: {degrees}")
+
+
+@pytest.mark.parametrize("yaw", ["0", "1.5", "1.2", "-0.8", "2", "{uniform: [1.5707, 1.5709]}"])
+def test_small_angles_of_a_mount_and_drawn_ones_get_no_warning(yaw):
+    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
+    assert plan_warnings(draw_all(load_scenario("smoke", [route, f"robot.camera.yaw_left_deg={yaw}"]))) == ()
+
+
 def test_a_start_beside_the_line_is_named_with_its_distance():
     """The line is at x = 0.55 m."""
     (warning,) = warnings_of(x_m=0.2)
