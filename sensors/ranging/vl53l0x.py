@@ -30,8 +30,8 @@ from sensors.effects.range_sensor.tilt_asymmetry import TiltAsymmetry
 from sensors.ranging.tof import NO_TARGET, VALID, Light, RangeDevices
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.dataset.codes import TofStatus
 from symolo.dataset.tables.column import Column
+from symolo.dataset.tables.side_tables import STATUSES
 
 RangingMode = Literal["default", "high_speed", "high_accuracy", "long_range"]
 RANGE_SLOTS = (
@@ -156,7 +156,7 @@ class Vl53l0x(Sensor):
     Settings = Vl53l0xSettings
     columns = (
         Column("range", "m", 4, "range, 0 without a target"),
-        Column("status", "-", 0, ", ".join(f"{status.value} {status.name.lower()}" for status in TofStatus)),
+        Column("status", "-", 0, STATUSES),
     )
     settings: Vl53l0xSettings
 

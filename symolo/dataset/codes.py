@@ -40,5 +40,15 @@ BOARD_EVENT_COLUMNS = {
     "late": "late",
 }
 """Column of side/board.csv that counts each kind of event on the line to the board."""
-BOARD_COLUMNS = ("answered", "stopped", *BOARD_EVENT_COLUMNS.values())
-"""Columns of side/board.csv after the time."""
+BOARD_COLUMNS = {
+    "answered": "1 if the command of the board came in time",
+    "stopped": "1 if the wheels stand still because no command came",
+    "damaged": "number of frames that were damaged on the way from the board",
+    "damaged_at_board": "number of frames that were damaged on the way to the board",
+    "refused": "number of commands that are impossible",
+    "stale": "number of answers to an older row",
+    "repeated": "number of frames that were repeated",
+    "rebooted": "1 if the board restarted",
+    "late": "1 if the row began late",
+}
+"""Meaning of each column of side/board.csv after the time, the counts in the order of `BOARD_EVENT_COLUMNS`."""

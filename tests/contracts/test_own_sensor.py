@@ -211,10 +211,12 @@ def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
     metadata = json.loads((released / "metadata.json").read_text())
     assert metadata["sensors"] == {"feeler": {"kind": "feeler", "meaning": MEANING}}
     assert metadata["columns"]["side/feeler.csv"] == [
-        {"name": "t", "unit": "ms", "meaning": "", "decimals": 3},
+        {"name": "t", "unit": "ms", "meaning": "time of the sample since the start of the run", "decimals": 3},
         {"name": "contact", "unit": "-", "meaning": "1 where the feeler is closed", "decimals": 0},
         {"name": "clearance", "unit": "m", "meaning": "distance straight ahead, or the reach", "decimals": 3},
     ]
+    # Each column of each table says what it is.
+    assert all(column["meaning"] for columns in metadata["columns"].values() for column in columns)
     for run in metadata["runs"]:
         table = pd.read_csv(released / run["run"] / "side/feeler.csv")
         assert list(table) == ["t", "contact", "clearance"]

@@ -363,7 +363,9 @@ def describe(
         ]
     }
     for table in side_tables(first, has_images=any(run.images for run in runs)):
-        columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
+        columns[f"side/{table.file}"] = [
+            ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in table.columns
+        ]
     for sensor in sensors:
         columns[f"side/{sensor.table.file}"] = [ColumnRecord.of(column) for column in sensor.table.columns]
     return Metadata(

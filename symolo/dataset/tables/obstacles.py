@@ -8,7 +8,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording, TimeSeries
 from symolo.dataset.tables.column import Column
-from symolo.dataset.tables.rows import Rows, heading, wrapped
+from symolo.dataset.tables.rows import ROW_TIME, Rows, heading, wrapped
 from symolo.dataset.tables.side_tables import SideTable
 
 SERIES = "obstacle_{name}"
@@ -26,12 +26,16 @@ def obstacle_table(arena: Arena) -> SideTable | None:
     if not arena.moving:
         return None
     columns = [
-        Column(f"{box.name}_{field}", unit, 6)
+        Column(f"{box.name}_{field}", unit, 6, f"{meaning} of {box.name}")
         for box in arena.moving
-        for field, unit in (("x", "m"), ("y", "m"), ("theta", "rad"))
+        for field, unit, meaning in (
+            ("x", "m", "x in W of the middle"),
+            ("y", "m", "y in W of the middle"),
+            ("theta", "rad", "heading in W, counter-clockwise,"),
+        )
     ]
     meaning = "pose of the middle of each moving obstacle in W at each row of data.csv"
-    return SideTable("obstacles.csv", meaning, (Column("t", "ms", 0), *columns))
+    return SideTable("obstacles.csv", meaning, (ROW_TIME, *columns))
 
 
 def obstacles_csv(table: SideTable, arena: Arena, recording: Recording) -> bytes:

@@ -38,8 +38,9 @@ LINE = Series(
     "1",
     tuple(Column(f"L{i}", "-", 5, f"reflectance of line sensor channel {i}, 0 black, 1 white") for i in range(8)),
 )
+ROW_TIME = Column("t", "ms", 0, "time since the first row")
 COLUMNS = (
-    Column("t", "ms", 0, "time since the first row"),
+    ROW_TIME,
     Column("x", "m", 6, "position of the middle of the axle in the world frame W"),
     Column("y", "m", 6, "position of the middle of the axle in the world frame W"),
     Column("theta", "rad", 6, "heading from +x of W, counter-clockwise, from -3.141592 to 3.141593"),

@@ -12,8 +12,8 @@ from symolo.dataset.tables.side_tables import SideTable
 
 SERIES = "sensor_{name}"
 """Series of a recording with the readings of a sensor, (samples, columns)."""
-TIME = Column("t", "ms", 3)
-"""First column of each table: the time of the sample since the start of the run."""
+TIME = Column("t", "ms", 3, "time of the sample since the start of the run")
+"""First column of each table."""
 TAKEN_NAMES = frozenset(
     (
         "board",

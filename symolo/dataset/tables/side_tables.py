@@ -9,7 +9,7 @@ from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import BOARD_COLUMNS, TofStatus
 from symolo.dataset.tables.column import Column, Series, single
-from symolo.dataset.tables.rows import Numbers, Rows, csv_bytes, heading
+from symolo.dataset.tables.rows import ROW_TIME, Numbers, Rows, csv_bytes, heading
 
 RowsOf = Literal["data", "images", "samples"]
 """Origin of the rows of a table: a row of data.csv, an image, or a sample at a time of its own."""
@@ -52,32 +52,55 @@ class SideTable:
 POSITIONS_HEADER = ("img", "x", "y", "theta")
 POSITIONS_DECIMALS = (0, 6, 6, 6)
 
-COUNTS = Series("encoder_counts", "1", tuple(Column(f"counts_{side}", "encoder counts", 0) for side in "rl"))
-RANGE_STATUS = Series("tof_status", "1", tuple(Column(f"status_{side}", "-", 0) for side in "flr"))
+WHEELS_BY_LETTER = {"r": "right", "l": "left"}
+
+
+def _of_each_wheel(name: str, unit: str, meaning: str, decimals: int = 5) -> tuple[Column, ...]:
+    """Return the columns `<name>_r` and `<name>_l`; a meaning has {} in the place of the wheel."""
+    return tuple(
+        Column(f"{name}_{letter}", unit, decimals, meaning.format(wheel)) for letter, wheel in WHEELS_BY_LETTER.items()
+    )
+
+
+STATUSES = ", ".join(f"{status.value} {status.name.lower()}" for status in TofStatus)
+COUNTS = Series(
+    "encoder_counts",
+    "1",
+    _of_each_wheel(
+        "counts", "encoder counts", "counts of the {} encoder since the start, as the controller receives them", 0
+    ),
+)
+RANGE_STATUS = Series(
+    "tof_status",
+    "1",
+    tuple(
+        Column(f"status_{name[0]}", "-", 0, f"status of the {name} ToF sensor: {STATUSES}")
+        for name in ("front", "left", "right")
+    ),
+)
 WHEELS = SideTable(
     "wheels.csv",
     "drive at each row of data.csv; mean voltages are those since the row before; r is the right wheel, l the left; "
     "odometry counts from (0, 0, 0) at the start pose",
     (
-        Column("t", "ms", 0),
-        Column("command_v", "m/s", 5),
-        Column("command_w", "rad/s", 5),
-        *(Column(f"speed_{side}", "rad/s", 5) for side in "rl"),
-        *(Column(f"voltage_{side}", "V", 5) for side in "rl"),
-        *(Column(f"mean_voltage_{side}", "V", 5) for side in "rl"),
-        *(Column(f"current_{side}", "A", 5) for side in "rl"),
+        ROW_TIME,
+        Column("command_v", "m/s", 5, "commanded forward speed"),
+        Column("command_w", "rad/s", 5, "commanded yaw rate, counter-clockwise positive"),
+        *_of_each_wheel("speed", "rad/s", "true speed of the {} wheel, with the effects of its sensor"),
+        *_of_each_wheel("voltage", "V", "commanded voltage of the {} motor"),
+        *_of_each_wheel("mean_voltage", "V", "mean of the commanded voltage of the {} motor since the row before"),
+        *_of_each_wheel("current", "A", "true current of the {} motor, with the effects of its sensor"),
         *COUNTS.columns,
-        Column("odometry_x", "m", 6),
-        Column("odometry_y", "m", 6),
-        Column("odometry_theta", "rad", 6),
+        Column("odometry_x", "m", 6, "position by odometry ahead of the start pose"),
+        Column("odometry_y", "m", 6, "position by odometry to the left of the start pose"),
+        Column("odometry_theta", "rad", 6, "heading by odometry, 0 at the start, from -3.141592 to 3.141593"),
     ),
 )
 DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "mean_voltage_V", "current_A", COUNTS.name)
 TOF = SideTable(
     "tof.csv",
-    "status of each ToF sensor at each row of data.csv: "
-    + ", ".join(f"{status.value} {status.name.lower()}" for status in TofStatus),
-    (Column("t", "ms", 0), *RANGE_STATUS.columns),
+    f"status of each ToF sensor at each row of data.csv: {STATUSES}",
+    (ROW_TIME, *RANGE_STATUS.columns),
 )
 CAMERA = SideTable(
     "camera.csv",
@@ -85,12 +108,16 @@ CAMERA = SideTable(
     "C is the optical frame, x right, y down, z forward; "
     "when the exposure of the first row of pixels begins and how long that of each row is, t being the middle of all",
     (
-        Column("img", "-", 0),
-        Column("t", "ms", 0),
-        *(Column(f"r{row}{column}", "-", 9) for row in (1, 2, 3) for column in (1, 2, 3)),
-        *(Column(f"p_{axis}", "m", 6) for axis in "xyz"),
-        Column("exposure_start", "ms", 3),
-        Column("exposure", "ms", 3),
+        Column("img", "-", 0, "number of the image"),
+        Column("t", "ms", 0, "middle of the exposure of the image, since the first row of data.csv"),
+        *(
+            Column(f"r{row}{column}", "-", 9, f"row {row}, column {column} of the rotation from C to W")
+            for row in (1, 2, 3)
+            for column in (1, 2, 3)
+        ),
+        *(Column(f"p_{axis}", "m", 6, f"{axis} of the origin of C in W") for axis in "xyz"),
+        Column("exposure_start", "ms", 3, "begin of the exposure of the first row of pixels, on the clock of t"),
+        Column("exposure", "ms", 3, "duration of the exposure of each row of pixels"),
     ),
     rows_of="images",
 )
@@ -100,7 +127,7 @@ BOARD = SideTable(
     "the line to the board that drives, at each row of data.csv: whether it answered, whether the wheels were told to "
     "stand still because it did not, and how many frames were damaged on the way from it and to it, refused as "
     "impossible, answers to an older row, or repeated; whether it re-booted; whether the row began late",
-    (Column("t", "ms", 0), *(Column(name, "-", 0) for name in BOARD_COLUMNS)),
+    (ROW_TIME, *(Column(name, "-", 0, meaning) for name, meaning in BOARD_COLUMNS.items())),
 )
 
 

@@ -12,7 +12,7 @@ from pipeline.rerendering.image_rows import image_numbers
 from symolo.core.errors import InputError
 from symolo.core.table import MAX_FAULTS
 from symolo.core.time_series import Recording, TimeSeries, Trajectory
-from symolo.dataset.codes import State
+from symolo.dataset.codes import BOARD_COLUMNS, BOARD_EVENT_COLUMNS, State
 from symolo.dataset.documents import metadata
 from symolo.dataset.manifest import manifest, read_manifest
 from symolo.dataset.tables.rows import (
@@ -26,6 +26,7 @@ from symolo.dataset.tables.rows import (
     semantic_faults,
     wrapped,
 )
+from symolo.dataset.tables.side_tables import BOARD, CAMERA, TOF, WHEELS
 
 NUMBERS = st.floats(-1e6, 1e6)
 
@@ -280,3 +281,10 @@ def test_of_rows_out_of_order_a_thousand_are_listed():
     last = MAX_FAULTS + 10
     numbers, _ = parse_table(table(*(row(t=last - i, img=0) for i in range(last))).encode(), HEADER)
     assert [fault.line for fault in semantic_faults(Rows.from_table(numbers))] == list(range(3, MAX_FAULTS + 3))
+
+
+def test_each_column_of_the_tables_beside_data_has_a_meaning_and_a_unit():
+    for table in (WHEELS, TOF, CAMERA, BOARD):
+        assert all(column.meaning and column.unit for column in table.columns), table.file
+        assert len({column.meaning for column in table.columns}) == len(table.columns), table.file
+    assert [*BOARD_COLUMNS][2:] == [*BOARD_EVENT_COLUMNS.values()]
