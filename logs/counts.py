@@ -85,14 +85,21 @@ def unwrapped(counts: Array, wraps_at: float = 0.0) -> tuple[Array, float]:
     return counts, 0.0
 
 
-def jump_note(column: str, counts: Array, t_s: Array) -> str:
-    """Return a sentence if running counts of a column jump; else an empty string."""
+def jump_note(column: str, counts: Array, t_s: Array, how: str = f"in {MAPPING}") -> str:
+    """Return a sentence if running counts of a column jump; else an empty string.
+
+    Args:
+        column: Name of the column for the sentence.
+        counts: (N,), NaN where one is missing.
+        t_s: (N,), times of the rows.
+        how: Words for where the user states the number at which a counter begins again.
+    """
     far = jump(counts, t_s)
     if not far:
         return ""
     return (
         f"{column}: it jumps by {far:.0f} from one row to the next; if its counter begins again there, give wraps_at "
-        f"in {MAPPING}"
+        f"{how}"
     )
 
 

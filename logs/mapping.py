@@ -2,10 +2,11 @@
 
 import json
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field, ValidationError
 
 from configs.schema.base import Section
@@ -14,7 +15,7 @@ from configs.validation.shapes import Shape
 from logs.drive import COUNTED
 from logs.log_file import LogFile
 from logs.quantity import LogKind
-from logs.units import factor_to
+from logs.units import PERCENT, factor_to, unit_of
 from symolo.core.errors import FaultList, InputError, nearest
 from symolo.core.yaml.reader import read_yaml
 
@@ -53,13 +54,18 @@ class LogMapping(Section):
     """Source of each quantity by its name; quantities that are not listed were not logged."""
 
 
-def read_mapping(path: Path, kinds: Sequence[LogKind]) -> LogMapping:
+def read_mapping(path: Path, kinds: Sequence[LogKind], also: Sequence[str] = ()) -> LogMapping:
     """Return the content of a mapping file for a log of one of these kinds.
+
+    Args:
+        path: The file.
+        kinds: Kinds that are allowed.
+        also: Names of further kinds that are allowed.
 
     Raises:
         InputError: The file is not strict YAML or breaks the format; the message names every fault.
     """
-    root, names, faults = read_yaml(path).root, [kind.name for kind in kinds], FaultList()
+    root, names, faults = read_yaml(path).root, [*(kind.name for kind in kinds), *also], FaultList()
     mapping = None
     try:
         content = root.plain()
@@ -119,6 +125,9 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
                 raise InputError(what, where=place, allowed=", ".join(COUNTED))
         with faults.noted():
             factor_to(kind.unit_of(name), source.unit, place)
+            if unit_of(source.unit) == PERCENT and source.factor == 1.0:
+                what = "a duty cycle in percent needs the voltage of a full one"
+                raise InputError(what, where=place, cure="write it as factor, such as factor: 7.4")
     with faults.noted():
         _check_needed(kind, mapping.columns, where)
     faults.check()
@@ -154,6 +163,20 @@ def unused_columns(mapping: LogMapping, log: LogFile) -> list[str]:
     """Return the columns of a log that a mapping does not use."""
     used = {source.column for source in mapping.columns.values()}
     return [name for name in log.columns if name not in used]
+
+
+def missing_note(mapping: LogMapping, log: LogFile, names: Collection[str]) -> list[str]:
+    """Return a note with the number of cells without a number in the columns of these quantities, if there are any.
+
+    Args:
+        mapping: Sources of the quantities.
+        log: A log whose cells can be read.
+        names: Quantities that are numbers.
+    """
+    columns = [mapping.columns[name].column for name in names if name in mapping.columns]
+    missing = {column: int(np.count_nonzero(np.isnan(log.numbers(column)))) for column in columns if column}
+    counts = ", ".join(f"{count} of {column}" for column, count in missing.items() if count)
+    return [f"cells without a number, of {log.rows} each: {counts}"] if counts else []
 
 
 def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequence[str]) -> str:

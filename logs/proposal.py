@@ -13,7 +13,7 @@ from logs.mapping import MAPPING, LogMapping, Source
 from logs.plausible_units import beyond_scale, likely_unit
 from logs.quantity import DUTY, LogKind
 from logs.times import usual_step
-from logs.units import factor_to, taken_apart
+from logs.units import PERCENT, factor_to, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
@@ -58,10 +58,10 @@ def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_
     warnings = []
     for name, column in recognised.items():
         unit, ours = taken_apart(column).unit if column != name else "", kind.unit_of(name)
-        if DUTY & set(taken_apart(column).words) and not unit:
+        if unit == PERCENT or (DUTY & set(taken_apart(column).words) and not unit):
             duties = [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
-            factor, reason = _of_duty(log, duties, supply_V)
-            sources[name] = Source(column=column, factor=factor)
+            factor, reason = _of_percent(kind, supply_V) if unit else _of_duty(kind, log, duties, supply_V)
+            sources[name] = Source(column=column, unit=unit, factor=factor)
             warnings.append(f"{column} ({name}): {reason}")
             continue
         if ours and not unit and column != name and name not in left_open:
@@ -148,18 +148,28 @@ def _are_per_row(log: LogFile, name: str, sources: Mapping[str, Source]) -> bool
     return False
 
 
-def _of_duty(log: LogFile, columns: Sequence[str], supply_V: float | None) -> tuple[float, str]:
+def _of_duty(kind: LogKind, log: LogFile, columns: Sequence[str], supply_V: float | None) -> tuple[float, str]:
     """Return the voltage for a value of 1, and the reason, by the largest value of all columns of duty cycles."""
     largest = 0.0
     for column in columns:
         with suppress(InputError):
             largest = max(largest, float(np.nanmax(np.abs(log.numbers(column)), initial=0.0)))
     full = next((full for full in FULL_DUTIES if largest <= full), largest)
-    cure = "which is not known: give it with --set supply_voltage_V=NUMBER"
-    supply = f"{supply_V:g} V" if supply_V else f"a supply of {USUAL_SUPPLY_V:g} V, {cure}"
     reason = f"taken for a duty cycle of which {full:g} is full, since the values are up to {largest:.4g}"
     doubt = f"; if the values are millivolts, write unit: mV without a factor in {MAPPING}"
-    return (supply_V or USUAL_SUPPLY_V) / full, f"{reason}, times {supply}{doubt if largest > MIN_MILLIVOLTS else ''}"
+    text = f"{reason}, times {_supply_text(kind, supply_V)}{doubt if largest > MIN_MILLIVOLTS else ''}"
+    return (supply_V or USUAL_SUPPLY_V) / full, text
+
+
+def _of_percent(kind: LogKind, supply_V: float | None) -> tuple[float, str]:
+    """Return the voltage for 100 %, and the reason."""
+    return supply_V or USUAL_SUPPLY_V, f"a duty cycle in percent, times {_supply_text(kind, supply_V)}"
+
+
+def _supply_text(kind: LogKind, supply_V: float | None) -> str:
+    if supply_V:
+        return f"{supply_V:g} V"
+    return f"a supply of {USUAL_SUPPLY_V:g} V, which is not known: give it {kind.supply_option}"
 
 
 def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:

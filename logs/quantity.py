@@ -83,6 +83,8 @@ class LogKind:
     """Reading that a single range sensor without a side has, if there is one of this kind."""
     mapping_option: str = "--mapping"
     """Option of the command that reads such logs, with which a user names a mapping file."""
+    supply_option: str = "with --set supply_voltage_V=NUMBER"
+    """Words for how a user states the voltage of a full duty cycle."""
     page: str = "docs/case_from_log.md"
     """Page on mapping files."""
 

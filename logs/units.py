@@ -30,7 +30,10 @@ _SPELLINGS: Mapping[str, tuple[str, ...]] = {
     "ticks": ("ticks", "tick", "counts", "count", "cnt", "pulses", "steps"),
     "degC": ("degc", "°c", "celsius", "c"),
     "lx": ("lx", "lux"),
+    "percent": ("percent", "pct", "%"),
 }
+PERCENT = "percent"
+"""Unit of a duty cycle; the voltage of a full one is the factor besides the unit."""
 _BY_SPELLING = {spelling: unit for unit, spellings in _SPELLINGS.items() for spelling in spellings}
 _ALONE = frozenset({"ms", "us", "millis", "micros", "rpm", "seconds", "milliseconds", "microseconds"})
 """Spellings that are a unit even if the name of a column has no other word."""
@@ -79,7 +82,12 @@ def unit_of(text: str) -> str:
 
 def units_for(ours: str) -> tuple[str, ...]:
     """Return the units in which a log may have a quantity of our unit, ours first."""
-    return (ours, *(name for name, _ in OTHER_UNITS.get(ours, ())))
+    return (ours, *_per_unit(ours))
+
+
+def _per_unit(ours: str) -> dict[str, float]:
+    """Return how many of each other unit make one of ours."""
+    return dict(OTHER_UNITS.get(ours, ())) | ({PERCENT: 100.0} if ours == "V" else {})
 
 
 def factor_to(ours: str, unit: str, where: str) -> float:
@@ -91,7 +99,7 @@ def factor_to(ours: str, unit: str, where: str) -> float:
     name = unit_of(unit) or unit
     if name in {"", ours}:
         return 1.0
-    others = dict(OTHER_UNITS.get(ours, ()))
+    others = _per_unit(ours)
     if name not in others:
         allowed = ", ".join(units_for(ours)) if ours else "none: leave the unit out"
         raise InputError("unit", where=where, got=unit, allowed=allowed, nearest=nearest(unit, units_for(ours)))

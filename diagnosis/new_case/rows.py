@@ -15,7 +15,7 @@ from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
 from logs.counts import running_counts
 from logs.log_file import LogFile
-from logs.mapping import MAPPING, LogMapping, Source
+from logs.mapping import MAPPING, LogMapping, Source, missing_note
 from logs.possible_motion import check_motion, larger_time_unit
 from logs.proposal import unit_faults
 from logs.times import goes_back, usual_step
@@ -121,6 +121,10 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
     if not faults.faults:
         faults.faults += unit_faults(mapping, KINDS[kind], values, log)
     faults.check()
+    names = [name for name in values if name not in {"t_s", "trial", "sweep"}]
+    notes += [
+        f"{note}; short gaps are bridged where rows are sampled again" for note in missing_note(mapping, log, names)
+    ]
     return values
 
 

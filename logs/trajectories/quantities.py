@@ -92,6 +92,7 @@ TRAJECTORY = LogKind(
     frozenset({"tof_front_m", "tof_left_m", "tof_right_m"}),
     FILLERS | words("field odom odometry ground truth gt base link body rigid estimate est wheel imu"),
     mapping_option="--map",
+    supply_option="as factor of the voltages in a mapping file, with --map",
     page="docs/import.md",
 )
 """Tables of times and poses; headings may be angles or quaternions, or the direction of the path."""

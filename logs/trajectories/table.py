@@ -1,6 +1,6 @@
 """Tables with any column names and units: their mapping, by a file or from names and values."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 from logs.counts import jump_note, running_counts
 from logs.drive import COUNTED, DRIVE_TABLE
 from logs.log_file import LogFile, read_log
-from logs.mapping import LogMapping, Source, check_mapping, read_mapping, unused_columns
+from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
 from logs.proposal import Proposal, missing, propose_as, unit_faults
 from logs.recognition import first_line, is_file
 from logs.times import goes_back
@@ -28,8 +28,13 @@ from symolo.core.progress import plural
 PATH_LENGTH_M = 0.05
 """Distance over which the direction of a path is its heading."""
 _MOTION = ("t_s", "x_m", "y_m", "z_m", "theta_rad")
+_NEEDED = (*_MOTION, *QUATERNION)
+"""Quantities without which a row is left out."""
 LOG_TABLE = "log"
 """Name of the table with the columns that are no quantity of a trajectory."""
+DRIVE_LOG = "drive_log"
+"""Kind of a mapping file of `symolo case init` whose quantities are also those of a trajectory."""
+_WHEELS = (COUNTED, ("u_left_V", "u_right_V"))
 _ENDINGS = (".csv", ".txt", ".tsv", ".log")
 
 
@@ -99,7 +104,10 @@ class _MappedTable:
         if settings.mapping is None:
             proposal = propose_trajectory(log)
             return cls(log, proposal.mapping, proposal.warnings)
-        mapping = read_mapping(settings.mapping, [TRAJECTORY])
+        mapping = read_mapping(settings.mapping, [TRAJECTORY], also=[DRIVE_LOG])
+        if mapping.kind == DRIVE_LOG:
+            columns = {name: source for name, source in mapping.columns.items() if name in TRAJECTORY.names}
+            mapping = LogMapping.model_validate({"kind": TRAJECTORY.name, "columns": columns})
         check_mapping(mapping, TRAJECTORY, log, str(settings.mapping))
         return cls(log, mapping, ())
 
@@ -130,8 +138,11 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
     rows, changes = _usable_rows(values, table)
     values = {name: column[rows] for name, column in values.items()}
     sources = table.mapping.columns
-    jumps = [jump_note(sources[name].column, values[name], values["t_s"]) for name in COUNTED if name in values]
+    how = "in a mapping file, with --map"
+    jumps = [jump_note(sources[name].column, values[name], values["t_s"], how) for name in COUNTED if name in values]
     notes += [f"CHECK {jump}" for jump in jumps if jump]
+    notes += missing_note(table.mapping, table.log, [name for name in DRIVE_QUANTITIES if name in values])
+    notes += _lone_wheels(values)
     pose, quantities, lost, warnings, guesses = _poses(values, table, settings)
     others = (*_drive(values), *_others(table, rows))
     return [
@@ -148,13 +159,24 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
     ]
 
 
+def _lone_wheels(values: Mapping[str, Array]) -> Iterator[str]:
+    """Yield a note for each quantity of a wheel that was not recognised for the other wheel."""
+    for pair in _WHEELS:
+        absent = [name for name in pair if name not in values]
+        if len(absent) == 1:
+            yield (
+                f"no column was recognised as {absent[0]}, so that a diagnosis cannot use the other wheel either; "
+                "rename the column, or name it in a mapping file"
+            )
+
+
 def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.ndarray, list[str]]:
     """Return the rows with a time and a pose, and what was left out.
 
     Raises:
         InputError: The time goes back, or no row is left.
     """
-    needed = [name for name in ("t_s", "x_m", "y_m", "z_m", "theta_rad", *QUATERNION) if name in values]
+    needed = [name for name in _NEEDED if name in values]
     complete = np.isfinite([values[name] for name in needed]).all(axis=0)
     rows = np.flatnonzero(complete)
     if not len(rows):

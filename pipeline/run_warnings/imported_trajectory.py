@@ -144,7 +144,8 @@ def _headings(pose: Array) -> Iterator[str]:
     off_rad = angle_to_path(place, yaw)
     if off_rad < UNEXPLAINED_RAD:
         return
-    for name, other in (("in degrees", np.radians(yaw)), ("counted clockwise", -yaw)):
+    others = (("in degrees", np.radians(yaw)), ("in radians", np.degrees(yaw)), ("counted clockwise", -yaw))
+    for name, other in others:
         if angle_to_path(place, other) < EXPLAINED_RAD:
             yield f"the headings do not follow the path; they would if they were {name}"
             return

@@ -1,6 +1,7 @@
 """Every reader on the same drive: a circle in the closed form, in the axes and units of its format."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -223,9 +224,26 @@ def test_a_mapping_file_says_what_no_name_does(tmp_path):
     np.testing.assert_allclose(trajectory.pose, np.column_stack((PLACE, np.full(COUNT, 0.25))), atol=1e-6)
     np.testing.assert_allclose(trajectory.readings["v"], 1.5 * T_S, atol=1e-6)
     assert trajectory.guesses == ()
-    mapping.write_text("kind: drive_log\ncolumns: {t_s: {column: d}}\n")
-    with pytest.raises(InputError, match=r"mapping\.yaml:1: kind: got 'drive_log', allowed: trajectory"):
+    of_a_case = mapping.read_text().replace("kind: trajectory", "kind: drive_log").replace("v_m_s", "trial")
+    mapping.write_text(of_a_case)
+    _, (same,) = read(path, mapping=mapping)
+    np.testing.assert_array_equal(same.pose, trajectory.pose)
+    mapping.write_text("kind: motor_step\ncolumns: {t_s: {column: d}}\n")
+    with pytest.raises(InputError, match=r"mapping\.yaml:1: kind: got 'motor_step', allowed: trajectory, drive_log"):
         read(path, mapping=mapping)
+
+
+def test_what_the_wheels_lack_is_a_note(tmp_path):
+    """The ticks of the right wheel, one of the left, and the end of a counter that nobody stated."""
+    left = np.where(np.arange(COUNT) == 7, np.nan, np.arange(COUNT) * 400.0 % 10_000)
+    text = "t_s,x_m,y_m,yaw_rad,ticks_left\n" + lines(T_S, *PLACE.T, YAW, left, separator=",")
+    _, (trajectory,) = read(written(tmp_path / "run.csv", text))
+    for note in (
+        r"CHECK ticks_left: it jumps by -9600 .*; if its counter begins again there, give wraps_at in a mapping file",
+        r"cells without a number, of 120 each: 1 of ticks_left",
+        r"no column was recognised as enc_right_ticks",
+    ):
+        assert sum(bool(re.match(note, change)) for change in trajectory.changes) == 1
 
 
 def test_counts_of_single_rows_and_of_a_counter_that_wraps_run_on(tmp_path):

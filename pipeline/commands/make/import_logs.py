@@ -20,6 +20,8 @@ from symolo.core.errors import InputError
 if TYPE_CHECKING:
     from logs.trajectories.base import ReadSettings
     from pipeline.importing.imported_runs import ImportedDataset
+    from pipeline.importing.log_files import ReadLog
+    from pipeline.stages.run_tables import ExternalRun
 
 
 Logs = Annotated[
@@ -38,6 +40,7 @@ Mapping = Annotated[
     Path | None,
     typer.Option(
         "--map",
+        "--mapping",
         metavar="FILE",
         callback=if_given(checked_input),
         help="Mapping file of a table: which column, in which unit, is which quantity. By default it is proposed from "
@@ -195,21 +198,9 @@ def describe_logs(dataset: "ImportedDataset", *, yes: bool) -> None:
     Raises:
         InputError: Something was guessed, and nobody confirms it.
     """
-    from symolo.core.progress import plural
-
-    guessed = False
     for log, run in zip(dataset.logs, dataset.runs, strict=True):
-        seconds = run.rows.t_ms[-1] / 1000
-        typer.echo(f"{log.title}: {log.origin.format}, {plural(len(run.rows.t_ms), 'pose')}, {seconds:.1f} s")
-        for quantity, source in log.origin.quantities.items():
-            typer.echo(f"  {quantity:16} from {source}")
-        for change in (run.spec.origin and run.spec.origin.log and run.spec.origin.log.changes) or ():
-            typer.echo(f"  note: {change}")
-        for guess in log.trajectory.guesses:
-            typer.echo(f"  GUESS {guess}")
-        for warning in run.outcome.suspicions:
-            typer.echo(f"  WARNING {warning}")
-        guessed |= bool(log.trajectory.guesses)
+        _describe(log, run)
+    guessed = any(log.trajectory.guesses for log in dataset.logs)
     if not guessed or yes:
         return
     if sys.stdin.isatty() and sys.stdout.isatty():
@@ -219,3 +210,29 @@ def describe_logs(dataset: "ImportedDataset", *, yes: bool) -> None:
         raise InputError("nothing was written", cure=cure)
     cure = "repeat the command with --yes if they are right, or give a file that says it with --map (docs/import.md)"
     raise InputError("some columns or units are guesses, see above", cure=cure)
+
+
+def _describe(log: "ReadLog", run: "ExternalRun") -> None:
+    """Print what is probably wrong in a log, which column becomes what, changes, guesses and warnings."""
+    from logs.trajectories.table import LOG_TABLE
+    from symolo.core.progress import plural
+    from symolo.dataset.layout import SIDE
+
+    seconds = run.rows.t_ms[-1] / 1000
+    typer.echo(f"{log.title}: {log.origin.format}, {plural(len(run.rows.t_ms), 'pose')}, {seconds:.1f} s")
+    changes = (run.spec.origin and run.spec.origin.log and run.spec.origin.log.changes) or ()
+    checks = [change for change in changes if change.startswith("CHECK")]
+    for check in checks:
+        typer.echo(f"  {check}")
+    for quantity, source in log.origin.quantities.items():
+        typer.echo(f"  {quantity:16} from {source}")
+    for table in log.trajectory.tables:
+        if table.name == LOG_TABLE:
+            typer.echo(f"  {f'{SIDE}/{table.name}.csv':16} from {', '.join(table.columns)}, as they are")
+    for change in changes:
+        if change not in checks:
+            typer.echo(f"  note: {change}")
+    for guess in log.trajectory.guesses:
+        typer.echo(f"  GUESS {guess}")
+    for warning in run.outcome.suspicions:
+        typer.echo(f"  WARNING {warning}")

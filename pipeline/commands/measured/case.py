@@ -49,6 +49,8 @@ def init(
     mapping: Annotated[
         Path | None,
         typer.Option(
+            "--mapping",
+            "--map",
             metavar="FILE",
             callback=if_given(checked_input),
             help="Mapping file: which column of the log, in which unit, is which quantity. By default it is proposed "

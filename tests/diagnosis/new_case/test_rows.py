@@ -280,6 +280,22 @@ def test_a_duty_cycle_is_a_share_of_the_supply(log, largest, supply_V, factor):
     np.testing.assert_allclose(trial["u_right_V"].values[-1], -0.5 * factor * largest)
 
 
+@pytest.mark.parametrize("names", ["duty_left_pct,duty_right_pct", "DutyL_pct,DutyR_pct", "motor_l [%],motor_r [%]"])
+def test_a_duty_cycle_in_percent_by_its_name_is_a_share_of_the_supply(names, log):
+    t = np.round(0.05 * np.arange(40), 6)
+    text = log(drive(t, volts=40.0 + 0.0 * t, header=DRIVE.replace("uL,uR", names)))
+    proposal = propose(text, supply_V=9.0)
+    assert any("a duty cycle in percent, times 9 V" in warning for warning in proposal.warnings)
+    (trial,) = measured(text, proposal.mapping).trials
+    np.testing.assert_allclose(trial["u_left_V"].values, 3.6)
+    np.testing.assert_allclose(trial["u_right_V"].values, -3.6)
+    columns = {name: {"column": source.column} for name, source in proposal.mapping.columns.items()}
+    columns["u_left_V"]["unit"] = "percent"
+    mapping = LogMapping.model_validate({"kind": "drive_log", "columns": columns})
+    with pytest.raises(InputError, match=r"columns\.u_left_V: .* needs the voltage of a full one; .*factor: 7\.4"):
+        check_mapping(mapping, KINDS[CaseKind.DRIVE_LOG], text, "mapping.yaml")
+
+
 @pytest.mark.parametrize(
     ("names", "largest", "suspicion"),
     [
@@ -385,8 +401,10 @@ def test_all_wrong_cells_and_rows_are_reported(log):
 def test_a_word_for_a_missing_sample_is_a_missing_sample(word, log):
     lines = drive(np.round(0.05 * np.arange(40), 6)).splitlines()
     lines[4] = ",".join(["0.15", word, *lines[4].split(",")[2:]])
-    (trial,) = measured(log("\n".join(lines) + "\n")).trials
+    measurement = measured(log("\n".join(lines) + "\n"))
+    (trial,) = measurement.trials
     assert np.flatnonzero(np.isnan(trial["enc_left_ticks"].values)).tolist() == [3]
+    assert any("1 of encL" in note for note in measurement.notes)
 
 
 def test_a_last_row_that_is_cut_off_is_left_out_and_quotes_are_no_part_of_a_name(log):

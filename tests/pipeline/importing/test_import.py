@@ -192,6 +192,7 @@ def test_a_far_path_is_moved_to_the_middle_of_a_floor_that_fits(tmp_path, symolo
 SUSPICIOUS = {
     "standing": (lambda t, x, y, yaw: (t, 0 * x, 0 * y, yaw), "moves less than 1 cm: are x and y in a larger unit"),
     "clockwise": (lambda t, x, y, yaw: (t, x, y, -yaw), "they would if they were counted clockwise"),
+    "radians in degrees": (lambda t, x, y, yaw: (t, x, y, np.radians(yaw)), "they would if they were in radians"),
     "sideways": (lambda t, x, y, yaw: (t, x, y, yaw + 0.7), "the median angle between them is 40 degrees"),
     "fast": (lambda t, x, y, yaw: (t / 20, x, y, yaw), "usually moves at 6 m/s, which is fast"),
     "slow": (lambda t, x, y, yaw: (1000 * t, x, y, yaw), "usually moves at 0.0003 m/s, which is slow"),
