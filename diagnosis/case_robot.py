@@ -1,14 +1,18 @@
 """The robot of a measurement before anything is fitted: nominal parameters, and the tolerances between units."""
 
+from dataclasses import replace
+
 from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from diagnosis.importers.cases.drive_checks import CountedWheels, drive_checks
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NominalLog
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.together import joint_robot
 from diagnosis.usual_tolerances import usual, usual_of_log
+from logs.drive import COUNTED
 
 
 def base_robot_of(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:
@@ -30,3 +34,21 @@ def spreads_of(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, 
     if (case := measurement.nominal) is not None:
         return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
     return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
+
+
+def checked_against(measurement: Measurement, robot: RobotConfig) -> Measurement:
+    """Return the measurement; if it states no robot, with this one and with notes on what does not fit to it.
+
+    Importers of measured cases have written such notes by the robot of the case.
+    """
+    if measurement.nominal is not None or measurement.kind is not CaseKind.DRIVE_LOG or not measurement.has(*COUNTED):
+        return measurement
+    drive, ticks = robot.drive, robot.encoder.counts_per_revolution
+    is_shipped = robot == base_robot_of(measurement, None)
+    origin = "the shipped robot, because the data state none" if is_shipped else "the robot of the command"
+    text = (
+        f"compared with {origin}: wheels of {1000.0 * drive.wheel_diameter_m:.4g} mm, {1000.0 * drive.track_m:.4g} mm "
+        f"apart, {ticks:g} ticks per turn{'; name another one with --nominal' if is_shipped else ''}"
+    )
+    checks = drive_checks(CountedWheels(0.5 * drive.wheel_diameter_m, ticks), measurement)
+    return replace(measurement, compared_with=text, notes=(*checks, *measurement.notes))

@@ -8,7 +8,7 @@ import numpy as np
 
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
-from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
+from diagnosis.case_robot import base_robot_of, checked_against, nominal_of, spreads_of
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
@@ -192,6 +192,7 @@ def diagnose(
     where = measurement.where
     base_robot = base_robot_of(measurement, nominal)
     robot = nominal_of(measurement, base_robot)
+    measurement = checked_against(measurement, robot)
     if measurement.cases:
         stages = joint_stages(measurement, robot)
         bare = Hypothesis(robot, joint_nuisances(measurement, robot, Evidence(stages)) if stages else ())

@@ -15,6 +15,28 @@ class Phase(Enum):
     INTERVALS = 68
     PLOTS = 85
 
+    @classmethod
+    def at(cls, share: float) -> "Phase":
+        """Return the phase in which this share is done, 0 to 1."""
+        return max((phase for phase in cls if phase.value <= 100.0 * share + 1e-9), key=lambda phase: phase.value)
+
+    @property
+    def title(self) -> str:
+        """What is done in the phase, in a few words."""
+        return _TITLES[self]
+
+
+_TITLES = MappingProxyType(
+    {
+        Phase.SELECTION: "effects are fitted and selected",
+        Phase.STRUCTURE: "the rest is searched for what stays unexplained",
+        Phase.RIVALS: "the effects are compared with their rivals",
+        Phase.TRANSFER: "the names are tested on trials that were left out",
+        Phase.INTERVALS: "intervals of the parameters",
+        Phase.PLOTS: "predictions, plots and files",
+    }
+)
+
 
 USUAL_ROBOTS = 200
 """Predicted robots by which a phase is half done; later ones count less, since nobody knows which one is the last."""

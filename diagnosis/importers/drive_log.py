@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.importers.cases.case import case_importer, scale_note
-from diagnosis.importers.cases.drive_checks import drive_checks
+from diagnosis.importers.cases.drive_checks import CountedWheels, drive_checks
 from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.measured.case_format import RANGE_SIDES
@@ -42,7 +42,9 @@ def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
         nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
     faults.check()
     units = _travel_notes(nominal, measurement)
-    checks = drive_checks(nominal, measurement, has_wrong_unit=bool(units))
+    robot = nominal.robot
+    wheels = CountedWheels(robot.wheel_radius_m.value, robot.encoder_ticks_per_revolution)
+    checks = drive_checks(wheels, measurement, has_wrong_unit=bool(units))
     return [*_left_out(nominal, measurement), *units, *checks]
 
 

@@ -42,6 +42,11 @@ class Gain:
     by_quantity: tuple[tuple[str, float, float], ...]
     """Name, error before and error after of each observed quantity."""
 
+    @property
+    def is_unchanged(self) -> bool:
+        """Whether both models predict the same, because no parameter differs."""
+        return self.value == self.low == self.high == 0.0
+
 
 def gain(
     evidence: Evidence,

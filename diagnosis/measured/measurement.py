@@ -107,6 +107,8 @@ class Measurement:
     """Parameters of a textbook simulation; None if none came with the data."""
     notes: tuple[str, ...] = ()
     """Notes for a user of the data, such as what is missing and how codes were interpreted."""
+    compared_with: str = ""
+    """Sentence on the robot that the data are compared with, if they state none themselves."""
     cases: "tuple[Measurement, ...]" = ()
     """Cases of kind TOGETHER, whose trials follow each other without their channels; empty for any other kind."""
 
@@ -133,7 +135,8 @@ class Measurement:
 
     def has(self, *names: str) -> bool:
         """Return whether all of these channels were logged."""
-        return all(any(channel.is_offered for channel in self.across(name)) for name in names)
+        logged = {channel.name for trial in self.trials for channel in trial.channels if channel.is_offered}
+        return logged.issuperset(names)
 
     @property
     def heldout_rows(self) -> int:

@@ -8,21 +8,22 @@ import numpy as np
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.noise import trimmed_variance
 from diagnosis.motor_identification import least_squares
+from logs.times import usual_step
 from symolo.core.arrays import Array
 
 MIN_ROWS = 20
 """Number of rows from which an equation is fitted."""
 MIN_SHARE = 0.5
 """Share that the ticks explain of the motion of a robot, below which poses and ticks do not belong together."""
-SPAN_ROWS = 10
-"""Rows over which the motion is judged, half a second: over a single row, the noise of a tracker may be larger."""
+SPAN_S = 0.5
+"""Time over which the motion is judged: over a single row, the noise of a tracker may be larger."""
 TINY = 1e-30
 SLOW = 0.25
 """Motion of the wheels, as a share of a fast one, up to which they count as standing."""
 USUAL = 0.75
 """Quantile of the sizes of a column that counts as a usual value."""
 MIN_STEP_M, MIN_TURN_RAD = 0.01, 0.05
-"""Root mean square of distances and turns over SPAN_ROWS from which they are motion rather than noise."""
+"""Root mean square of distances and turns over SPAN_S from which they are motion rather than noise."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +39,11 @@ class PoseByTicks:
     pose_theta_rad: float
     """Standard deviation of the noise of theta_rad in one row [rad]."""
     span_m_per_tick: float
-    """The same as `m_per_tick` over SPAN_ROWS: less exact on curves, and right for a tracker that holds its poses."""
+    """The same as `m_per_tick` over SPAN_S: less exact on curves, and right for a tracker that holds its poses."""
     forward_share: float
-    """Share of the squares of the distances over SPAN_ROWS that the ticks explain."""
+    """Share of the squares of the distances over SPAN_S that the ticks explain."""
     turn_share: float
-    """Share of the squares of the turns over SPAN_ROWS that the ticks explain."""
+    """Share of the squares of the turns over SPAN_S that the ticks explain."""
     is_forward_clear: bool
     """Whether pose and wheels drive rather than turn on the spot, so that `forward_share` says something."""
     is_turn_clear: bool
@@ -75,7 +76,7 @@ def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
     """Return how the pose moves with the ticks; None if one of them is not logged, or nothing moves."""
     if not measurement.has("enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad"):
         return None
-    steps = _known([_motion(trial, 1) for trial in measurement.trials])
+    steps = _known([_motion(trial, 1) for trial in measurement.trials if len(trial.t_s) > 1])
     forward_m, turn_rad, ticks, more_right, _ = steps.T
     if len(steps) < MIN_ROWS or not ticks.any() or not more_right.any():
         return None
@@ -86,7 +87,7 @@ def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
     left = (forward_m - m_per_tick * ticks, turn_rad - rad_per_tick * more_right)
     sds = [float(np.sqrt(trimmed_variance(each) / 2.0)) for each in left]
     spans = _without_outliers(
-        _known([_motion(trial, min(SPAN_ROWS, len(trial.t_s) - 1)) for trial in measurement.trials])
+        _known([_motion(trial, _rows_of_span(trial)) for trial in measurement.trials if len(trial.t_s) > 1])
     )
     forward, turned, by_ticks, by_difference, distance = spans.T
     turned_rad, distance_m = (float(np.sqrt(np.mean(each**2))) for each in (turned, distance))
@@ -105,8 +106,13 @@ def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
     )
 
 
+def _rows_of_span(trial: Trial) -> int:
+    rows = round(SPAN_S / usual_step(np.diff(trial.t_s)))
+    return min(max(rows, 1), len(trial.t_s) - 1)
+
+
 def _known(motions: list[Array]) -> Array:
-    rows = np.concatenate(motions)
+    rows = np.concatenate(motions) if motions else np.zeros((0, 5))
     return rows[np.isfinite(rows).all(axis=1)]
 
 

@@ -44,7 +44,14 @@ def wrap(text: str, width: int, **settings: Any) -> list[str]:  # noqa: ANN401 -
 def summary(data: ReportData) -> list[str]:
     """Return the lines: verdict, effects, alternatives, what remains unexplained, gain."""
     diagnosis = data.diagnosis
-    lines = [summary_line(diagnosis.measurement), *_warnings(data), "", *wrap(headline(diagnosis), WIDTH)]
+    compared_with = wrap(diagnosis.measurement.compared_with, WIDTH)
+    lines = [
+        summary_line(diagnosis.measurement),
+        *compared_with,
+        *_warnings(data),
+        "",
+        *wrap(headline(diagnosis), WIDTH),
+    ]
     lines += wrap(why_no_name(diagnosis), WIDTH)
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
         lines += ["", *_effect(named, ablation, data.intervals.get(named.effect.name, {}))]

@@ -257,6 +257,8 @@ def _bent_text(fit: HypothesisFit) -> str:
 
 def _gains(gain: Gain) -> str:
     """Return what a gain is, as a clause without its subject; a gain below zero is a larger error."""
+    if gain.is_unchanged:
+        return "changes nothing on the held-out rows"
     if gain.value >= 0.0:
         return f"gains {gain_text(gain)}"
     low, high = percent(gain.low), percent(gain.high)

@@ -16,7 +16,7 @@ from diagnosis.measured.case_format import BLIND, DATA
 from diagnosis.measured.holdout import hold_out, of_part
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NOMINAL
-from diagnosis.progress import DiagnosisProgress
+from diagnosis.progress import DiagnosisProgress, Phase
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
 from pipeline.diagnosing.made_from import MADE_FROM, MadeFrom
@@ -132,10 +132,14 @@ def diagnose_cases(
     ]
     # How many hypotheses are fitted depends on what the fits show, so the share of a case says little about its rest.
     with report.stage("diagnose", len(units), "cases", is_even=False) as stage:
+        begun: set[Phase] = set()
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(event, Progress):
                 stage.update(unit.name, event.share)
+                if alone and (phase := Phase.at(event.share)) not in begun:
+                    begun.add(phase)
+                    stage.say(phase.title)
             if isinstance(event, Finished | Failed):
                 stage.update(unit.name, 1.0)
             if isinstance(event, Failed) and not alone:

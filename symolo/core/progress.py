@@ -101,7 +101,7 @@ class _Clock:
 class _Lines:
     def __init__(self, report: LineReport, name: str, total: float, unit: str, clock: _Clock) -> None:
         self._report, self._name, self._total, self._unit, self.clock = report, name, total, unit, clock
-        self._last = time.monotonic()
+        self._last, self._text = time.monotonic(), ""
 
     @property
     def done(self) -> float:
@@ -118,7 +118,10 @@ class _Lines:
             return
         self._last = now
         left = self.clock.left
-        self.say(f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{left and f', {left}'}")
+        text = f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{left and f', {left}'}"
+        if text != self._text:  # the same line again says nothing
+            self.say(text)
+        self._text = text
 
 
 class BarReport:

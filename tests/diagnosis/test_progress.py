@@ -23,3 +23,10 @@ def test_a_phase_is_half_done_after_the_usual_number_of_robots():
     for _ in range(2):
         progress.predicted(USUAL_ROBOTS_OF[Phase.SELECTION] // 2)
     assert shares[-1] == pytest.approx(Phase.STRUCTURE.value / 200)
+
+
+@pytest.mark.parametrize(
+    ("share", "phase"), [(0.0, Phase.SELECTION), (0.4499, Phase.SELECTION), (0.45, Phase.STRUCTURE), (1.0, Phase.PLOTS)]
+)
+def test_the_phase_follows_from_the_share(share, phase):
+    assert Phase.at(share) is phase

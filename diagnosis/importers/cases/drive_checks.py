@@ -1,12 +1,12 @@
 """Notes on what is probably wrong in a drive: gaps, jumping counters, and wheels that do not belong to the pose."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CHECK, Measurement
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.pose_by_ticks import MIN_SHARE, pose_by_ticks
 from logs.counts import jump_note
 from logs.drive import COUNTED
@@ -20,11 +20,19 @@ EDGES = (2.0, 4.0)
 """Counts per pulse of an encoder, by how many edges of its two channels are counted."""
 
 
-def drive_checks(nominal: NominalDrive, measurement: Measurement, *, has_wrong_unit: bool) -> Iterator[str]:
+@dataclass(frozen=True)
+class CountedWheels:
+    """Numbers of a robot by which ticks become distances."""
+
+    radius_m: float
+    ticks_per_turn: float
+
+
+def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_unit: bool = False) -> Iterator[str]:
     """Yield a note for each sign that the log, its mapping or the numbers of the robot are wrong.
 
     Args:
-        nominal: Numbers of the robot.
+        wheels: Numbers of the robot.
         measurement: The drive.
         has_wrong_unit: Whether another note already explains that pose and wheels move differently far.
     """
@@ -34,7 +42,7 @@ def drive_checks(nominal: NominalDrive, measurement: Measurement, *, has_wrong_u
         known = np.isfinite(readings).any(axis=0)
         if gap := gap_note(trial.t_s[known], MIN_GAP_STEPS):
             yield f"{where}{gap}"
-        for name in COUNTED:
+        for name in COUNTED if measurement.has(*COUNTED) else ():
             if note := jump_note(f"{where}{name}", trial[name].values, trial.t_s):
                 yield f"{CHECK} {note}"
     moved = pose_by_ticks(measurement)
@@ -43,13 +51,12 @@ def drive_checks(nominal: NominalDrive, measurement: Measurement, *, has_wrong_u
     contradictions = list(moved.contradictions())
     yield from (f"{CHECK} {text}" for text in contradictions)
     if not contradictions and not has_wrong_unit and moved.is_forward_clear and moved.forward_share >= MIN_SHARE:
-        yield from _travel_note(nominal, moved.span_m_per_tick)
+        yield from _travel_note(wheels, moved.span_m_per_tick)
 
 
-def _travel_note(nominal: NominalDrive, m_per_tick: float) -> Iterator[str]:
+def _travel_note(wheels: CountedWheels, m_per_tick: float) -> Iterator[str]:
     """Yield a note if the pose moves much farther than the wheels, or much less far."""
-    robot = nominal.robot
-    ticks, radius_m = robot.encoder_ticks_per_revolution, robot.wheel_radius_m.value
+    ticks, radius_m = wheels.ticks_per_turn, wheels.radius_m
     ratio = m_per_tick * ticks / (2.0 * np.pi * radius_m)
     if 1.0 / FAR_OFF < ratio < FAR_OFF:
         return

@@ -110,6 +110,8 @@ def confidence(probability: float) -> str:
 
 def gain_text(gain: Gain) -> str:
     """Return a gain with its interval; an interval without width comes from a single block of rows."""
+    if gain.is_unchanged:
+        return f"{percent(0.0)} (no change)"
     interval = f"95 % interval {percent(gain.low)} to {percent(gain.high)}"
     return f"{percent(gain.value)} ({interval if gain.high > gain.low else 'too few rows for an interval'})"
 

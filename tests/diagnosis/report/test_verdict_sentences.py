@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from diagnosis.inference.gain import Gain
+from diagnosis.inference.gain import Gain, gain_of_sizes
 from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.rivals import FORM
 from diagnosis.report.report_data import Ablation
+from diagnosis.report.sentences.quantities import gain_text
 from diagnosis.report.verdict import (
     _gains,
     certainty,
@@ -145,3 +146,10 @@ def test_an_effect_of_the_noise_is_judged_by_the_likelihood_of_the_readings(chan
     said_of_it = without_effect(ablation)
     assert text in said_of_it
     assert "gain" not in said_of_it
+
+
+def test_a_model_of_which_no_parameter_moved_changes_nothing():
+    sizes = np.tile(np.linspace(0.1, 2.0, 250), (2, 1))
+    unchanged = gain_of_sizes([(sizes, np.arange(250) // 50)])
+    assert _gains(unchanged) == "changes nothing on the held-out rows"
+    assert gain_text(unchanged) == "0 % (no change)"

@@ -63,3 +63,11 @@ def test_the_time_left_of_parts_that_advance_unevenly_falls_or_is_not_known(caps
         "about 1.0 s left",
         "time left not known",
     ]
+
+
+def test_no_line_is_printed_twice_in_succession(capsys, monkeypatch):
+    monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
+    with LineReport().stage("diagnose", 1, "cases", is_even=False) as stage:
+        for share in (0.1, 0.2, 0.3):
+            stage.update("a", share)
+    assert capsys.readouterr().err.count("time left not known") == 1
