@@ -1,13 +1,23 @@
 """The formats of `symolo export`."""
 
+from pathlib import Path
+
 from markdown_text import page, table, text
 
 from symolo.exporters import EXPORTERS
 
 ABOUT = """`symolo export DIR --format NAMES --out OUT` converts a release to these formats. The page
 [exports](../exports.md) has examples."""
+SECTIONS = Path(__file__).parents[1] / "exports"
+"""Folder of the pages with a section for each format."""
 
 
 def formats() -> str:
-    rows = [(f"[{exporter.name}](../exports.md#{exporter.name})", text(exporter.what)) for exporter in EXPORTERS]
+    pages = sorted(SECTIONS.glob("*.md"))
+    page_of = {e.name: page.name for e in EXPORTERS for page in pages if f"\n## {e.name}\n" in page.read_text()}
+    rows = [
+        (f"[{each.name}](../exports/{page_of[each.name]}#{each.name})", text(each.what))
+        for each in EXPORTERS
+        if each.name in page_of  # a test names the formats without a section
+    ]
     return page("Formats", ABOUT, [table(("format", "content"), rows)])

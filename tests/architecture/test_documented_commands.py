@@ -25,6 +25,7 @@ EXAMPLES = ROOT / "diagnosis/examples"
 PAGES = [
     ROOT / "README.md",
     *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs/exports").glob("*.md")),
     *sorted((ROOT / "docs/tutorials").glob("*.md")),
 ]
 CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)

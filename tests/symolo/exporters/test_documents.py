@@ -36,10 +36,8 @@ def test_help_and_pages_name_every_format(symolo):
     names = ", ".join(exporter.name for exporter in EXPORTERS)
     assert names in " ".join(re.sub(r"[^a-z0-9, ]", " ", symolo("export", "--help").out).split())
     assert names in (DOCS / "commands.md").read_text()
-    page = (DOCS / "exports.md").read_text()
-    assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == names.split(", ")
-    overview = page.partition("\n## ")[0]
-    assert re.findall(r"^\| \[(\w+)\]\(#\1\) \|", overview, re.MULTILINE) == names.split(", ")
+    overview = (DOCS / "exports.md").read_text()
+    assert re.findall(r"^\| \[(\w+)\]\(exports/\w+\.md#\1\) \|", overview, re.MULTILINE) == names.split(", ")
 
 
 @pytest.mark.usefixtures("here")
@@ -57,22 +55,27 @@ def test_the_program_of_the_page_on_the_reader(kinds, random_release, capsys):
 
 # webdataset leaves the file that it read to the garbage collector.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning", "ignore::ResourceWarning")
-def test_the_commands_and_programs_of_the_page_on_exports(symolo, random_release, here):
-    """The release has the annotations of the page's first command, which `pytest -m documents` runs itself."""
-    release, *exports = re.findall(r"^    symolo (.+)$", (DOCS / "exports.md").read_text(), re.MULTILINE)
+def test_the_commands_and_programs_of_the_pages_on_exports(symolo, random_release, here, monkeypatch):
+    """The release has the annotations that a page asks for in a command, which `pytest -m documents` runs itself."""
+    (release,) = re.findall(r"^    symolo (release .+)$", (DOCS / "exports/labels.md").read_text(), re.MULTILINE)
     assert release.endswith(f"--out {RELEASE}")
-    Path(RELEASE).symlink_to(random_release(1, kinds=kinds_of(release)).root)
-    for command in exports:
-        ended = symolo(*shlex.split(command))
-        assert ended.code == 0, f"{command}: {ended.err}"
-    written = {path.name for path in (here / "exported").iterdir() if path.is_dir()}
+    written, names = set(), {}
+    for page in ("exports.md", *(f"exports/{path.name}" for path in sorted(DOCS.glob("exports/*.md")))):
+        desk, of_page = here / Path(page).stem, names.setdefault(Path(page).stem, {})
+        desk.mkdir()
+        monkeypatch.chdir(desk)
+        Path(RELEASE).symlink_to(random_release(1, kinds=kinds_of(release)).root)
+        for command in re.findall(r"^    symolo (?!release)(.+)$", (DOCS / page).read_text(), re.MULTILINE):
+            ended = symolo(*shlex.split(command))
+            assert ended.code == 0, f"{command}: {ended.err}"
+        written |= {path.name for path in Path("exported").iterdir() if path.is_dir()}
+        for program in programs(page):
+            exec(program, of_page)  # noqa: S102 - as above
     assert written == {exporter.name for exporter in EXPORTERS}
-    names = {}
-    for program in programs("exports.md"):
-        exec(program, names)  # noqa: S102 - as above
-    assert (names["p_WC"].shape[1], names["unit"], names["mask"].ndim) == (3, b"rad/s", 2)
-    assert (names["pixels"].shape[2], names["row"]["run"]) == (3, "CW/test_1")
-    assert len(names["rows_20_Hz"]) == len(names["rows"])
-    assert names["place"].x == names["rows"].query("run == 'CW/test_1'")["x"].iloc[-1]
+    learning = names["learning"]
+    assert (names["trajectories"]["p_WC"].shape[1], learning["unit"], names["labels"]["mask"].ndim) == (3, b"rad/s", 2)
+    assert (learning["pixels"].shape[2], learning["row"]["run"]) == (3, "CW/test_1")
+    assert len(learning["rows_20_Hz"]) == len(learning["rows"])
+    assert names["ros"]["place"].x == learning["rows"].query("run == 'CW/test_1'")["x"].iloc[-1]
     gc.collect()
-    assert names["row"]["run"] in set(names["rows"]["run"])
+    assert learning["row"]["run"] in set(learning["rows"]["run"])
