@@ -51,9 +51,9 @@ CHECKS = (
 INFERENCE = "tests/diagnosis/inference"
 TESTS = {
     "sensors/ranging/tof.py": (
-        "tests/sensors/test_tof.py",
+        "tests/sensors/ranging/test_tof.py",
         "tests/sensors/test_effects.py",
-        "tests/sensors/test_range_over_time.py",
+        "tests/sensors/ranging/test_range_over_time.py",
     ),
     "physics/drivetrain/motor.py": (MOTOR, "tests/physics/drivetrain/test_motor_energy.py"),
     "physics/drivetrain/wheel_loop.py": ("tests/physics/drivetrain/test_wheel_loop.py",),

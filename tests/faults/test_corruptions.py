@@ -50,7 +50,7 @@ def test_repair_gives_back_what_the_stages_keep(release, tmp_path):
 @pytest.mark.parametrize("fits", [False, True], ids=["lists as released", "lists that fit"])
 def test_repair_has_nothing_to_say_if_and_only_if_verify_finds_nothing(fits, release, tmp_path, sign, symolo):
     """Of each kind of damage; with lists that fit it, only the content of the files can tell."""
-    # No seed edits metadata.json, for which `repair` tries all its 400,000 bits; tests/pipeline/test_repair.py does.
+    # No seed edits metadata.json, for which `repair` tries all its 400,000 bits; `test_repair.py` does.
     for i, kind in enumerate(corruptions.KINDS):
         copy = tmp_path / str(i)
         damage = corruptions.Corrupter(release, copy, seed=220 + i).damage(kind)

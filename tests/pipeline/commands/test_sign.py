@@ -12,7 +12,7 @@ from symolo.dataset.manifest import SEALS
 from symolo.signing.minisign import PublicKey
 from symolo.signing.secret_key import SecretKey
 
-KEYS = Path(__file__).parents[1] / "symolo/signing/made_by_minisign"
+KEYS = Path(__file__).parents[2] / "symolo/signing/made_by_minisign"
 SIGNATURE, STATEMENT = "tagmanifest-sha256.txt.minisig", "provenance.intoto.json"
 TIME = "2026-11-23T16:00:00Z"
 COMMENT = f"dataset:smoke version:1.0.0 time:{TIME} file:tagmanifest-sha256.txt"

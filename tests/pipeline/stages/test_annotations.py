@@ -98,7 +98,7 @@ def test_kinds_that_the_list_no_longer_names_are_removed_and_no_image_is_rendere
 
 def test_the_example_of_the_page_reads_them(annotated):
     """On the counter-clockwise route, whose first image sees an obstacle."""
-    page = (Path(__file__).parents[2] / "docs/annotations.md").read_text()
+    page = (Path(__file__).parents[3] / "docs/annotations.md").read_text()
     (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     program += "print('floor', float(np.abs(p_W[read('semantic') == categories['floor'], 2]).max()), line.any())\n"
     call = [sys.executable, "-c", program]

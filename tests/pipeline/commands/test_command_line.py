@@ -417,7 +417,7 @@ def test_schema_is_json(symolo):
 
 
 def test_version_is_that_of_the_project(symolo):
-    pyproject = (Path(__file__).parents[2] / "pyproject.toml").read_text()
+    pyproject = (Path(__file__).parents[3] / "pyproject.toml").read_text()
     assert f'version = "{symolo("--version").out.removeprefix("symolo ").strip()}"' in pyproject
 
 
