@@ -153,7 +153,7 @@ class KinematicTwin:
         return speeds, turned
 
     def _turned_alone(self, voltage_V: Array) -> tuple[Array, Array]:
-        """Return the same for one trial of bare motors, (T, 2) each."""
+        """Return speeds and angles as `_turned_together`, for one trial of motors whose torque no effect changes."""
         driveline, load_N_m, step_s = self._driveline, self._body.load_N_m, self._step_s
         numbers = np.stack([driveline.damping_N_m_s_rad, driveline.coulomb_N_m, self._inertia], axis=1).tolist()
         step_right, step_left = (HeldWheel(*wheel, duration_s=step_s).step for wheel in numbers)

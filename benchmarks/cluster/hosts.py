@@ -1,7 +1,7 @@
 """Hosts with addresses, processes and temporary files of their own on one machine, by Linux namespaces; needs root.
 
-A host is a process that holds the namespaces. Killed, it takes all processes of the host with it. The system closes
-their connections, as it does not where a cable is pulled.
+A host is a process that holds the namespaces. If it is killed, all processes of the host end with it, and the system
+closes their connections. If a cable is pulled (`Network.link`), the connections stay open.
 """
 
 import os
@@ -75,8 +75,8 @@ class Network:
         subprocess.run(inside, check=True, capture_output=True, text=True)
 
 
-def refuse_where_there_are_none() -> None:
-    """Exit with a message where hosts cannot be created."""
+def exit_without_namespaces() -> None:
+    """Exit with a message if this machine cannot create hosts."""
     missing = [name for name in ("ip", "nsenter", "setpriv", "unshare") if shutil.which(name) is None]
     if missing:
         sys.exit(f"{', '.join(missing)}: not found; apt-get install -y iproute2 util-linux")

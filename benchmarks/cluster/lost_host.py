@@ -20,7 +20,7 @@ from collections import Counter
 from hashlib import sha256
 from pathlib import Path
 
-from hosts import Host, Network, refuse_where_there_are_none
+from hosts import Host, Network, exit_without_namespaces
 
 PORT = 6379
 LOST_AFTER = 60
@@ -102,7 +102,7 @@ def main() -> None:
     parser.add_argument("--blink", type=float, default=20.0)
     parser.add_argument("--seconds", type=float, default=21.0, help="of each of the two drives")
     arguments = parser.parse_args()
-    refuse_where_there_are_none()
+    exit_without_namespaces()
     with tempfile.TemporaryDirectory() as scratch:
         folder = arguments.out or Path(scratch)
         alone = folder / "alone"

@@ -2,9 +2,9 @@
 
 python benchmarks/cluster/weak_scaling.py [--workers 2] [--images 25] [--repetitions 5] [--width 640]
 
-As many runs of the scenario `smoke` as workers, simulated before, are rendered by one worker one after the other and
-by all of them side by side, in turn. Runs differ in what they cost, so a share is that of the whole: efficiency is
-the time of one over the time of all and their number. Starts of workers and of Blender are in it.
+The program renders as many simulated runs of the scenario `smoke` as there are workers: alternately with one worker,
+and with all workers at the same time. Runs take different times, so the efficiency is that of the whole set: the time
+of one worker, divided by the number of workers and by the time of all. Starts of workers and Blender are included.
 """
 
 import argparse

@@ -27,7 +27,7 @@ _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance
 SURFACE = "surface"
 """Property of a material with the name of its surface, which may exceed the 63 bytes of a name in Blender."""
 MATT = "matt"
-"""Name of the node that stands for the surface in the light that it reflects to a matt one."""
+"""Name of the node that replaces the surface for light that it reflects to a matt surface."""
 
 
 class ShaderGraph:

@@ -10,11 +10,11 @@ from symolo.arena.footprints import Point
 from symolo.core.yaml.tree import FieldPath, dotted
 
 FAR = 3.0
-"""A point farther than so many half sides of the floor is probably given in another unit."""
+"""Distance from the origin, in half sides of the floor, from which a point is probably given in another unit."""
 
 
 def arena_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
-    """Yield what is wrong with an arena, whatever robot drives in it."""
+    """Yield the faults of an arena that do not depend on the robot."""
     line: FieldPath = ("arena", "line", "pieces")
     for index, piece in enumerate(arena.line.pieces):
         yield from _piece_faults(piece, arena.line.width_m, (*line, index))

@@ -14,7 +14,7 @@ from symolo.core.finite import require_finite
 
 PHYSICS_HZ = 1000.0
 """Physics rate of the shipped scenarios; rows of any length are divided into steps of about this rate."""
-STEPS_PER_LOOK = 10
+STEPS_PER_CHECK = 10
 """Physics steps between two checks of contacts and yaw."""
 EMPTY = Arena("empty", 1.0, 0.5, Line((), 0.015, 0.05), ())
 
@@ -48,8 +48,8 @@ def open_loop(robot: RobotConfig, voltage_V: Array, row_s: float, *, lifted: boo
     """
     require_finite(voltage_V, "voltage_V", ("row", "wheel"))
     steps = max(1, round(row_s * PHYSICS_HZ))
-    looks_hz = max(1, round(steps / row_s / STEPS_PER_LOOK))
-    rates = Rates(physics_hz=looks_hz * STEPS_PER_LOOK, wheel_loop_hz=looks_hz, control_hz=1, camera_hz=1)
+    looks_hz = max(1, round(steps / row_s / STEPS_PER_CHECK))
+    rates = Rates(physics_hz=looks_hz * STEPS_PER_CHECK, wheel_loop_hz=looks_hz, control_hz=1, camera_hz=1)
     rows = []
     with BulletSimulation(robot, EMPTY, (0.0, 0.0, 0.0), rates) as world:
         if lifted:

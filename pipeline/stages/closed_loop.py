@@ -63,7 +63,7 @@ class ClosedLoop:
         self.world.close()
 
     def observe(self, tick: int) -> Observation:
-        """Let the world run on to a tick, and return what the controller learns there; ticks come in order, from 0."""
+        """Advance the world to a tick and return what the controller observes; ticks are in order, from 0."""
         readings = self.readings = self.suite.read_at_tick(self.world, tick)
         counts = np.asarray(readings["encoders"], dtype=np.int64)
         turned = counts - self._counts

@@ -47,7 +47,7 @@ USUAL_PERIOD_S = 0.033
 WHITE = 0.88
 """Reflectance of the white target of the data sheet."""
 NEAR_M = 0.04
-"""Distance from which on every reading of a target comes (paper, section 5.2)."""
+"""Shortest distance at which every measurement of a target gives a reading (paper, section 5.2)."""
 FADING = 0.25
 """Spread of the natural logarithm of the returned light about its threshold."""
 

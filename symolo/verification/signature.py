@@ -12,9 +12,9 @@ from symolo.verification.findings import Finding
 
 
 def signature_findings(root: Path, key: PublicKey) -> Iterator[Finding]:
-    """Yield what is wrong with the signatures of a release; nothing means that the owner of the key signed its lists.
+    """Yield the faults of the signatures of a release; none means that the owner of the key signed its checksum lists.
 
-    Whether its files fit the lists is left to `verify`.
+    This does not compare the files with the lists, which `verify` does.
 
     Raises:
         EnvironmentLacking: The extra `sign` is not installed.
@@ -30,7 +30,7 @@ def signature_findings(root: Path, key: PublicKey) -> Iterator[Finding]:
 
 
 def trusted_comment(root: Path) -> str:
-    """Return what the signature of a release, or of that in a bag, states; to be believed once it is checked.
+    """Return the comment in the signature of a release, or of the release in a bag; trust it only if the check passes.
 
     Raises:
         OSError: There is no signature.
@@ -40,7 +40,7 @@ def trusted_comment(root: Path) -> str:
 
 
 def _problem(root: Path, signed: str, signature: str, key: PublicKey) -> str:
-    """Return what is wrong with the signature of one file; empty where nothing is."""
+    """Return the fault of the signature of one file; empty if there is none."""
     try:
         content = read_file(root / signature, FileKind.DOCUMENT)
         data = read_file(root / signed, FileKind.DOCUMENT)

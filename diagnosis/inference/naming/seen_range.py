@@ -1,9 +1,9 @@
 """The range in which an effect was seen: where its law is an observation, and not an extrapolation.
 
 A law that fits slow arcs may be wrong in fast ones. Every named effect therefore carries the range of each covariate
-over the rows in which it matters. Held-out rows count as well, since no effect is named that they contradict. A
-condition that is a reading too, such as the speed of a motor, is what the model with the effect predicts: that of the
-nominal model may be far from it, and a reading has noise.
+over the rows in which it matters. Held-out rows count as well, since no effect is named that they contradict. If a
+condition is also a reading, such as the speed of a motor, its value is the prediction of the model with the effect: the
+prediction of the nominal model may be far off, and a reading has noise.
 """
 
 from collections.abc import Iterator, Mapping

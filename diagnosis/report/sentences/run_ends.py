@@ -19,14 +19,14 @@ def run_ends(diagnosis: Diagnosis) -> Iterator[str]:
     if not isinstance(measurement.nominal, KnownWheels):
         return
     whole = fitted_to_whole_runs(measurement, fit.hypothesis, fit.x, diagnosis.candidates.testable)
-    held = tuple(trial for trial in measurement.trials if trial.holdout.all() and len(trial.t_s) > PARTS)
-    if whole is None or not held:
+    heldout = tuple(trial for trial in measurement.trials if trial.holdout.all() and len(trial.t_s) > PARTS)
+    if whole is None or not heldout:
         return
-    runs = replace(measurement, trials=held)
+    runs = replace(measurement, trials=heldout)
     yield (
         "If the last pose of a held-out run is predicted from the first one and the counts alone, its error is "
         f"{_error(runs, diagnosis.nominal)} with the nominal robot and {_error(runs, diagnosis.extended)} with the "
-        f"extended one (rms of {len(held)} runs)."
+        f"extended one (rms of {len(heldout)} runs)."
     )
     more = [effect for effect in whole.hypothesis.effects if effect not in fit.hypothesis.effects]
     for effect in more:

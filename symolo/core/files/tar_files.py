@@ -1,4 +1,4 @@
-"""Tar files that are the same bytes for the same content: heads tell no owner, no day and no machine."""
+"""Tar files that are the same bytes for the same content: headers without owner, date and machine."""
 
 import tarfile
 from collections.abc import Iterable, Iterator, Sequence
@@ -29,7 +29,7 @@ class Member:
 
     @property
     def head(self) -> bytes:
-        """Header without anything of the machine, the user or the day."""
+        """Header without owner, date and machine."""
         info = tarfile.TarInfo(self.name)
         info.size, info.mode, info.mtime = self.size, 0o644, 0
         return info.tobuf(tarfile.USTAR_FORMAT)

@@ -8,7 +8,7 @@ from symolo.dataset.documents.run_document import SensorSection, SpecSection
 
 
 def sensor_frame(name: str) -> str:
-    """Return the name of the frame of a sensor of `robot.sensors`; names of other frames have no stroke."""
+    """Return the name of the frame of a sensor of `robot.sensors`; names of other frames have no slash."""
     return f"sensors/{name}"
 
 

@@ -13,7 +13,7 @@ from benchmarks.diagnosis.independent_cases.recipes import Array, Mask, Paramete
 if TYPE_CHECKING:
     from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 
-LOOKS = 8  # looks that a reading with a gathering time is the mean of
+LOOKS = 8  # moments in the gathering time, over which a reading is the mean
 
 
 def _pose_at(poses: Array, t_s: Array) -> Array:

@@ -90,28 +90,28 @@ class Ball:
     def readings_mm(self, law: Law, places_mm: Array) -> Array:
         """Return the readings (P,) at places (P, 2)."""
         off_mm = self.from_middle_mm(places_mm)
-        # The same places for balls that differ little, so that the law may remember its last result.
+        # The same places for balls that differ little, so that the law may return its last result again.
         at_mm = np.arange(0.0, WHOLE_MM * (np.ceil(off_mm.max() / WHOLE_MM) + 1.0), STEP_MM)
         table = law(1e-3 * self.nearest_mm, 1e-3 * self.radius_mm, 1e-3 * at_mm)
         return np.interp(off_mm, at_mm, 1e3 * table)
 
 
-def memoizing(law: Law) -> Law:
-    """Return a law that remembers its last result: a fit moves a ball sideways more often than it changes it."""
+def with_last_result(law: Law) -> Law:
+    """Return the law with its last result cached: a fit moves a ball sideways more often than it changes it."""
     last: list[tuple[tuple[float, float, int], Array]] = []
 
-    def memoized(nearest_m: float, radius_m: float, off_m: Array) -> Array:
+    def cached(nearest_m: float, radius_m: float, off_m: Array) -> Array:
         key = (nearest_m, radius_m, len(off_m))
         if not last or last[0][0] != key:
             last[:] = [(key, law(nearest_m, radius_m, off_m))]
         return last[0][1]
 
-    return memoized
+    return cached
 
 
 def fitted_ball(law: Law, places_mm: Array, reading_mm: Array) -> Ball:
     """Return the ball whose readings at places (P, 2) are nearest to those measured (P,), by least squares."""
-    law = memoizing(law)
+    law = with_last_result(law)
     nearest = float(reading_mm.min())
     x_mm, y_mm = places_mm[reading_mm < nearest + 0.3 * INNER_MM].mean(axis=0).tolist()
 
