@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from pipeline.run_folder.stored_runs import run_name, trajectory_folders
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.simulate_runs import RunOutcome, read_outcome
-from symolo.core.files.file_locks import is_held
+from symolo.core.files.file_locks import is_locked
 from symolo.core.os_errors import NOT_THERE
 from symolo.dataset.layout import IMAGES, STAGES
 from symolo.dataset.manifest import TAG_MANIFEST
@@ -82,7 +82,7 @@ def snapshot(out: Path, now_s: float) -> Snapshot:
     """
     workspace = Workspace(out.absolute())
     runs = tuple(_run(workspace, folder) for folder in trajectory_folders(out))
-    working = is_held(out / STAGES)
+    working = is_locked(out / STAGES)
     return Snapshot(runs, working, (out / TAG_MANIFEST).is_file() and not working, now_s)
 
 

@@ -20,7 +20,7 @@ from symolo.core.files.atomic_files import (
     write_file,
 )
 from symolo.core.files.file_hashes import canonical_json, hashes_of, holds
-from symolo.core.files.file_locks import held, lock_or_refuse, opened_lock
+from symolo.core.files.file_locks import lock_or_refuse, locked, opened_lock
 from symolo.core.files.plain_files import FileKind, check_tree, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.dataset.folder_kind import KIND, Done, Kind
@@ -69,7 +69,7 @@ class StageFolder:
         bytes; with `over` the folder is replaced in any case.
         """
         mark_done(partial, key)
-        with held(self.path.parent):
+        with locked(self.path.parent):
             if self.is_done(key) and not over:
                 remove_folder(partial)
             else:

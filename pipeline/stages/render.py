@@ -33,7 +33,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.child_process import Failed, Finished
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, write_file
 from symolo.core.files.file_hashes import canonical_json, sha256_of
-from symolo.core.files.file_locks import held
+from symolo.core.files.file_locks import locked
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.geometry.robot_path import RobotPath
 from symolo.core.progress import Report, plural
@@ -371,7 +371,7 @@ def _prepare(frame_job: FrameJob) -> None:
     task, path = frame_job.task, frame_job.task.folder.path
     inputs = canonical_json({"key": task.key})
     make_folder(path.parent)
-    with held(path.parent):
+    with locked(path.parent):
         if not (path / INPUTS).is_file() or read_file(path / INPUTS, FileKind.JOB) != inputs:
             remove_folder(path)
         make_folder(task.files)

@@ -54,7 +54,7 @@ class Destination:
             EnvironmentLacking: It cannot be reached.
         """
         check_apart(workspace.out, self.store)
-        with self.store.held():
+        with self.store.locked():
             upload = ReleaseUpload(workspace, self, _listed(self.store, tree, specs), report)
             try:
                 yield upload

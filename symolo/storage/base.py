@@ -31,16 +31,16 @@ class LocalFile:
         Raises:
             InputError: The file has changed meanwhile.
         """
-        hashed, held = hashlib.sha256(), b""
+        hashed, last = hashlib.sha256(), b""
         with open_file(self.path) as file:
             while chunk := file.read(CHUNK_BYTES):
                 hashed.update(chunk)
-                if held:
-                    yield held
-                held = chunk
+                if last:
+                    yield last
+                last = chunk
         if hashed.hexdigest() != self.digest:
             raise InputError("has changed meanwhile", where=str(self.path), cure="run the command again")
-        yield held
+        yield last
 
 
 class Store(Protocol):
@@ -54,7 +54,7 @@ class Store(Protocol):
         """Return the address as the user wrote it."""
         ...
 
-    def held(self) -> AbstractContextManager[None]:
+    def locked(self) -> AbstractContextManager[None]:
         """Lock the store for this process, if it has locks.
 
         Raises:

@@ -89,7 +89,7 @@ class Bucket:
             store = store_class.from_url(url, client_options=options, retry_config={"max_retries": RETRIES}, **chosen)
         return cls(url, store)
 
-    def held(self) -> AbstractContextManager[None]:
+    def locked(self) -> AbstractContextManager[None]:
         """Return a context without a lock: an object is replaced at once, and two senders send the same bytes."""
         return nullcontext()
 

@@ -16,7 +16,7 @@ from symolo.core.files.atomic_files import (
 )
 from symolo.core.files.disk_space import check_room
 from symolo.core.files.file_hashes import hashes_of
-from symolo.core.files.file_locks import held_or_refused
+from symolo.core.files.file_locks import locked_or_refused
 from symolo.core.files.new_folder import check_new
 from symolo.core.files.paths import BELOW_CHARS, folders_of
 from symolo.core.progress import Report
@@ -108,7 +108,7 @@ def download(remote: Remote, out: Path, report: Report) -> int:
     if partial.is_symlink():
         remove_file(partial)
     make_folder(partial)
-    with held_or_refused(partial, f"--out {out}"):
+    with locked_or_refused(partial, f"--out {out}"):
         fetched = _fill(partial, remote, out, report)
         check_new(out)  # for nothing of another process's is ever replaced
         replace_folder(partial, place)

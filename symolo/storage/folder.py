@@ -12,7 +12,7 @@ from pathlib import Path
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, place_of, remove_leftovers, write_file
 from symolo.core.files.file_hashes import sha256_of, sizes_below
-from symolo.core.files.file_locks import held_or_refused
+from symolo.core.files.file_locks import locked_or_refused
 from symolo.core.files.paths import check_new_path
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
@@ -25,11 +25,11 @@ class Folder:
     root: Path
 
     @contextlib.contextmanager
-    def held(self) -> Iterator[None]:
+    def locked(self) -> Iterator[None]:
         """Hold a lock of the operating system, which releases it however the process ends."""
         check_new_path(self.root, "URL")
         make_folder(self.root)
-        with held_or_refused(self.root, self.url):
+        with locked_or_refused(self.root, self.url):
             yield
 
     def sweep(self) -> None:

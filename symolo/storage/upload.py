@@ -67,7 +67,7 @@ def upload(files: Sequence[LocalFile], store: Store, report: Report) -> StoreCom
         InputError: The store holds something else there, or a file of the release changed meanwhile.
         EnvironmentLacking: The store cannot be reached.
     """
-    with store.held():
+    with store.locked():
         return send(files, store, report)
 
 

@@ -72,7 +72,7 @@ def verify(
     """
     from pipeline.effects.extract import effect_file_lines
     from pipeline.run_folder.stored_spec import spec_problem
-    from symolo.core.files.file_locks import is_held
+    from symolo.core.files.file_locks import is_locked
     from symolo.core.progress import plural
     from symolo.dataset.layout import STAGES
     from symolo.signing.key_files import read_public_key
@@ -80,7 +80,7 @@ def verify(
     from symolo.verification.verify import verify as findings_of
 
     public, findings = read_public_key(key) if key is not None else None, []
-    if is_held(folder / STAGES):
+    if is_locked(folder / STAGES):
         what, cure = "another symolo command is working in this folder", "verify it when that command has ended"
         raise InputError(what, where=str(folder), cure=cure)
     for finding in findings_of(folder, spec_problem, public):

@@ -67,8 +67,8 @@ def opened_lock(folder: Path, name: str = LOCK) -> int:
     return os.open(folder / name, os.O_RDWR | os.O_CREAT | flags, 0o666)
 
 
-def is_held(folder: Path) -> bool:
-    """Return whether another process holds a folder alone; nothing is written."""
+def is_locked(folder: Path) -> bool:
+    """Return whether another process has locked a folder for itself alone; nothing is written."""
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
     try:
         descriptor = os.open(folder / LOCK, flags)
@@ -84,8 +84,8 @@ def is_held(folder: Path) -> bool:
 
 
 @contextlib.contextmanager
-def held(folder: Path) -> Iterator[None]:
-    """Wait until no other process holds a folder, and hold it; for work that takes moments."""
+def locked(folder: Path) -> Iterator[None]:
+    """Wait until no other process has locked a folder, and lock it; for work that takes moments."""
     descriptor = opened_lock(folder)
     try:
         lock(descriptor)
@@ -95,11 +95,11 @@ def held(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def held_or_refused(folder: Path, where: str) -> Iterator[None]:
-    """Hold a folder for this process without writing a file into it.
+def locked_or_refused(folder: Path, where: str) -> Iterator[None]:
+    """Lock a folder for this process without writing a file into it.
 
     Raises:
-        InputError: Another process holds it.
+        InputError: Another process has locked it.
     """
     if hasattr(os, "O_DIRECTORY"):
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
@@ -116,7 +116,7 @@ def lock_or_refuse(descriptor: int, where: str, *, shared: bool = False) -> None
     """Lock an open file or folder without waiting.
 
     Raises:
-        InputError: Another process holds it.
+        InputError: Another process has locked it.
     """
     try:
         lock(descriptor, shared=shared, wait=False)

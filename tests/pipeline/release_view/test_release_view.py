@@ -16,7 +16,7 @@ from pipeline.rerendering.rerender import RerenderRequest, prepare
 from pipeline.rerendering.sources import read_sources
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.run_tables import write_external_run
-from symolo.core.files.file_locks import held
+from symolo.core.files.file_locks import locked
 from symolo.dataset.folder_kind import Kind
 
 NOW_S = 1_800_000_000.0
@@ -51,7 +51,7 @@ def test_how_far_it_is(begun):
     assert (progress.newest.run, progress.newest.number) == ("CW/test_1", 3)
     # Three images in the 20 s since the first of them: 9 more take 60 s.
     assert progress.left_s == pytest.approx(60.0)
-    with held(begun / ".stages"):
+    with locked(begun / ".stages"):
         assert snapshot(begun, NOW_S).working
 
 

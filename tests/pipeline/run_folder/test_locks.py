@@ -9,11 +9,11 @@ import pytest
 from pipeline.cli import main
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
-from symolo.core.files.file_locks import held
+from symolo.core.files.file_locks import locked
 
 
 @pytest.fixture
-def locked(monkeypatch):
+def locks_seen(monkeypatch):
     """Kind and mode of everything that is locked."""
     seen = []
     flock = fcntl.flock
@@ -27,16 +27,16 @@ def locked(monkeypatch):
 
 
 @pytest.mark.parametrize("alone", [True, False])
-def test_a_workspace_is_locked_by_a_file_open_for_writing(tmp_path, locked, alone):
+def test_a_workspace_is_locked_by_a_file_open_for_writing(tmp_path, locks_seen, alone):
     with Workspace(tmp_path).locked(alone=alone):
         pass
-    assert set(locked) == {(stat.S_IFREG, os.O_RDWR)}
+    assert set(locks_seen) == {(stat.S_IFREG, os.O_RDWR)}
 
 
-def test_a_folder_of_runs_is_locked_by_a_file_open_for_writing(tmp_path, locked):
-    with held(tmp_path):
+def test_a_folder_of_runs_is_locked_by_a_file_open_for_writing(tmp_path, locks_seen):
+    with locked(tmp_path):
         pass
-    assert locked == [(stat.S_IFREG, os.O_RDWR)]
+    assert locks_seen == [(stat.S_IFREG, os.O_RDWR)]
 
 
 def test_a_second_command_is_refused_and_parts_are_not(tmp_path):

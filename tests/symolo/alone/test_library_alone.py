@@ -74,7 +74,7 @@ left_out = ("symolo.storage.bucket",)
 for module in pkgutil.walk_packages(symolo.__path__, "symolo."):
     importlib.import_module(module.name)
 from symolo.core.files.atomic_files import append_line, make_folder, replace_folder, write_file
-from symolo.core.files.file_locks import held, held_or_refused
+from symolo.core.files.file_locks import locked, locked_or_refused
 from symolo.core.files.paths import check_new_path
 folder = Path(sys.argv[2])
 make_folder(folder / "new")
@@ -82,7 +82,7 @@ write_file(folder / "new/a.bin", b"a\\r\\n")
 append_line(folder / "new/journal", b"one")
 append_line(folder / "new/journal", b"two")
 check_new_path(folder / "other", "--out")
-with held(folder), held_or_refused(folder / "new", "here"):
+with locked(folder), locked_or_refused(folder / "new", "here"):
     pass
 replace_folder(folder / "new", folder / "moved")
 data = symolo.load(sys.argv[1])

@@ -59,7 +59,7 @@ def test_a_file_that_changed_since_it_was_checked_does_not_take_the_place_of_a_g
 
 def test_what_a_killed_upload_left_is_no_object_and_is_swept(tmp_path):
     store = Folder("file:///shelf", tmp_path / "shelf")
-    with store.held():
+    with store.locked():
         store.put(local(tmp_path, b"abc"))
         (tmp_path / "shelf/CW/test_1/.data.csv.0123456789abcdef.tmp").write_bytes(b"a")
         assert store.sizes() == {"CW/test_1/data.csv": 3}

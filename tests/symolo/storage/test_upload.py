@@ -156,7 +156,7 @@ def test_nor_into_another_one(release, dataset, copy_of, symolo):
 
 def test_a_folder_that_another_upload_fills_is_refused(release, tmp_path, symolo):
     shelf = tmp_path / "shelf"
-    with Folder(f"file://{shelf}", shelf).held():
+    with Folder(f"file://{shelf}", shelf).locked():
         ended = symolo("upload", release(), f"file://{shelf}")
     assert (ended.code, "another symolo command is working" in ended.err) == (2, True)
     assert list(shelf.iterdir()) == []
