@@ -51,6 +51,8 @@ SHORTEST = 0.05
 """Least length of a smooth function of a covariate, as a share of the range of its values."""
 DISTANCE = "distance_m"
 ROUNDING = 1e-9
+EQUAL = 1e-6
+"""Difference of the cost that is only rounding error."""
 LIMITS = RangeWander.parameters()["time_constant_s"]
 """Least and greatest time constant of the effect, which hold for rows of any distance."""
 
@@ -197,7 +199,8 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     white = seen.series.cost_of(float(z @ z))
     # These have as many numbers as the error, so that they only need to be less likely.
     others += [white - gain + PARAMETER_PENALTY for gain in _gains_of_others(seen, observed, place, time_s, rows)]
-    if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < PARAMETER_PENALTY:
+    # At one distance an error of the scale is equally likely, and rounding would decide about the name.
+    if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < PARAMETER_PENALTY - EQUAL:
         return None
     path_m = np.zeros(len(evidence.values))
     path_m[place] = seen.path(seen.series, time_s)

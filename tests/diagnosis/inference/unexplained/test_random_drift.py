@@ -97,6 +97,23 @@ def swept(tmp_path):
     return of
 
 
+@pytest.fixture
+def at_rest(tmp_path):
+    """The diagnosis of a bench whose target stays at one distance [m], with an error [m] of time and noise of 2 mm."""
+
+    def of(distance_m, error_m):
+        gap = importlib.import_module("gap_cases")
+        case = gap.make_case("tof_bench", 8, rows="some")
+        t_s = case.columns["t_s"]
+        noise_m = 0.002 * np.random.default_rng(4).standard_normal(len(t_s))
+        still = {"distance_m": np.full(len(t_s), distance_m), "incidence_rad": np.zeros(len(t_s))}
+        reading_m = np.round(distance_m + noise_m + error_m(t_s), 3)
+        gap.write(replace(case, columns={**case.columns, **still, "reading_m": reading_m}), tmp_path / "still")
+        return diagnose(tof_bench.IMPORTER.read(tmp_path / "still"))
+
+    return of
+
+
 @pytest.mark.parametrize(
     "error_m",
     [
@@ -109,6 +126,14 @@ def test_what_depends_on_the_distance_is_no_random_drift(swept, error_m):
     diagnosis = swept(error_m)
     assert "range_wander" not in diagnosis.names
     assert diagnosis.answer()["unexplained"]
+
+
+def test_a_target_at_rest_shows_a_random_drift_but_not_whether_it_is_one_of_the_scale(at_rest):
+    """Both have the same likelihood at one distance, whatever a sum in another order does to the last digits."""
+    for distance_m in (0.2, 0.3, 0.41):
+        error = at_rest(distance_m, lambda t_s: gauss_markov(t_s, 0.006, 60.0)).random_drift
+        assert error is not None
+        assert error.confidence < 0.5
 
 
 def test_a_jump_is_no_random_drift(diagnosed):
