@@ -5,6 +5,7 @@ were identified with the whole robot. In `physics.twin` wheels affect each other
 """
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -16,6 +17,11 @@ from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, applied
 from symolo.core.arrays import Array, stacked_rows
 from symolo.core.finite import require_finite
+
+
+LAG_PART_S = 0.01
+"""Longest part of a row in which a voltage lags. A part has the constant voltage that brings the motor to the same speed
+at its end, with which the motor turns too far on its way there, the more so the longer the part is."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,9 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     model.require_rigid_gears("a driving robot")
     driveline = Driveline.of_robot(model)
     driveline.inertia_kg_m2 = driveline.inertia_kg_m2 + load.inertia_kg_m2
+    if driveline.lags:
+        finer = ceil(row_s / parts / LAG_PART_S)
+        voltage_V, parts = np.repeat(voltage_V, finer, axis=0), finer * parts
     wheels = RigidWheels(driveline, load.torque_N_m if load.body is not None else None)
     counting = model.functions(Slot.COUNTING)
     speed = angle = np.zeros_like(voltage_V[0])

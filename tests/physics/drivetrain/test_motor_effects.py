@@ -362,6 +362,21 @@ class TestStepResponses:
         # The lag is held for half a millisecond at its end value: a quarter of a millisecond early.
         np.testing.assert_allclose(speed, expected, atol=0.012 * final)
 
+    @pytest.mark.parametrize("lag_s", [5e-4, 1.5e-3, 0.02])
+    def test_wheels_turn_less_by_a_lag_however_short_it_is_beside_a_row(self, motor, lag_s):
+        """Without dry friction, the angle is the integral of the speed above. It is that of a lag at most 0.15 ms off."""
+        slippery = motor.model_copy(update={"motor": motor.motor.model_copy(update={"coulomb_friction_N_m": 0.0})})
+        volts = np.full((4, 1, 2), 4.0)
+        turned, lagging = (
+            np.cumsum(counted_turns(RobotModel.from_config(each), volts, 0.05, np.zeros(1)), axis=0)[:, 0, 0]
+            for each in (slippery, slippery.with_effect(ActuatorLag(time_constant_s=lag_s)))
+        )
+        damping = K**2 / R + B
+        a, b, t = J / damping, lag_s, 0.05 * np.arange(1, 5)
+        without = t - a * (1.0 - np.exp(-t / a))
+        with_lag = t - (a**2 * (1.0 - np.exp(-t / a)) - b**2 * (1.0 - np.exp(-t / b))) / (a - b)
+        np.testing.assert_allclose((turned - lagging) / (K * 4.0 / R / damping), without - with_lag, atol=1.5e-4)
+
     def test_a_limited_current_runs_up_along_a_ramp(self, motor):
         current, speed = responses(motor, (5.0,) * 10, CurrentLimit(limit_A=0.5))
         assert current == pytest.approx(0.5)
