@@ -47,15 +47,12 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     basis = orthonormal(nominal.tangents(root))
     residual = nominal.weighted_residuals(nominal.z, root)
     residual = residual - basis @ (basis.T @ residual)
-    effects = [effect for effect in fit.hypothesis.effects if not is_of_noise(fit, effect)]
-    changes = [change_by(evidence, nominal, fit, effect)[:, None] for effect in effects]
-    # The column of an effect has its fitted shape, whose numbers are parameters like the size.
-    of_changes = [(change, len(effect.coordinates) - 1) for change, effect in zip(changes, effects, strict=True)]
+    lasting = _lasting(evidence, nominal, fit)
     best: tuple[float, float, Array] | None = None
     time = _time_s(evidence)
     for moment in _moments(time[evidence.fit & np.isfinite(time)]):
         after = time >= moment
-        parts = ((change * after[:, None], shape) for change, shape in of_changes)
+        parts = ((change * after[:, None], shape) for change, shape in lasting)
         for columns, shape in ((_jump(evidence, nominal, after), 0), *parts):
             weighed = columns * root[:, None]
             combined = beyond(weighed, basis[: len(root)].T @ weighed)
@@ -89,6 +86,19 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),
         is_over_time=True,
     )
+
+
+def _lasting(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> list[tuple[Array, int]]:
+    """Return the changes (N, 1) in sigmas of which each may be present from a moment on only, by nominal numbers and by
+    the effects of a fit, and the number of parameters of its shape.
+    """
+    numbers = zip(nominal.hypothesis.nuisances, nominal.slopes, strict=False)
+    lasting = [(slope[:, None], 0) for nuisance, slope in numbers if nuisance.change is None]
+    for effect in fit.hypothesis.effects:
+        if not is_of_noise(fit, effect):
+            # An effect has its fitted shape, whose numbers are parameters like the size.
+            lasting.append((change_by(evidence, nominal, fit, effect)[:, None], len(effect.coordinates) - 1))
+    return lasting
 
 
 def _same_noise(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Mask:

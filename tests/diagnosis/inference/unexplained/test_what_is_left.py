@@ -102,6 +102,23 @@ def test_a_jump_is_told_along_what_went_one_way_all_the_time(evidence_of, hypoth
     assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=1.0)
 
 
+def test_a_nominal_number_that_jumps_explains_all_quantities_at_once(evidence_of, hypothesis, effect):
+    """Offsets for each of six quantities would be eighteen numbers, for which a jump of two percent is too small."""
+    generator = np.random.default_rng(5)
+    x, when = np.linspace(0.3, 1.0, 60), generator.permutation(60).astype(float)
+    stages = []
+    for k in range(6):
+        readings = x * (1.0 + 0.02 * (when >= 26.0)) + SD_A * generator.standard_normal(60)
+        (stage,) = evidence_of(x, readings, t_s=when).stages
+        stage.observed = (replace(stage.observed[0], name=f"current_{k}_A"),)
+        stages.append(stage)
+    evidence = Evidence(tuple(stages))
+    named = fitted(evidence, hypothesis.with_effect(effect("current_sensor_offset")))
+    found = change_in_time(evidence, fitted(evidence, hypothesis), named)
+    assert found is not None
+    assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=2.0)
+
+
 @pytest.mark.parametrize("seed", [4, 14])
 def test_an_effect_that_acts_from_the_start_is_no_jump(step_log, effect, seed):
     """The ripple of a motor has three numbers, which a ripple from one moment on has as well."""
