@@ -18,10 +18,9 @@ from physics.robot.model import RobotModel, applied
 from symolo.core.arrays import Array, stacked_rows
 from symolo.core.finite import require_finite
 
-
 LAG_PART_S = 0.01
-"""Longest part of a row in which a voltage lags. A part has the constant voltage that brings the motor to the same speed
-at its end, with which the motor turns too far on its way there, the more so the longer the part is."""
+"""Longest part of a row in which a voltage lags. A part has the constant voltage that brings the motor to the same
+speed at its end, with which the motor turns too far on its way there, the more so the longer the part is."""
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,10 @@
 A screw that becomes loose or a sensor that is hit shifts all later readings. Two or three named effects can imitate
 that so well that hardly any structure remains along time. So the nominal model with a jump competes with them: from one
 moment on, each quantity may have a constant offset, a constant offset against its sign, and an offset in proportion to
-itself (Chow, Econometrica 28 (1960) 591-605, with a search for the moment). One of the named effects may also be
-present from that moment on only. If this explains the same rows better, with a penalty for each parameter, and leaves
-no structure, the named effects are withdrawn.
+itself (Chow, Econometrica 28 (1960) 591-605, with a search for the moment). Or a single nominal number has another
+value from then on, such as the friction of a wheel in which a hair is caught, and changes several quantities at once.
+One of the named effects may also be present from that moment on only. If this explains the same rows better, with a
+penalty for each parameter, and leaves no structure, the named effects are withdrawn.
 """
 
 import numpy as np
@@ -93,12 +94,14 @@ def _lasting(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> 
     the effects of a fit, and the number of parameters of its shape.
     """
     numbers = zip(nominal.hypothesis.nuisances, nominal.slopes, strict=False)
-    lasting = [(slope[:, None], 0) for nuisance, slope in numbers if nuisance.change is None]
-    for effect in fit.hypothesis.effects:
-        if not is_of_noise(fit, effect):
-            # An effect has its fitted shape, whose numbers are parameters like the size.
-            lasting.append((change_by(evidence, nominal, fit, effect)[:, None], len(effect.coordinates) - 1))
-    return lasting
+    by_numbers = [(slope[:, None], 0) for nuisance, slope in numbers if nuisance.change is None]
+    # An effect has its fitted shape, whose numbers are parameters like the size.
+    by_effects = [
+        (change_by(evidence, nominal, fit, effect)[:, None], len(effect.coordinates) - 1)
+        for effect in fit.hypothesis.effects
+        if not is_of_noise(fit, effect)
+    ]
+    return [*by_numbers, *by_effects]
 
 
 def _same_noise(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Mask:

@@ -364,7 +364,7 @@ class TestStepResponses:
 
     @pytest.mark.parametrize("lag_s", [5e-4, 1.5e-3, 0.02])
     def test_wheels_turn_less_by_a_lag_however_short_it_is_beside_a_row(self, motor, lag_s):
-        """Without dry friction, the angle is the integral of the speed above. It is that of a lag at most 0.15 ms off."""
+        """Without dry friction, the angle is the integral of the speed above; the lag seems at most 0.15 ms off."""
         slippery = motor.model_copy(update={"motor": motor.motor.model_copy(update={"coulomb_friction_N_m": 0.0})})
         volts = np.full((4, 1, 2), 4.0)
         turned, lagging = (
