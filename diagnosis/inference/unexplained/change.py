@@ -71,8 +71,8 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     # A jump that leaves structure of its own is only another substitute.
     if not adequacy(evidence, nominal, columns).is_adequate:
         return None
-    fallen = [float(((root * nominal.z)[place] ** 2).sum()) for place in evidence.places]
-    largest = int(np.argmax(fallen))
+    fallen = residual[: len(root)] ** 2 - _left(columns * root[:, None], basis, residual)[: len(root)] ** 2
+    largest = int(np.argmax([float(fallen[place].sum()) for place in evidence.places]))
     observed = evidence.observed[largest]
     rank, covariate = _along(observed, evidence.fit[evidence.places[largest]])
     return Structure(
@@ -87,6 +87,21 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),
         is_over_time=True,
     )
+
+
+def _left(weighed: Array, basis: Array, residual: Array) -> Array:
+    """Return the weighted residuals (N + P,) without what some columns explain in addition to a basis.
+
+    Args:
+        weighed: (N, k), weighted columns.
+        basis: (N + P, p), orthonormal.
+        residual: (N + P,), weighted residuals outside the basis.
+    """
+    taken = basis[: len(weighed)].T @ weighed
+    combined = beyond(weighed, taken)
+    along = combined.T @ (weighed.T @ residual[: len(weighed)])
+    padded = np.concatenate([weighed, np.zeros((len(residual) - len(weighed), weighed.shape[1]))])
+    return residual - (padded @ combined - basis @ (taken @ combined)) @ along
 
 
 def _lasting(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> list[tuple[Array, int]]:

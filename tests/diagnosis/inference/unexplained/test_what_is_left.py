@@ -119,6 +119,24 @@ def test_a_nominal_number_that_jumps_explains_all_quantities_at_once(evidence_of
     assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=2.0)
 
 
+def test_a_jump_is_one_of_the_quantity_that_it_explains_and_not_of_the_one_with_the_most_noise(
+    evidence_of, hypothesis, effect
+):
+    generator = np.random.default_rng(6)
+    x, when = np.linspace(0.3, 1.0, 60), generator.permutation(60).astype(float)
+    stages = []
+    for name, noise, jump in (("steady", 2.5, 0.0), ("jumping", 1.0, 0.03)):
+        readings = x + jump * (when >= 26.0) + noise * SD_A * generator.standard_normal(60)
+        (stage,) = evidence_of(x, readings, t_s=when).stages
+        stage.observed = (replace(stage.observed[0], name=name),)
+        stages.append(stage)
+    evidence = Evidence(tuple(stages))
+    named = fitted(evidence, hypothesis.with_effect(effect("current_sensor_offset")))
+    found = change_in_time(evidence, fitted(evidence, hypothesis), named)
+    assert found is not None
+    assert found.observed == "jumping"
+
+
 @pytest.mark.parametrize("seed", [4, 14])
 def test_an_effect_that_acts_from_the_start_is_no_jump(step_log, effect, seed):
     """The ripple of a motor has three numbers, which a ripple from one moment on has as well."""
