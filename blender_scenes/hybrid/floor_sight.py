@@ -1,5 +1,6 @@
 """The points of the floor that the pixels of an image see, during the exposure and all over their filter."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,7 @@ from sensors.camera.shutter import MOMENTS
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array, FloatImage
 from symolo.core.geometry.pinhole import Intrinsics
-from symolo.core.geometry.poses import pose_X_WR
+from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 
 _MAX_BYTES = 128 * 2**20
 """Maximum size of the points that are cached from frame to frame."""
@@ -85,15 +86,27 @@ class FloorSight:
         points[1] = sine * ahead + cosine * left + y.astype(np.float32)
         return np.moveaxis(points, 0, -1)
 
+    def in_body(
+        self, view: FrameView, point: FilterPoint, poses: Sequence[PlanarPose], rows: slice = slice(None)
+    ) -> FloatImage:
+        """Return `points` in the frame of a body with these poses at the moments of the exposure."""
+        x, y, yaw = (values[rows, None].astype(np.float32) for values in self._poses(poses, point.time))
+        right, up = np.moveaxis(self.points(view, point, rows), -1, 0)
+        right, up, cosine, sine = right - x, up - y, np.cos(yaw), np.sin(yaw)
+        return np.stack([cosine * right + sine * up, cosine * up - sine * right], axis=-1)
+
     def _robot_poses(self, view: FrameView, time: float) -> tuple[Array, Array, Array]:
+        return self._poses([moment.robot_pose for moment in view.exposure] or [view.robot_pose], time)
+
+    def _poses(self, poses: Sequence[PlanarPose], time: float) -> tuple[Array, Array, Array]:
         """Return x, y and yaw (H,) at a share of each row's exposure; `shutter.window` explains Cycles' shutter."""
         rows = self._camera.height_px
-        if not view.exposure:
-            x, y, yaw = view.robot_pose
+        if len(poses) == 1:
+            x, y, yaw = poses[0]
             return np.full(rows, x), np.full(rows, y), np.full(rows, yaw)
         middle = 0.5 + ((np.arange(rows) + 1) / rows - 0.5) * (1 - self._row_share)
         at = middle + (time - 0.5) * self._row_share
-        x, y, yaw = np.array([moment.robot_pose for moment in view.exposure]).T
+        x, y, yaw = np.array(poses).T
         known = np.linspace(0.0, 1.0, MOMENTS)
         return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
 

@@ -5,24 +5,29 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight
+from blender_scenes.hybrid.shadow_mask import ShadowMask, disc_directions, shadow_mask
 from blender_scenes.scene.description import Mesh, Sun
 from sensors.camera.views import FrameView, Moment
 from symolo.core.arrays import Array, FloatImage
 from symolo.core.geometry.poses import pose_X_WR
 
-_NEAR_PX = 5
-"""Side of the square from whose mean a pixel without any ray to the sun takes its value."""
-_MIN_LIGHT = np.float32(1e-6)
-_BLUR_PX = 0.5
-"""Standard deviation of the blur of squares of pixels, for borders with few rays per pixel: with the 0.3 px of a square
-it makes 0.6 px, a little more than the 0.4 px of the filter of Cycles."""
+_TEXEL_PX = 0.75
+"""Size of a texel of a shadow, in pixels of the nearest floor that it may reach."""
+_MIN_DIRECTIONS, _MAX_DIRECTIONS = 8, 64
+"""Limits of the number of points of the sun's disc."""
+_DIRECTIONS_PER_PX = 2
+"""Number of these points for each pixel of the border's width."""
+_SPARE_TEXELS = 3
+"""Texels around the floor in sight."""
 
 
 class SunShadows:
     def __init__(self, sun: Sun, on_robot: Sequence[Mesh], moving: Sequence[Mesh]) -> None:
         """Take the sun, and the meshes of the robot and of moving obstacles in their frames."""
-        self._towards = np.array(sun.towards)
-        self._bodies = [_vertices(on_robot), *(_vertices([mesh]) for mesh in moving)]
+        self._towards, self._diameter_rad = np.array(sun.towards), sun.angular_diameter_rad
+        self._faces = [_faces(on_robot), *(_faces([mesh]) for mesh in moving)]
+        self._bodies = [np.concatenate([np.zeros((0, 3)), *faces]) for faces in self._faces]
 
     def may_reach(self, view: FrameView, ground: FloatImage, spare_m: FloatImage) -> np.ndarray:
         """Return whether the floor at points (H, W, 2) in W is in a shadow, or nearer to one than `spare_m` (H, W).
@@ -30,11 +35,61 @@ class SunShadows:
         It counts the convex hull of each body's shadow at each moment of the exposure. Points with NaN are in none.
         """
         near = np.zeros(ground.shape[:2], bool)
-        for moment in view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),):
+        for moment in _moments(view):
             for body, pose in zip(self._bodies, (moment.robot_pose, *moment.moving), strict=True):
                 if len(body):
                     near |= _distance_m(self._shadow(body, pose_X_WR(*pose)), ground) < spare_m
         return near
+
+    def visible_share(
+        self,
+        view: FrameView,
+        sight: FloorSight,
+        filters: Sequence[tuple[Sequence[FilterPoint], np.ndarray]],
+        rows: slice,
+    ) -> FloatImage:
+        """Return the share (rows, W) of the sun that reaches the floor in some rows of an image.
+
+        Args:
+            view: View.
+            sight: Sight of the floor.
+            filters: Points of the pixels' filter, and the pixels (H, W) that have them; each pixel has one.
+            rows: Rows.
+        """
+        pixel_m = float(np.nanmin(sight.pixel_m()[0][rows]))
+        moments = _moments(view)
+        share = np.ones(filters[0][1][rows].shape, np.float32)
+        for number, (faces, vertices) in enumerate(zip(self._faces, self._bodies, strict=True)):
+            if not faces:
+                continue
+            poses = [(moment.robot_pose, *moment.moving)[number] for moment in moments]
+            mask = self._mask(
+                faces, vertices, poses[len(poses) // 2][2], sight.in_body(view, MIDDLE, poses, rows), pixel_m
+            )
+            if mask is None:
+                continue
+            for points, where in filters:
+                if where[rows].any():
+                    seen = sum(mask.at(sight.in_body(view, point, poses, rows)) for point in points) / len(points)
+                    share *= np.where(where[rows], seen, 1)
+        return share
+
+    def _mask(
+        self, faces: Sequence[Array], vertices: Array, yaw_rad: float, ground: FloatImage, pixel_m: float
+    ) -> ShadowMask | None:
+        """Return the shadow of a body on the ground (H, W, 2) in sight, in its frame; None if it is beside it."""
+        cosine, sine = np.cos(yaw_rad), np.sin(yaw_rad)
+        x, y, z = self._towards
+        towards = np.array([cosine * x + sine * y, cosine * y - sine * x, z])
+        # A point of the sun is seen up to d h / sin(elevation)^2 from the place of its middle.
+        border_m = vertices[:, 2].max() * self._diameter_rad / z**2
+        count = int(np.clip(np.ceil(_DIRECTIONS_PER_PX * border_m / pixel_m), _MIN_DIRECTIONS, _MAX_DIRECTIONS))
+        directions = disc_directions(towards, self._diameter_rad, count)
+        ends = [vertices[:, :2] - vertices[:, 2:] * (each[:2] / each[2]) for each in directions]
+        spare_m = _SPARE_TEXELS * _TEXEL_PX * pixel_m
+        low = np.maximum(np.min(ends, axis=(0, 1)), np.nanmin(ground, axis=(0, 1))) - spare_m
+        high = np.minimum(np.max(ends, axis=(0, 1)), np.nanmax(ground, axis=(0, 1))) + spare_m
+        return shadow_mask(faces, directions, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
 
     def _shadow(self, body: Array, X_WB: Array) -> Array:
         """Return the corners (K, 2), counter-clockwise, of the hull of a body's shadow on the floor."""
@@ -45,23 +100,13 @@ class SunShadows:
         return hull if np.sum(x * next_y - next_x * y) > 0 else hull[::-1]
 
 
-def visible_share(moved: FloatImage, still: FloatImage) -> FloatImage:
-    """Return the ratio (H, W, 1) of the sun's light (H, W, 3) with and without what moves; 1 where the sun is hidden.
-
-    The lights are means of squares of pixels.
-
-    Both have the same random numbers, so their ratio has no noise where a wall or a window's frame hides a part of the
-    sun's disc. A pixel all of whose rays end there takes the ratio of its neighbours.
-    """
-    with_, without = (light.mean(axis=-1) for light in (moved, still))
-    near_with, near_without = (cv2.blur(light, (_NEAR_PX, _NEAR_PX)) for light in (with_, without))
-    nearby = np.where(near_without > _MIN_LIGHT, near_with / np.maximum(near_without, _MIN_LIGHT), 1)
-    share = np.where(without > _MIN_LIGHT, with_ / np.maximum(without, _MIN_LIGHT), nearby)
-    return cv2.GaussianBlur(share, (0, 0), _BLUR_PX)[..., None].astype(np.float32)
+def _moments(view: FrameView) -> tuple[Moment, ...]:
+    return view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),)
 
 
-def _vertices(meshes: Sequence[Mesh]) -> Array:
-    return np.concatenate([np.zeros((0, 3)), *(np.array(mesh.vertices, float) for mesh in meshes)])
+def _faces(meshes: Sequence[Mesh]) -> list[Array]:
+    """Return the corners (K, 3) of each face."""
+    return [np.array([mesh.vertices[corner] for corner in face], float) for mesh in meshes for face in mesh.faces]
 
 
 def _distance_m(hull: Array, points: FloatImage) -> FloatImage:

@@ -96,10 +96,8 @@ class HybridRenderer:
         self._size = camera.width_px, camera.height_px
         self._near, self._far = (_times(self._size, width_px) for width_px in (_NEAR_WIDTH_PX, _FAR_WIDTH_PX))
         self._scenes = HybridScenes(job.scene, scratch)
-        self._sun = SunlightTracer(job.scene, self._scenes, self._samples, self._size, self._near)
         self._denoised, self._denoised_fast = Denoiser(threads, "HIGH"), Denoiser(threads, "BALANCED")
         self._sight = FloorSight(camera, job.frames[0], window(job.shutter, job.camera).row_share)
-        self._few, self._many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
         floor = [mesh for mesh in job.scene.meshes if lies_on_the_floor(mesh.name)]
         things = [mesh for mesh in job.scene.meshes if not lies_on_the_floor(mesh.name)]
         clear = {surface.name for surface in job.scene.surfaces if surface.transmission}
@@ -113,7 +111,9 @@ class HybridRenderer:
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
         across_m, along_m = self._sight.pixel_m()
         self._light_pixel_m = self._near * self._per_light_pixel(along_m)
-        self._slanted = along_m > _STEEP * across_m
+        few, many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
+        self._filters = (few, ~(slanted := along_m > _STEEP * across_m)), (many, slanted)
+        self._sun = SunlightTracer(job.scene, self._scenes, self._samples.near, self._sight, self._filters)
         texel_m = _TEXEL_PX * np.maximum(across_m, along_m / _SLANT)
         finest_m = max(float(np.nanmin(texel_m, initial=_MAX_TEXEL_M)), _MIN_TEXEL_M)
         # Rounded, because a different last digit on another processor would move all texels.
@@ -171,9 +171,7 @@ class HybridRenderer:
         normal = reduced(seen["Normal"], self._near)
         without = self._denoised(still["DiffDir"] + still["DiffInd"], normal)
         pair = [self._denoised(light, normal) for light in sun.rest] if sun else [traced[..., :3], without]
-        direct_sun = np.maximum(without - pair[1], 0)
-        if sun:
-            direct_sun[sun.where] = sun.still
+        direct_sun = sun.still if sun else np.zeros_like(without)
         # Pixels of the light image that show floor and a bright face would brighten the floor beside the face.
         is_floor = _is_floor(seen, self._near)
         of_floor = [no_brighter_than_around(light, is_floor) for light in (*pair, direct_sun)]
@@ -236,8 +234,8 @@ class HybridRenderer:
     def _floor(self, view: FrameView, needed: np.ndarray) -> FloatImage:
         """Return (H, W, 4): the light that the floor reflects without what moves, and its roughness, where needed."""
         seen = np.zeros((*needed.shape, 7 if self._has_relief else 4), np.float32)
-        for filtered, where in ((self._few, needed & ~self._slanted), (self._many, needed & self._slanted)):
-            for level, rows, mask in _bands(self._reflectance_level, where):
+        for filtered, where in self._filters:
+            for level, rows, mask in _bands(self._reflectance_level, needed & where):
                 points = [_turned(self._ground(view, point, rows), -GRID_TURN_RAD) for point in filtered]
                 corners = [points[i][::_EVERY][mask[::_EVERY]] for i in _CORNERS]
                 values = self._mean(level, points, np.concatenate(corners))

@@ -6,7 +6,8 @@ which objects that shall be invisible are moved far away; the maps, which are re
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -104,24 +105,23 @@ class HybridScenes:
         self._show_light()
         return self._with_and_without_what_moves(size, samples, seed, view)
 
-    def direct_light(
-        self, size: tuple[int, int], samples: int, seed: int, view: FrameView, *, sun: bool, part: Part | None = None
-    ) -> tuple[FloatImage, FloatImage]:
-        """Return the light that a matt floor has straight from the sun, or from all other lamps, in a part of a view.
+    def sunlight(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> FloatImage:
+        """Return the light that a matt floor has straight from the sun, without what moves, as in `light`.
 
-        It is returned with and without what moves, as in `light`. The sun is alone, so that its light has no noise
-        but in the narrow borders of shadows.
+        The sun is alone, so that its light has no noise but in the narrow borders of shadows.
         """
-        self._show(self._white_floor, ("diffuse_direct",), filtered=False)
-        self._view.cycles.max_bounces = 0
-        off = {lamp: lamp.energy for lamp in self._lamps if (lamp.type == "SUN") != sun}
-        try:
-            for lamp in off:
-                lamp.energy = 0.0
-            moved, still = self._with_and_without_what_moves(size, samples, seed, view, part)
-        finally:
-            for lamp, energy in off.items():
-                lamp.energy = energy
+        with self._straight_light(sun=True):
+            place(_without_what_moves(view))
+            still = self._traced(self._view, size, samples, seed, view=view)
+            place(view)
+        return still["DiffDir"]
+
+    def lamplight(
+        self, size: tuple[int, int], samples: int, seed: int, view: FrameView
+    ) -> tuple[FloatImage, FloatImage]:
+        """Return the light that a matt floor has straight from all other lamps, with and without what moves."""
+        with self._straight_light(sun=False):
+            moved, still = self._with_and_without_what_moves(size, samples, seed, view)
         return moved["DiffDir"], still["DiffDir"]
 
     def upper_light(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
@@ -181,14 +181,28 @@ class HybridScenes:
         cycles.pixel_filter_type = final.pixel_filter_type if filtered else "BOX"
         cycles.filter_width = final.filter_width if filtered else 1.0
 
+    @contextmanager
+    def _straight_light(self, *, sun: bool) -> Iterator[None]:
+        """Show the matt floor with light straight from the sun, or from all other lamps."""
+        self._show(self._white_floor, ("diffuse_direct",), filtered=False)
+        self._view.cycles.max_bounces = 0
+        off = {lamp: lamp.energy for lamp in self._lamps if (lamp.type == "SUN") != sun}
+        try:
+            for lamp in off:
+                lamp.energy = 0.0
+            yield
+        finally:
+            for lamp, energy in off.items():
+                lamp.energy = energy
+
     def _with_and_without_what_moves(
-        self, size: tuple[int, int], samples: int, seed: int, view: FrameView, part: Part | None = None
+        self, size: tuple[int, int], samples: int, seed: int, view: FrameView
     ) -> tuple[Passes, Passes]:
         # Robot and obstacles are moved far away instead of hidden, so that Cycles keeps its data of the scene.
         place(_without_what_moves(view))
-        without = self._traced(self._view, size, samples, seed, view=view, part=part)
+        without = self._traced(self._view, size, samples, seed, view=view)
         place(view)
-        return self._traced(self._view, size, samples, seed, view=view, part=part), without
+        return self._traced(self._view, size, samples, seed, view=view), without
 
     def _replace_floor(self, scene: bpy.types.Scene, change: MaterialChange) -> list[bpy.types.Object]:
         """Replace the floor's objects of a scene by copies with other materials, and return the copies."""

@@ -1,12 +1,17 @@
-"""Where shadows of what moves lie on the floor: a point at the height h throws its own h / tan(elevation) away."""
+"""Shadows of what moves on the floor: a point at the height h throws its own h / tan(elevation) away."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.sun_shadows import SunShadows, visible_share
+from blender_scenes.hybrid.floor_sight import FloorSight, filter_points
+from blender_scenes.hybrid.sun_shadows import SunShadows
 from blender_scenes.scene.description import Sun
 from blender_scenes.scene.meshes import block
+from sensors.camera.shutter import MOMENTS
 from sensors.camera.views import FrameView, Moment
+from symolo.core.geometry.pinhole import Intrinsics
 
 ELEVATION = np.radians(30.0)
 SUN = Sun((-float(np.cos(ELEVATION)), 0.0, float(np.sin(ELEVATION))), (1.0,) * 3, 0.009)
@@ -53,14 +58,58 @@ def test_floor_that_no_pixel_sees_is_not_reached():
     assert not _reached(SunShadows(SUN, (BODY,), ()), _view((0.0, 0.0, 0.0)), np.nan)
 
 
-def test_the_share_of_the_sun_is_that_of_both_lights_and_where_no_ray_meets_it_that_of_the_neighbours():
-    still = np.ones((9, 9, 3), np.float32)
-    still[4, 6] = 0.0
-    moved = still.copy()
-    moved[:, 4:] = 0.0
-    moved[:, 3] *= 0.25
-    share = visible_share(moved, still)[..., 0]
-    assert share == pytest.approx(np.tile(share[:1], (9, 1)), abs=1e-6)
-    assert share[0, [0, 1, 6, 8]] == pytest.approx([1.0, 1.0, 0.0, 0.0], abs=0.001)
-    assert share[0].sum() == pytest.approx(3.25)
-    assert visible_share(0 * still, 0 * still) == pytest.approx(np.ones((9, 9, 1)))
+CAMERA = Intrinsics(120, 6, 300.0, 300.0, 59.5, 2.5)
+PIXEL_M = 0.3 / 300.0
+DOWN = ((0.0, -1.0, 0.0, 0.1), (-1.0, 0.0, 0.0, 0.05), (0.0, 0.0, -1.0, 0.3), (0.0, 0.0, 0.0, 1.0))
+"""Pose of a camera 0.3 m above the floor that looks straight down on (0.1, 0.05); y falls along the rows."""
+Y_M = 0.05 - (np.arange(120) - 59.5) * PIXEL_M
+WIDE_SUN = replace(SUN, towards=(0.0, -SUN.towards[0], SUN.towards[2]), angular_diameter_rad=0.04)
+"""It shines along -y."""
+
+
+def _share(sun: Sun, view: FrameView) -> np.ndarray:
+    """(W,): how much of the sun reaches the floor along y, through the middle of the body."""
+    sight = FloorSight(CAMERA, view, row_share=1.0)
+    everywhere = np.ones((6, 120), bool)
+    shadows = SunShadows(sun, (), (BODY,))
+    return shadows.visible_share(view, sight, [(filter_points(1.5), everywhere)], slice(0, 6)).mean(axis=0)
+
+
+def _down(moving: tuple, exposure: tuple[Moment, ...] = ()) -> FrameView:
+    return FrameView(1, 0.0, (0.0, 0.0, 0.0), DOWN, moving, exposure=exposure)
+
+
+def test_the_shadow_lets_nothing_through_and_ends_at_the_upper_edge():
+    share = _share(replace(SUN, angular_diameter_rad=0.001), _down(((0.02, 0.0, 0.0),)))
+    assert share[np.abs(Y_M) < HALF_M - 2 * PIXEL_M] == pytest.approx(0.0, abs=1e-6)
+    assert share[Y_M > HALF_M + 2 * PIXEL_M] == pytest.approx(1.0)
+    assert (1 - share[Y_M > 0]).sum() * PIXEL_M == pytest.approx(HALF_M, abs=0.2 * PIXEL_M)
+
+
+def test_the_border_is_as_wide_as_the_disc_of_the_sun_throws_it():
+    """Its standard deviation is that of a disc across, half of the radius, times h / sin(elevation)^2."""
+    y_m, share = Y_M, _share(WIDE_SUN, _down(((0.1, 0.1 + SHADOW_M, 0.0),)))
+    order = np.argsort(y_m)
+    rise = -np.diff(share[order])
+    middles = 0.5 * (y_m[order][1:] + y_m[order][:-1])
+    end_m = 0.1 - HALF_M
+    assert rise.sum() == pytest.approx(1.0, abs=0.01)
+    assert (rise * middles).sum() == pytest.approx(end_m, abs=0.0005)
+    spread_m = 0.5 * np.tan(0.02) * HEIGHT_M / np.sin(ELEVATION) ** 2
+    assert np.sqrt((rise * (middles - end_m) ** 2).sum()) == pytest.approx(spread_m, rel=0.1)
+
+
+def test_the_border_of_a_moving_shadow_is_blurred_over_its_path():
+    path_m = 0.02
+    poses = [(0.02, path_m * (i / (MOMENTS - 1) - 0.5), 0.0) for i in range(MOMENTS)]
+    moments = tuple(Moment((0.0, 0.0, 0.0), DOWN, (pose,)) for pose in poses)
+    share = _share(replace(SUN, angular_diameter_rad=0.001), _down((poses[MOMENTS // 2],), moments))
+    expected = np.clip((Y_M - (HALF_M - 0.5 * path_m)) / path_m, 0, 1)
+    # Nine moments of the exposure make steps of a ninth.
+    assert share[Y_M > 0] == pytest.approx(expected[Y_M > 0], abs=0.12)
+    assert (1 - share[Y_M > 0]).sum() * PIXEL_M == pytest.approx(HALF_M, abs=0.2 * PIXEL_M)
+
+
+def test_a_body_out_of_sight_and_a_scene_without_bodies_shade_nothing():
+    view = _down(((5.0, 5.0, 0.0),))
+    assert _share(SUN, view) == pytest.approx(np.ones(120))

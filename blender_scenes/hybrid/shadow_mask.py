@@ -1,0 +1,71 @@
+"""Shadow that a body throws on the floor in parallel light from all over a disc, as the sun is, as a map."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from symolo.core.arrays import Array, FloatImage
+
+_FINER = 4
+"""Number of pixels that are drawn along the side of a texel."""
+_BITS = 8
+"""Binary digits of a place between two drawn pixels."""
+_MAX_TEXELS = 1024
+"""Maximum number of texels along a side."""
+_GOLDEN_RAD = np.pi * (3.0 - 5.0**0.5)
+
+
+@dataclass(frozen=True)
+class ShadowMask:
+    low: Array
+    """(2,), lower left corner [m]."""
+    texel_m: float
+    share: FloatImage
+    """(h, w), share of the light that passes; rows along y."""
+
+    def at(self, points: FloatImage) -> FloatImage:
+        """Return the interpolated share (H, W) at points (H, W, 2) [m]; 1 beside the map and where a point is NaN."""
+        where = (points - self.low.astype(np.float32)) / np.float32(self.texel_m) - np.float32(0.5)
+        u, v = (np.ascontiguousarray(np.nan_to_num(where[..., axis], nan=-9.0)) for axis in (0, 1))
+        return cv2.remap(self.share, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(1.0,))
+
+
+def shadow_mask(
+    faces: Sequence[Array], directions: Sequence[Array], low: Array, high: Array, texel_m: float
+) -> ShadowMask:
+    """Return the shadow of faces in a rectangle of the floor.
+
+    Args:
+        faces: Corners (K, 3) of each face.
+        directions: Directions (3,) to points all over the light, each with an equal part of it.
+        low: Lower left corner (2,) of the rectangle.
+        high: Its upper right corner (2,).
+        texel_m: Size of a texel; it is larger for a large rectangle.
+    """
+    texel_m = max(texel_m, float(np.max(high - low)) / _MAX_TEXELS)
+    width, height = np.ceil((high - low) / texel_m).astype(int).tolist()
+    corners, ends = np.concatenate(faces), np.cumsum([len(face) for face in faces])[:-1]
+    shaded = np.zeros((height, width), np.float32)
+    for towards in directions:
+        on_floor = corners[:, :2] - corners[:, 2:] * (towards[:2] / towards[2])
+        # Whole numbers are the middles of drawn pixels.
+        at = (on_floor - low) / texel_m * _FINER - 0.5
+        drawn = np.zeros((height * _FINER, width * _FINER), np.uint8)
+        for polygon in np.split(np.rint(at * 2**_BITS).astype(np.int32), ends):
+            cv2.fillPoly(drawn, [polygon], 255, shift=_BITS)
+        shaded += cv2.resize(drawn, (width, height), interpolation=cv2.INTER_AREA)
+    return ShadowMask(low, texel_m, (1 - shaded / np.float32(255 * len(directions))).astype(np.float32))
+
+
+def disc_directions(towards: Array, diameter_rad: float, count: int) -> list[Array]:
+    """Return directions (3,) to points with equal parts of a disc, on a spiral (Vogel, Math. Biosciences 44, 1979)."""
+    towards = np.asarray(towards, float)
+    right = np.cross(towards, (0.0, 0.0, 1.0) if abs(towards[2]) < 0.9 else (1.0, 0.0, 0.0))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, towards)
+    reach = np.tan(0.5 * diameter_rad) * np.sqrt((np.arange(count) + 0.5) / count)
+    angle = _GOLDEN_RAD * np.arange(count)
+    away = reach[:, None] * (np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * up)
+    return [direction for direction in towards + away if direction[2] > 1e-3]
