@@ -14,6 +14,8 @@ _BITS = 8
 """Binary digits of a place between two drawn pixels."""
 _MAX_TEXELS = 1024
 """Maximum number of texels along a side."""
+_MAX_PX = 1e6
+"""Largest distance of a corner that is drawn from the rectangle; a corner at 0.2 mm a pixel is 200 m away."""
 _GOLDEN_RAD = np.pi * (3.0 - 5.0**0.5)
 
 
@@ -29,7 +31,8 @@ class ShadowMask:
         """Return the interpolated share (H, W) at points (H, W, 2) [m]; 1 beside the map and where a point is NaN."""
         where = (points - self.low.astype(np.float32)) / np.float32(self.texel_m) - np.float32(0.5)
         u, v = (np.ascontiguousarray(np.nan_to_num(where[..., axis], nan=-9.0)) for axis in (0, 1))
-        return cv2.remap(self.share, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(1.0,))
+        share = cv2.remap(self.share, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(1.0,))
+        return share.astype(np.float32, copy=False)
 
 
 def shadow_mask(
@@ -51,10 +54,10 @@ def shadow_mask(
     for towards in directions:
         on_floor = corners[:, :2] - corners[:, 2:] * (towards[:2] / towards[2])
         # Whole numbers are the middles of drawn pixels.
-        at = (on_floor - low) / texel_m * _FINER - 0.5
+        at = np.clip((on_floor - low) / texel_m * _FINER - 0.5, -_MAX_PX, _MAX_PX)
         drawn = np.zeros((height * _FINER, width * _FINER), np.uint8)
         for polygon in np.split(np.rint(at * 2**_BITS).astype(np.int32), ends):
-            cv2.fillPoly(drawn, [polygon], 255, shift=_BITS)
+            cv2.fillPoly(drawn, [polygon], (255,), shift=_BITS)
         shaded += cv2.resize(drawn, (width, height), interpolation=cv2.INTER_AREA)
     return ShadowMask(low, texel_m, (1 - shaded / np.float32(255 * len(directions))).astype(np.float32))
 
