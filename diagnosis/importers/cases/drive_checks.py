@@ -31,11 +31,15 @@ class CountedWheels:
 def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_unit: bool = False) -> Iterator[str]:
     """Yield a note for each sign that the log, its mapping or the numbers of the robot are wrong.
 
+    With a wrong unit or a jumping counter, pose and wheels contradict each other in any case, so that only the cause is
+    noted.
+
     Args:
         wheels: Numbers of the robot.
         measurement: The drive.
-        has_wrong_unit: Whether another note already explains that pose and wheels move differently far.
+        has_wrong_unit: Whether another note says that a unit is wrong.
     """
+    has_cause = has_wrong_unit
     for trial in measurement.trials:
         where = f"trial {trial.name}: " if len(measurement.trials) > 1 else ""
         readings = [channel.values for channel in trial.channels if channel.role is Role.READING]
@@ -44,13 +48,14 @@ def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_u
             yield f"{where}{gap}"
         for name in COUNTED if measurement.has(*COUNTED) else ():
             if note := jump_note(f"{where}{name}", trial[name].values, trial.t_s):
+                has_cause = True
                 yield f"{CHECK} {note}"
-    moved = pose_by_ticks(measurement)
+    moved = None if has_cause else pose_by_ticks(measurement)
     if moved is None:
         return
     contradictions = list(moved.contradictions())
     yield from (f"{CHECK} {text}" for text in contradictions)
-    if not contradictions and not has_wrong_unit and moved.is_forward_clear and moved.forward_share >= MIN_SHARE:
+    if not contradictions and moved.is_forward_clear and moved.forward_share >= MIN_SHARE:
         yield from _travel_note(wheels, moved.span_m_per_tick)
 
 

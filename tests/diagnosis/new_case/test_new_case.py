@@ -219,6 +219,13 @@ def test_ticks_of_other_edges_of_the_encoder_are_named(ticks, times, init, colum
     assert f"with ticks_per_turn 1440, {times} as many" in check
 
 
+def test_a_wrong_unit_is_the_only_sign_though_the_places_do_not_follow_the_heading_either(init, columns):
+    known = (f"ticks_per_turn={TICKS}", f"wheel_diameter_m={2 * RADIUS}", f"track_m={TRACK}")
+    radians = {**columns, "heading_deg": np.unwrap(np.radians(columns["heading_deg"]))}
+    _, out, _, _ = init(radians, *(word for setting in known for word in ("--set", setting)))
+    assert re.findall(r"CHECK ([^:]*)", out) == ["THE UNIT of theta_rad"]
+
+
 def test_a_gap_is_noted_and_is_no_jump_of_a_counter(init, columns):
     logged = {name: np.delete(column, slice(200, 260)) for name, column in columns.items()}
     _, out, _, _ = init(logged, "--set", f"ticks_per_turn={TICKS}")
