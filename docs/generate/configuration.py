@@ -21,6 +21,8 @@ section is not a path, the section is allowed wherever a key links to it."""
 
 ROBOTS = Path(__file__).parents[2] / "configs" / "robots"
 
+OTHER_KEY = "NAME"
+"""Key that stands for a name that users choose."""
 OFTEN = 3
 """Largest number of paths that a heading lists; a section with more paths has its name as the heading."""
 
@@ -61,9 +63,18 @@ def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
             listed = "items" in value
             for inner in _referred(value):
                 walk(inner, f"{path}.{key}".lstrip(".") + ("[]" if listed else ""), (*within, name))
+        for inner in _referred(_of_other_keys(section.schema)):
+            if inner not in sections:  # a kind that is no key
+                walk(inner, f"{path}.{OTHER_KEY}", (*within, name))
 
     walk("Scenario", "", ())
     return sections
+
+
+def _of_other_keys(schema: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the schema of the keys that users choose themselves; empty for a section without such keys."""
+    others = schema.get("additionalProperties")
+    return others if isinstance(others, dict) else {}
 
 
 def _referred(schema: Mapping[str, Any]) -> Iterator[str]:
@@ -88,6 +99,8 @@ def _section_parts(section: _Section, sections: Mapping[str, _Section]) -> Itera
     for key, value in section.schema.get("properties", {}).items():
         default = "required" if key in needed else _default(value, sections) or _nominal(section.paths, key)
         rows.append((f"`{key}`", text(_meaning(value, sections)), _allowed(key, value, sections), default))
+    if others := _of_other_keys(section.schema):
+        rows.append((f"`{OTHER_KEY}`", "any other name", _value(others, sections), ""))
     yield table(("key", "meaning", "allowed values", "default"), rows)
 
 
@@ -183,4 +196,5 @@ def _link(name: str, sections: Mapping[str, _Section]) -> str:
     if name.endswith("_distribution"):
         return ""
     section = sections[name]
-    return f"[{name}]({anchor(section.heading)})"
+    # Where two classes have one name, the schema puts their modules before it.
+    return f"[{name.rpartition('__')[2]}]({anchor(section.heading)})"

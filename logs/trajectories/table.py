@@ -180,7 +180,9 @@ def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.n
     complete = np.isfinite([values[name] for name in needed]).all(axis=0)
     rows = np.flatnonzero(complete)
     if not len(rows):
-        raise InputError("no row has a time and a pose", where=str(table.log.path))
+        empty = ", ".join(table.mapping.columns[name].column for name in needed if not np.isfinite(values[name]).any())
+        what = f"column {empty} is empty" if empty else "no row has both a time and a pose"
+        raise InputError(what, where=str(table.log.path), allowed="numbers in the columns of time and pose")
     changes = []
     if len(rows) < len(complete):
         changes.append(f"left out: {plural(len(complete) - len(rows), 'row')} without a time or a pose")

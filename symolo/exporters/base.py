@@ -39,30 +39,37 @@ def copied_file(name: str, source: Path) -> ExportedFile:
     return ExportedFile(name, lambda: read_file(source, FileKind.ANY), exact_bytes=lambda: source.stat().st_size)
 
 
-def check_images(data: Dataset) -> None:
+def check_images(data: Dataset, name: str) -> None:
     """Refuse a run without images of any camera, for formats whose entries are images.
+
+    Args:
+        data: The release.
+        name: Name of the format.
 
     Raises:
         InputError: A run has no images.
     """
     for run in data.runs:
         if not run.numbers and not any(camera.numbers for camera in run.cameras.values()):
-            cure = "render its trajectory with `symolo rerender`, or choose other runs with --runs"
-            raise InputError(f"run {run.name} has no images", where=str(data.root), cure=cure)
+            cure = (
+                "render its trajectory with `symolo rerender`, choose other runs with --runs, or leave out this format"
+            )
+            raise InputError(f"format {name}: run {run.name} has no images", where=str(data.root), cure=cure)
 
 
-def check_labelled(data: Dataset, kind: AnnotationName, what: str) -> None:
+def check_labelled(data: Dataset, name: str, kind: AnnotationName, what: str) -> None:
     """Refuse a run whose images have no annotations of a kind, for formats whose entries are labels.
 
     Args:
         data: The release.
+        name: Name of the format.
         kind: The kind of annotations.
         what: Noun for the content of the annotations.
 
     Raises:
         InputError: A run has no images, or no such annotations.
     """
-    check_images(data)
+    check_images(data, name)
     for run in data.runs:
         if not run.numbers:
             text = f"the images of run {run.name} were recorded, and nobody has labelled them"

@@ -26,7 +26,7 @@ _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    check_labelled(data, "instance", "masks")
+    check_labelled(data, "coco", "instance", "masks")
     yield from _files_of("", data, data.runs, images_of_splits(data))
     for camera in further_cameras_of_splits(data, "instance"):
         yield from _files_of(f"{camera.folder}/", data, camera.runs, camera.splits)

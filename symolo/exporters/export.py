@@ -13,6 +13,7 @@ from symolo.core.files.new_folder import check_new, new_folder
 from symolo.core.progress import Report
 from symolo.core.versions import versions
 from symolo.dataset.folder_kind import dataset_above
+from symolo.dataset.layout import SIDE
 from symolo.dataset.manifest import MANIFEST
 from symolo.exporters import EXPORTERS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
@@ -69,7 +70,11 @@ def open_release(root: Path, runs: str | None) -> Dataset:
     """
     data = load(root)
     if data.metadata is None:
-        whole = dataset_above(root) or "the folder of the release"
+        whole = dataset_above(root)
+        if whole is None and not (root / SIDE).is_dir():
+            cure = "name a release; `symolo import` makes one of a log"
+            raise InputError("is a case or a log, and no release", where=str(root), cure=cure)
+        whole = whole or "the folder of the release"
         cure = f"name {whole}, and choose the run with --runs '{data.runs[0].name}'"
         raise InputError("is a single run, which has no checksums", where=str(root), cure=cure)
     Inventory.of_whole(data.root)

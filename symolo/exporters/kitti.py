@@ -38,7 +38,7 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     pairs = [stereo_pair(run) for run in data.runs]
     if len({pair and (pair.left, pair.right) for pair in pairs}) > 1:  # all sequences have the same folders
         pairs = [None] * len(pairs)
-    check_images(data)
+    check_images(data, "kitti")
     digits = max(2, len(str(len(data.runs) - 1)))
     names = {f"{number:0{digits}d}": run for number, run in enumerate(data.runs)}
     yield ExportedFile("runs.txt", lambda: "".join(f"{name} {run.name}\n" for name, run in names.items()).encode())

@@ -17,7 +17,7 @@ from symolo.reader.run_folder import Image
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     """Yield the shards, with samples sorted by name; only a shard with a single sample may be larger than the limit."""
-    check_images(data)
+    check_images(data, "webdataset")
     yield from _shards("", images_of_splits(data), settings)
     for camera in further_cameras_of_splits(data):
         yield from _shards(f"{camera.folder}/", camera.splits, settings)

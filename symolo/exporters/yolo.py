@@ -31,7 +31,7 @@ _NO_VALIDATION = "# There is no validation split: val names the images of {}. `s
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     labelling = _POLYGONS if settings.polygons else _BOXES
-    check_labelled(data, labelling.kind, labelling.what)
+    check_labelled(data, "yolo", labelling.kind, labelling.what)
     yield from _files_of("", images_of_splits(data), labelling)
     for camera in further_cameras_of_splits(data, labelling.kind):
         yield from _files_of(f"{camera.folder}/", camera.splits, labelling)

@@ -22,7 +22,7 @@ from symolo.reader.run_folder import RunFolder
 class CameraRun(RunFolder):
     """The folder `cameras/<name>/` of a run: rows at the images of the camera, images, poses, annotations."""
 
-    whole: RunFolder = field(kw_only=True)
+    whole: RunFolder = field(kw_only=True, repr=False)
     """Run to which the camera belongs."""
     camera_name: str = field(kw_only=True)
     """Name of the camera in `robot.sensors`."""

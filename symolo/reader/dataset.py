@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.paths import check_folder
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
+from symolo.core.progress import plural
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
 from symolo.dataset.documents.splits_record import SplitsRecord
@@ -33,6 +34,9 @@ class Dataset:
     metadata: Metadata | None
     """Content of metadata.json; None for a run that was named by its own folder."""
     runs: tuple[Run, ...]
+
+    def __repr__(self) -> str:
+        return f"Dataset({str(self.root)!r}, {plural(len(self.runs), 'run')})"
 
     def __getitem__(self, name: str) -> Run:
         """Return a run by its name.

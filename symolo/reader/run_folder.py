@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -140,9 +140,9 @@ class RunFolder:
     folder: Path
     name: str
     """Name of the run, for example `CW/test_1`."""
-    sensor_tables: tuple[SideTable, ...] = ()
+    sensor_tables: tuple[SideTable, ...] = field(default=(), repr=False)
     """Tables of the sensors of `robot.sensors`, as metadata.json describes them."""
-    image_folder: Path | None = None
+    image_folder: Path | None = field(default=None, repr=False)
     """Folder of the images of a run that is not released; by default that within `folder`."""
 
     @cached_property

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import mounted
+from symolo.core.progress import plural
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.run_document import SensorSection
 from symolo.dataset.tables.side_tables import SideTable
@@ -23,6 +24,10 @@ class RunSensor:
     side_table: SideTable
     numbers: Array
     """(samples, columns) of the file, the time [ms] first."""
+
+    def __repr__(self) -> str:
+        columns = ", ".join(f"{column.title} [{column.unit}]" for column in self.side_table.columns)
+        return f"RunSensor({self.name!r}, kind {self.kind!r}, {plural(len(self.numbers), 'sample')} of {columns})"
 
     @property
     def kind(self) -> str:

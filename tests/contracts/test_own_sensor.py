@@ -296,6 +296,10 @@ def test_the_reader_gives_its_table_with_units_where_its_class_is_unknown(releas
         pd.testing.assert_frame_equal(sensor.samples, table)
         np.testing.assert_array_equal(sensor.values("clearance"), table["clearance"])
         np.testing.assert_array_equal(sensor.delivered(run.t_s), np.arange(len(run)))
+        samples = f"kind 'feeler', {len(run)} samples of t [ms], contact [-], clearance [m]"
+        assert repr(sensor) == f"RunSensor('feeler', {samples})"
+        assert repr(run) == f"Run(folder={run.folder!r}, name='CW/test_1')"
+    assert repr(data) == f"Dataset({str(released)!r}, 1 run)"
     with pytest.raises(InputError, match="did you mean feeler"):
         data["CW/test_1"].side("feelor")
 

@@ -309,3 +309,11 @@ def test_each_form_is_recognised_by_its_own_reader_alone(tmp_path):
     binary.write_bytes(bytes(range(256)))
     for path in (binary, tmp_path, tmp_path / "missing"):
         assert not any(reader.recognises(path) for reader in READERS)
+
+
+def test_a_table_with_an_empty_column_is_refused_with_its_name(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t_s,x_m,y_m,yaw_rad\n" + "".join(f"{0.1 * i},{0.01 * i},0.0,\n" for i in range(10)))
+    table = next(reader for reader in READERS if reader.name == "table")
+    with pytest.raises(InputError, match="column yaw_rad is empty; allowed: numbers in the columns of time and pose"):
+        table.read(path, ReadSettings())

@@ -208,7 +208,7 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
 
 
 def _plan(data: Dataset, max_bytes: int, *, video: bool) -> _Plan:
-    check_images(data)
+    check_images(data, "lerobot")
     first_hz = image_hz(data.runs[0])
     for run in data.runs:
         if image_hz(run) != first_hz:

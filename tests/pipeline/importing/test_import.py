@@ -99,7 +99,10 @@ def test_the_dataset_is_exported_reported_inspected_and_compared(imported, tmp_p
     np.testing.assert_allclose(tum[:, 1:3], PLACE, atol=1e-6)
     np.testing.assert_allclose(2 * np.arctan2(tum[:, 6], tum[:, 7]), YAW, atol=3e-6)
     ended = symolo("export", root, "--format", "kitti", "--out", tmp_path / "kitti")
-    assert (ended.code, "has no images; render its trajectory with `symolo rerender`" in ended.err) == (2, True)
+    assert (
+        ended.code,
+        "format kitti: run imported/test_1 has no images; render its trajectory with `symolo rerender`" in ended.err,
+    ) == (2, True)
     assert symolo("report", root, "--out", tmp_path / "report.html").code == 0
     page = (tmp_path / "report.html").read_text()
     assert "imported from run 1.csv (table)" in page

@@ -63,8 +63,9 @@ def test_what_is_lost_of_it_is_restored(made, copy_of, symolo):
 
 
 def test_formats_of_images_refuse_it_and_others_take_it(made, tmp_path, symolo):
-    refused = symolo("export", made, "--format", "kitti", "--out", tmp_path / "kitti")
-    assert (refused.code, "has no images" in refused.err) == (2, True)
+    for name in ("kitti", "webdataset", "lerobot", "coco", "yolo"):
+        refused = symolo("export", made, "--format", f"tum,{name}", "--out", tmp_path / name)
+        assert (refused.code, f"format {name}: run {RUN} has no images" in refused.err) == (2, True)
     assert symolo("export", made, "--format", "tum,euroc", "--out", tmp_path / "tables").code == 0
 
 

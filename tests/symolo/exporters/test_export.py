@@ -51,13 +51,17 @@ def test_only_the_runs_that_were_asked_for(random_release, tmp_path, symolo):
     assert "--runs: got 'X*', allowed: a pattern of names such as CW/test_1, CCW/test_1" in refused
 
 
-def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_release, copy_of, tmp_path, symolo):
+def test_what_cannot_be_exported_is_refused_before_anything_is_written(
+    random_release, copy_of, tmp_path, tmp_path_factory, symolo
+):
     root, out = random_release(1).root, tmp_path / "out"
     no_masks = random_release(1, kinds=("depth", "boxes_2d")).root
     damaged = copy_of(root)
     (damaged / "CW/test_1/data.csv").write_text("")
     taken = tmp_path / "taken"
     taken.mkdir()
+    case = tmp_path_factory.mktemp("case")
+    (case / "data.csv").write_text("")
     (taken / "mine.txt").write_text("mine")
     known = ", ".join(exporter.name for exporter in EXPORTERS)
     for arguments, what in (
@@ -68,6 +72,7 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
         ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
         ((damaged, "tum", out), "symolo repair"),
         ((root / "CW/test_1", "tum", out), "is a single run, which has no checksums"),
+        ((case, "tum", out), "is a case or a log, and no release; name a release; `symolo import` makes one of a log"),
         ((tmp_path / "taken", "tum", out), "neither a release nor a run"),
         ((root, "tum", taken), "is there already; name a folder that is new or empty"),
         ((root, "tum", root / "within"), "lies within the release"),
