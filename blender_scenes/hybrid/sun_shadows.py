@@ -18,6 +18,8 @@ _MIN_DIRECTIONS, _MAX_DIRECTIONS = 8, 64
 """Limits of the number of points of the sun's disc."""
 _DIRECTIONS_PER_PX = 2
 """Number of these points for each pixel of the border's width."""
+_MAX_DRAWN = 200_000
+"""Number of faces, each drawn once for every point of the disc, from which on there are fewer points: half a second."""
 _SPARE_TEXELS = 3
 """Texels around the floor in sight."""
 
@@ -83,7 +85,8 @@ class SunShadows:
         towards = np.array([cosine * x + sine * y, cosine * y - sine * x, z])
         # A point of the sun is seen up to d h / sin(elevation)^2 from the place of its middle.
         border_m = vertices[:, 2].max() * self._diameter_rad / z**2
-        count = int(np.clip(np.ceil(_DIRECTIONS_PER_PX * border_m / pixel_m), _MIN_DIRECTIONS, _MAX_DIRECTIONS))
+        most = min(_MAX_DIRECTIONS, max(_MAX_DRAWN // len(faces), _MIN_DIRECTIONS))
+        count = int(np.clip(np.ceil(_DIRECTIONS_PER_PX * border_m / pixel_m), _MIN_DIRECTIONS, most))
         directions = disc_directions(towards, self._diameter_rad, count)
         ends = [vertices[:, :2] - vertices[:, 2:] * (each[:2] / each[2]) for each in directions]
         spare_m = _SPARE_TEXELS * _TEXEL_PX * pixel_m

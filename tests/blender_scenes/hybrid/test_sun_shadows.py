@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from blender_scenes.hybrid import sun_shadows
 from blender_scenes.hybrid.floor_sight import FloorSight, filter_points
+from blender_scenes.hybrid.shadow_mask import shadow_mask
 from blender_scenes.hybrid.sun_shadows import SunShadows
-from blender_scenes.scene.description import Sun
+from blender_scenes.scene.description import Mesh, Sun
 from blender_scenes.scene.meshes import block
 from sensors.camera.shutter import MOMENTS
 from sensors.camera.views import FrameView, Moment
@@ -67,11 +69,11 @@ WIDE_SUN = replace(SUN, towards=(0.0, -SUN.towards[0], SUN.towards[2]), angular_
 """It shines along -y."""
 
 
-def _share(sun: Sun, view: FrameView) -> np.ndarray:
+def _share(sun: Sun, view: FrameView, body: Mesh = BODY) -> np.ndarray:
     """(W,): how much of the sun reaches the floor along y, through the middle of the body."""
     sight = FloorSight(CAMERA, view, row_share=1.0)
     everywhere = np.ones((6, 120), bool)
-    shadows = SunShadows(sun, (), (BODY,))
+    shadows = SunShadows(sun, (), (body,))
     return shadows.visible_share(view, sight, [(filter_points(1.5), everywhere)], slice(0, 6)).mean(axis=0)
 
 
@@ -113,3 +115,21 @@ def test_the_border_of_a_moving_shadow_is_blurred_over_its_path():
 def test_a_body_out_of_sight_and_a_scene_without_bodies_shade_nothing():
     view = _down(((5.0, 5.0, 0.0),))
     assert _share(SUN, view) == pytest.approx(np.ones(120))
+
+
+def test_a_mesh_of_many_triangles_is_drawn_for_fewer_points_of_the_sun(monkeypatch):
+    """A mesh of a user may have 20,000 triangles, and this border is 16 pixels wide."""
+    drawn = []
+
+    def counted(faces, directions, *rest):
+        drawn.append(len(faces) * len(directions))
+        return shadow_mask(faces, directions, *rest)
+
+    monkeypatch.setattr(sun_shadows, "shadow_mask", counted)
+    many = 20_000 // len(BODY.faces)
+    mesh = replace(BODY, faces=BODY.faces * many, face_surface=BODY.face_surface * many)
+    view = _down(((0.1, 0.1 + SHADOW_M, 0.0),))
+    share, of_many = (_share(WIDE_SUN, view, body) for body in (BODY, mesh))
+    assert drawn[0] == 32 * len(BODY.faces)
+    assert drawn[1] <= 200_000
+    assert of_many == pytest.approx(share, abs=0.1)
