@@ -132,4 +132,5 @@ def test_a_mesh_of_many_triangles_is_drawn_for_fewer_points_of_the_sun(monkeypat
     share, of_many = (_share(WIDE_SUN, view, body) for body in (BODY, mesh))
     assert drawn[0] == 32 * len(BODY.faces)
     assert drawn[1] <= 200_000
-    assert of_many == pytest.approx(share, abs=0.1)
+    # Ten points make steps of a tenth and more.
+    assert of_many == pytest.approx(share, abs=0.15)
