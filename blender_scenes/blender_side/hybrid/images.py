@@ -22,6 +22,7 @@ from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, f
 from blender_scenes.hybrid.footprints import Footprints
 from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
 from blender_scenes.hybrid.lowest_row import EdgesInSight
+from blender_scenes.hybrid.relief import TILTS, lean, lean_from, lean_without, shading
 from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
 from blender_scenes.hybrid.upsampling import reduced, upsampled
 from blender_scenes.render.job import RenderJob
@@ -48,7 +49,6 @@ _TEXEL_RAD = 0.009
 _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
 """Tiling of the map of the light's direction, which varies over even larger distances."""
-_TILT_RAD = np.radians(15.0)
 _MAX_BYTES = 640 * 2**20
 """Maximum size of each map in memory; a lap of the dataset's arena in images of 640 x 480 needs less."""
 _NEAR_WIDTH_PX, _FAR_WIDTH_PX = LIGHT_WIDTH_PX, 4 * LIGHT_WIDTH_PX
@@ -77,8 +77,6 @@ _MAX_SHARE = 1.5
 _MIN_SHARE = np.float32(0.005)
 """Share of the median light that is added to both sides of the ratio, which is undefined in the dark."""
 _MIN_LIGHT = np.float32(1e-6)
-_MAX_LEAN = 50.0
-"""Maximum of the relief map, for light that comes from 1 degree above the floor."""
 _UP = (0.0, 0.0, 1.0)
 _AROUND = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 _ROUGHNESS = "roughness"
@@ -109,6 +107,7 @@ class HybridRenderer:
         self._bounds = ground.min(axis=0).astype(np.float32), ground.max(axis=0).astype(np.float32)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
+        self._sun_lean = lean_from(job.scene.sun.towards) if job.scene.sun else None
         across_m, along_m = self._sight.pixel_m()
         self._light_pixel_m = self._near * self._per_light_pixel(along_m)
         few, many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
@@ -135,9 +134,10 @@ class HybridRenderer:
         # Other random numbers than the light has, or their errors would add up.
         seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
-        floor, seen[_ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
-        near = self._near_light(moved, still, sun, seen)
-        share, traced = near[..., :3], near[..., 3:]
+        needed = cover[..., 0] > 0
+        reflectance, seen[_ROUGHNESS], normal = np.split(self._floor(view, needed), [3, 4], axis=-1)
+        share, hidden, traced = np.split(self._near_light(moved, still, sun, seen), [3, 6], axis=-1)
+        floor = reflectance * self._floor_light(view, needed, normal, hidden)
         end = self._far_end(cover)
         if end:
             far = self._far_light(view, end, (seed + 2) % 2**31, seen)
@@ -166,7 +166,10 @@ class HybridRenderer:
         return {name: np.concatenate([upper[name], rest]) for name, rest in (lower | {"Depth": floor}).items()}
 
     def _near_light(self, moved: Passes, still: Passes, sun: Sunlight | None, seen: Passes) -> FloatImage:
-        """Return (H, W, 10): the ratio of the light with and without what moves, and the channels of `_traced`."""
+        """Return (H, W, 13): the ratio of the light with and without what moves, and the channels of `_traced`.
+
+        Between these is the part of the light without what moves that is sunlight and that what moves takes.
+        """
         traced = self._traced(moved, seen, self._near)
         normal = reduced(seen["Normal"], self._near)
         without = self._denoised(still["DiffDir"] + still["DiffInd"], normal)
@@ -182,8 +185,9 @@ class HybridRenderer:
         # nothing that moves matters. The offset keeps it defined, and near 1, where there is hardly any light. It is a
         # share of the light without the sun, which alone remains in a shadow.
         offset = _MIN_SHARE * np.median(low[..., 3:6]) + _MIN_LIGHT
-        share = np.clip((with_ + shaded_sun + offset) / (without + direct_sun + offset), 0, _MAX_SHARE)
-        return np.concatenate([share, traced], axis=-1)
+        all_light = without + direct_sun + offset
+        share = np.clip((with_ + shaded_sun + offset) / all_light, 0, _MAX_SHARE)
+        return np.concatenate([share, (direct_sun - shaded_sun) / all_light, traced], axis=-1)
 
     def _far_light(self, view: FrameView, end: float, seed: int, seen: Passes) -> FloatImage:
         """Return (rows, W, 7), the channels of `_traced` for the rows above `end`."""
@@ -232,7 +236,7 @@ class HybridRenderer:
         return self._size[0] // times, self._size[1] // times
 
     def _floor(self, view: FrameView, needed: np.ndarray) -> FloatImage:
-        """Return (H, W, 4): the light that the floor reflects without what moves, and its roughness, where needed."""
+        """Return (H, W, 7), where needed: the floor's reflectance, roughness, and normal; (H, W, 4) without relief."""
         seen = np.zeros((*needed.shape, 7 if self._has_relief else 4), np.float32)
         for filtered, where in self._filters:
             for level, rows, mask in _bands(self._reflectance_level, needed & where):
@@ -243,17 +247,21 @@ class HybridRenderer:
                     # Other rows need more tiles: at the end of the floor, or at the corner of a tile.
                     values = self._mean(level, points, np.concatenate([some[mask] for some in points]))
                 np.copyto(seen[rows], values, where=mask[..., None])
-        light = seen[..., :3] * self._floor_light(view, needed, seen[..., 4:])
-        return np.concatenate([light, seen[..., 3:4]], axis=-1)
+        return seen
 
-    def _floor_light(self, view: FrameView, needed: np.ndarray, normal: FloatImage) -> FloatImage:
+    def _floor_light(self, view: FrameView, needed: np.ndarray, normal: FloatImage, hidden: FloatImage) -> FloatImage:
+        """Return the light (H, W, 3) on the floor without what moves.
+
+        Where a part `hidden` (H, W, 3) of it is sunlight that what moves takes, relief is lit as by the rest.
+        """
         points = self._ground(view, MIDDLE)
         light = self._looked_up(self._irradiance, points, needed, 3)
         if not self._has_relief:
             return light
-        lean = self._looked_up(self._relief, points, needed, 6)
-        facing = normal[..., 2:] + normal[..., :1] * lean[..., :3] + normal[..., 1:2] * lean[..., 3:]
-        return light * np.maximum(facing, 0)
+        leans = self._looked_up(self._relief, points, needed, 6)
+        if self._sun_lean is not None:
+            leans = lean_without(leans, hidden, self._sun_lean)
+        return light * shading(normal, leans)
 
     def _looked_up(self, tiled: TiledMap, points: FloatImage, needed: np.ndarray, channels: int) -> FloatImage:
         """Return (H, W, channels) of a map at each pixel's point, interpolated between its levels."""
@@ -299,20 +307,11 @@ class HybridRenderer:
         return without_noise(light, self._free(tile, light), self._denoised)
 
     def _relief_tile(self, tile: Tile) -> FloatImage:
-        """Return (N, N, 6): the relative change of light on the floor per lean of its normal along x, and along y.
-
-        E(n) = E_z n_z + E_x n_x + E_y n_y for a small lean, with the vector irradiance E. E_x is half the difference of
-        the light on floors tilted to both sides. The difference to a level floor would not do: light from below the
-        horizon of a tilted floor counts as 0 there, and not as negative.
-        """
-        cosine, sine = float(np.cos(_TILT_RAD)), float(np.sin(_TILT_RAD))
-        tilts = (sine, 0.0, cosine), (-sine, 0.0, cosine), (0.0, sine, cosine), (0.0, -sine, cosine)
-        level, *tilted = (self._light_on(tile, "relief", facing) for facing in (_UP, *tilts))
+        """Return the lean (N, N, 6) of the light on the floor."""
+        level, *tilted = (self._light_on(tile, "relief", direction) for direction in (_UP, *TILTS))
         free = self._free(tile, level)
         up = np.maximum(without_noise(level, free, self._denoised), _MIN_LIGHT)
-        east, west, north, south = (without_noise(light, free, self._denoised) / up for light in tilted)
-        leans = [(east - west) / (2 * sine), (north - south) / (2 * sine)]
-        return np.clip(np.concatenate(leans, axis=-1), -_MAX_LEAN, _MAX_LEAN)
+        return lean([without_noise(light, free, self._denoised) / up for light in tilted])
 
     def _light_on(self, tile: Tile, what: str, facing: tuple[float, float, float]) -> FloatImage:
         """Return the light with noise, from the same random numbers for every direction of the floor."""

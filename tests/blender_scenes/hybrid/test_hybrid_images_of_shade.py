@@ -10,7 +10,7 @@ from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings
 from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
-from blender_scenes.scene.shading import Color, Surface
+from blender_scenes.scene.shading import Color, Surface, SurfaceCoordinate
 from configs.schema.appearance.look import CameraLook
 from configs.schema.robot import Camera
 from sensors.camera.response import CameraResponse
@@ -65,7 +65,10 @@ SHARED = Intrinsics(320, 24, 225.0, 225.0, 159.5, 11.5)
 """Each pixel of its light image is shared by 4 x 4 of its pixels, whose size on the floor is 2 mm."""
 RAIL_M = 0.1
 """Height of a rail along x that moves across the floor."""
-SUN_ASIDE = Sun((0.0, -0.6, 0.8), (20.0,) * 3, 0.009)
+SUN_ASIDE = Sun((-0.6, -0.48, 0.64), (20.0,) * 3, 0.009)
+SLOPE = 0.25
+"""Slope of the floor's relief along the rail; its normal leans towards the sun."""
+TILT = np.arctan(SLOPE)
 AT_M = (-0.05, -0.07)
 """Place of the rail's middle across the view in two views."""
 
@@ -75,7 +78,8 @@ def _rail_job() -> RenderJob:
     (view,) = job.frames
     views = tuple(replace(view, number=i + 1, moving=((0.4, y_m, 0.0),)) for i, y_m in enumerate(AT_M))
     rail = block("rail", (0.0, 0.0, 0.5 * RAIL_M), (2.0, 0.02, RAIL_M), "black")
-    return replace(job, scene=replace(job.scene, moving=(rail,)), camera=SHARED, frames=views)
+    surfaces = replace(job.scene.surfaces[0], height_m=SurfaceCoordinate("u") * SLOPE), *job.scene.surfaces[1:]
+    return replace(job, scene=replace(job.scene, surfaces=surfaces, moving=(rail,)), camera=SHARED, frames=views)
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +140,7 @@ ACROSS_M = ACROSS_M.reshape(24, 320)
 @pytest.mark.parametrize("view", [1, 2])
 def test_the_shadow_of_what_moves_ends_as_sharply_as_the_pixels_of_the_image(images, view):
     """A ray at the angle of the sun over the rail's upper edge ends it; the sun's disc blurs it over 1.4 mm."""
-    image, edge_m = images[f"rail {view}"], AT_M[view - 1] + 0.01 + RAIL_M * 0.6 / 0.8
+    image, edge_m = images[f"rail {view}"], AT_M[view - 1] + 0.01 + RAIL_M * 0.48 / 0.64
     off_px = []
     for across_m, light in zip(ACROSS_M[4:20], image[4:20], strict=True):
         lit, shade = (np.median(light[np.abs(across_m - edge_m - beyond_m) < 0.012]) for beyond_m in (0.03, -0.03))
@@ -152,11 +156,18 @@ def test_the_shadow_of_what_moves_ends_as_sharply_as_the_pixels_of_the_image(ima
 
 @pytest.mark.parametrize("view", [1, 2])
 def test_the_shadow_of_what_moves_has_the_light_of_the_sky_that_it_leaves(images, view):
+    """Relief that leans towards the sun is brighter beside the shadow, but not in it.
+
+    The sky is even along the rail. Of its light on a level floor, a floor that leans along the rail has at least the
+    cosine of the angle, and at most (1 + cosine) / 2.
+    """
     image, face_m = images[f"rail {view}"], AT_M[view - 1] + 0.01
-    edge_m = face_m + RAIL_M * 0.6 / 0.8
+    edge_m = face_m + RAIL_M * 0.48 / 0.64
     away_m = ACROSS_M[4:20] - face_m
-    sky = 0.5 * (HALF_M / np.hypot(HALF_M, ABOVE_M) + away_m / np.hypot(away_m, RAIL_M)) * 0.988
-    for where, sun in ((slice(-0.03, -0.01), 0.0), (slice(0.01, 0.03), 20.0 * 0.8 / np.pi)):
+    level = 0.5 * (HALF_M / np.hypot(HALF_M, ABOVE_M) + away_m / np.hypot(away_m, RAIL_M)) * 0.988
+    sky = level * np.mean([np.cos(TILT), 0.5 * (1 + np.cos(TILT))])
+    facing = 0.64 * np.cos(TILT) + 0.6 * np.sin(TILT)
+    for where, sun in ((slice(-0.03, -0.01), 0.0), (slice(0.01, 0.03), 20.0 * facing / np.pi)):
         at = (ACROSS_M[4:20] > edge_m + where.start) & (ACROSS_M[4:20] < edge_m + where.stop)
         expected = FLOOR_REFLECTANCE * (sky[at] + sun)
         assert image[4:20][at].mean() == pytest.approx(expected.mean(), rel=0.04)
