@@ -12,6 +12,7 @@ from benchmarks.diagnosis.independent_cases.motors.motor_law import Lanes, coast
 from benchmarks.diagnosis.independent_cases.motors.motor_steady import SteadySetting
 from benchmarks.diagnosis.independent_cases.motors.motor_step import StepSetting
 from benchmarks.diagnosis.independent_cases.motors.step_integrator import DT_S, filtered
+from benchmarks.diagnosis.independent_cases.motors.wheel_step import moved
 from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
 
 R, K, B, TC, J, U = 3.0, 0.3, 0.002, 0.02, 0.003, 7.4
@@ -143,6 +144,20 @@ def test_backlash_follows_two_bodies_with_inelastic_contact():
     _, speed = step_setting(u).predict([Variant((Effect("gear_backlash", {"gap_rad": gap}),)), Variant()], [0])
     difference, effect = speed[0, 0] - np.array(speeds), speed[0, 0] - speed[1, 0]
     assert np.sqrt(np.mean(difference**2)) < 0.03 * np.sqrt(np.mean(effect**2))
+
+
+@pytest.mark.parametrize("volts", [-3.0, -1.0, -0.25, 0.0, 0.1])
+def test_a_wheel_that_reverses_or_stops_within_a_step_turns_as_in_euler_steps(volts):
+    lanes, h, count = Lanes.stack([plain_law(VALUES, U)]).column(0), 0.03, 2_000
+    euler, turned = Euler(1), 0.0
+    euler.w = start = np.array([[0.3]])
+    for _ in range(count):
+        before = euler.w
+        euler.step(np.array([[volts]]), h / count)
+        turned += 0.5 * float((before + euler.w).item()) * h / count
+    after, mean = moved(lanes, np.array([volts]), start[0], np.zeros(1), h=h)
+    assert after == pytest.approx(euler.w[0], abs=4e-3)
+    assert h * mean == pytest.approx(turned, abs=4e-5)
 
 
 @pytest.mark.parametrize(("inductance", "frequency", "diode"), [(0.0005, 2000.0, 1.0), (0.003, 800.0, 0.5)])

@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.diagnosis.independent_cases.motors.motor_effects import apply_motor
 from benchmarks.diagnosis.independent_cases.motors.motor_law import Lanes, Law, plain_law
 from benchmarks.diagnosis.independent_cases.motors.step_integrator import mean_command
-from benchmarks.diagnosis.independent_cases.motors.wheel_step import advance, mean_speed
+from benchmarks.diagnosis.independent_cases.motors.wheel_step import advance, moved
 from benchmarks.diagnosis.independent_cases.recipes import Array, Effect, Variant
 
 if TYPE_CHECKING:
@@ -91,8 +91,8 @@ def substep(
     if sources is not None:
         first = advance(p, _sagged(p, sources, volts, w), w, angle, h=FINE_S, torque=torque)
         u = _sagged(p, sources, volts, 0.5 * (w + first))
-    after = advance(p, u, w, angle, h=FINE_S, torque=torque)
-    return after, FINE_S * mean_speed(p, u, w, after, FINE_S)
+    after, mean = moved(p, u, w, angle, h=FINE_S, torque=torque)
+    return after, FINE_S * mean
 
 
 def run(setting: "DriveSetting", variants: Sequence[Variant], trials: Sequence[int], u: Array, path: Array) -> Array:

@@ -11,20 +11,17 @@ def _settling_rate(p: Lanes, u: Array) -> Array:
     return (p.K**2 / (p.R + p.source * (u / p.U) ** 2) + p.B) / p.J
 
 
-def mean_speed(p: Lanes, u: Array, w: Array, after: Array, h: float) -> Array:
-    """Return the mean speed (rad/s) over h seconds from speed w to `after`, exact where the motor is linear."""
-    x = _settling_rate(p, u) * h
-    gone = -np.expm1(-x)
-    target = (after - w * (1 - gone)) / gone
-    smooth = w * gone / x + target * (1 - gone / x)
-    return np.where(w * after > 0, smooth, 0.5 * (w + after))
-
-
 def advance(p: Lanes, u: Array, w: Array, angle: Array, *, h: float, torque: Array | float = 0.0) -> Array:
-    """Return the speeds (rad/s) after h seconds at voltage u (V) from speed w; `torque` (N m) pushes forward.
+    """Return the speeds (rad/s) after h seconds; see `moved`."""
+    return moved(p, u, w, angle, h=h, torque=torque)[0]
 
-    p is one column of the lanes. A wheel at rest stays while the drive torque is within the breakaway torque. A wheel
-    that reaches zero within the step stops there, and starts again only if the drive torque exceeds that.
+
+def moved(p: Lanes, u: Array, w: Array, angle: Array, *, h: float, torque: Array | float = 0.0) -> tuple[Array, Array]:
+    """Return the speeds (rad/s) after h seconds at voltage u (V) from speed w, and the mean speeds until then.
+
+    p is one column of the lanes, and `torque` (N m) pushes forward. A wheel at rest stays while the drive torque is
+    within the breakaway torque. A wheel that reaches zero within the step stops there, and starts again only if the
+    drive torque exceeds that. Both speeds are exact where the motor is linear beside Coulomb friction.
     """
     push = torque - angle_torque(p, angle)
     rest = w == 0
@@ -45,11 +42,16 @@ def advance(p: Lanes, u: Array, w: Array, angle: Array, *, h: float, torque: Arr
         middle = np.where(middle * direction < 0, 0.0, middle)
         after = w * (1 - gone) + (acceleration(middle) + slope * middle) * gone / slope
     after = np.where(rest & stuck, 0.0, after)
+    target = (after - w * (1 - gone)) / gone
+    mean = (w * gone / slope + target * (h - gone / slope)) / h
     crossing = ~rest & (after * w < 0)
     if crossing.any():
-        left = h * (1 - w / np.where(crossing, w - after, 1.0))
+        # From w towards the target as exp(-slope t) until the speed is zero, then from rest for the time that is left.
+        until = np.log1p(np.divide(-w, target, out=np.zeros_like(after), where=crossing)) / slope
+        left = h - until
         direction = np.sign(drive)
-        start = (drive - direction * dry_friction(p, 0.0, direction)) / p.J
+        start = np.where(stuck, 0.0, (drive - direction * dry_friction(p, 0.0, direction)) / p.J)
         again = start * -np.expm1(-slope * left) / slope
-        after = np.where(crossing, np.where(stuck, 0.0, again), after)
-    return after
+        turned = target * until + w / slope + (start * left - again) / slope
+        after, mean = np.where(crossing, again, after), np.where(crossing, turned / h, mean)
+    return after, mean

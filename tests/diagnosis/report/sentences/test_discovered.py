@@ -5,13 +5,14 @@ from typing import Any
 
 import pytest
 
+from diagnosis.inference.gain import Gain
 from diagnosis.report.sentences.discovered import sentences
 
 NUMBER = SimpleNamespace(name="step_m", unit="m")
 
 
 def evidence(heldout_fall):
-    gain = SimpleNamespace(before=3.8, after=3.77, value=0.008, low=-0.001, high=0.02)
+    gain = Gain(0.008, -0.001, 0.02, before=3.8, after=3.77, by_quantity=())
     form = SimpleNamespace(words="a step of the range", numbers=(NUMBER,))
     law: Any = SimpleNamespace(
         form=form, file="law.py", is_curve=False, values={"step_m": 0.02}, std={"step_m": 0.001}, fall=80.0,
