@@ -17,6 +17,7 @@ from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Structure
+from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS
 from diagnosis.inference.unexplained.random_drift import RandomDrift
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.measured.measurement import CaseKind
@@ -225,6 +226,7 @@ def unexplained_sentence(structure: Structure) -> str:
     shape, _, sign = structure.what.partition(", ")
     shape = {
         CLUSTER: f"outliers at neighbouring values of {words}",
+        RUNS_OF_ROWS: "successive rows that are off together",
         "trend": f"a smooth curve over {words}",
         "category": f"another mean for each {words}",
         "turn": f"an oscillation with {words}",

@@ -20,9 +20,9 @@ def source_text(measurement: Measurement) -> str:
     """Return origin, licence, files and rate of a measurement."""
     source = measurement.source
     licence = f" ({source.licence})" if source.licence else ""
-    names = [Path(file).name for file in source.files[:_MAX_FILES]]
-    more = f" and {len(source.files) - _MAX_FILES} more" if len(source.files) > _MAX_FILES else ""
-    files = f", from {', '.join(names)}{more}" if names else ""
+    names = list(dict.fromkeys(Path(file).name for file in source.files))
+    more = f" and {len(names) - _MAX_FILES} more" if len(names) > _MAX_FILES else ""
+    files = f", from {', '.join(names[:_MAX_FILES])}{more}" if names else ""
     return f"Data: {source.origin}{licence}{files}. {_rate(measurement)}"
 
 
@@ -32,7 +32,7 @@ def _rate(measurement: Measurement) -> str:
     if not rates:
         return "The times of the rows are not known."
     rate = float(np.median(rates))
-    return f"{rate:.3g} rows per second." if rate >= 1.0 else f"One row every {1.0 / rate:.3g} s."
+    return f"{rate:.3g} rows per second." if rate > 1.0 else f"One row every {1.0 / rate:.3g} s."
 
 
 def rows_sentence(measurement: Measurement, evidence: Evidence) -> str:

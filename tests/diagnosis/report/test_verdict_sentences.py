@@ -64,6 +64,7 @@ def test_a_name_beside_something_unexplained_says_so():
         ("bump", "a bump around one value of commanded voltage)"),
         ("trend, either way", "a smooth curve over commanded voltage, either way)"),
         ("outliers at neighbouring values", "(outliers at neighbouring values of commanded voltage)"),
+        ("runs of rows", "(successive rows that are off together)"),
     ],
 )
 def test_the_form_of_what_is_unexplained_is_said_in_words(what, text):
