@@ -1,4 +1,4 @@
-"""Wheels that are one mass each with their motors and affect each other through the supply alone.
+"""Wheels that are one mass each with their motors, and affect each other through supply and body.
 
 Bare motors take one exact step. What effects add to torque and friction is averaged over both ends of a step; the end
 is predicted by a step with the values of the beginning (Heun's method around the exact step, of second order). Where
@@ -27,14 +27,22 @@ Loads = tuple[Array, Array]
 
 
 class RigidWheels:
-    def __init__(self, driveline: Driveline, load_N_m: Callable[[Array], Array] | None = None) -> None:
+    def __init__(
+        self,
+        driveline: Driveline,
+        load_N_m: Callable[[Array], Array] | None = None,
+        coupling_kg_m2: Array | None = None,
+    ) -> None:
         """
         Args:
             driveline: The motors.
             load_N_m: External torques, (..., wheels), as a function of speeds (..., wheels); None without any.
+            coupling_kg_m2: (wheels, wheels), inertia that the acceleration of one wheel has for another, 0 on the
+                diagonal and small beside the inertia of a wheel; only with `load_N_m`.
         """
         self._driveline = driveline
         self._load_N_m = load_N_m
+        self._coupling_kg_m2 = coupling_kg_m2
         self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
         self._covered_by_duration: dict[float, Array] = {}
 
@@ -87,7 +95,12 @@ class RigidWheels:
         torque_ahead, friction_ahead = self._loads(
             part, stall, ahead, part.begin_s + part.duration_s, (angle_rad, turn)
         )
-        both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
+        torque_mean = 0.5 * (torque + torque_ahead)
+        if self._coupling_kg_m2 is not None:
+            lasts = np.asarray(part.duration_s) > 0.0
+            gained = np.divide(ahead - speed_rad_s, part.duration_s, out=np.zeros_like(ahead), where=lasts)
+            torque_mean = torque_mean - gained @ self._coupling_kg_m2
+        both = self._held(torque_mean, 0.5 * (friction + friction_ahead))
         speed, angle = both.step(speed_rad_s, part.duration_s, covered)
         off = np.abs(speed - ahead)
         if not depth or not np.count_nonzero(off > TOLERANCE_RAD_S):

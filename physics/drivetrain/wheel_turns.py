@@ -1,7 +1,7 @@
-"""Turned angles of both wheels from their commanded voltages, with separate inertias, as the encoders count them.
+"""Turned angles of both wheels from their commanded voltages, as the encoders count them.
 
 The inertia of the body may already be part of the motors' inertia, as on a stand or in a log whose motor parameters
-were identified with the whole robot. In `physics.twin` wheels affect each other through the body.
+were identified with the whole robot. Otherwise the wheels accelerate each other through the body.
 """
 
 from dataclasses import dataclass
@@ -29,13 +29,22 @@ class WheelLoad:
 
     inertia_kg_m2: float = 0.0
     body: BodyOnWheels | None = None
-    """Body whose centrifugal forces and caster act on the wheels; None without."""
+    """Body by which the wheels accelerate each other, and whose centrifugal forces and caster act on them; None
+    without."""
 
     @classmethod
     def of_body(cls, model: RobotModel) -> "WheelLoad":
-        """Return the load of the robot's body, without the coupling of the wheels, small for a wide body."""
+        """Return the load of the robot's body."""
         body = BodyOnWheels.from_model(model)
         return cls(float(body.wheel_inertia_kg_m2[0, 0]), body)
+
+    @property
+    def coupling_kg_m2(self) -> Array | None:
+        """Inertia (2, 2) of the body that the acceleration of one wheel has for the other one."""
+        if self.body is None:
+            return None
+        inertia = self.body.wheel_inertia_kg_m2
+        return inertia - np.diag(np.diag(inertia))
 
     def torque_N_m(self, speed_rad_s: Array) -> Array:
         """Return the torques (..., 2) on the wheels, right and left, at their speeds (..., 2)."""
@@ -71,7 +80,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     if driveline.lags:
         finer = ceil(row_s / parts / LAG_PART_S)
         voltage_V, parts = np.repeat(voltage_V, finer, axis=0), finer * parts
-    wheels = RigidWheels(driveline, load.torque_N_m if load.body is not None else None)
+    wheels = RigidWheels(driveline, load.torque_N_m if load.body is not None else None, load.coupling_kg_m2)
     counting = model.functions(Slot.COUNTING)
     speed = angle = np.zeros_like(voltage_V[0])
     rows = []
