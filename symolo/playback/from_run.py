@@ -92,8 +92,8 @@ def _beams(spec: RunDocument | None, ranges_m: Array) -> tuple[Beam, ...]:
     mounts = spec.robot.tof.mounts
     places = (mounts.front, mounts.left, mounts.right)
     return tuple(
-        Beam(column.name, place.x_m, place.y_m, float(np.radians(place.yaw_deg)), range_m)
-        for column, place, range_m in zip(RANGES.columns, places, ranges_m.T, strict=True)
+        Beam(column.name, place.x_m, place.y_m, float(np.radians(place.yaw_deg)), range_m, colour)
+        for column, place, range_m, (colour, _) in zip(RANGES.columns, places, ranges_m.T, _STYLES, strict=False)
         if np.isfinite(range_m).any()
     )
 

@@ -70,6 +70,8 @@ class Beam:
     """Place and direction in the robot's frame R."""
     range_m: Array
     """(N,), NaN where it saw no target."""
+    colour: str
+    """Colour of its curve in the plot of the ranges."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.pages.plotting import BLUE, VERMILION
+from symolo.pages.plotting import BLUE
 from symolo.pages.states import STATE_STYLES, stretches
 from symolo.playback.playback import Playback
 from symolo.video.canvas import Canvas, Colour, rgb
@@ -98,8 +98,8 @@ class FloorView:
             start = np.array([beam.x_m, beam.y_m])
             end = start + range_m * np.array([np.cos(beam.yaw_rad), np.sin(beam.yaw_rad)])
             points = self._place(_on_floor(self._run.pose[row], np.array([start, end])))
-            canvas.line(points, rgb(VERMILION), self.line_px)
-            canvas.area(points[1] + 5.0 * self.line_px * _CORNERS, rgb(VERMILION))
+            canvas.line(points, rgb(beam.colour), self.line_px)
+            canvas.area(points[1] + 5.0 * self.line_px * _CORNERS, rgb(beam.colour))
 
     def _robot(self, canvas: Canvas, row: int) -> None:
         pose, robot = self._run.pose[row], self._run.robot

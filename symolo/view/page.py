@@ -98,7 +98,14 @@ def _run(playback: Playback, max_images: int, max_width_px: int) -> dict[str, An
             "wheel": outline.wheel_diameter_m,
         },
         "beams": [
-            {"name": beam.name, "x": beam.x_m, "y": beam.y_m, "yaw": beam.yaw_rad, "range": _numbers(beam.range_m)}
+            {
+                "name": beam.name,
+                "x": beam.x_m,
+                "y": beam.y_m,
+                "yaw": beam.yaw_rad,
+                "range": _numbers(beam.range_m),
+                "colour": beam.colour,
+            }
             for beam in playback.beams
         ],
         "scans": [_scan(scan) for scan in playback.scans],

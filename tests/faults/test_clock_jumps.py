@@ -71,7 +71,7 @@ def test_real_workers_exports_and_pages_have_the_same_bytes(jumping_clock, tree,
             ["download", f"file://{folder}/shelf", "--out", "fetched"],
             ["report", "data", "--out", "report.html"],
             ["contact-sheet", "data", "--out", "sheet.jpg"],
-            ["view", "data", "--page", "view.html"],
+            ["view", "data", "--out", "view.html"],
             ["video", "data", "--out", "video.mp4", "--width-px", "320", "--fps", "2"],
         ):
             command = [sys.executable, "-c", "import sys; from pipeline.cli import main; sys.exit(main())"]

@@ -69,7 +69,7 @@ COMMANDS = {
     "upload": Command(("upload", RELEASE, f"file://{OUT}"), leaves_parts=True),
     "pack": Command(("pack", RELEASE, "--about", "FACTS", "--out", OUT)),
     "report": Command(("report", RELEASE, "--out", f"{OUT}.html"), is_slow=True),
-    "view": Command(("view", RELEASE, "--page", f"{OUT}.html")),
+    "view": Command(("view", RELEASE, "--out", f"{OUT}.html")),
     "video": Command(("video", RELEASE, "--out", f"{OUT}.mp4", "--width-px", "320", "--fps", "2"), is_slow=True),
     "contact-sheet": Command(("contact-sheet", RELEASE, "--out", f"{OUT}.jpg")),
     "preview": Command(

@@ -72,7 +72,7 @@ COMMANDS = {
     "export": ["export", "DATA", "--format", "tum,coco,kitti", "--out", "OUT"],
     "compare": ["compare", "DATA", "RELEASE"],
     "contact-sheet": ["contact-sheet", "DATA", "--out", "OUT.jpg"],
-    "view": ["view", "DATA", "--page", "OUT.html"],
+    "view": ["view", "DATA", "--out", "OUT.html"],
     "video": ["video", "DATA", "--out", "OUT.gif", "--width-px", "320", "--fps", "2", "--runs", RUN],
     "pack": ["pack", "DATA", "--about", "ABOUT", "--out", "OUT"],
     "bag": ["bag", "DATA", "--out", "OUT"],

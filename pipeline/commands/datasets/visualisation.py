@@ -20,12 +20,12 @@ Shown = Annotated[
 def view(
     folder: Shown,
     *,
-    page: Annotated[
+    out: Annotated[
         Path | None,
         typer.Option(
-            "--page",
+            "--out",
             metavar="FILE",
-            callback=if_given(new_file_check(".html", option="--page")),
+            callback=if_given(new_file_check(".html", option="--out")),
             help="Page to write, .html; by default it is named after the dataset, such as smoke-view.html.",
         ),
     ] = None,
@@ -54,7 +54,7 @@ def view(
     there is a screen. Runs may be released, rendered again, or simulated only, even while they are being made. The same
     runs give the same bytes.
 
-    Example: symolo view data --page view.html
+    Example: symolo view data --out view.html
 
     Only some runs, with larger images: symolo view data --runs "CW/*" --width-px 640
 
@@ -64,31 +64,31 @@ def view(
     when the release is finished.
     """
     if follow:
-        _follow(folder, page, every_s)
+        _follow(folder, out, every_s)
         return
     from pipeline.run_folder.shown_runs import shown_runs
     from symolo.core.files.atomic_files import write_file
     from symolo.core.progress import plural, report_here
     from symolo.view.page import ViewLimits, view_page
 
-    place = page or new_file_check(".html", option="--page")(Path(f"{folder.absolute().name}-view.html"))
+    place = out or new_file_check(".html", option="--out")(Path(f"{folder.absolute().name}-view.html"))
     with shown_runs(folder, runs) as data:
         made = view_page(data, ViewLimits(max_runs, max_images, width_px), report_here())
     write_file(place, made.html)
     counts = f"{plural(made.runs, 'run')}, {plural(made.images, 'image')}"
     typer.echo(f"{place}: {counts}, {len(made.html) / 1e6:.1f} MB")
-    if page is None:
+    if out is None:
         _open_in_browser(place)
 
 
-def _follow(folder: Path, page: Path | None, every_s: float) -> None:
+def _follow(folder: Path, out: Path | None, every_s: float) -> None:
     from pipeline.release_view.follow import follow
 
-    place = page or new_file_check(".html", option="--page")(Path(f"{folder.absolute().name}-live.html"))
+    place = out or new_file_check(".html", option="--out")(Path(f"{folder.absolute().name}-live.html"))
 
     def begun() -> None:
         typer.echo(f"{place}: the browser loads it again every {every_s:g} s, until the release is finished")
-        if page is None:
+        if out is None:
             _open_in_browser(place)
 
     follow(folder, place, every_s, begun)

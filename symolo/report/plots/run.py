@@ -116,7 +116,7 @@ def _line(axes: Axes, t_s: Array, line: Array) -> None:
 
 def _off_line(axes: Axes, rows: Rows, arena: Arena, ahead_m: float) -> None:
     """Draw the distance from the line; the axis is linear up to 1 mm and logarithmic above."""
-    axes.set_ylabel("distance from the line [mm]")
+    axes.set_ylabel("off the line [mm]")
     if not arena.line.pieces:
         axes.text(0.5, 0.5, "there is no line", transform=axes.transAxes, ha="center", va="center")
         return

@@ -84,8 +84,9 @@ class FloorMap {
     const from = onFloor(pose, [beam.x, beam.y]);
     const yaw = pose[2] + beam.yaw;
     const to = place([from[0] + range * Math.cos(yaw), from[1] + range * Math.sin(yaw)]);
-    outline(this.context, [place(from), to], this.colours.beam(), 1.5);
-    this.context.fillStyle = this.colours.beam();
+    const colour = this.colours.named(beam.colour);
+    outline(this.context, [place(from), to], colour, 1.5);
+    this.context.fillStyle = colour;
     this.context.fillRect(to[0] - 2.5, to[1] - 2.5, 5, 5);
   }
 

@@ -7,7 +7,7 @@ class Colours {
     const variable = (name) => () => style.getPropertyValue(name).trim();
     Object.assign(this, {
       ink: variable("--ink"), paper: variable("--paper"), faint: variable("--faint"), grid: variable("--line"),
-      tape: variable("--tape"), wall: variable("--wall"), obstacle: variable("--soft"), beam: variable("--beam"), scan: variable("--scan"),
+      tape: variable("--tape"), wall: variable("--wall"), obstacle: variable("--soft"), scan: variable("--scan"),
     });
   }
 

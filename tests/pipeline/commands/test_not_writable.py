@@ -7,8 +7,8 @@ import pytest
 
 TO_A_FILE = {
     "report": ["report", "DATA", "--out", "NO/page.html"],
-    "view": ["view", "DATA", "--page", "NO/page.html"],
-    "view --follow": ["view", "DATA", "--follow", "--page", "NO/page.html"],
+    "view": ["view", "DATA", "--out", "NO/page.html"],
+    "view --follow": ["view", "DATA", "--follow", "--out", "NO/page.html"],
     "video": ["video", "DATA", "--out", "NO/video.gif"],
     "contact-sheet": ["contact-sheet", "DATA", "--out", "NO/sheet.jpg"],
     "compare": ["compare", "DATA", "DATA", "--page", "NO/page.html"],

@@ -89,7 +89,7 @@ def test_images_that_are_rendered_again_are_shown_too(is_log, dataset, tmp_path)
 
 def test_a_finished_release_is_loaded_no_more(dataset, tmp_path, symolo):
     out = tmp_path / "live.html"
-    ended = symolo("view", dataset, "--follow", "--page", out)
+    ended = symolo("view", dataset, "--follow", "--out", out)
     assert (ended.code, ended.out.splitlines()[-1]) == (0, f"{out}: the release is finished")
     html = out.read_text()
     assert 'http-equiv="refresh"' not in html
@@ -128,5 +128,5 @@ def test_an_empty_folder_is_waited_for_and_another_one_is_refused(tmp_path, symo
     (tmp_path / "other").mkdir()
     (tmp_path / "other/file.txt").write_text("")
     for name in ("other", "none"):
-        ended = symolo("view", tmp_path / name, "--follow", "--page", tmp_path / "live.html")
+        ended = symolo("view", tmp_path / name, "--follow", "--out", tmp_path / "live.html")
         assert (ended.code, "is no output folder of release" in ended.err) == (2, True)

@@ -95,7 +95,7 @@ def test_what_holds_no_run_is_refused(tmp_path, symolo):
         (tmp_path / "none", "no such folder"),
         (out / ".stages/render/CW/test_1", "cannot be read"),
     ):
-        ended = symolo("view", folder, "--page", tmp_path / "view.html")
+        ended = symolo("view", folder, "--out", tmp_path / "view.html")
         assert (ended.code, ended.err.count("\n")) == (2, 1)
         assert what in ended.err
     assert not (tmp_path / "view.html").exists()

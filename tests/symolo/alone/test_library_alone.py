@@ -136,7 +136,7 @@ def test_every_command_for_users_of_a_dataset_works_without_engines(release, tmp
         ["compare", release, release],
         ["export", release, "--format", FORMATS, "--out", tmp_path / "exported"],
         ["report", release, "--out", tmp_path / "report.html"],
-        ["view", release, "--page", tmp_path / "view.html"],
+        ["view", release, "--out", tmp_path / "view.html"],
         ["video", release, "--out", tmp_path / "video.gif", "--width-px", "320", "--fps", "2"],
         ["contact-sheet", release, "--out", tmp_path / "sheet.jpg"],
         ["pack", release, "--about", about, "--out", tmp_path / "upload"],

@@ -5,6 +5,7 @@ import hashlib
 import json
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -47,6 +48,19 @@ def test_rows_and_images_are_those_of_the_release(root, page):
     assert camera["t"] == pytest.approx(0.2 * np.arange(11))
     for number, jpeg in zip(camera["number"], camera["jpeg"], strict=True):
         assert base64.b64decode(jpeg) == (root / f"CW/test_1/images/{number:06d}.jpg").read_bytes()
+
+
+def test_a_range_on_the_map_has_the_colour_of_its_curve(root, monkeypatch):
+    dataset = load(root)
+    run = dataset.runs[0]
+    seen = replace(run.table, tof_m=np.tile([2.0, 0.5, 0.6], (41, 1)))
+    monkeypatch.setattr(type(run), "table", seen)
+    shown = data_of(view_page(dataset, LIMITS, LineReport()).html.decode())["runs"][0]
+    (ranges,) = (plot for plot in shown["plots"] if plot["title"] == "range")
+    curves = {curve["name"]: curve["colour"] for curve in ranges["curves"]}
+    beams = {beam["name"]: beam["colour"] for beam in shown["beams"]}
+    assert beams == {"d_l": curves["left"], "d_r": curves["right"]}, "the sensor ahead saw nothing"
+    assert curves["left"] != curves["right"]
 
 
 def test_plots_are_those_of_the_columns(page):
@@ -115,7 +129,7 @@ def test_further_sensors_have_plots_and_scans_lie_on_the_walls(tmp_path, symolo)
     settings = ("--set", f"robot={robot}", "--set", "stop.time_limit_s=0.5", "--workers", 1)
     assert symolo("simulate", "smoke", *settings, "--out", tmp_path / "data").code == 0
     out = tmp_path / "view.html"
-    assert symolo("view", tmp_path / "data", "--page", out, "--runs", "CW/*").code == 0
+    assert symolo("view", tmp_path / "data", "--out", out, "--runs", "CW/*").code == 0
     (run,) = data_of(out.read_text())["runs"]
     plots = {plot["title"]: plot for plot in run["plots"]}
     assert [len(plots[name]["t"]) for name in ("imu", "lidar range")] == [51, 6]
