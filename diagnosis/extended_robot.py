@@ -26,6 +26,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.naming.seen_range import SeenRange
+from diagnosis.nominal_robot import PLAIN_RANGE
 from diagnosis.nuisances import Nuisance
 from symolo.core.yaml.tree import FieldPath
 
@@ -35,6 +36,8 @@ DIGITS = 7
 """Digits of a number in the file; the last is far below any standard error."""
 UNTOUCHED = 5e-3
 """Deviation in tolerances that may be rounding error of a parameter without data."""
+ONE_RAY = "the case has one ray along the axis; without this line, the sensor is that of the shipped robot"
+"""Comment on the cone and the error that the range sensor of a case lacks."""
 RECORDED = {
     "v_m_s": "v_m_s",
     "w_rad_s": "w_rad_s",
@@ -273,6 +276,9 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
             comments["effects", diagnosis.random_drift.effect.name, name] = text
     own = "an effect of your own; a copy of the file that was loaded"
     comments["effect_files",] = "the law, and effects of your own if there are any" if diagnosis.law else own
+    if all(getattr(bare.tof, name) == value for name, value in PLAIN_RANGE.items()):
+        # Without this, a simulation with the file would silently have a better sensor than the shipped robot.
+        comments |= {("tof", name): ONE_RAY for name in PLAIN_RANGE}
     comments["chassis", "width_m"] = "widened to cover the wheels"
     comments["effect_ranges",] = "range of the data in which the effect was seen"
     return comments

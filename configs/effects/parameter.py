@@ -29,6 +29,9 @@ class Parameter:
     """Whether no sample is below the parameter, so that only the samples show where a fit may start."""
     is_known: bool = False
     """Whether a fit takes the field's default instead of a value of its own, because no measurement would show it."""
+    std: float | None = None
+    """Standard error of the start, if the start is a value that was measured before, such as that of a discovered law;
+    None if the start is only where a fit begins."""
     tries: tuple[float, ...] = ()
     """Further sizes at which the search for the effect begins, relative to the start, if sizes span decades."""
 

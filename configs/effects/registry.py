@@ -23,6 +23,10 @@ def _check(effect: type[Effect], where: str) -> None:
         if not values and effect.model_fields[name].annotation is not str:
             cure = f'write {name}: Annotated[float, Parameter("m", null=0.0, start=0.1, low=-1.0, high=1.0)]'
             raise InputError(f"effect {effect.name}: {name} is no parameter", where=where, cure=cure)
+    for name, parameter in effect.parameters().items():
+        if parameter.std is not None and not parameter.std > 0.0:
+            cure = "state the standard error of the start, or leave std out"
+            raise InputError(f"effect {effect.name}: std of {name}", where=where, got=parameter.std, cure=cure)
     if effect.apply is Effect.apply:
         cure = "define apply(self, ...), with the arguments that `Slot` lists"
         raise InputError(f"effect {effect.name}: apply missing", where=where, cure=cure)

@@ -153,11 +153,12 @@ def _law(diagnosis: Diagnosis, best: FittedLaw, search: LawSearch) -> tuple[Disc
     (fit,) = fits(evidence, [(hypothesis, hypothesis.clipped(x))])
     rest = adequacy(evidence, fit)
     fit = with_shared_rounding(evidence, fit)
+    values = hypothesis.values(form.candidate, fit.x)
     law = DiscoveredLaw(
         form=form,
         without=before,
-        values=dict(hypothesis.values(form.candidate, fit.x)),
-        std=fit.std(form.candidate),
+        values=dict(values),
+        std=form.with_width_of_jump(values, fit.std(form.candidate)),
         ranges=tuple(_ranges(diagnosis, fit, form)),
         is_curve=form.shape == CURVE,
         fall=before.cost - fit.cost,

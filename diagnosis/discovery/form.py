@@ -15,11 +15,14 @@ from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
 from diagnosis.discovery.place import LawPlace
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from symolo.core.arrays import Array
 
 FILE = Path("law.py")
 """Path in messages about a text that is not written yet."""
 DIGITS = 6
 """Digits of a number in the file."""
+MANY = 300
+"""Number of different values beyond which the place of a jump is searched between the edges too."""
 MIN_FACTOR = 0.05
 """Smallest factor on a quantity, whatever a law adds to it."""
 REACH = 50.0
@@ -39,6 +42,8 @@ class LawNumber:
     null: float | None = None
     """Value without effect; None for a number of shape."""
     is_angle: bool = False
+    std: float | None = None
+    """Standard error of the start; None if it was not fitted, or if the data do not determine it."""
 
     @classmethod
     def amplitude(cls, name: str, unit: str, start: float, meaning: str) -> "LawNumber":
@@ -58,7 +63,8 @@ class LawNumber:
         null = "None" if self.null is None else _text(self.null)
         numbers = f"null={null}, start={_text(self.start)}, low={_text(self.low)}, high={_text(self.high)}"
         angle = ", is_angle=True" if self.is_angle else ""
-        return f'{self.name}: Annotated[float, Parameter("{self.unit}", {numbers}{angle})]'
+        std = "" if self.std is None else f", std={self.std:.2g}"
+        return f'{self.name}: Annotated[float, Parameter("{self.unit}", {numbers}{angle}{std})]'
 
 
 @dataclass(frozen=True)
@@ -86,7 +92,7 @@ class LawForm:
     material: str = ""
     """The only material with the error; empty for all."""
     jump: int | None = None
-    """Index of the number at which the law jumps, so that slopes do not lead to its best value."""
+    """Index of the number at which the law jumps, so that slopes do not lead to its best value or its error."""
     ending: str = ""
     """End of the name, if another effect has it without one."""
 
@@ -120,6 +126,31 @@ class LawForm:
     def starting_at(self, values: Mapping[str, float]) -> "LawForm":
         """Return the form whose numbers start at other values, such as the fitted ones."""
         return replace(self, numbers=tuple(number.starting_at(values[number.name]) for number in self.numbers))
+
+    def with_errors(self, std: Mapping[str, float]) -> "LawForm":
+        """Return the form whose starts have standard errors, where these are known."""
+        errors = {name: value for name, value in std.items() if np.isfinite(value) and value > 0.0}
+        return replace(self, numbers=tuple(replace(number, std=errors.get(number.name)) for number in self.numbers))
+
+    @property
+    def is_worth_finer_tries(self) -> bool:
+        """Whether it jumps, and more places of the jump are worth a try than the edges."""
+        return self.jump is not None and len(np.unique(self._jump_values)) > MANY
+
+    @property
+    def _jump_values(self) -> Array:
+        return self.place.covariates[self.covariates[0]].values
+
+    def with_width_of_jump(self, values: Mapping[str, float], std: Mapping[str, float]) -> Mapping[str, float]:
+        """Return standard errors with at least that of a jump: it may be anywhere between two rows, evenly."""
+        if self.jump is None:
+            return std
+        name, places = self.numbers[self.jump].name, np.unique(self._jump_values)
+        after = int(np.searchsorted(places, values[name]))
+        if not 0 < after < len(places):
+            return std
+        between = float(places[after] - places[after - 1]) / np.sqrt(12.0)
+        return {**std, name: max(between, std[name]) if np.isfinite(std[name]) else between}
 
     def finer(self, start: tuple[float, ...], steps: int) -> "LawForm":
         """Return a form that jumps, tried at several values between the neighbours of one of its tries; others as they

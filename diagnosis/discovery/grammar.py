@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from configs.effects.base import Slot
-from diagnosis.discovery.form import LawForm, LawNumber, sized, unit_per, with_unit
+from diagnosis.discovery.form import MANY, LawForm, LawNumber, sized, unit_per, with_unit
 from diagnosis.discovery.past import of_past
 from diagnosis.discovery.place import LawPlace, SlotCovariate
 from symolo.core.arrays import Array
@@ -40,8 +40,6 @@ MAX_NUMBER = 9e4
 """Largest bound of a number; an effect file has none beyond 1e5."""
 MIN_DISTINCT = 5
 """Smallest number of different values of a covariate along which a law is looked for."""
-MANY = 300
-"""Number of different values beyond which the place of a jump is searched between the edges too."""
 MIN_WAVES = 12
 """Smallest number of different values along which waves are tried."""
 FROM_ZERO = 0.3
@@ -159,7 +157,7 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         f"np.where({x} > self.{edge.name}, self.{step.name}, 0.0)",
         (step, edge),
         tuple((place.size, at) for at in edges),
-        jump=_jump(c, 1),
+        jump=1,
     )
     unit = unit_per(place.unit, c.unit)
     slope = LawNumber.amplitude(with_unit("slope", unit), unit, 4.0 * place.size / span, "Slope beyond the edge")
@@ -348,7 +346,7 @@ def _of_ends(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         (below,),
         tuple((at,) for at in edges),
         is_result=True,
-        jump=_jump(c, 0),
+        jump=0,
     )
     name = with_unit("top", c.unit)
     top = LawNumber(name, c.unit, f"Largest value, {c.words}", edges[-1], 1e-3 * c.high, MAX_NUMBER, MAX_NUMBER)
@@ -362,11 +360,6 @@ def _of_ends(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         tuple((at,) for at in edges),
         is_result=True,
     )
-
-
-def _jump(c: SlotCovariate, index: int) -> int | None:
-    """Return the index of a number at which a law jumps, if more values of it are worth a try than the edges."""
-    return index if len(np.unique(c.values)) > MANY else None
 
 
 def _edges(values: Array) -> list[float]:

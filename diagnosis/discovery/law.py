@@ -78,7 +78,7 @@ class DiscoveredLaw:
         if self.gain is not None:
             notes.append(f"Gain on held-out rows: {100.0 * self.gain.value:.3g} %.")
         notes += [f"Nearly as good: {words}." for words, _ in self.rivals]
-        return self.form.text([line for note in notes for line in wrap(note, WIDTH)])
+        return self.form.with_errors(self.std).text([line for note in notes for line in wrap(note, WIDTH)])
 
     @contextmanager
     def registered(self) -> Iterator[None]:

@@ -208,7 +208,7 @@ def _finer(tests: Sequence[_LinearTest]) -> Iterator[LawForm]:
     for test in tests:
         best: dict[str, int] = {}
         for k, tried in enumerate(test.tried):
-            if tried.form.jump is not None and test.falls[k] > test.falls[best.setdefault(tried.form.label, k)]:
+            if tried.form.is_worth_finer_tries and test.falls[k] > test.falls[best.setdefault(tried.form.label, k)]:
                 best[tried.form.label] = k
         for k in best.values():
             yield test.tried[k].form.finer(test.tried[k].values, FINER_STEPS)

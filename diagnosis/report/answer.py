@@ -3,6 +3,7 @@
 from diagnosis.inference.evidence.sessions import fitted_errors
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.log_score import LogScoreChange
+from diagnosis.inference.naming.file_numbers import agree
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences import discovered, predictive
@@ -38,6 +39,7 @@ def answer(data: ReportData) -> dict[str, object]:
             }
             for ablation in data.ablations
         }
+    result |= _of_files(data)
     if data.own_effects:
         result["own_effects"] = {
             tried.name: {"text": tried.text}
@@ -72,6 +74,22 @@ def answer(data: ReportData) -> dict[str, object]:
     if data.dataset is not None:
         result["against"] = in_json(data.dataset)
     return result
+
+
+def _of_files(data: ReportData) -> dict[str, object]:
+    """Return the numbers that the files of named effects state; empty if none does."""
+    compared = {
+        named.effect.name: {
+            "parameters": {number.name: number.value for number in named.of_file},
+            "std": {number.name: number.std for number in named.of_file},
+            "standard_errors_apart": {number.name: number.apart for number in named.of_file},
+            "agree": agree(named.of_file),
+            "cost_rise_if_held": data.rise_with_file[named.effect.name],
+        }
+        for named in data.diagnosis.named
+        if named.of_file
+    }
+    return {"of_files": compared} if compared else {}
 
 
 def _gain(name: str, gain: Gain | None) -> dict[str, object]:

@@ -16,6 +16,7 @@ from diagnosis.inference.fitting.hypothesis import moved
 from diagnosis.inference.fitting.profile import Interval, profiles
 from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.log_score import LogScoreChange, log_score_change
+from diagnosis.inference.naming.file_numbers import cost_with_file_numbers
 from diagnosis.inference.naming.transfer import trial_groups
 from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
@@ -72,6 +73,9 @@ class ReportData:
     """Model without each named effect, in the order of the effects."""
     intervals: Mapping[str, Mapping[str, tuple[Interval, ...]]]
     """Profile intervals by effect and parameter, for the parameters that the data determine."""
+    rise_with_file: Mapping[str, float]
+    """Rise of the cost by named effect, with its numbers held at those that its file states; only where it states
+    them."""
     by_quantity: tuple[PartGain, ...]
     by_group: tuple[PartGain, ...]
     """Gains in each manoeuvre or group of trials; empty if there is one only."""
@@ -142,6 +146,11 @@ def report_data(
         z=(z[0], z[1], z[2]),
         engines=compare_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
         dataset=None if release is None else compare_with_dataset(diagnosis.measurement, release, diagnosis.nominal),
+        rise_with_file={
+            named.effect.name: cost_with_file_numbers(evidence, diagnosis.fit, named.effect) - diagnosis.fit.cost
+            for named in diagnosis.named
+            if named.of_file
+        },
         own_effects=tuple(tried_effects(diagnosis)),
         unseen=predictions(diagnosis, unseen),
         predictive=predictive_check(diagnosis),

@@ -1,10 +1,9 @@
 """The diagnosis as plain text, for a terminal; `reasoning` describes how it came about."""
 
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import Any
 
-from diagnosis.inference.fitting.profile import Interval
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import LEVEL
@@ -12,7 +11,7 @@ from diagnosis.measured.overview import summary_line
 from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
-from diagnosis.report.sentences import discovered
+from diagnosis.report.sentences import discovered, of_file
 from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.quantities import meaning, with_error
@@ -54,7 +53,7 @@ def summary(data: ReportData) -> list[str]:
     ]
     lines += wrap(why_no_name(diagnosis), WIDTH)
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):
-        lines += ["", *_effect(named, ablation, data.intervals.get(named.effect.name, {}))]
+        lines += ["", *_effect(named, ablation, data)]
     if diagnosis.random_drift is not None:
         lines += ["", *wrap(random_drift_sentence(diagnosis.random_drift), WIDTH)]
     lines += _not_named(data)
@@ -103,11 +102,16 @@ def _not_named(data: ReportData) -> Iterator[str]:
         yield from _entry("your own", f"{tried.name}, {tried.text}")
 
 
-def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequence[Interval]]) -> Iterator[str]:
+def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterator[str]:
+    intervals = data.intervals.get(named.effect.name, {})
+    in_file = {number.name: f"; {of_file.number_of_file(number, '+-')}" for number in named.of_file}
     yield named.effect.name
     for name, value in named.values.items():
         interval = f"; {reach(intervals[name])}" if name in intervals else ""
-        yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + interval)
+        yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + interval + in_file.get(name, ""))
+    if in_file:
+        rise = data.rise_with_file[named.effect.name]
+        yield from _entry("  its file", of_file.comparison(named, rise, ablation.cost_rise))
     yield from _entry("  meaning", meaning(named.effect.kind))
     yield from _entry("  possible causes", named.effect.kind.cause)
     yield from _entry("  confidence", certainty(named))

@@ -22,6 +22,7 @@ from diagnosis.inference.unexplained.random_drift import RandomDrift
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData
+from diagnosis.report.sentences.of_file import label
 from diagnosis.report.sentences.quantities import (
     along,
     confidence,
@@ -46,7 +47,7 @@ _MIN_SURE = 0.9
 
 def headline(diagnosis: Diagnosis) -> str:
     """Return what is wrong, in one sentence."""
-    names = diagnosis.names
+    names = _labels(diagnosis)
     structure = diagnosis.unexplained
     if structure is None:
         if names and any(named.comparison.confidence < _MORE_LIKELY_THAN_NOT for named in diagnosis.named):
@@ -66,6 +67,12 @@ def headline(diagnosis: Diagnosis) -> str:
     if not names:
         return f"The simulation is wrong in a way that has no name here: {where}."
     return f"The real robot differs from the nominal one by {listed(names)}; in addition, {where}."
+
+
+def _labels(diagnosis: Diagnosis) -> list[str]:
+    """Return the names, with a remark where the file of an effect states other numbers."""
+    remarks = {named.effect.name: label(named) for named in (diagnosis.named if diagnosis.names else ())}
+    return [remarks.get(name, name) for name in diagnosis.names]
 
 
 def no_effect(diagnosis: Diagnosis) -> str:

@@ -64,13 +64,23 @@ def test_rays_end_at_the_walls():
 
 def test_the_same_seed_gives_the_same_files(tmp_path):
     for run in ("first", "second"):
-        for files, truth in make_cases("tof_bench", 3, 7):
+        for files, _, truth in make_cases("tof_bench", 3, 7):
             write_case(tmp_path / run / truth["case"], files)
             write_truth(tmp_path / run / "truth.json", truth)
     paths = sorted(path.relative_to(tmp_path / "first") for path in (tmp_path / "first").rglob("*.*"))
     assert len(paths) == 10
     for path in paths:
         assert (tmp_path / "first" / path).read_bytes() == (tmp_path / "second" / path).read_bytes()
+
+
+def test_a_measurement_that_is_made_again_has_the_same_rows_and_other_noise():
+    """The scatter of the difference is that of two readings; an outlier may have any size."""
+    (files, again, _), *_ = make_cases("tof_bench", 1, 7)
+    first, second = files.tables["data.csv"], again.tables["data.csv"]
+    for column in first.keys() - {"reading_m"}:
+        assert first[column][0].tolist() == second[column][0].tolist()
+    difference = first["reading_m"][0] - second["reading_m"][0]
+    assert 0.0 < np.nanmedian(np.abs(difference)) < 0.02
 
 
 def test_wilson_interval_of_eight_in_ten():

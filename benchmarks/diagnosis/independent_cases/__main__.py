@@ -15,6 +15,7 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, help="folder of the cases and of truth.json")
+    parser.add_argument("--again", action="store_true", help="also make each measurement again, with other noise")
     parser.add_argument(
         "--truth",
         type=Path,
@@ -27,8 +28,10 @@ def main() -> None:
     elif args.truth:
         bound.run(args.truth)
     elif args.kind and args.out:
-        for files, truth in make_cases(args.kind, args.cases, args.seed):
+        for files, again, truth in make_cases(args.kind, args.cases, args.seed):
             write_case(args.out / truth["case"], files)
+            if args.again:
+                write_case(args.out / f"{truth['case']}_again", again)
             write_truth(args.out / "truth.json", truth)
     else:
         parser.error("give --kind and --out to make cases, --truth and --answers to grade answers, or --truth alone")

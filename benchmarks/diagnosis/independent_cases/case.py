@@ -119,11 +119,11 @@ def draw_case(kind: type[Setting], category: str, names: list[str], rng: np.rand
 
 def make_case(
     kind: type[Setting], category: str, names: list[str], rng: np.random.Generator
-) -> tuple[CaseFiles, dict[str, Any]]:
-    """Return the files of one case and its entry of truth.json."""
+) -> tuple[CaseFiles, CaseFiles, dict[str, Any]]:
+    """Return the files of one case, those of the same measurement with other noise, and its entry of truth.json."""
     drawn, attempt = draw_case(kind, category, names, rng)
     setting = drawn.setting
-    files = setting.produce(variant_of(drawn.sized), rng)
+    files, again = (setting.produce(variant_of(drawn.sized), rng) for _ in range(2))
     effects, outside = _entries(drawn)
     near = {name: round(ratio, 1) for name, ratio in drawn.rivals.items() if category == "one" and ratio < NEAR}
     truth = {
@@ -138,7 +138,7 @@ def make_case(
         "setting": setting.describe(),
         "attempts": attempt,
     }
-    return files, truth
+    return files, again, truth
 
 
 def deal_cases(kind: str, count: int, seed: int) -> Iterator[tuple[str, list[str], np.random.Generator]]:
@@ -151,9 +151,11 @@ def deal_cases(kind: str, count: int, seed: int) -> Iterator[tuple[str, list[str
         yield category, names[i], np.random.default_rng([seed, number, i])
 
 
-def make_cases(kind: str, count: int, seed: int) -> Iterator[tuple[CaseFiles, dict[str, Any]]]:
-    """Yield the files and the truth of `count` cases; the same for the same arguments."""
+def make_cases(kind: str, count: int, seed: int) -> Iterator[tuple[CaseFiles, CaseFiles, dict[str, Any]]]:
+    """Yield the files, those of the same measurement again, and the truth of `count` cases; the same for the same
+    arguments.
+    """
     number = sorted(KINDS).index(kind)
     for i, (category, names, rng) in enumerate(deal_cases(kind, count, seed)):
-        files, truth = make_case(KINDS[kind], category, names, rng)
-        yield files, {"case": f"{kind}_{i + 1:03d}", "seed": [seed, number, i], **truth}
+        files, again, truth = make_case(KINDS[kind], category, names, rng)
+        yield files, again, {"case": f"{kind}_{i + 1:03d}", "seed": [seed, number, i], **truth}

@@ -61,7 +61,8 @@ class CandidateEffect:
     def coordinates(self) -> tuple[Coordinate, ...]:
         numbers = self.kind.parameters().items()
         return tuple(
-            Coordinate.of_parameter(name, number, self.scales.of(number))
+            # A measured number is that of this motor already.
+            Coordinate.of_parameter(name, number, self.scales.of(number) if number.std is None else 1.0)
             for name, number in numbers
             if name not in self.known
         )
@@ -106,16 +107,15 @@ class Hypothesis:
     nominal: RobotConfig
     nuisances: tuple[Nuisance, ...]
     effects: tuple[CandidateEffect, ...] = ()
-    fixed: tuple[int, float] | None = None
-    """Index of a coordinate that no fit may change, and its value."""
+    fixed: tuple[tuple[int, float], ...] = ()
+    """Indices of the coordinates that no fit may change, and their values."""
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The P coordinates, nuisances first."""
         nuisances = (Coordinate.of_spread(n.name, n.tolerance) for n in self.nuisances)
         coordinates = [*nuisances, *(c for effect in self.effects for c in effect.coordinates)]
-        if self.fixed is not None:
-            place, x = self.fixed
+        for place, x in self.fixed:
             coordinates[place] = replace(coordinates[place], low=x, high=x)
         return tuple(coordinates)
 
@@ -223,8 +223,8 @@ class Hypothesis:
         return Hypothesis(self.nominal, self.nuisances, (*self.effects, effect))
 
     def with_fixed(self, place: int, x: float) -> "Hypothesis":
-        """Return the hypothesis with one coordinate fixed."""
-        return replace(self, fixed=(place, x))
+        """Return the hypothesis with one more coordinate fixed."""
+        return replace(self, fixed=(*self.fixed, (place, x)))
 
     def without(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))

@@ -6,6 +6,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.standard_errors import standard_errors
+from diagnosis.inference.naming.file_numbers import FileNumber, file_numbers
 from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.selection.rivals import RivalComparison
 
@@ -20,6 +21,8 @@ class NamedEffect:
     comparison: RivalComparison
     ranges: tuple[SeenRange, ...] = ()
     """Range of each covariate over the rows in which the effect was seen."""
+    of_file: tuple[FileNumber, ...] = ()
+    """Numbers that the file of the effect states, such as that of a law; empty for other effects."""
 
     @classmethod
     def of(
@@ -28,7 +31,8 @@ class NamedEffect:
         """Return an effect of a fit with its numbers; `nominal` is the fit without effects."""
         effect, values = comparison.effect, dict(fit.hypothesis.values(comparison.effect, fit.x))
         ranges = seen_ranges(evidence, nominal, fit, effect)
-        return cls(effect, values, standard_errors(evidence, fit, effect), comparison, ranges)
+        std = standard_errors(evidence, fit, effect)
+        return cls(effect, values, std, comparison, ranges, file_numbers(evidence, fit, effect, std))
 
     @property
     def name(self) -> str:

@@ -1,6 +1,8 @@
 """Laws that are hidden in benches by their closed form, and found with the numbers that were hidden."""
 
 import json
+from collections import defaultdict
+from contextlib import contextmanager
 from dataclasses import replace
 from math import isfinite
 
@@ -19,9 +21,15 @@ from diagnosis.discovery.search import FittedLaw
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import at
+from diagnosis.inference.naming.file_numbers import file_numbers
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.predictors.motor_steady import MotorSteady
+from diagnosis.report.answer import answer
 from diagnosis.report.files import files
+from diagnosis.report.page import page
+from diagnosis.report.report_data import report_data
+from diagnosis.report.summary import summary
 from pipeline.cli import main
 from pipeline.effects.check import load_to_fit
 from pipeline.effects.contract import RULES, judged
@@ -42,6 +50,7 @@ LAWS = {
     "saturation": lambda _distance, lux, _time: 0.03 * lux / (lux + 400.0),
     "power": lambda _distance, lux, _time: 0.03 * (lux / 4000.0) ** 3,
     "bump": lambda distance, _lux, _time: -0.04 * np.exp(-(((distance - 0.5) / 0.15) ** 2)),
+    "other bump": lambda distance, _lux, _time: 0.03 * np.exp(-(((distance - 0.7) / 0.15) ** 2)),
     "memory": lambda distance, _lux, _time: 0.05 * np.diff(distance, prepend=distance[0]) * -1.0,
     "nothing": lambda _distance, _lux, _time: 0.0,
 }
@@ -69,6 +78,21 @@ def bench(folder, name, seed=7, heldout="same"):
     (folder / "nominal.yaml").write_text(NOMINAL)
     (folder / "data.csv").write_text("\n".join(lines) + "\n")
     return read_measurement(folder, IMPORTERS)
+
+
+@contextmanager
+def loaded(path):
+    """Have the effect of a file, until the context ends."""
+    load_to_fit(path)
+    try:
+        yield
+    finally:
+        EFFECTS.unload(path)
+
+
+def plain(data):
+    """Return the printed text without its line breaks."""
+    return " ".join(" ".join(summary(data)).split())
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +135,24 @@ def test_a_threshold_lies_between_the_rows_where_it_was_hidden(diagnosis_of):
     assert 90.0 <= diagnosis_of("threshold").law.values["edge_s"] <= 94.0
 
 
+def test_a_threshold_is_as_uncertain_as_the_rows_about_it_are_apart(diagnosis_of):
+    """The row between is held out: a place anywhere within 4 s, evenly, has a standard error of 4 s / sqrt(12)."""
+    assert diagnosis_of("threshold").law.std["edge_s"] == pytest.approx(4.0 / np.sqrt(12.0))
+
+
+@pytest.mark.parametrize(("edge_s", "is_same"), [(95.9, True), (60.0, False)])
+def test_a_threshold_at_another_row_is_another_number(diagnosis_of, edge_s, is_same):
+    diagnosis = diagnosis_of("threshold")
+    law = diagnosis.law
+    stated = law.form.starting_at({**law.values, "edge_s": edge_s}).with_errors(law.std).candidate
+    hypothesis = law.without.hypothesis.with_effect(stated)
+    x = diagnosis.fit.x.copy()
+    x[hypothesis.parameters(stated)] = [each.coordinate(law.values[each.name]) for each in stated.coordinates]
+    fit = at(diagnosis.evidence, hypothesis, x)
+    _, edge = file_numbers(diagnosis.evidence, fit, stated, fit.std(stated))
+    assert (edge.name, edge.apart <= 3.0) == ("edge_s", is_same)
+
+
 def test_a_power_law_has_its_exponent(diagnosis_of):
     """The light is scaled by its largest value in the data, which the closed form scales to 4000 lux."""
     law = diagnosis_of("power").law
@@ -141,13 +183,14 @@ def test_the_files_hold_the_law_as_an_effect_that_keeps_the_rules(diagnosis_of, 
     diagnosis = diagnosis_of("saturation")
     contents = files(diagnosis)
     assert not EFFECTS.files  # the law is an effect only while the files are written
-    answer = json.loads(contents["answer.json"])
-    assert answer["effects"] == []
-    assert answer["unexplained"] is True
-    assert answer["discovery"]["file"] == diagnosis.law.file
-    assert answer["heldout_gain"] == diagnosis.gain.value
+    result = json.loads(contents["answer.json"])
+    assert result["effects"] == []
+    assert result["unexplained"] is True
+    assert result["discovery"]["file"] == diagnosis.law.file
+    assert result["heldout_gain"] == diagnosis.gain.value
     robot = yaml.safe_load(contents["extended.yaml"])
     assert robot["effect_files"] == [diagnosis.law.file]
+    assert "rays: 1  # the case has one ray along the axis; without this line" in contents["extended.yaml"].decode()
     for name, content in contents.items():
         if "/" not in name:
             (tmp_path / name).write_bytes(content)
@@ -176,13 +219,48 @@ def test_a_further_bench_confirms_the_law_although_the_exact_curve_has_another_s
     """The hidden error is a Gaussian, and the law is not."""
     law = diagnosis_of("bump").law
     assert law.name == "range_bump_over_distance"
-    with law.registered():
+    (tmp_path / law.file).write_text(law.text)
+    with loaded(tmp_path / law.file):
         again = diagnose(bench(tmp_path, "bump", seed=8))
+        data = report_data(again)
     (named,) = again.named
     assert named.effect.name == law.name
     assert again.conclusion is CaseVerdict.NAMED
-    for number, value in law.values.items():
-        assert abs(named.values[number] - value) < 3.0 * np.hypot(named.std[number], law.std[number]), number
+    for number in named.of_file:
+        assert number.value == pytest.approx(law.values[number.name], rel=1e-5)
+        assert number.std == pytest.approx(law.std[number.name], rel=0.06)  # two digits
+        apart = abs(named.values[number.name] - number.value) / np.hypot(named.std[number.name], number.std)
+        assert number.apart == pytest.approx(apart)
+        assert number.apart < 3.0, number.name
+    assert len(named.of_file) == 3
+    assert 0.0 <= data.rise_with_file[law.name] < 24.0  # chi-squared of three numbers with the errors of two benches
+    assert "The fitted numbers agree with those of the file" in plain(data)
+
+
+def test_a_bump_of_the_other_sign_at_another_place_does_not_confirm_the_law(diagnosis_of, tmp_path):
+    law = diagnosis_of("bump").law
+    (tmp_path / law.file).write_text(law.text)
+    with loaded(tmp_path / law.file):
+        data = report_data(diagnose(bench(tmp_path, "other bump")))
+    text, said, html = plain(data), answer(data), page(data, defaultdict(bytes))
+    assert f"differs from the nominal one by {law.name} (the same form as in its file, with other numbers)." in text
+    assert "these data do not confirm the law of the file" in text
+    assert "these data do not confirm the law of the file" in html
+    assert "standard errors away" in html
+    of_file = said["of_files"][law.name]
+    assert of_file["agree"] is False
+    assert said["effects"][0]["parameters"]["peak_m"] > 0.0 > of_file["parameters"]["peak_m"]
+    assert of_file["standard_errors_apart"]["peak_m"] > 3.0
+    assert of_file["cost_rise_if_held"] > said["without"][law.name]["cost_rise"]
+
+
+def test_data_without_the_bump_contradict_the_numbers_of_the_file(diagnosis_of, tmp_path):
+    law = diagnosis_of("bump").law
+    (tmp_path / law.file).write_text(law.text)
+    with loaded(tmp_path / law.file):
+        text = plain(report_data(diagnose(bench(tmp_path, "nothing", seed=8))))
+    assert f"Its file has peak_m {law.values['peak_m']:.4f}" in text
+    assert "these data contradict them" in text
 
 
 def test_forms_of_windings_and_gains_keep_the_rules_of_a_text(motor_bench_case, tmp_path):
