@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from configs.schema.arena import ArenaConfig
 from diagnosis.measured.channel import Channel, Label, Mask
 from diagnosis.measured.nominal import Nominal
 from symolo.core.arrays import Array
@@ -72,6 +73,8 @@ class Trial:
     next, and the channel has the mean from row to row. Empty if they change at rows only, or as far as is known."""
     session: str = ""
     """Session in which the trial was driven: between sessions, markers and clocks are set again. Empty if not known."""
+    arena: ArenaConfig | None = None
+    """Arena of a simulated trial, whose poses are exact; None for any other trial, or if the data do not state it."""
 
     def __post_init__(self) -> None:
         rows = len(self.t_s)

@@ -6,8 +6,10 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_format import POSE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
+from diagnosis.measured.symolo_columns import RANGE_READINGS
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.pose.by_counts import Pose
+from diagnosis.predictors.ranges.in_arena import RangesInArena
 from diagnosis.predictors.ranges.in_room import RangesInRoom
 from diagnosis.predictors.wheels import Wheels
 
@@ -16,7 +18,8 @@ TICKS = ("enc_left_ticks", "enc_right_ticks")
 
 
 def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Return wheels if there are voltages, pose if there are ticks, and ranges if there are poses and a known room.
+    """Return wheels if there are voltages, pose if there are ticks, and ranges if there are poses and a known room or
+    arena.
 
     A stage is left out if nominal.yaml has no section for it. The readings may be missing, as in unseen runs; then they
     are predicted and nothing is observed.
@@ -29,6 +32,9 @@ def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[St
         stages.append(Pose(measurement, nominal))
     if case is not None and case.tof is not None and case.world is not None and offers(measurement, POSE):
         stages.append(RangesInRoom(measurement, case, nominal))
+    arenas = [trial.arena for trial in measurement.trials if trial.arena is not None]
+    if len(arenas) == len(measurement.trials) and offers(measurement, (*POSE, *RANGE_READINGS)):
+        stages.append(RangesInArena(measurement, arenas, None, nominal))
     return tuple(stage for stage in stages if all(len(observed.values) for observed in stage.observed))
 
 

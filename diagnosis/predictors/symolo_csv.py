@@ -18,6 +18,7 @@ def symolo_csv_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[S
         return ()
     by_speeds = PoseByWheelSpeeds if case.twist == "odometry" else PoseByBodySpeeds
     stages: list[Stage] = [by_speeds(measurement, nominal)] if offers(measurement, SPEEDS) else []
-    stages.append(RangesInArena(measurement, case, nominal))
+    arenas = [case.arena] * len(measurement.trials)
+    stages.append(RangesInArena(measurement, arenas, case.noise, nominal))
     stages.append(LineReadings(measurement, case, nominal))
     return tuple(stage for stage in stages if any(observed.usable.any() for observed in stage.observed))

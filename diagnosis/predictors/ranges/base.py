@@ -100,7 +100,6 @@ class Ranges(ABC):
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._since_on_s = session_time_s(measurement)
-        self._age_s = self._ages_s(measurement, nominal)
         self._tracked = self._axle_of(measurement, nominal)
         around = self._around(nominal)
         mean, sd = self._expected([nominal])
@@ -133,10 +132,13 @@ class Ranges(ABC):
         del nominal
         return TrackedAxle(measurement)
 
-    def _ages_s(self, measurement: Measurement, nominal: RobotConfig) -> Array:
-        """Return the age of each reading when its row is logged, (n,), without effects."""
-        del measurement, nominal
-        return np.zeros(len(self._t_s))
+    def _ages_s(self, delay_s: float | Array) -> float | Array:
+        """Return the age of the readings when their rows are logged, one or (n,), or (M, 1) or (M, n).
+
+        Args:
+            delay_s: Delay of the sensors by effects, one or (M, 1).
+        """
+        return delay_s
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         several, which = distinct(robots, PARTS, SLOTS)
@@ -175,11 +177,14 @@ class Ranges(ABC):
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
+        return self._tracked.at(robots, self._age_s(robots))
+
+    def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
+        """Return the age of what is read when the rows are logged, one or (n,), or (M, 1) or (M, n)."""
         effects = stacked_effects(robots, axes=1)
-        range_delay_s = applied(effects.functions(Slot.RANGE_DELAY), 0.0)
+        age_s = self._ages_s(applied(effects.functions(Slot.RANGE_DELAY), 0.0))
         # A mean over the time before a reading is about the range in the middle of it.
-        range_delay_s = range_delay_s + 0.5 * applied(effects.functions(Slot.RANGE_GATHERING), 0.0)
-        return self._tracked.at(robots, range_delay_s + self._age_s)
+        return age_s + 0.5 * applied(effects.functions(Slot.RANGE_GATHERING), 0.0)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Return mean and standard deviation, (M, n, 3) each."""

@@ -14,19 +14,18 @@ from numpy.typing import NDArray
 
 from configs.effects.base import Effect, Slot
 from configs.effects.robot_effects import RobotEffects
+from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import LogNoise, NominalLog
+from diagnosis.measured.nominal import LogNoise
 from diagnosis.measured.symolo_columns import RANGE_READINGS
+from diagnosis.predictors.ranges.arenas import LogArenas
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
 from diagnosis.predictors.rows import trial_of_rows
-from physics.arena.rays import RayScene
-from physics.arena.surfaces import SURFACES
 from physics.robot.model import applied
 from sensors.ranging.tof import beam_profile, head_on_factor, log_error_m, noise_sd_m, ray_directions, ray_pattern
-from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
 MOVING = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY, Slot.RANGE_DELAY, Slot.RANGE_GATHERING, Slot.RANGE_MOUNT})
@@ -41,8 +40,8 @@ EDGE_M = 0.02
 edge. The neighbours are the ranges of the same sensor after a small turn or shift to the left and to the right."""
 REACH = 1.25
 """Length of a ray as a share of the longest range (`sensors.ranging.tof`)."""
-CHUNK = 4096
-"""Rays in one pass, whose boxes fit into the cache."""
+EXACT = 1e-9
+"""Share of a period by which rounding may move the time of a sample."""
 
 
 @dataclass(frozen=True)
@@ -85,18 +84,19 @@ class _View:
     """(n, surfaces), share of the returned light that comes from each surface."""
     has_target: Mask
 
-    def variance(self, noise: LogNoise, moved: Array) -> Array:
+    def variance(self, noise: LogNoise | None, moved: Array) -> Array:
         """Return the variance of the distance by noise of pose and time (n,) [m2].
 
         Args:
-            noise: Noise of the poses.
+            noise: Noise of the poses; None if they are exact.
             moved: (n, 3), standard deviation of the motion of the axle by the unknown time of a reading.
         """
         by_x, by_y, by_yaw = self.by_pose.T
-        smooth = (by_x**2 + by_y**2) * noise.pose_xy_m**2 + by_yaw**2 * noise.pose_theta_rad**2
+        xy_m, theta_rad = (noise.pose_xy_m, noise.pose_theta_rad) if noise else (0.0, 0.0)
+        smooth = (by_x**2 + by_y**2) * xy_m**2 + by_yaw**2 * theta_rad**2
         by_time = np.einsum("ij,ij->i", self.by_pose, moved)
         # A shift moves an edge as a turn by the angle under which it is seen does.
-        turn = noise.pose_theta_rad**2 + (noise.pose_xy_m / np.maximum(self.distance_m, NEAREST_M)) ** 2
+        turn = theta_rad**2 + (xy_m / np.maximum(self.distance_m, NEAREST_M)) ** 2
         return smooth + by_time**2 + self.by_edge**2 * (turn + moved[:, 2] ** 2)
 
 
@@ -105,15 +105,25 @@ class RangesInArena(Ranges):
 
     channels = RANGE_READINGS
 
-    def __init__(self, measurement: Measurement, case: NominalLog, nominal: RobotConfig) -> None:
-        self._noise, self._tof = case.noise, nominal.tof
-        arena = Arena.from_config(case.arena)
-        self._scene, self._moves = RayScene(arena), any(box.motion is not None for box in arena.boxes)
-        self._names = ("floor", *(box.name for box in arena.boxes))
-        self._materials = ("floor", *(box.surface for box in arena.boxes))
-        surfaces = [SURFACES[box.surface] for box in arena.boxes]
-        self._offset_m = np.array([0.0, *(surface.offset_m for surface in surfaces)])
-        self._reflectance = np.array([arena.floor_reflectance, *(surface.reflectance for surface in surfaces)])
+    def __init__(
+        self, measurement: Measurement, arenas: Sequence[ArenaConfig], noise: LogNoise | None, nominal: RobotConfig
+    ) -> None:
+        """
+        Args:
+            measurement: The log.
+            arenas: Arena of each trial.
+            noise: Noise of the log; None for a simulated one. Its poses are exact, its sensors sample from the start of
+                each trial on, and the noise of a range is that of the surface.
+            nominal: The nominal robot.
+        """
+        self._noise, self._tof, self._arenas = noise, nominal.tof, LogArenas(arenas)
+        surfaces = self._arenas.surfaces
+        numbers = [
+            (each.offset_m, noise.d_m if noise else self._tof.noise_scale * each.noise_sd_m, each.reflectance)
+            for each in surfaces
+        ]
+        self._properties = np.hstack([np.array(numbers), self._arenas.made_of])
+        """(surfaces, 3 + materials), offset [m], noise of a near range [m], reflectance, and 1 for its material."""
         self._cones: dict[Hashable, _Cone] = {}
         self._trial = trial_of_rows(measurement)
         self._known: dict[Hashable, Array] = {}
@@ -123,19 +133,27 @@ class RangesInArena(Ranges):
         self._rows = [np.flatnonzero(observed.usable) for observed in self.observed]
         self._known.clear()
 
-    def _ages_s(self, measurement: Measurement, nominal: RobotConfig) -> Array:
-        del measurement
-        # A row repeats a reading until the next one; when a sensor began to sample is not logged.
-        return np.full(len(self._t_s), nominal.tof.delay_s + 0.5 * nominal.tof.period_s)
+    def _ages_s(self, delay_s: float | Array) -> float | Array:
+        delay_s, period_s = delay_s + self._tof.delay_s, self._tof.period_s
+        if self._noise is not None:
+            # A row repeats a reading until the next one; when a sensor began to sample is not logged.
+            return delay_s + 0.5 * period_s
+        samples = np.floor((self._t_s - delay_s) / period_s + EXACT)
+        return self._t_s - period_s * np.maximum(samples, 0.0)
 
     def _around(self, nominal: RobotConfig) -> Surroundings:
-        axle = self._axle([nominal])
+        path = self._path(nominal)
         self._rows = [np.arange(len(self._t_s))] * len(RANGE_SIDES)
         cone = self._cone(nominal)
-        views = [self._cast(k, axle, 0.0, cone) for k in range(len(RANGE_SIDES))]
-        clear = [self._is_clear(k, axle, view, cone) for k, view in enumerate(views)]
+        views = [self._cast(k, path, 0.0, cone) for k in range(len(RANGE_SIDES))]
+        clear = [self._is_clear(k, path, view, cone) for k, view in enumerate(views)]
         surface = np.stack([view.shares.argmax(axis=-1).astype(float) for view in views], axis=-1)
-        return Surroundings(np.stack(clear, axis=-1), surface, self._names)
+        names = tuple(surface.name for surface in self._arenas.surfaces)
+        return Surroundings(np.stack(clear, axis=-1), surface, names)
+
+    def _path(self, robot: RobotConfig) -> Array:
+        """Return pose of the axle and time since the start of the drive, (n, 4), of each row's reading."""
+        return np.column_stack([self._axle([robot]), self._since_on_s - self._age_s([robot])])
 
     def _cone(self, robot: RobotConfig) -> _Cone:
         """Return the rays of a robot, of which only their weights may differ from those of the nominal one."""
@@ -144,14 +162,15 @@ class RangesInArena(Ranges):
             self._cones[key] = _Cone.of(robot)
         return self._cones[key]
 
-    def _is_clear(self, k: int, axle: Array, view: _View, cone: _Cone) -> Mask:
+    def _is_clear(self, k: int, path: Array, view: _View, cone: _Cone) -> Mask:
         """Return the rows in which a sensor has a target, and no edge beside it."""
         mount = getattr(self._tof.mounts, RANGE_SIDES[k])
-        across = axle[:, 2] + np.radians(mount.yaw_deg) + 0.5 * np.pi
-        aside = CORNER_M * np.stack([np.cos(across), np.sin(across), np.zeros(len(axle))], axis=-1)
+        across = path[:, 2] + np.radians(mount.yaw_deg) + 0.5 * np.pi
+        zero = np.zeros(len(path))
+        aside = CORNER_M * np.stack([np.cos(across), np.sin(across), zero, zero], axis=-1)
         both_sides = (
-            [self._cast(k, axle, turn, cone) for turn in (-CORNER_RAD, CORNER_RAD)],
-            [self._cast(k, axle + shift, 0.0, cone) for shift in (-aside, aside)],
+            [self._cast(k, path, turn, cone) for turn in (-CORNER_RAD, CORNER_RAD)],
+            [self._cast(k, path + shift, 0.0, cone) for shift in (-aside, aside)],
         )
         clear = view.has_target & (view.distance_m <= self._tof.max_range_m - END_M)
         for before, after in both_sides:
@@ -160,38 +179,29 @@ class RangesInArena(Ranges):
 
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
         # Rows whose reading does not count are predicted as if nothing were there.
-        seen = np.zeros((5 + len(self._names), len(robots), len(self._t_s), len(RANGE_SIDES)))
-        seen[0], seen[1] = self._tof.max_range_m, -1.0
+        seen = np.zeros((5 + self._properties.shape[1], len(robots), len(self._t_s), len(RANGE_SIDES)))
+        seen[0], seen[1], seen[7] = self._tof.max_range_m, -1.0, 1.0
         for m, robot in enumerate(robots):
             for k, rows in enumerate(self._rows):
                 seen[:, m, rows, k] = self._seen(k, robot)
-        distance, axial, left, up, variance, *shares = seen
-        by_surface = np.stack(shares)
+        distance, axial, left, up, variance, offset, near_sd, reflectance, *materials = seen
         length = np.maximum(np.sqrt(axial**2 + left**2 + up**2), 1e-12)
+        # The growth of the noise with the distance (Eq. 23).
+        growth = noise_sd_m(np.zeros(()), distance) * self._tof.noise_scale
         return Sight(
             distance_m=distance,
-            reading_m=distance
-            + np.tensordot(self._offset_m, by_surface, 1)
-            + self._tof.error_scale * log_error_m(distance),
-            sd_m=self._sd_m(distance),
+            reading_m=distance + offset + self._tof.error_scale * log_error_m(distance),
+            sd_m=np.hypot(near_sd, growth),
             incidence_rad=np.arccos(np.clip(-axial / length, -1.0, 1.0)),
             tilt_forward_rad=np.arctan2(up, -axial),
             tilt_sideways_rad=np.arctan2(left, -axial),
-            reflectance=np.tensordot(self._reflectance, by_surface, 1) + (1.0 - by_surface.sum(axis=0)),
-            material_share={
-                name: by_surface[[other == name for other in self._materials]].sum(axis=0)
-                for name in dict.fromkeys(self._materials)
-            },
+            reflectance=reflectance,
+            material_share=dict(zip(self._arenas.materials, materials, strict=True)),
             pose_variance=variance,
         )
 
-    def _sd_m(self, distance_m: Array) -> Array:
-        """Return the stated noise with the growth of Eq. 23."""
-        growth = noise_sd_m(np.zeros(()), distance_m) * self._tof.noise_scale
-        return np.hypot(self._noise.d_m, growth)
-
     def _seen(self, k: int, robot: RobotConfig) -> Array:
-        """Return distance, normal, variance and shares of the surfaces in the rows that count, (F, n)."""
+        """Return distance, normal, variance and properties of the surfaces in the rows that count, (F, n)."""
         corners: list[tuple[float, tuple[Effect, ...]]] = [(1.0, ())]
         for effect in robot.effects.in_slots(MOVING):
             if effect.slot is Slot.RANGE_MOUNT and not effect.apply(np.zeros(len(RANGE_SIDES)))[k]:
@@ -206,36 +216,48 @@ class RangesInArena(Ranges):
         key = (k, _numbers(effects), _numbers(robot.effects.in_slots({Slot.RAY_WEIGHT})))
         if key not in self._known:
             there = robot.model_copy(update={"effects": RobotEffects(effects)})
-            path = self._axle([there])
-            moved = self._speed(path)[self._rows[k]] * self._tof.period_s / sqrt(12.0)
+            path = self._path(there)
             askew = float(applied(there.effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))[k])
             view = self._cast(k, path[self._rows[k]], askew, self._cone(robot))
-            variance = view.variance(self._noise, moved)
-            self._known[key] = np.stack([view.distance_m, *view.normal.T, variance, *view.shares.T])
+            variance = view.variance(self._noise, self._moved(path[:, :3])[self._rows[k]])
+            self._known[key] = np.stack(
+                [view.distance_m, *view.normal.T, variance, *(view.shares @ self._properties).T]
+            )
         return self._known[key]
 
-    def _speed(self, path: Array) -> Array:
-        """Return the change of a path (n, 3) per second, by trial; 0 in a trial with a single row."""
-        speed = np.zeros_like(path)
+    def _moved(self, path: Array) -> Array:
+        """Return the standard deviation of the motion of the axle (n, 3) by what is not known of the times of readings.
+
+        Args:
+            path: (n, 3), poses at the times of the readings.
+        """
+        moved = np.zeros_like(path)
         for trial in np.unique(self._trial).tolist():
             rows = np.flatnonzero(self._trial == trial)
-            if len(rows) > 1:
-                speed[rows] = np.gradient(path[rows], self._t_s[rows], axis=0)
-        return speed
+            if self._noise is not None and len(rows) > 1:
+                speed = np.gradient(path[rows], self._t_s[rows], axis=0)
+                moved[rows] = speed * self._tof.period_s / sqrt(12.0)
+            elif self._noise is None and len(rows) > 2:
+                # A wheel that changes its speed at once, between two rows, is off the straight line between them by
+                # a quarter of the change per row.
+                bend = np.pad(np.diff(self._tracked.pose[rows], 2, axis=0), ((1, 1), (0, 0)), mode="edge")
+                moved[rows] = 0.25 * (np.abs(bend) + np.abs(np.roll(bend, 1, axis=0)))
+        return moved
 
-    def _cast(self, k: int, axle: Array, askew_rad: float, cone: _Cone) -> _View:
-        """Return what a sensor sees along a path (n, 3)."""
+    def _cast(self, k: int, path: Array, askew_rad: float, cone: _Cone) -> _View:
+        """Return what a sensor sees along a path (n, 4) of poses and times."""
         mount = getattr(self._tof.mounts, RANGE_SIDES[k])
-        c, s = np.cos(axle[:, 2]), np.sin(axle[:, 2])
+        c, s = np.cos(path[:, 2]), np.sin(path[:, 2])
         ahead = np.stack([c * mount.x_m - s * mount.y_m, s * mount.x_m + c * mount.y_m], axis=-1)
         x, y, z = ray_directions(mount, cone.angle_rad, cone.roll_rad, askew_rad).T
-        along = np.empty((len(axle), len(x), 3))
+        along = np.empty((len(path), len(x), 3))
         along[..., 0], along[..., 1] = np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)
         along[..., 2] = z
-        origins = np.concatenate([axle[:, :2] + ahead, np.full((len(axle), 1), mount.z_m)], axis=1)
-        fraction, surface, normal = self._hits(origins, along, self._since_on_s[self._rows[k]])
+        origins = np.concatenate([path[:, :2] + ahead, np.full((len(path), 1), mount.z_m)], axis=1)
+        reach_m = REACH * self._tof.max_range_m
+        fraction, surface, normal = self._arenas.hits(self._trial[self._rows[k]], origins, reach_m * along, path[:, 3])
         toward = -np.einsum("nri,nri->nr", along, normal)
-        length_m = REACH * self._tof.max_range_m * fraction
+        length_m = reach_m * fraction
         light = cone.profile * toward
         signal = light.sum(axis=1) / cone.full_signal
         light = applied(cone.weighting, light, length_m)
@@ -247,8 +269,10 @@ class RangesInArena(Ranges):
         sideways = normal[..., 1] * along[..., 0] - normal[..., 0] * along[..., 1]
         by_turn = np.einsum("nr,nr->n", slope * length_m, sideways)
         by_yaw = by_turn + by_y * ahead[:, 0] - by_x * ahead[:, 1]
-        shares = np.stack([(share * (surface == i)).sum(axis=1) for i in range(len(self._names))], axis=-1)
-        distance = np.where(signal > 0.0, cone.head_on * (share * length_m).sum(axis=1), REACH * self._tof.max_range_m)
+        surfaces = len(self._properties)
+        place = np.arange(len(path))[:, None] * surfaces + surface
+        shares = np.bincount(place.ravel(), weights=share.ravel(), minlength=len(path) * surfaces)
+        distance = np.where(signal > 0.0, cone.head_on * (share * length_m).sum(axis=1), reach_m)
         # Turning the sensor leaves the surfaces where they are and moves the profile of the beam over them.
         sideways_rad = np.arctan2(np.sin(cone.angle_rad) * np.cos(cone.roll_rad), np.cos(cone.angle_rad))
         moves = share * (cone.head_on * length_m - distance[:, None])
@@ -263,25 +287,9 @@ class RangesInArena(Ranges):
             by_pose=cone.head_on * np.stack([by_x, by_y, by_yaw], axis=-1),
             by_edge=by_edge,
             normal=np.stack([c * mean_x + s * mean_y, c * mean_y - s * mean_x, mean_z], axis=-1) @ frame_R.T,
-            shares=shares,
+            shares=shares.reshape(len(path), surfaces),
             has_target=signal >= self._tof.signal_threshold,
         )
-
-    def _hits(self, origins: Array, along: Array, t_s: Array) -> tuple[Array, NDArray[np.int64], Array]:
-        """Return fraction and surface (n, rays) and normal (n, rays, 3) of rays from n places."""
-        rows, rays = along.shape[:2]
-        fraction, surface = np.empty((rows, rays)), np.empty((rows, rays), dtype=np.int64)
-        normal = np.empty_like(along)
-        # Obstacles that move stand elsewhere in each row.
-        step = 1 if self._moves else max(1, CHUNK // rays)
-        for begin in range(0, rows, step):
-            part = slice(begin, begin + step)
-            starts = np.repeat(origins[part], rays, axis=0)
-            ends = starts + REACH * self._tof.max_range_m * along[part].reshape(-1, 3)
-            hits = self._scene.cast(starts, ends, float(t_s[begin]) if self._moves else 0.0)
-            fraction[part], surface[part] = (array.reshape(-1, rays) for array in (hits.fraction, hits.surface))
-            normal[part] = hits.normal.reshape(-1, rays, 3)
-        return fraction, surface, normal
 
 
 def _numbers(effects: tuple[Effect, ...]) -> Hashable:

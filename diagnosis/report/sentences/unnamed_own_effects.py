@@ -50,7 +50,8 @@ def _why_not(kind: type[Effect], diagnosis: Diagnosis) -> str:
     if allowed.isdisjoint(kind.setups):
         here = " and ".join(sorted(f"Setup.{setup.name}" for setup in allowed))
         return f"not tried, since its setups lack {here}"
-    return f"it changes no prediction of these data; it shows in {kind.excitation}"
+    predicted = ", ".join(dict.fromkeys(observed.channel for observed in diagnosis.evidence.observed))
+    return f"it changes no prediction of these data, which are of {predicted}; it shows in {kind.excitation}"
 
 
 def _best(diagnosis: Diagnosis, candidates: list[CandidateEffect]) -> TriedEffect:

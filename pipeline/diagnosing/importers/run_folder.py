@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from configs.schema.scenario import SceneSpec
 from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
@@ -64,14 +66,16 @@ class _DatasetRun:
             names = (DATA,)
         return tuple(str(self.folder / name) for name in names)
 
+    @cached_property
+    def spec(self) -> SceneSpec | None:
+        """The specification of the run; None if it was removed, as it has the robot."""
+        path = self.folder / SPEC if self.simulated else self.folder / SIDE / SPEC
+        return read_spec(path) if is_file(path) else None
+
     @property
     def is_imported(self) -> bool:
         """Whether the trajectory was imported from a log, so that it has only the tables that were measured."""
-        return (
-            not self.simulated
-            and is_file(self.folder / SIDE / SPEC)
-            and read_spec(self.folder / SIDE / SPEC).is_imported
-        )
+        return self.spec is not None and self.spec.is_imported
 
     def tables(self) -> tuple[Rows, Array, Array]:
         """Return data.csv, side/wheels.csv and side/tof.csv.
@@ -150,6 +154,9 @@ def _read(path: Path) -> Measurement:
     files = tuple(file for run in runs for file in run.files)
     share = f"every {HELD_OUT_EACH}th run" if several else f"the last {1.0 / HELD_OUT_EACH:.0%} of each run"
     notes = (*(() if runs[0].is_imported else (_NOTE,)), f"{share} is held out")
+    without_arena = ", ".join(run_name(run.folder) for run in runs if run.spec is None)
+    if without_arena:
+        notes = (*notes, f"ranges are not compared, because {without_arena} has no {SPEC}, which states the arena")
     name = path.absolute().parent.name if path.name == DATA else path.absolute().name
     source = MeasurementSource("logs that symolo imported" if runs[0].is_imported else "a dataset of symolo", files)
     return Measurement(name, CaseKind.DRIVE_LOG, source, tuple(trials), notes=notes)
@@ -171,7 +178,9 @@ def _trial(run: _DatasetRun) -> Trial:
         held.append(_held(name, t_s, mean_V, last_V))
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
-    return replace(trial_of(run_name(run.folder), rows, (*drive, *seen)), held_inputs=tuple(held))
+    # Of the specification, a diagnosis may know the arena, and must not know the robot.
+    arena = run.spec.arena if run.spec else None
+    return replace(trial_of(run_name(run.folder), rows, (*drive, *seen)), held_inputs=tuple(held), arena=arena)
 
 
 def _held(name: str, t_s: Array, mean_V: Array, last_V: Array) -> TimeSeries:

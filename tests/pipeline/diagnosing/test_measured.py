@@ -47,7 +47,7 @@ def test_a_run_of_our_own_is_read_with_voltages_and_counts(dataset):
 def test_the_stages_predict_runs_of_our_own_from_voltages_and_counts(dataset):
     """To a few counts: a count in a row is 2 pi / 3840 / 0.05 s = 0.033 rad/s, and 0.05 mm of way."""
     robot = draw_robot(load_section("robot", "nominal"), 1, "test")[0]
-    wheels, pose = STAGES[CaseKind.DRIVE_LOG](read(dataset), robot)
+    wheels, pose, ranges = STAGES[CaseKind.DRIVE_LOG](read(dataset), robot)
     for of, predicted in zip(wheels.observed, wheels.predict([robot]), strict=True):
         off = np.abs(of.values - predicted.mean[0])[of.usable]
         assert len(off) == 40
@@ -55,6 +55,24 @@ def test_the_stages_predict_runs_of_our_own_from_voltages_and_counts(dataset):
         assert off.max() < 3 * 0.033
     for of, predicted, bound in zip(pose.observed, pose.predict([robot]), (2e-4, 2e-4, 1e-3), strict=True):
         assert np.abs(of.values - predicted.mean[0])[of.usable].max() < bound
+    z = [
+        ((of.values - predicted.mean[0]) / predicted.sd[0])[of.usable]
+        for of, predicted in zip(ranges.observed, ranges.predict([robot]), strict=True)
+    ]
+    assert np.abs(np.concatenate(z)).max() < 4.0
+    assert 0.7 < np.concatenate(z).std() < 1.2
+
+
+def test_without_its_specification_a_run_has_no_arena_and_its_ranges_are_not_compared(copy_of, dataset):
+    root = copy_of(dataset)
+    assert [trial.arena.name for trial in read(root).trials] == ["symolo", "symolo"]
+    (root / "CW" / "test_1" / "side" / "spec.json").unlink()
+    measurement = read(root)
+    assert measurement.notes[-1] == (
+        "ranges are not compared, because CW/test_1 has no spec.json, which states the arena"
+    )
+    robot = draw_robot(load_section("robot", "nominal"), 1, "test")[0]
+    assert [stage.name for stage in STAGES[CaseKind.DRIVE_LOG](measurement, robot)] == ["wheels", "pose"]
 
 
 def test_voltages_between_rows_have_the_mean_and_the_last_value_of_each_row(dataset):

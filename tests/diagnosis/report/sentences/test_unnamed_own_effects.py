@@ -44,7 +44,9 @@ def test_an_effect_that_changes_no_prediction_says_what_would_show_it(diagnosis_
     path.write_text((ROOT / "examples/oval_wheel.py").read_text().replace("Setup.DRIVE", "Setup.MOTOR_BENCH"))
     loaded(path)
     (tried,) = tried_effects(diagnosis_of("weak"))
-    assert tried.text.startswith("it changes no prediction of these data; it shows in several turns of the wheels")
+    predicted = "which are of current_A, omega_rad_s"
+    shows = "it shows in several turns of the wheels"
+    assert tried.text.startswith(f"it changes no prediction of these data, {predicted}; {shows}")
 
 
 def test_an_effect_that_the_robot_lacks_has_its_size_with_its_error(diagnosis_of, loaded, tmp_path):
