@@ -271,7 +271,8 @@ class RangesInArena(Ranges):
         by_yaw = by_turn + by_y * ahead[:, 0] - by_x * ahead[:, 1]
         surfaces = len(self._properties)
         place = np.arange(len(path))[:, None] * surfaces + surface
-        shares = np.bincount(place.ravel(), weights=share.ravel(), minlength=len(path) * surfaces)
+        shares = np.zeros((len(path), surfaces))
+        np.add.at(shares.reshape(-1), place.ravel(), share.ravel())
         distance = np.where(signal > 0.0, cone.head_on * (share * length_m).sum(axis=1), reach_m)
         # Turning the sensor leaves the surfaces where they are and moves the profile of the beam over them.
         sideways_rad = np.arctan2(np.sin(cone.angle_rad) * np.cos(cone.roll_rad), np.cos(cone.angle_rad))
@@ -287,7 +288,7 @@ class RangesInArena(Ranges):
             by_pose=cone.head_on * np.stack([by_x, by_y, by_yaw], axis=-1),
             by_edge=by_edge,
             normal=np.stack([c * mean_x + s * mean_y, c * mean_y - s * mean_x, mean_z], axis=-1) @ frame_R.T,
-            shares=shares.reshape(len(path), surfaces),
+            shares=shares,
             has_target=signal >= self._tof.signal_threshold,
         )
 
