@@ -1,8 +1,8 @@
 """The camera's response from light to pixels, in numpy and OpenCV.
 
 The steps are those of a camera: blur, focus, glare and vignetting of the lens; exposure; shot and read noise of the
-sensor, which may have a Bayer filter; gains of the white balance, which amplify that noise; saturation; tone curve;
-noise reduction; sharpening; JPEG.
+sensor; gains of the white balance, which amplify that noise; behind a Bayer filter, the limit of what a pixel can
+measure, and the interpolation of colours; saturation of colours; tone curve; noise reduction; sharpening; JPEG.
 
 Pixels depend on the light, the settings and the number of the frame, but never on threads or order.
 """
@@ -31,6 +31,8 @@ _DARKEST = 1e-3
 """Minimum brightness of a frame, relative to the run, to which the exposure adapts."""
 _KNEE = 0.6
 """Value above which the tone curve is flatter than that of sRGB, to keep detail in the highlights."""
+_WHITE = 254.6 / 255
+"""Value of the tone curve that certainly becomes the grey value 255, into which values from 254.5 are rounded."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,11 @@ def _balanced(raw: FloatImage, response: CameraResponse, number: int | None) -> 
     if number is not None:
         draw = stream(response.seed, "camera noise", number).standard_normal(sensor.shape, np.float32)
         sensor = np.maximum(sensor + _noise_sd(sensor, response) * draw, 0)
-    return np.maximum(demosaiced(sensor * gains[colours(*sensor.shape)]), 0)
+    # A pixel holds what becomes white under the smallest gain. The other gains bring it beyond white, where a camera
+    # cuts it off, so that saturated areas have no colour. Both limits together are this one. It acts before the
+    # interpolation, whose weights are partly negative: light far beyond white would make its neighbours black.
+    white = np.float32(inverse_tone(np.array([_WHITE]), response.contrast)[0])
+    return np.clip(demosaiced(np.minimum(sensor * gains[colours(*sensor.shape)], white)), 0, white)
 
 
 def _grey_values(exposed: FloatImage, response: CameraResponse) -> FloatImage:

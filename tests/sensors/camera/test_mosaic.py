@@ -69,3 +69,37 @@ def test_a_sensor_with_a_filter_has_the_noise_of_one_colour_per_pixel():
     linear = ((image / 255 + 0.055) / 1.055) ** 2.4
     assert linear[0::2, 1::2, 1].std() == pytest.approx(0.02, rel=0.03)
     assert linear[0::2, 0::2, 1].std() == pytest.approx(0.75 * 0.02, rel=0.03)
+
+
+GREY = 0.5
+EXPOSED = CameraLook(
+    contrast=1, saturation=1, vignetting=0, shot_noise=0, read_noise=0, white_balance_adaption=1, brightness=GREY,
+    exposure_adaption=0, colour_filter="bayer",
+)  # fmt: skip
+
+
+def _lamp(row: int, column: int, size: int, look: CameraLook = EXPOSED) -> np.ndarray:
+    """Return the image of a lamp of 100 times the light of white in the middle of grey."""
+    light = np.full((64, 64, 3), GREY, np.float32)
+    light[row : row + size, column : column + size] = 100
+    return develop(light, CameraResponse.from_look(look, (1.0, 1.0, 1.0), 1, 92), GREY, 1)
+
+
+@pytest.mark.parametrize(
+    ("row", "column", "eighths"), [(30, 30, -1.5), (30, 31, -1.0), (31, 31, -1.5)], ids=["red", "green", "blue"]
+)
+def test_beside_a_lamp_pixels_are_as_dark_as_beside_a_step_to_white_and_no_darker(row, column, eighths):
+    """A pixel of each colour has this smallest weight for its neighbours; white is what becomes 254.5 of 255."""
+    linear_white = ((254.5 / 255 + 0.055) / 1.055) ** 2.4
+    white = 0.6 - 0.4 * np.log((1 - linear_white) / 0.4)  # the shoulder of the tone curve, solved for the light
+    darkest = GREY + eighths / 8 * (white - GREY)
+    image = _lamp(row, column, 1)
+    assert image.min() == pytest.approx(255 * (1.055 * darkest ** (1 / 2.4) - 0.055), abs=6)
+    assert image[row, column].max() == 255
+
+
+@pytest.mark.parametrize("kelvin", [2500.0, 5000.0, 12000.0])
+def test_a_lamp_is_white_under_any_white_balance(kelvin):
+    look = EXPOSED.model_copy(update={"white_balance_adaption": 0.0, "white_balance_K": kelvin})
+    image = _lamp(24, 24, 12, look)
+    assert np.all(image[26:34, 26:34] == 255)
