@@ -144,7 +144,7 @@ def from_(
     from pipeline.look_from_photographs.fit import LOOK, PAGE, SCENARIO_FILE, base_camera, fit_look, write_look
     from pipeline.look_from_photographs.photographs import read_photographs
     from pipeline.look_from_photographs.refine import RenderSettings, refined
-    from pipeline.look_from_photographs.scenario import camera_height_m
+    from pipeline.look_from_photographs.scenario import camera_height_m, shadow_warning
     from pipeline.look_from_photographs.views import ViewGeometry
     from pipeline.work.supervisor import cores
     from symolo.core.files.new_folder import check_new
@@ -170,7 +170,7 @@ def from_(
     camera_height_m(look, geometry)
     if render and not dry_run:
         look = refined(look, RenderSettings(geometry, workers or cores()), report_here())
-    for doubt in look.doubts:
+    for doubt in (*look.doubts, shadow_warning(look, geometry)):
         typer.echo(f"warning: {doubt}")
     for line in table_lines(look):
         typer.echo(line)
@@ -178,7 +178,8 @@ def from_(
         typer.echo(look.text(out.absolute()))
         return
     write_look(look, read, out, geometry)
-    typer.echo(f"\n{out / LOOK}, {out / SCENARIO_FILE}, {out / PAGE}\n")
+    written = (LOOK, *look.files, SCENARIO_FILE, PAGE)
+    typer.echo(f"\n{', '.join(str(out / name) for name in written)}\n")
     typer.echo(f"symolo release {shlex.quote(str(out / SCENARIO_FILE))} --out data")
     typer.echo(f"With a scenario of your own: {look.settings_to_use(str(out / LOOK))}")
 

@@ -1,6 +1,8 @@
 """The command `symolo look from`."""
 
+import io
 import math
+from contextlib import redirect_stdout
 
 import cv2
 import pytest
@@ -8,6 +10,8 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import main
+from pipeline.look_from_photographs.scenario import shadow_below_deg, view_begins_m
+from pipeline.look_from_photographs.views import ViewGeometry
 from tests.known_photographs import FLOOR, LINE, photograph
 
 VIEW = ["--line-width-mm", "18", "--pitch-down-deg", "60", "--field-of-view-deg", "50"]
@@ -30,11 +34,18 @@ def base(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def look(photos, base, tmp_path_factory):
-    out = tmp_path_factory.mktemp("look") / "my look"
+def made(photos, base, tmp_path_factory):
+    """The folder of a look, and what the command printed."""
+    out, printed = tmp_path_factory.mktemp("look") / "my look", io.StringIO()
     files, chosen = sorted(map(str, photos.glob("*.png"))), ["--base", str(base), *VIEW, "--no-render"]
-    assert main(["look", "from", *files, "--out", str(out), *chosen]) == 0
-    return out
+    with redirect_stdout(printed):
+        assert main(["look", "from", *files, "--out", str(out), *chosen]) == 0
+    return out, printed.getvalue()
+
+
+@pytest.fixture(scope="module")
+def look(made):
+    return made[0]
 
 
 def refused(capsys, *arguments):
@@ -69,6 +80,32 @@ def test_the_scenario_shows_the_line_as_wide_as_the_photographs(look):
     # 160 px of 0.5 mm, 80 mm, are seen across 50 degrees from the distance d: 40 mm = d tan(25 degrees).
     distance_m = (camera.height_above_base_m + base_m) / math.sin(math.radians(60))
     assert distance_m == pytest.approx(0.040 / math.tan(math.radians(25)), rel=0.04)
+
+
+def test_every_file_is_named(made):
+    look, printed = made
+    assert {f.name for f in look.iterdir()} == {"look.yaml", "floor.png", "scenario.yaml", "report.html"}
+    assert all(str(f) in printed for f in look.iterdir())
+
+
+def test_the_shadow_of_the_robot_in_the_image_is_warned_of(made):
+    assert "warning: images show the shadow of the robot where a lamp or the sun stands behind it, lower than" in made[1]
+
+
+def test_the_view_of_a_camera_begins_where_the_lower_border_of_its_image_meets_the_floor():
+    """60 degrees down and 30 degrees half a view: straight below. 45 and 15 degrees: 60 degrees down."""
+    half_deg = math.degrees(math.atan(math.tan(math.radians(30)) * 4 / 3))
+    assert view_begins_m(0.1, ViewGeometry(0.02, 60, 2 * half_deg), (160, 120)) == pytest.approx(0.0, abs=1e-9)
+    half_deg = math.degrees(math.atan(math.tan(math.radians(15)) * 4 / 3))
+    begins_m = view_begins_m(0.1, ViewGeometry(0.02, 45, 2 * half_deg), (160, 120))
+    assert begins_m == pytest.approx(0.1 / math.tan(math.radians(60)))
+
+
+def test_a_shadow_is_as_long_as_the_height_of_the_body_under_45_degrees():
+    """The front of the plate is 90 mm ahead and 50 mm high; the front range sensor is 85 mm ahead and ends at 81 mm."""
+    robot = draw_run(load_scenario("smoke"), "CW", 1).robot
+    assert shadow_below_deg(robot, 0.085 + 0.081) == pytest.approx(45.0)
+    assert shadow_below_deg(robot, 0.09) == pytest.approx(90.0)
 
 
 def test_the_files_say_what_set_each_value(look, photos):
