@@ -16,10 +16,13 @@ from logs.drive import COUNTED
 from logs.log_file import LogFile
 from logs.quantity import LogKind
 from logs.units import PERCENT, factor_to, unit_of
+from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, nearest
 from symolo.core.yaml.reader import read_yaml
 
 MAPPING = "mapping.yaml"
+VOLTAGES = ("u_left_V", "u_right_V", "u_cmd_V")
+"""Quantities that a duty cycle and the voltage of the battery give together."""
 
 
 class Source(Section):
@@ -33,6 +36,8 @@ class Source(Section):
     """Unit in the log; empty for our unit."""
     factor: float = Field(default=1.0, ge=-1e12, le=1e12)
     """Factor on the values besides the unit; -1 turns the sign."""
+    times: str = ""
+    """Column by whose values in the same rows a duty cycle is multiplied, such as the voltage of the battery."""
     time_offset_s: float = Field(default=0.0, ge=-10, le=10)
     """Time by which the values were measured later than the time of their row."""
     per_row: bool = False
@@ -44,7 +49,17 @@ class Source(Section):
     def text(self) -> str:
         """Source in a few words, such as `x_mm, in mm`."""
         factor = f", times {self.factor:g}" if self.factor != 1.0 else ""
-        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}"
+        times = f", times {self.times}" if self.times else ""
+        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}{times}"
+
+    def numbers(self, log: LogFile) -> Array:
+        """Return the numbers (N,) of the column, times those of the other column if there is one; NaN if missing.
+
+        Raises:
+            InputError: A cell is no number.
+        """
+        numbers = log.numbers(self.column)
+        return numbers * log.numbers(self.times) if self.times else numbers
 
 
 class LogMapping(Section):
@@ -110,27 +125,31 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
                 )
             if bool(source.column) == (source.constant is not None):
                 raise InputError("give either a column or a constant", where=place)
-            if source.column and source.column not in log.columns:
-                raise InputError(
-                    "the log has no such column",
-                    where=place,
-                    got=source.column,
-                    allowed=", ".join(log.columns),
-                    nearest=nearest(source.column, log.columns),
-                )
+            for column in filter(None, (source.column, source.times)):
+                _check_column(column, log, place)
             if source.constant is not None:
                 _check_constant(name, source, place, is_number=name in kind.scales)
             if (source.per_row or source.wraps_at) and name not in COUNTED:
                 what = "per_row and wraps_at are for counts of encoders"
                 raise InputError(what, where=place, allowed=", ".join(COUNTED))
+            if source.times and name not in VOLTAGES:
+                raise InputError("times is for voltages", where=place, allowed=", ".join(VOLTAGES))
         with faults.noted():
             factor_to(kind.unit_of(name), source.unit, place)
-            if unit_of(source.unit) == PERCENT and source.factor == 1.0:
+            if unit_of(source.unit) == PERCENT and source.factor == 1.0 and not source.times:
                 what = "a duty cycle in percent needs the voltage of a full one"
-                raise InputError(what, where=place, cure="write it as factor, such as factor: 7.4")
+                raise InputError(
+                    what, where=place, cure="write it as factor, such as factor: 7.4, or name its column as times"
+                )
     with faults.noted():
         _check_needed(kind, mapping.columns, where)
     faults.check()
+
+
+def _check_column(column: str, log: LogFile, where: str) -> None:
+    if column not in log.columns:
+        what, columns = "the log has no such column", log.columns
+        raise InputError(what, where=where, got=column, allowed=", ".join(columns), nearest=nearest(column, columns))
 
 
 def _check_constant(name: str, source: Source, where: str, *, is_number: bool) -> None:
@@ -139,7 +158,7 @@ def _check_constant(name: str, source: Source, where: str, *, is_number: bool) -
     if is_number and isinstance(source.constant, str):
         raise InputError("the constant is no number", where=where, got=source.constant, allowed="a number, unquoted")
     if source != Source(constant=source.constant):
-        what = "a constant takes no unit, factor or time_offset_s"
+        what = "a constant takes no unit, factor, times or time_offset_s"
         raise InputError(what, where=where, cure="write it in our unit")
 
 
@@ -161,7 +180,7 @@ def _check_needed(kind: LogKind, names: Mapping[str, object], where: str) -> Non
 
 def unused_columns(mapping: LogMapping, log: LogFile) -> list[str]:
     """Return the columns of a log that a mapping does not use."""
-    used = {source.column for source in mapping.columns.values()}
+    used = {name for source in mapping.columns.values() for name in (source.column, source.times)}
     return [name for name in log.columns if name not in used]
 
 
@@ -186,6 +205,7 @@ def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequ
         f"# Which column of {log.path.name} is which quantity. To change it, edit a line and run",
         f"#   {shlex.join(command)}",
         "# unit: unit in the log, such as mm, deg, ms, rpm, mV. factor: factor besides the unit; -1 turns the sign.",
+        "# times: column of the voltage by which a duty cycle is multiplied, row by row.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
         "# per_row: true, if ticks start from zero in each row. wraps_at: ticks at which a counter begins again.",
         "# A quantity that was constant: {constant: VALUE}, in the unit of its name.",

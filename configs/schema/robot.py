@@ -169,9 +169,9 @@ class TofMounts(Section):
     front: TofMount
     """Mounting of the front sensor, column d_f."""
     left: TofMount
-    """Mounting of the left sensor, column d_l."""
+    """Mounting of the left sensor, column d_l; in the robot `nominal`, 45 degrees to the left."""
     right: TofMount
-    """Mounting of the right sensor, column d_r."""
+    """Mounting of the right sensor, column d_r; in the robot `nominal`, 45 degrees to the right."""
 
 
 class RangeBeam(Section):

@@ -51,6 +51,9 @@ def trial_text(design: TrialDesign, command: str, simulation: str, folder: str) 
     """
     lines = [f"# The next trial for {design.diagnosis.measurement.name}", ""]
     lines += _wrapped(_purpose(design))
+    if hindrance := [*hindrance_lines(design)]:
+        # Before the rows: whoever can change the limit need not measure them.
+        lines += ["", *hindrance, *_wrapped("The rows below are the best ones within the present limits.")]
     lines += ["", "## What to do", "", *_wrapped(HOW[design.trial.kind]), "", *_rows(design)]
     if design.trial.kind is CaseKind.DRIVE_LOG:
         lines += ["", *_wrapped(REHEARSAL), "", f"    {simulation}"]
@@ -139,7 +142,6 @@ def _expected(design: TrialDesign) -> Iterator[str]:
             f"{_percent(design.expected.one_right)} or more."
         )
         yield ""
-        yield from hindrance_lines(design)
     yield "| if the cause is | number | value | standard error now | after the trial |"
     yield "|---|---|---|---|---|"
     for number in _distinct(design.expected.numbers):

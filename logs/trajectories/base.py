@@ -103,6 +103,8 @@ class LoggedTrajectory:
     """Name within a log of several trajectories, such as a topic."""
     sensors: tuple[LoggedSensor, ...] = ()
     cameras: tuple[LoggedCamera, ...] = ()
+    mapping: str = ""
+    """Text of the mapping file with which the table was read, guesses included; empty for other forms."""
 
     def __post_init__(self) -> None:
         for array in (self.t_s, self.pose, *self.readings.values()):

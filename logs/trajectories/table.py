@@ -10,7 +10,16 @@ import numpy as np
 from logs.counts import jump_note, running_counts
 from logs.drive import COUNTED, DRIVE_TABLE
 from logs.log_file import LogFile, read_log
-from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
+from logs.mapping import (
+    MAPPING,
+    LogMapping,
+    Source,
+    check_mapping,
+    mapping_text,
+    missing_note,
+    read_mapping,
+    unused_columns,
+)
 from logs.proposal import Proposal, missing, propose_as, unit_faults
 from logs.recognition import first_line, is_file
 from logs.times import goes_back
@@ -124,7 +133,7 @@ class _MappedTable:
                     values[name] = np.full(self.log.rows, float(source.constant))
                 else:
                     factor = source.factor * factor_to(TRAJECTORY.unit_of(name), source.unit, f"columns.{name}")
-                    values[name] = factor * running_counts(self.log.numbers(source.column), source, name, notes)
+                    values[name] = factor * running_counts(source.numbers(self.log), source, name, notes)
         if not faults.faults:
             faults.faults += unit_faults(self.mapping, TRAJECTORY, values, self.log)
         faults.check()
@@ -155,8 +164,14 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
             (*notes, *changes, *lost),
             (*table.guesses, *guesses),
             warnings,
+            mapping=mapping_text(table.mapping, TRAJECTORY, table.log, _command(path)),
         )
     ]
+
+
+def _command(path: Path) -> tuple[str, ...]:
+    """Return the command that reads a log with an edited mapping."""
+    return ("symolo", "import", str(path), "--map", MAPPING, "--out", f"{path.stem}-dataset")
 
 
 def _lone_wheels(values: Mapping[str, Array]) -> Iterator[str]:

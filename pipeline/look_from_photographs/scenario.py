@@ -63,12 +63,13 @@ def shadow_warning(look: FittedLook, geometry: ViewGeometry) -> str:
     begins_m = view_begins_m(height_m, geometry, look.size_px)
     here, further = (shadow_below_deg(robot, x_m + begins_m) for x_m in (_AHEAD_M, _FURTHER_M))
     distance_m = height_m / np.sin(np.radians(geometry.pitch_down_deg))
+    off_mm, off_further_mm = _off_mm(_AHEAD_M), _off_mm(_FURTHER_M)
     half_mm = 1000.0 * distance_m * np.tan(np.radians(0.5 * geometry.field_of_view_deg))
     return (
         f"images show the shadow of the robot where a lamp or the sun stands behind it, lower than {here:.0f} degrees; "
         f"with robot.camera.x_m={_FURTHER_M:g} in place of {_AHEAD_M:g}, lower than {further:.0f}. In a curve of "
-        f"{_CURVE_M:g} m radius, the line is then {_off_mm(_FURTHER_M):.0f} mm from the middle of the image in place of "
-        f"{_off_mm(_AHEAD_M):.0f} mm, and the image shows {half_mm:.0f} mm to each side"
+        f"{_CURVE_M:g} m radius, the line is then {off_further_mm:.0f} mm from the middle of the image in place of "
+        f"{off_mm:.0f} mm, and the image shows {half_mm:.0f} mm to each side"
     )
 
 

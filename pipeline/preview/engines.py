@@ -45,6 +45,11 @@ def render_views(engine: Engine, views: Sequence[PreviewImage], workers: int, re
         return _cycles(views, folder, user_files, workers, report)
 
 
+def usual_columns(count: int) -> int:
+    """Return the number of images in a row that leaves the fewest places of the last row empty, three to six."""
+    return min(range(3, 7), key=lambda columns: (-count % columns, -columns)) if count > 6 else count
+
+
 def sheet(views: Sequence[PreviewImage], images: dict[int, Pixels], columns: int) -> Pixels:
     """Return the images in rows of that many columns, (H, W, 3) BGR."""
     cells = [Cell(images[view.number], view.lines) for view in views if view.number in images]

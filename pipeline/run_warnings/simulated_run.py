@@ -24,8 +24,9 @@ BESIDE_M = 0.1
 ALONG_RAD, ACROSS_RAD = radians(10.0), radians(20.0)
 """Largest angle of a start along the line, and smallest angle of one that leads away from it."""
 SPACING_M = 0.005
-EIGHTH_RAD = pi / 4.0
-"""An eighth of a turn. Sensors are mounted at multiples of it, which in degrees have no decimals."""
+ROUND_RAD = {2: pi / 4.0, 3: pi / 12.0}
+"""Angle whose multiples are round, 45 or 15 degrees, by the number of decimals from which on it counts. Sensors are
+mounted at round angles, which in degrees have no decimals; many angles with two decimals are near a multiple of 15."""
 MOUNT_ANGLE = re.compile(r"(yaw|pitch|roll)\w*_deg")
 
 
@@ -123,7 +124,7 @@ def _in_radians(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
             yield _radians("", "yaw_deg", yaw, ": as degrees, the start leads away from the line")
     for (*section, field), angle in _mount_angles(spec.robot.model_dump(exclude={"effects"}), ("robot",)):
         place = f"{'.'.join(section)}."
-        if f"{place}{field}" not in spec.drawn and _is_eighth_of_turn(angle):
+        if f"{place}{field}" not in spec.drawn and _is_round_in_radians(angle):
             yield _radians(place, field, angle, "")
 
 
@@ -144,11 +145,14 @@ def _mount_angles(settings: object, path: tuple[str, ...]) -> Iterator[tuple[tup
         yield path, settings
 
 
-def _is_eighth_of_turn(angle: float) -> bool:
-    """Return whether a number with at least two decimals is a multiple of pi/4 to its last decimal."""
-    eighths = round(abs(angle) / EIGHTH_RAD)
+def _is_round_in_radians(angle: float) -> bool:
+    """Return whether a number is a round angle up to a whole turn, in radians, to the last of its decimals."""
     decimals = len(f"{angle:.6g}".partition(".")[2])
-    return 1 <= eighths <= 8 and decimals >= 2 and abs(abs(angle) - eighths * EIGHTH_RAD) < 10.0**-decimals
+    round_rad = ROUND_RAD.get(min(decimals, max(ROUND_RAD)))
+    if round_rad is None or not 0.0 < abs(angle) < 2.0 * pi + 10.0**-decimals:
+        return False
+    multiple = round(abs(angle) / round_rad)
+    return multiple > 0 and abs(abs(angle) - multiple * round_rad) < 10.0**-decimals
 
 
 def _nearest(line: Line, spec: RunSpec) -> tuple[float, Array]:

@@ -118,6 +118,8 @@ class _Lines:
             return
         self._last = now
         left = self.clock.left
+        if not math.floor(self.done) and self._total <= 1.0 and not left.startswith("about"):
+            return  # "0 of 1" says nothing
         text = f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{left and f', {left}'}"
         if text != self._text:  # the same line again says nothing
             self.say(text)

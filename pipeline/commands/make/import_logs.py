@@ -117,6 +117,14 @@ def import_logs(
     licence: Annotated[
         str, typer.Option(metavar="SPDX", help="Licence of the logs, such as CC-BY-4.0.")
     ] = "NOASSERTION",
+    save_map: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write the mapping with which a table is read into a new file, to edit it and give it with --map; "
+            "also with --dry-run.",
+        ),
+    ] = None,
     dry_run: DryRun = False,
 ) -> None:
     """Import logs of other programs as a dataset: tables with any columns, TUM, KITTI, EuRoC, Motive, bags of ROS.
@@ -147,6 +155,8 @@ def import_logs(
         checked_name("--name", name)
     dataset = imported_dataset(request)
     check_place(dataset, out)
+    if save_map is not None:
+        _save_map(dataset, save_map)
     describe_logs(dataset, yes=yes or dry_run)
     if dry_run:
         return
@@ -157,6 +167,22 @@ def import_logs(
     typer.echo(f"{out}: {plural(len(dataset.runs), 'run')}, {plural(rows, 'row')}")
     first = out / dataset.runs[0].spec.key
     typer.echo(f"\nsymolo rerender {first} --looks classroom,lab --camera-hz 5 --out {out}-images")
+
+
+def _save_map(dataset: "ImportedDataset", file: Path) -> None:
+    """Write the mapping of the only log.
+
+    Raises:
+        InputError: There are several logs, or the log is no table; or the file exists.
+    """
+    from symolo.core.files.atomic_files import write_file
+
+    if len(dataset.logs) != 1 or not dataset.logs[0].trajectory.mapping:
+        raise InputError("--save-map", got=f"{len(dataset.logs)} logs", allowed="one table, which alone has a mapping")
+    if file.exists():
+        raise InputError("--save-map", got=str(file), allowed="a new file")
+    write_file(file, dataset.logs[0].trajectory.mapping.encode())
+    typer.echo(f"{file}: which column is which quantity, for --map")
 
 
 def read_settings(

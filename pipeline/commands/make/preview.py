@@ -52,7 +52,15 @@ def preview(
     width_px: Annotated[
         int, typer.Option(min=32, max=_MAX_WIDTH_PX, metavar="PX", help="Width of each image in pixels.")
     ] = 320,
-    columns: Annotated[int, typer.Option(min=1, max=100, metavar="N", help="Number of images in a row.")] = 6,
+    columns: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=100,
+            metavar="N",
+            help="Number of images in a row; by default three to six, with as few empty places as possible.",
+        ),
+    ] = None,
     workers: Workers = None,
     device: OnDevice = None,
 ) -> int:
@@ -72,7 +80,7 @@ def preview(
 
     In seconds, without textures and gloss: symolo preview symolo --engine flat --look classroom,lab --out preview.jpg
     """
-    from pipeline.preview.engines import check_size, render_views, sheet
+    from pipeline.preview.engines import check_size, render_views, sheet, usual_columns
     from pipeline.preview.views import views
     from pipeline.work.supervisor import cores
     from symolo.core.errors import RunFailed
@@ -82,6 +90,7 @@ def preview(
     looks = look_names(look) if look is not None else ()
     drawn = views(scenario, with_device(settings, device), looks, count, width_px)
     first = next(drawn)
+    columns = columns or usual_columns(count)
     check_size(first, count, columns)
     sheet_file = out or checked_new_image(Path(f"{Path(scenario).stem}-preview.jpg"))
     chosen = [first, *drawn]

@@ -1,7 +1,7 @@
 """The command `symolo rerender`: new images for existing trajectories, as a release."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,6 +21,7 @@ from pipeline.commands.make.import_logs import (
 )
 from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
+    DryRun,
     OnDevice,
     Settings,
     WorkerMemory,
@@ -32,6 +33,9 @@ from pipeline.commands.options import (
     with_device,
 )
 from symolo.core.errors import InputError
+
+if TYPE_CHECKING:
+    from pipeline.rerendering.rerender import Rerendering
 
 
 def rerender(
@@ -122,6 +126,7 @@ def rerender(
     workers: Workers = None,
     device: OnDevice = None,
     memory: WorkerMemory = None,
+    dry_run: DryRun = False,
 ) -> int:
     """Render images of existing trajectories under other looks, without simulating.
 
@@ -168,10 +173,25 @@ def rerender(
     where = out or checked_new_folder(Path(folder_name(read, request)))
     check_place(rerendering, where, is_default=out is None)
     if read.imported is not None:
-        describe_logs(read.imported, yes=yes)
+        describe_logs(read.imported, yes=yes or dry_run)
     if recorded := read.recorded_cameras:
         where_they_are = "`symolo import` keeps them" if read.imported else f"they stay in {sources[0]}"
         typer.echo(f"the recorded images of {', '.join(recorded)} are left out; {where_they_are}")
+    if dry_run:
+        _print_plan(rerendering, where)
+        return 0
     executor = Local.of(workers, memory).on(rerendering.device)
     failures = make_release(rerendering, where, executor, report_here())
     return conclude(failures, len(rerendering.runs), "rerender", where)
+
+
+def _print_plan(rerendering: "Rerendering", out: Path) -> None:
+    """Print what would be rendered: each run with its look and its number of images."""
+    import numpy as np
+
+    from symolo.core.progress import plural
+
+    counts = [int(np.count_nonzero(run.rows.image)) for run in rerendering.runs]
+    for run, count in zip(rerendering.runs, counts, strict=True):
+        typer.echo(f"{run.spec.key}: look {run.spec.look.name}, {plural(count, 'image')}")
+    typer.echo(f"{out}: {plural(len(counts), 'run')}, {plural(sum(counts), 'image')}; nothing was rendered")

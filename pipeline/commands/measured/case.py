@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -185,7 +186,8 @@ def example(
     case.copy(out)
     typer.echo(f"{out}: the example {case.name} of the kind {case.kind}")
     note = f" {case.note}" if case.note else ""
-    typer.echo(f"It hides {_hidden(case.hidden)}.{note} See whether the diagnosis names that:\n")
+    text = f"It hides {_hidden(case.hidden)}.{note} See whether the diagnosis names that:"
+    typer.echo("\n".join(wrap(text, 118, break_long_words=False, break_on_hyphens=False)) + "\n")
     typer.echo(f"symolo diagnose {out} --out {out}-diagnosis")
 
 

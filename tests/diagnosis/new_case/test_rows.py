@@ -296,6 +296,25 @@ def test_a_duty_cycle_in_percent_by_its_name_is_a_share_of_the_supply(names, log
         check_mapping(mapping, KINDS[CaseKind.DRIVE_LOG], text, "mapping.yaml")
 
 
+def test_a_duty_cycle_times_the_voltage_of_the_battery_is_a_voltage(log, tmp_path):
+    """40 % of a battery that falls from 8 V by 0.1 V a second; the log has percent and millivolts."""
+    t = np.round(0.05 * np.arange(40), 6)
+    lines = drive(t, volts=40.0 + 0.0 * t, header=DRIVE.replace("uL,uR", "pwmL,pwmR")).splitlines()
+    battery = ["battery_mV", *(f"{8000 - 100 * time:.1f}" for time in t)]
+    text = log("\n".join(f"{line},{cell}" for line, cell in zip(lines, battery, strict=True)) + "\n")
+    columns = {name: source.model_dump() for name, source in propose(text).mapping.columns.items()}
+    for side, name in (("left", "pwmL"), ("right", "pwmR")):
+        columns[f"u_{side}_V"] = {"column": name, "unit": "percent", "times": "battery_mV", "factor": 0.001}
+    path = tmp_path / "mapping.yaml"
+    mapping = LogMapping.model_validate({"kind": "drive_log", "columns": columns})
+    path.write_text(new_case(text, mapping, "m")._mapping_text(tmp_path / "case"))
+    assert read_mapping(path, list(KINDS.values())) == mapping
+    check_mapping(mapping, KINDS[CaseKind.DRIVE_LOG], text, str(path))
+    (trial,) = measured(text, mapping).trials
+    np.testing.assert_allclose(trial["u_left_V"].values, 0.4 * (8.0 - 0.1 * trial.t_s), atol=0.003)
+    np.testing.assert_allclose(trial["u_right_V"].values, -0.4 * (8.0 - 0.1 * trial.t_s), atol=0.003)
+
+
 @pytest.mark.parametrize(
     ("names", "largest", "suspicion"),
     [
@@ -484,7 +503,13 @@ def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
     [
         ("x_m", {"constant": "wood"}, r"columns.x_m: the constant is no number: got 'wood', allowed: a number"),
         ("t_s", {"constant": 3.5}, r"columns.t_s: the time cannot be constant; name the column of the times"),
-        ("x_m", {"constant": 3.5, "unit": "mm"}, r"columns.x_m: a constant takes no unit, factor or time_offset_s"),
+        (
+            "x_m",
+            {"constant": 3.5, "unit": "mm"},
+            r"columns.x_m: a constant takes no unit, factor, times or time_offset_s",
+        ),
+        ("y_m", {"column": "x", "times": "y"}, r"columns.y_m: times is for voltages; allowed: u_left_V, u_right_V"),
+        ("u_left_V", {"column": "uL", "times": "batt"}, r"columns.u_left_V: the log has no such column: got 'batt'"),
         ("split", {"column": "x"}, r"columns.split: no quantity that a mapping can give"),
         ("row", {"column": "x"}, r"columns.row: no quantity that a mapping can give"),
     ],

@@ -167,6 +167,21 @@ def test_guesses_need_a_yes(tmp_path, symolo):
     np.testing.assert_allclose(np.unwrap(run.table.pose[:, 2]), YAW, atol=2e-6)
 
 
+def test_the_mapping_of_an_import_is_saved_and_read_again(tmp_path, symolo):
+    log, mapping = tmp_path / "run.csv", tmp_path / "mapping.yaml"
+    log.write_text(table("t,x,y,theta", T_S, *PLACE.T, np.degrees(YAW)))
+    assert symolo("import", log, "--out", tmp_path / "a", "--dry-run", "--save-map", mapping).code == 0
+    assert 'theta_rad: {column: "theta", unit: "degrees"}' in mapping.read_text()
+    assert symolo("import", log, "--out", tmp_path / "a", "--yes").code == 0
+    assert symolo("import", log, "--out", tmp_path / "b", "--map", mapping).code == 0  # nothing is guessed
+    a, b = (symolo_reader.load(tmp_path / name)["imported/test_1"].table.pose for name in "ab")
+    np.testing.assert_array_equal(a, b)
+    ended = symolo("import", log, "--out", tmp_path / "c", "--yes", "--save-map", mapping)
+    assert ended.code == 2
+    assert "--save-map: got" in ended.err
+    assert "allowed: a new file" in ended.err
+
+
 def test_the_same_command_twice_gives_the_same_bytes_and_another_log_takes_its_place(tmp_path, symolo, release_of):
     log, out = tmp_path / "run.csv", tmp_path / "data"
     log.write_text(table("t_s,x_m,y_m,theta_rad", T_S, *PLACE.T, YAW))

@@ -89,7 +89,9 @@ def test_every_file_is_named(made):
 
 
 def test_the_shadow_of_the_robot_in_the_image_is_warned_of(made):
-    assert "warning: images show the shadow of the robot where a lamp or the sun stands behind it, lower than" in made[1]
+    assert (
+        "warning: images show the shadow of the robot where a lamp or the sun stands behind it, lower than" in made[1]
+    )
 
 
 def test_the_view_of_a_camera_begins_where_the_lower_border_of_its_image_meets_the_floor():

@@ -11,6 +11,7 @@ import configs
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.commands.options import look_names
+from pipeline.preview.engines import usual_columns
 from pipeline.preview.path import PreviewPath
 from pipeline.preview.views import views
 from symolo.arena.geometry import Arena
@@ -188,3 +189,8 @@ def test_an_image_that_fails_is_reported_and_the_others_are_shown(tmp_path, symo
     assert "failed: image 2 (CCW/test_1, classroom): the picture is black" in ended.err
     assert "2 of 3 images" in ended.out
     assert cv2.imread(str(tmp_path / "sheet.png")).shape == (48 + 3 * 18, 2 * 64, 3)
+
+
+@pytest.mark.parametrize(("count", "columns"), [(5, 5), (7, 4), (8, 4), (9, 3), (10, 5), (12, 6), (24, 6)])
+def test_a_sheet_has_as_few_empty_places_as_possible(count, columns):
+    assert usual_columns(count) == columns

@@ -97,6 +97,16 @@ def test_all_runs_of_a_dataset_become_a_release_like_any_other(dataset, elsewher
     assert f"{RUN}: trajectory taken from {RUN} of smoke" in symolo("status", elsewhere).out
 
 
+def test_a_dry_run_prints_the_runs_and_writes_nothing(dataset, tmp_path, symolo):
+    out = tmp_path / "out"
+    ended = symolo("rerender", dataset, "--looks", "lab,night", "--out", out, "--dry-run")
+    assert ended.code == 0
+    first, *_, last = ended.out.splitlines()
+    assert re.fullmatch(r"CW-lab_1/test_1: look lab, \d+ images?", first)
+    assert re.fullmatch(r".*/out: 4 runs, \d+ images; nothing was rendered", last)
+    assert not out.exists()
+
+
 def test_a_part_of_the_runs_is_chosen_by_a_pattern(dataset, prepared):
     (one,) = prepared(dataset, RerenderRequest(("lab",)), "CCW/*")
     assert one.spec.key == OTHER

@@ -48,6 +48,9 @@ def test_a_start_in_radians_is_named_with_the_number_in_degrees(yaw, degrees):
         ("robot.tof.mounts.left.yaw_deg=0.785", "robot.tof.mounts.left.yaw_deg", "0.785", 45),
         ("robot.camera.yaw_left_deg=-1.5708", "robot.camera.yaw_left_deg", "-1.5708", -90),
         ("robot.sensors.r2={kind: lidar, roll_deg: 3.14159}", "robot.sensors.r2.roll_deg", "3.14159", 180),
+        ("robot.tof.mounts.left.yaw_deg=0.524", "robot.tof.mounts.left.yaw_deg", "0.524", 30),
+        ("robot.camera.pitch_down_deg=1.0472", "robot.camera.pitch_down_deg", "1.0472", 60),
+        ("robot.camera.pitch_down_deg=1.047", "robot.camera.pitch_down_deg", "1.047", 60),
     ],
 )
 def test_a_mount_in_radians_is_named_with_the_number_in_degrees(setting, field, angle, degrees):
@@ -58,7 +61,9 @@ def test_a_mount_in_radians_is_named_with_the_number_in_degrees(setting, field, 
     assert warning.endswith(f"write {field.rpartition('.')[2]}: {degrees}")
 
 
-@pytest.mark.parametrize("yaw", ["0", "1.5", "1.2", "-0.8", "2", "{uniform: [1.5707, 1.5709]}"])
+@pytest.mark.parametrize(
+    "yaw", ["0", "1.5", "1.2", "-0.8", "2", "0.52", "1.05", "1.049", "0.001", "{uniform: [1.5707, 1.5709]}"]
+)
 def test_small_angles_of_a_mount_and_drawn_ones_get_no_warning(yaw):
     route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
     assert plan_warnings(draw_all(load_scenario("smoke", [route, f"robot.camera.yaw_left_deg={yaw}"]))) == ()

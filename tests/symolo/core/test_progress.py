@@ -67,7 +67,16 @@ def test_the_time_left_of_parts_that_advance_unevenly_falls_or_is_not_known(caps
 
 def test_no_line_is_printed_twice_in_succession(capsys, monkeypatch):
     monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
-    with LineReport().stage("diagnose", 1, "cases", is_even=False) as stage:
+    with LineReport().stage("diagnose", 2, "cases", is_even=False) as stage:
         for share in (0.1, 0.2, 0.3):
             stage.update("a", share)
     assert capsys.readouterr().err.count("time left not known") == 1
+
+
+def test_a_single_case_whose_end_is_not_known_has_no_line_before_its_end(capsys, monkeypatch):
+    monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
+    with LineReport().stage("diagnose", 1, "cases", is_even=False) as stage:
+        stage.update("a", 0.5)
+        stage.update("a", 1.0)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("diagnose: 1 of 1 case in ")
