@@ -49,6 +49,9 @@ ELSEWHERE = {
     "extracted": "needs a release with an effect of its own; tests/contracts/test_effect_files.py makes one",
     "model.npz": "needs PyTorch; tests/pipeline/baselines/learned/test_training.py trains one",
     "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
+    "my_bench": "a bench of the reader; test_quoted_outputs.py runs the one of the page",
+    "cases/tof_bench": "needs a case that test_quoted_outputs.py makes",
+    "law/": "likewise; the law of that command",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/recordings/real_sets.py runs them",
 }
 """Words of commands that are not run here, and where they are."""
