@@ -22,6 +22,7 @@ from diagnosis.inference.fitting.fit import NUISANCE_STEP
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.seen_range import conditions
 from diagnosis.inference.unexplained.adequacy import change_by
+from diagnosis.measured.case_format import RANGES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors.base import ROW_TIME
 from diagnosis.predictors.pose.by_counts import COMPONENTS, Pose, PoseNoise, seen_from_body
@@ -166,7 +167,10 @@ def _noise(diagnosis: Diagnosis, inputs: UnseenInputs, mean: Array) -> Array:
     predicted = inputs.stage.predict([diagnosis.extended])
     stated: Array = np.stack([np.broadcast_to(p.sd, p.mean.shape)[0] for p in predicted])
     sds = stated * np.array([[levels.get(name, 1.0)] for name in inputs.names])
-    return sds if diagnosis.random_drift is None else np.hypot(sds, diagnosis.random_drift.effect.sd_m)
+    if diagnosis.random_drift is None:
+        return sds
+    drifts = np.array([[name in RANGES] for name in inputs.names])
+    return np.hypot(sds, drifts * diagnosis.random_drift.effect.sd_m)
 
 
 def _distance(

@@ -80,17 +80,16 @@ class LinearEstimate:
     """(P, P), of the coordinates."""
 
 
-def estimate(residual_m: Array, slopes_m: Array, covariance: Array, prior: Array, deviation: Array) -> LinearEstimate:
+def estimate(residual_m: Array, slopes_m: Array, covariance: Array, information: Array, pull: Array) -> LinearEstimate:
     """Return the most probable change of coordinates where errors of different rows are not independent.
 
     Args:
         residual_m: (n,), residuals.
         slopes_m: (P, n), derivatives of the predictions by the coordinates.
         covariance: (n, n), of the errors.
-        prior: (P,), inverse variances of the priors; 0 for a coordinate without one.
-        deviation: (P,), deviations of the coordinates from the means of their priors.
+        information: (P, P), inverse covariance of the change by what is known beside these rows.
+        pull: (P,), product of that information with the change that it makes most probable.
     """
     whitened = np.linalg.solve(covariance, np.concatenate([residual_m[None], slopes_m]).T)
-    information = slopes_m @ whitened[:, 1:] + np.diag(prior)
-    inverse = np.linalg.pinv(information, rcond=1e-10, hermitian=True)
-    return LinearEstimate(inverse @ (slopes_m @ whitened[:, 0] - prior * deviation), inverse)
+    inverse = np.linalg.pinv(slopes_m @ whitened[:, 1:] + information, rcond=1e-10, hermitian=True)
+    return LinearEstimate(inverse @ (slopes_m @ whitened[:, 0] + pull), inverse)

@@ -1,4 +1,4 @@
-"""Test whether a range sensor has a random drift, and how large that is.
+"""Test whether range sensors have a random drift, and how large that is.
 
 The drift (effect `range_wander`) has a standard deviation and a time constant, and no law. Its name stands only if its
 likelihood beats that of all that looks like it: white noise, a drift after power-on, a linear drift, a jump at one
@@ -22,19 +22,16 @@ from diagnosis.inference.selection.penalty import PARAMETER_PENALTY, parameter_p
 from diagnosis.inference.selection.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.rivals import confidence
-from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
+from diagnosis.inference.unexplained.range_series import RangeRows, RangeSeries, coordinates, range_rows
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import ROW_TIME, CovariateShape, Observed
 from sensors.effects.range_sensor.range_wander import RangeWander
 from sensors.effects.range_sensor.warmup_drift import WarmupDrift
 from symolo.core.arrays import Array
 
-READING = "reading_m"
 OUTLIER = 4.0
 """Residual in sigmas from which a row is left out."""
-MIN_ROWS, MAX_ROWS = 40, 400
-"""Fewest rows, and number of rows from which neighbours are averaged, since the time grows with its third power."""
+MIN_ROWS = 40
 MIN_LASTING_ROWS = 5.0
 """Least time constant in rows; noise that is correlated over fewer rows is no drift."""
 SHORT = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0)
@@ -47,10 +44,7 @@ WITHOUT_WHITE = np.array([1e3])
 """Such a ratio for noise that has hardly any white part."""
 TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
-SHORTEST = 0.05
-"""Least length of a smooth function of a covariate, as a share of the range of its values."""
 DISTANCE = "distance_m"
-ROUNDING = 1e-9
 EQUAL = 1e-6
 """Difference of the cost that is only rounding error."""
 LIMITS = RangeWander.parameters()["time_constant_s"]
@@ -67,6 +61,8 @@ class RandomDrift:
     path_m: Array
     """(N,), the most probable error at each sample, given the fitted rows; 0 outside the quantity. Held-out rows
     have no part in it, so that they can judge the effects; the error that it cannot predict stays in them."""
+    time: str
+    """Name of the time."""
     span_s: tuple[float, float]
     """First and last time at which it was seen."""
 
@@ -78,39 +74,8 @@ class RandomDrift:
             "std": self.std,
             "confidence": round(self.confidence, 4),
             "ambiguous_with": [],
-            "range": {ROW_TIME: list(self.span_s)},
+            "range": {self.time: list(self.span_s)},
         }
-
-
-@dataclass(frozen=True)
-class _Series:
-    """Residuals of a fit in order of time, as means over neighbours if there are many."""
-
-    t_s: Array
-    residual_m: Array
-    sd_m: Array
-    slopes_m: Array
-    """(P, n), derivatives of the predictions by the coordinates of the fit."""
-
-    @classmethod
-    def of(cls, fit: HypothesisFit, place: slice, time_s: Array, rows: Mask) -> "_Series":
-        """Return the series of some rows (n,) of a quantity at its place among all samples."""
-        inside = np.flatnonzero(rows)[np.argsort(time_s[rows], kind="stable")]
-        begins = np.arange(0, len(inside), -(-len(inside) // MAX_ROWS))
-        sd_m = fit.sd[place]
-        weight = sd_m[inside] ** -2.0
-        total = np.add.reduceat(weight, begins)
-        values = np.stack([time_s, (fit.z * fit.sd)[place], *(fit.slopes[:, place] * sd_m)])[:, inside]
-        means = np.add.reduceat(weight * values, begins, axis=1) / total
-        return cls(means[0], means[1], total**-0.5, means[2:])
-
-    @property
-    def z(self) -> Array:
-        return self.residual_m / self.sd_m
-
-    def cost_of(self, squares: float) -> float:
-        """Return -2 log-likelihood of white noise with some sum of squares in `sd_m`, as `likelihoods` counts it."""
-        return len(self.t_s) * float(np.log(squares / len(self.t_s))) + 2.0 * float(np.log(self.sd_m).sum())
 
 
 @dataclass(frozen=True)
@@ -118,10 +83,13 @@ class _Seen:
     """A fit with a random drift beside it."""
 
     fit: HypothesisFit
-    series: _Series
+    series: RangeSeries
     times_s: Array
     """(T,), time constants that were tried."""
     found: Likelihoods
+    beside: tuple[Array, Array]
+    """What tolerances and samples of other quantities tell: information (P, P), and its product with the change (P,)
+    that they want."""
 
     @property
     def cost(self) -> float:
@@ -135,23 +103,21 @@ class _Seen:
         unit_m = float(np.median(self.series.sd_m))
         return ErrorModel(float(self.times_s[tau]), unit_m * float(np.sqrt(level * RATIOS[ratio])), level)
 
-    def estimate(self, series: _Series) -> LinearEstimate:
-        """Return the change of the coordinates beside the error, from some series of the fit."""
-        nuisances, size = len(self.fit.hypothesis.nuisances), len(self.fit.x)
-        prior = (np.arange(size) < nuisances).astype(float)
-        covariance = self.error.covariance(series.t_s, series.sd_m)
-        return estimate(series.residual_m, series.slopes_m, covariance, prior, prior * self.fit.x)
+    def estimate(self, series: RangeSeries) -> LinearEstimate:
+        """Return the change of the coordinates beside the error, from some series of the fit and its other samples."""
+        covariance = self.error.covariance(series.at, series.sd_m)
+        return estimate(series.residual_m, series.slopes_m, covariance, *self.beside)
 
-    def path(self, series: _Series, time_s: Array) -> Array:
+    def path(self, series: RangeSeries, time_s: Array) -> Array:
         """Return the most probable error (n,) at each time; that of the first row where a time is not known.
 
         It is the mean of a Gaussian process, given residuals (Rasmussen and Williams, Gaussian Processes for Machine
         Learning, 2006, eq. 2.23).
         """
-        at_s = np.where(np.isfinite(time_s), time_s, series.t_s[0])
+        at_s = np.where(np.isfinite(time_s), time_s, series.at[0])
         residual_m = series.residual_m - self.estimate(series).change @ series.slopes_m
-        covariance = self.error.covariance(series.t_s, series.sd_m)
-        return self.error.between(at_s, series.t_s) @ np.linalg.solve(covariance, residual_m)
+        covariance = self.error.covariance(series.at, series.sd_m)
+        return self.error.between(at_s, series.at) @ np.linalg.solve(covariance, residual_m)
 
 
 def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> RandomDrift | None:
@@ -162,28 +128,25 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
         nominal: The fit without effects.
         fit: The fit with the selected effects.
     """
-    number = next((k for k, observed in enumerate(evidence.observed) if observed.name == READING), None)
-    if number is None:
+    ranges = range_rows(evidence)
+    if ranges is None:
         return None
-    observed, place = evidence.observed[number], evidence.places[number]
-    time_s = next((c.values for c in observed.covariates if c.name == ROW_TIME), None)
-    if time_s is None:
-        return None
-    usable = np.isfinite(time_s) & (np.abs(fit.z[place]) < OUTLIER)
-    rows = evidence.fit[place] & usable
+    usable = np.isfinite(ranges.time_s) & (np.abs(fit.z[ranges.place]) < OUTLIER)
+    rows = evidence.fit[ranges.place] & usable
     if np.count_nonzero(rows) < MIN_ROWS:
         return None
-    plain = _Series.of(fit, place, time_s, rows)
-    row_s, span_s = float(np.median(np.diff(plain.t_s))), float(np.ptp(plain.t_s))
+    time_s = ranges.of_sensor(ranges.time_s)
+    plain = RangeSeries.of(fit, ranges, time_s, rows)
+    row_s, span_s = float(np.median(np.diff(plain.at))), float(np.ptp(ranges.time_s[rows]))
     shortest_s, longest_s = max(MIN_LASTING_ROWS * row_s, LIMITS.low), min(span_s, LIMITS.high)
     if not (0.0 < 2.0 * MIN_LASTING_ROWS * row_s < span_s and shortest_s < longest_s):
         return None
     times_s = np.geomspace(shortest_s, longest_s, TIMES)
 
     def beside(other: HypothesisFit) -> _Seen:
-        series = _Series.of(other, place, time_s, rows)
-        likely = likelihoods(series.t_s, series.residual_m, series.sd_m, times_s, RATIOS)
-        return _Seen(other, series, times_s, likely)
+        series = RangeSeries.of(other, ranges, time_s, rows)
+        likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, RATIOS)
+        return _Seen(other, series, times_s, likely, _told_elsewhere(evidence, other, ranges))
 
     seen = beside(fit)
     white = plain.cost_of(float(plain.z @ plain.z))
@@ -193,18 +156,30 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     others = [white] if _warms_up(fit) else []
     seen = _weighed(evidence, seen, beside)
     z, sd = seen.series.z, seen.series.sd_m
-    drift = seen.series.cost_of(_left(z, np.stack([1.0 / sd, seen.series.t_s / sd], axis=1)))
+    drift = seen.series.cost_of(_left(z, _lines(seen.series) / sd[:, None]))
     others += [drift, _jump(seen.series) + PARAMETER_PENALTY, min(_short(seen.series, row_s))]
-    others.append(_jump(_Series.of(nominal, place, time_s, rows)) + PARAMETER_PENALTY - parameter_penalty(seen.fit))
+    bare = RangeSeries.of(nominal, ranges, time_s, rows)
+    others.append(_jump(bare) + PARAMETER_PENALTY - parameter_penalty(seen.fit))
     white = seen.series.cost_of(float(z @ z))
     # These have as many numbers as the error, so that they only need to be less likely.
-    others += [white - gain + PARAMETER_PENALTY for gain in _gains_of_others(seen, observed, place, time_s, rows)]
+    others += [white - gain + PARAMETER_PENALTY for gain in _gains_of_others(seen, ranges, time_s, rows)]
     # At one distance an error of the scale is equally likely, and rounding would decide about the name.
     if min(white, drift) - seen.cost < THRESHOLD + PER_PARAMETER or min(others) - seen.cost < PARAMETER_PENALTY - EQUAL:
         return None
     path_m = np.zeros(len(evidence.values))
-    path_m[place] = seen.path(seen.series, time_s)
-    return _named(seen, others, white, path_m)
+    path_m[ranges.place] = seen.path(seen.series, time_s)
+    known_s = ranges.time_s[rows]
+    return _named(seen, others, white, path_m, ranges.time, (float(known_s.min()), float(known_s.max())))
+
+
+def _told_elsewhere(evidence: Evidence, fit: HypothesisFit, ranges: RangeRows) -> tuple[Array, Array]:
+    """Return what tolerances and samples of other quantities tell about the coordinates of a fit."""
+    elsewhere = evidence.fit & (np.abs(fit.z) < OUTLIER)
+    elsewhere[ranges.place] = False
+    slopes = fit.slopes[:, elsewhere] * evidence.weight[elsewhere]
+    prior = (np.arange(len(fit.x)) < len(fit.hypothesis.nuisances)).astype(float)
+    information = slopes @ fit.slopes[:, elsewhere].T + np.diag(prior)
+    return information, slopes @ fit.z[elsewhere] - prior * fit.x
 
 
 def _weighed(evidence: Evidence, seen: _Seen, beside: Callable[[HypothesisFit], _Seen]) -> _Seen:
@@ -238,7 +213,9 @@ def _falls(seen: _Seen) -> dict[CandidateEffect, float]:
     return falls
 
 
-def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) -> RandomDrift:
+def _named(
+    seen: _Seen, others: Sequence[float], white: float, path_m: Array, time: str, span_s: tuple[float, float]
+) -> RandomDrift:
     """Return the error with the mean of its size and time constant over all that were tried."""
     weight = np.exp(-0.5 * (seen.found.costs - seen.cost))
     weight /= weight.sum()
@@ -257,43 +234,42 @@ def _named(seen: _Seen, others: Sequence[float], white: float, path_m: Array) ->
             [other - PARAMETER_PENALTY - seen.cost for other in others], white - seen.cost - THRESHOLD - PER_PARAMETER
         ),
         path_m,
-        (float(seen.series.t_s.min()), float(seen.series.t_s.max())),
+        time,
+        span_s,
     )
 
 
-def _gains_of_others(seen: _Seen, observed: Observed, place: slice, time_s: Array, rows: Mask) -> Iterator[float]:
+def _gains_of_others(seen: _Seen, ranges: RangeRows, time_s: Array, rows: Mask) -> Iterator[float]:
     """Yield the falls of the cost of white noise by errors that look alike where a log is not varied enough.
 
-    One of them drifts in proportion to the distance, as a scale does. The others are any smooth functions of a
-    covariate other than time: along it, they have the same likelihood as a random drift has along time.
+    One of them drifts in proportion to the distance, as a scale does. The others are any functions of a covariate other
+    than time, of each sensor or of all of them: along it, they have the same likelihood as a random drift has along
+    time.
     """
-    fit = seen.fit
-    for covariate in observed.covariates:
+    for covariate in ranges.covariates:
         known = rows & np.isfinite(covariate.values)
-        if covariate.shape is not CovariateShape.SMOOTH or covariate.name in (*SESSION, ROW_TIME) or not known.any():
+        if not known.any():
             continue
-        series = _Series.of(fit, place, covariate.values, known)
-        reach = float(np.ptp(series.t_s))
-        # The means of equal values may differ in their last digits.
-        if reach > ROUNDING * float(np.abs(series.t_s).max()):
-            lengths = reach * np.geomspace(SHORTEST, 1.0, TIMES)
-            yield _gain(series, likelihoods(series.t_s, series.residual_m, series.sd_m, lengths, RATIOS))
+        for at, lengths in coordinates(covariate):
+            for along in (ranges.of_sensor(at), at) if ranges.sensors > 1 else (at,):
+                series = RangeSeries.of(seen.fit, ranges, along, known)
+                yield _gain(series, likelihoods(series.at, series.residual_m, series.sd_m, lengths, RATIOS))
         if covariate.name == DISTANCE:
             share = np.where(known, covariate.values, 1.0)
-            relative = replace(fit, sd=_over(fit.sd, place, share))
-            series = _Series.of(relative, place, time_s, known & (share > 0.0))
-            likely = likelihoods(series.t_s, series.residual_m, series.sd_m, seen.times_s, RATIOS)
+            relative = replace(seen.fit, sd=_over(seen.fit.sd, ranges.place, share))
+            series = RangeSeries.of(relative, ranges, time_s, known & (share > 0.0))
+            likely = likelihoods(series.at, series.residual_m, series.sd_m, seen.times_s, RATIOS)
             yield _gain(series, likely)
 
 
-def _over(values: Array, place: slice, divisor: Array) -> Array:
+def _over(values: Array, place: Array, divisor: Array) -> Array:
     """Return values (N,) of which those of one quantity are divided by numbers (n,)."""
     divided = values.copy()
     divided[place] /= divisor
     return divided
 
 
-def _gain(series: _Series, likely: Likelihoods) -> float:
+def _gain(series: RangeSeries, likely: Likelihoods) -> float:
     """Return the fall of the cost of white noise by an error beside it."""
     return series.cost_of(float(series.z @ series.z)) - float(likely.costs.min())
 
@@ -302,20 +278,36 @@ def _warms_up(fit: HypothesisFit) -> bool:
     return any(effect.kind is WarmupDrift for effect in fit.hypothesis.effects)
 
 
-def _short(series: _Series, row_s: float) -> Iterator[float]:
+def _short(series: RangeSeries, row_s: float) -> Iterator[float]:
     """Yield the costs of noise that is correlated over few rows and has hardly any white part."""
     times_s = np.array(SHORT) * row_s
-    yield from likelihoods(series.t_s, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE).costs[:, 0].tolist()
+    yield from likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE).costs[:, 0].tolist()
 
 
-def _jump(series: _Series) -> float:
-    """Return the cost of an offset that changes once, at the best moment."""
-    z, sd = series.z, series.sd_m
+def _jump(series: RangeSeries) -> float:
+    """Return the cost of an offset of one sensor that changes once, at the best moment."""
+    falls = [_fall_by_jump(series.z[inside], series.sd_m[inside]) for inside in _each_sensor(series)]
+    return series.cost_of(float(series.z @ series.z) - max(falls))
+
+
+def _fall_by_jump(z: Array, sd: Array) -> float:
+    """Return the fall of the sum of squares by the means before and after the best moment."""
+    if len(z) <= 2 * JUMP_ROWS + 1:
+        return 0.0
     weight, weighed = np.cumsum(sd**-2.0), np.cumsum(z / sd)
-    # The means before and after each moment take these squares.
     before, after = weighed[:-1] ** 2 / weight[:-1], (weighed[-1] - weighed[:-1]) ** 2 / (weight[-1] - weight[:-1])
-    left = float(z @ z) - float((before + after)[JUMP_ROWS:-JUMP_ROWS].max())
-    return series.cost_of(left)
+    return float((before + after)[JUMP_ROWS:-JUMP_ROWS].max())
+
+
+def _lines(series: RangeSeries) -> Array:
+    """Return a constant and a line in time (n, 2 K) for each of the K sensors."""
+    columns = [inside * (series.at - series.at[inside].mean()) ** k for inside in _each_sensor(series) for k in (0, 1)]
+    return np.stack(columns, axis=1)
+
+
+def _each_sensor(series: RangeSeries) -> Iterator[Mask]:
+    for number in np.unique(series.sensor):
+        yield series.sensor == number
 
 
 def _left(z: Array, columns: Array) -> float:

@@ -12,8 +12,8 @@ from symolo.core.arrays import Array
 class RangeWander(Effect):
     slot = Slot.RANGE_WANDER
     cause = "temperature and reference voltage of the device, which drift slowly"
-    excitation = "a target at rest, for many times the time constant"
-    setups = (Setup.RANGE_BENCH,)
+    excitation = "a target at rest or a drive between walls, for many times the time constant"
+    setups = (Setup.RANGE_BENCH, Setup.DRIVE)
 
     sd_m: Annotated[float, Parameter("m", null=0.0, start=0.002, low=0.0, high=0.1)]
     """reading + first-order Gauss-Markov error of this standard deviation and time constant."""

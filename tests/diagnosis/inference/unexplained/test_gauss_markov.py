@@ -37,12 +37,12 @@ def test_no_other_level_of_the_noise_is_more_probable():
 
 def test_an_offset_among_independent_rows_is_their_weighted_mean():
     weight = SD_M**-2.0
-    found = estimate(RESIDUAL_M, np.ones((1, 40)), np.diag(SD_M**2), np.zeros(1), np.zeros(1))
+    found = estimate(RESIDUAL_M, np.ones((1, 40)), np.diag(SD_M**2), np.zeros((1, 1)), np.zeros(1))
     assert found.change[0] == pytest.approx((weight * RESIDUAL_M).sum() / weight.sum())
     assert found.covariance[0, 0] == pytest.approx(1.0 / weight.sum())
 
 
 def test_an_offset_beside_an_error_that_hardly_changes_is_as_uncertain_as_the_error():
     slow = ErrorModel(tau_s=1e6, error_m=0.01, level=1.0)
-    found = estimate(RESIDUAL_M, np.ones((1, 40)), slow.covariance(T_S, SD_M), np.zeros(1), np.zeros(1))
+    found = estimate(RESIDUAL_M, np.ones((1, 40)), slow.covariance(T_S, SD_M), np.zeros((1, 1)), np.zeros(1))
     assert np.sqrt(found.covariance[0, 0]) == pytest.approx(0.01, rel=0.01)

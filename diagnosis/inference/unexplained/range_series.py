@@ -1,0 +1,153 @@
+"""Residuals of the range sensors in order of time or of a covariate, for the test of a random drift.
+
+Several sensors follow each other in one series. Their coordinates are so far apart that an error with a memory forgets
+everything between two sensors: each has a drift of its own, with the same standard deviation and time constant.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.unexplained.adequacy import SESSION
+from diagnosis.measured.case_format import RANGES
+from diagnosis.measured.channel import Mask
+from diagnosis.predictors.base import ROW_TIME, Covariate, CovariateShape, Observed
+from symolo.core.arrays import Array
+
+SESSION_TIME = "session_time_s"
+MAX_ROWS = 400
+"""Number of rows of a sensor from which neighbours are averaged, since the time grows with its third power."""
+GAP = 10.0
+"""Step between two rows, in median steps, across which they are not averaged: a pause, or another sensor."""
+APART = 1e3
+"""Distance between the coordinates of two sensors or categories, in their whole range."""
+WALL = "wall"
+"""Of other categories, such as materials, the list has effects."""
+_SHARES: Array = np.geomspace(0.05, 1.0, 12)
+"""Lengths of a smooth function of a covariate that are tried, as shares of its range."""
+ROUNDING = 1e-9
+CELLS = (0.03, 0.06, 0.12, 0.25)
+"""Sides of the cells in which an error may depend on a place, as shares of the range of its coordinates."""
+
+
+@dataclass(frozen=True)
+class RangeRows:
+    """The samples of all range sensors, one sensor after the other."""
+
+    place: Array
+    """(N,), index of each among all samples."""
+    sensor: Array
+    """(N,), number of its sensor."""
+    time: str
+    """Name of the time."""
+    time_s: Array
+    """(N,), NaN where it is not known."""
+    covariates: tuple[Covariate, ...]
+    """What else their errors may depend on, (N,) each."""
+
+    @property
+    def sensors(self) -> int:
+        return int(self.sensor.max()) + 1
+
+    def of_sensor(self, values: Array) -> Array:
+        """Return coordinates (N,) in which those of different sensors are far apart."""
+        return values + APART * _reach(values) * self.sensor
+
+
+@dataclass(frozen=True)
+class RangeSeries:
+    """Residuals of a fit in order of a coordinate, as means over neighbours if there are many."""
+
+    at: Array
+    """(n,), rising coordinate: the time [s], or a covariate."""
+    sensor: Array
+    """(n,), number of the sensor."""
+    residual_m: Array
+    sd_m: Array
+    slopes_m: Array
+    """(P, n), derivatives of the predictions by the coordinates of the fit."""
+
+    @classmethod
+    def of(cls, fit: HypothesisFit, ranges: RangeRows, at: Array, rows: Mask) -> "RangeSeries":
+        """Return the series of some rows (N,) of the ranges along a coordinate (N,)."""
+        inside = np.flatnonzero(rows)[np.argsort(at[rows], kind="stable")]
+        begins = _begins(at[inside], MAX_ROWS * ranges.sensors)
+        sd_m = fit.sd[ranges.place]
+        weight = sd_m[inside] ** -2.0
+        total = np.add.reduceat(weight, begins)
+        values = np.stack([at, (fit.z * fit.sd)[ranges.place], *(fit.slopes[:, ranges.place] * sd_m)])[:, inside]
+        means = np.add.reduceat(weight * values, begins, axis=1) / total
+        return cls(means[0], ranges.sensor[inside][begins], means[1], total**-0.5, means[2:])
+
+    @property
+    def z(self) -> Array:
+        return self.residual_m / self.sd_m
+
+    def cost_of(self, squares: float) -> float:
+        """Return -2 log-likelihood of white noise with some sum of squares in `sd_m`, as `likelihoods` counts it."""
+        return len(self.at) * float(np.log(squares / len(self.at))) + 2.0 * float(np.log(self.sd_m).sum())
+
+
+def _begins(at: Array, most: int) -> Array:
+    """Return the first of each group of neighbours; no group reaches across a gap."""
+    steps = np.diff(at)
+    gaps = np.flatnonzero(steps > GAP * np.median(steps)) + 1
+    size = -(-len(at) // most)
+    return np.concatenate([np.arange(a, b, size) for a, b in pairwise([0, *gaps.tolist(), len(at)])])
+
+
+def range_rows(evidence: Evidence) -> RangeRows | None:
+    """Return the samples of the range sensors; None without any or without their times."""
+    found = [(o, p) for o, p in zip(evidence.observed, evidence.places, strict=True) if o.name in RANGES]
+    times = [{c.name: c.values for c in o.covariates if c.name in (SESSION_TIME, ROW_TIME)} for o, _ in found]
+    time = next((name for name in (SESSION_TIME, ROW_TIME) if times and all(name in each for each in times)), None)
+    if time is None:
+        return None
+    return RangeRows(
+        np.concatenate([np.arange(place.start, place.stop) for _, place in found]),
+        np.concatenate([np.full(place.stop - place.start, number) for number, (_, place) in enumerate(found)]),
+        time,
+        np.concatenate([each[time] for each in times]),
+        tuple(_covariates([observed for observed, _ in found])),
+    )
+
+
+def _covariates(observed: list[Observed]) -> Iterator[Covariate]:
+    """Yield the covariates that all sensors have, except for those that tell the time."""
+    for first in observed[0].covariates:
+        each = [c for o in observed for c in o.covariates if c.name == first.name]
+        if first.name not in (*SESSION, ROW_TIME) and len(each) == len(observed):
+            second = None if first.second is None else np.concatenate([np.asarray(c.second) for c in each])
+            yield Covariate(first.name, np.concatenate([c.values for c in each]), first.shape, second)
+
+
+def coordinates(covariate: Covariate) -> Iterator[tuple[Array, Array]]:
+    """Yield coordinates (N,) along which an error may be smooth, and lengths (T,) over which it may change.
+
+    A category, and a cell of a place, has an error of its own: it is one point, far from the others.
+    """
+    if covariate.second is not None:
+        both = np.stack([covariate.values, covariate.second])
+        side = max(_reach(values) for values in both)
+        for share in CELLS if side > 0.0 else ():
+            column, row = np.floor(both / (share * side))
+            yield APART * (column + APART * row), np.ones(1)
+    elif covariate.name == WALL:
+        yield APART * covariate.values, np.ones(1)
+    elif covariate.shape is CovariateShape.PERIODIC:
+        # Whole turns would tell the time.
+        yield np.mod(covariate.values, 2.0 * np.pi), 2.0 * np.pi * _SHARES
+    elif covariate.shape is CovariateShape.SMOOTH:
+        reach = _reach(covariate.values)
+        # The means of equal values may differ in their last digits.
+        if reach > ROUNDING * float(np.nanmax(np.abs(covariate.values))):
+            yield covariate.values, reach * _SHARES
+
+
+def _reach(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.ptp(known)) if len(known) else 0.0

@@ -1,0 +1,102 @@
+"""The range sensors of a drive drift at random, independently of each other, with one size and one time constant."""
+
+import importlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
+from diagnosis.importers import drive_log
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
+from diagnosis.inference.unexplained.random_drift import random_drift
+from diagnosis.inference.unexplained.range_series import RangeSeries, range_rows
+from diagnosis.predictors import STAGES
+
+SD_M, TAU_S, ROW_S = 0.006, 2.0, 0.05
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory, cases_on_the_path):
+    """The samples of a drive of two trials of 30 s without a fault and without voltages, and the nominal hypothesis."""
+    gap = importlib.import_module("gap_cases")
+    case = gap.make_case("drive_log", 1, rows="few")
+    blank = {name: np.full(len(case.columns["t_s"]), np.nan) for name in ("u_left_V", "u_right_V")}
+    folder = tmp_path_factory.mktemp("drive") / "case"
+    gap.write(replace(case, columns={**case.columns, **blank}), folder)
+    measurement = drive_log.IMPORTER.read(folder)
+    robot = nominal_of(measurement, base_robot_of(measurement, None))
+    return Evidence(STAGES[measurement.kind](measurement, robot)), Hypothesis(robot, spreads_of(measurement, robot))
+
+
+@pytest.fixture
+def drift_of(drive):
+    """The random drift that is found where the ranges have an error [m], a function of their rows."""
+    evidence, hypothesis = drive
+    ranges = range_rows(evidence)
+
+    def of(error_m):
+        errors_m = np.zeros(len(evidence.values))
+        errors_m[ranges.place] = np.nan_to_num(error_m(ranges))
+        (fit,) = fits(evidence.without(-errors_m), [(hypothesis, hypothesis.null())])
+        return random_drift(fit.evidence, fit, fit)
+
+    return of
+
+
+def first_order(ranges, seed=5):
+    """A path of first-order Gauss-Markov errors for each trial of each sensor, by recursion from row to row."""
+    rng, keep = np.random.default_rng(seed), np.exp(-ROW_S / TAU_S)
+    errors = np.zeros(len(ranges.time_s))
+    for row in range(len(errors)):
+        begins = row == 0 or not 0.0 < ranges.time_s[row] - ranges.time_s[row - 1] < 2.0 * ROW_S
+        deviate = rng.standard_normal()
+        errors[row] = deviate if begins else keep * errors[row - 1] + np.sqrt(1.0 - keep**2) * deviate
+    return SD_M * errors
+
+
+def test_it_is_named_with_size_and_time_constant_and_its_path_follows_the_error(drive, drift_of):
+    evidence, _ = drive
+    ranges = range_rows(evidence)
+    drift = drift_of(first_order)
+    for name, true in (("sd_m", SD_M), ("time_constant_s", TAU_S)):
+        assert getattr(drift.effect, name) == pytest.approx(true, abs=3.0 * drift.std[name])
+    assert drift.confidence > 0.95
+    assert drift.answer()["range"].keys() == {"session_time_s"}
+    fitted = evidence.fit[ranges.place]
+    left_m = (first_order(ranges) - drift.path_m[ranges.place])[fitted]
+    assert np.sqrt(np.mean(left_m**2)) < 0.5 * SD_M
+
+
+@pytest.mark.parametrize(
+    "error_m",
+    [
+        lambda _: 0.0,
+        lambda ranges: 0.01 * (ranges.time_s > 12.0) * (ranges.sensor == 1),
+        lambda ranges: 0.006 * np.sin(3.0 * of_name(ranges, "theta_rad") + ranges.sensor),
+        lambda ranges: 0.006 * np.cos(7.0 * of_name(ranges, "distance_m")),
+        lambda ranges: np.where(of_name(ranges, "wall") == 1.0, 0.01, 0.0),
+        lambda ranges: of_name(ranges, "distance_m") * first_order(ranges),
+    ],
+    ids=["nothing", "jump of a sensor", "along the heading", "along the distance", "at one wall", "scale that drifts"],
+)
+def test_what_looks_alike_is_not_called_so(drift_of, error_m):
+    assert drift_of(error_m) is None
+
+
+def of_name(ranges, name):
+    (values,) = (covariate.values for covariate in ranges.covariates if covariate.name == name)
+    return values
+
+
+def test_no_mean_of_neighbours_reaches_across_a_pause_or_into_another_sensor(drive):
+    evidence, hypothesis = drive
+    ranges = range_rows(evidence)
+    (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
+    at = ranges.of_sensor(ranges.time_s)
+    series = RangeSeries.of(fit, ranges, at, np.ones(len(at), dtype=bool))
+    assert len(series.at) < 0.6 * len(at)
+    away = np.abs(series.at[:, None] - at).min(axis=1)
+    assert away.max() < 0.51 * ROW_S
