@@ -61,10 +61,8 @@ class RandomDrift:
     path_m: Array
     """(N,), the most probable error at each sample, given the fitted rows; 0 outside the quantity. Held-out rows
     have no part in it, so that they can judge the effects; the error that it cannot predict stays in them."""
-    time: str
-    """Name of the time."""
-    span_s: tuple[float, float]
-    """First and last time at which it was seen."""
+    seen_for: dict[str, list[float]]
+    """First and last time [s] at which it was seen, by the name of the time."""
 
     def answer(self) -> dict[str, object]:
         """Return the error in GAP_FORMAT, ready for JSON."""
@@ -74,7 +72,7 @@ class RandomDrift:
             "std": self.std,
             "confidence": round(self.confidence, 4),
             "ambiguous_with": [],
-            "range": {self.time: list(self.span_s)},
+            "range": self.seen_for,
         }
 
 
@@ -169,7 +167,7 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     path_m = np.zeros(len(evidence.values))
     path_m[ranges.place] = seen.path(seen.series, time_s)
     known_s = ranges.time_s[rows]
-    return _named(seen, others, white, path_m, ranges.time, (float(known_s.min()), float(known_s.max())))
+    return _named(seen, others, white, path_m, {ranges.time: [float(known_s.min()), float(known_s.max())]})
 
 
 def _told_elsewhere(evidence: Evidence, fit: HypothesisFit, ranges: RangeRows) -> tuple[Array, Array]:
@@ -214,7 +212,7 @@ def _falls(seen: _Seen) -> dict[CandidateEffect, float]:
 
 
 def _named(
-    seen: _Seen, others: Sequence[float], white: float, path_m: Array, time: str, span_s: tuple[float, float]
+    seen: _Seen, others: Sequence[float], white: float, path_m: Array, seen_for: dict[str, list[float]]
 ) -> RandomDrift:
     """Return the error with the mean of its size and time constant over all that were tried."""
     weight = np.exp(-0.5 * (seen.found.costs - seen.cost))
@@ -234,8 +232,7 @@ def _named(
             [other - PARAMETER_PENALTY - seen.cost for other in others], white - seen.cost - THRESHOLD - PER_PARAMETER
         ),
         path_m,
-        time,
-        span_s,
+        seen_for,
     )
 
 

@@ -15,11 +15,13 @@ from diagnosis.inference.unexplained.random_drift import random_drift
 from diagnosis.inference.unexplained.range_series import RangeSeries, range_rows
 from diagnosis.predictors import STAGES
 
+pytestmark = pytest.mark.usefixtures("cases_on_the_path")
+
 SD_M, TAU_S, ROW_S = 0.006, 2.0, 0.05
 
 
 @pytest.fixture(scope="module")
-def drive(tmp_path_factory, cases_on_the_path):
+def drive(tmp_path_factory):
     """The samples of a drive of two trials of 30 s without a fault and without voltages, and the nominal hypothesis."""
     gap = importlib.import_module("gap_cases")
     case = gap.make_case("drive_log", 1, rows="few")
