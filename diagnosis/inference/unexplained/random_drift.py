@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
@@ -259,7 +260,7 @@ def _gains_of_others(seen: _Seen, ranges: RangeRows, time_s: Array, rows: Mask) 
             yield _gain(series, likely)
 
 
-def _over(values: Array, place: Array, divisor: Array) -> Array:
+def _over(values: Array, place: NDArray[np.int64], divisor: Array) -> Array:
     """Return values (N,) of which those of one quantity are divided by numbers (n,)."""
     divided = values.copy()
     divided[place] /= divisor

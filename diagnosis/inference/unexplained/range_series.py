@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
@@ -38,9 +39,9 @@ CELLS = (0.03, 0.06, 0.12, 0.25)
 class RangeRows:
     """The samples of all range sensors, one sensor after the other."""
 
-    place: Array
+    place: NDArray[np.int64]
     """(N,), index of each among all samples."""
-    sensor: Array
+    sensor: NDArray[np.int64]
     """(N,), number of its sensor."""
     time: str
     """Name of the time."""
@@ -64,7 +65,7 @@ class RangeSeries:
 
     at: Array
     """(n,), rising coordinate: the time [s], or a covariate."""
-    sensor: Array
+    sensor: NDArray[np.int64]
     """(n,), number of the sensor."""
     residual_m: Array
     sd_m: Array
@@ -92,7 +93,7 @@ class RangeSeries:
         return len(self.at) * float(np.log(squares / len(self.at))) + 2.0 * float(np.log(self.sd_m).sum())
 
 
-def _begins(at: Array, most: int) -> Array:
+def _begins(at: Array, most: int) -> NDArray[np.int64]:
     """Return the first of each group of neighbours; no group reaches across a gap."""
     steps = np.diff(at)
     gaps = np.flatnonzero(steps > GAP * np.median(steps)) + 1
