@@ -47,10 +47,11 @@ def _front_matter(data: Published) -> dict[str, Any]:
 def _head(data: Published) -> str:
     about, licence = data.about, data.licence
     authors = "; ".join(
-        author.name + (f" ([{author.orcid}]({author.orcid_url}))" if author.orcid else "") for author in about.authors
+        plain_text(author.name) + (f" ([{author.orcid}]({author.orcid_url}))" if author.orcid else "")
+        for author in about.authors
     )
     terms = f"[{plain_text(licence.name)}]({licence.url})" if licence.url else plain_text(licence.name)
-    facts = f"Version {about.version}, {about.published}. {plain_text(authors)}. Licence: {terms}."
+    facts = f"Version {about.version}, {about.published}. {authors}. Licence: {terms}."
     return f"# {plain_text(about.title)}\n\n{plain_text(data.description)}\n\n{facts}"
 
 

@@ -20,7 +20,7 @@ ABOUT = """
 title: "Two drives: noise & nothing"
 authors:
   - {family: Carberry, given: Josiah, orcid: 0000-0002-1825-0097, affiliation: Brown University}
-  - {family: A laboratory}
+  - {family: "A [laboratory](https://example.org)"}
 published: "2026-11-22"
 publisher: Zenodo
 doi: 10.5281/zenodo.1234567

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 import yaml
 from datacite import schema45
+from markdown_it import MarkdownIt
 
 from pipeline.cli import main
 from symolo.verification.verify import verify
@@ -122,6 +123,15 @@ def test_the_card_has_front_matter_and_names_every_file(packed):
     assert tables == {path.name for path in packed.out.glob("*.csv")}
     for path in packed.out.iterdir():
         assert path.name == "README.md" or path.name in body
+
+
+def test_the_names_of_authors_are_text_and_their_identifiers_are_links(packed):
+    """By an independent implementation of CommonMark."""
+    _, _, body = (packed.out / "README.md").read_text().split("---\n", 2)
+    page = MarkdownIt().render(body)
+    assert "A [laboratory](https://example.org)." in page
+    assert 'Carberry, Josiah (<a href="https://orcid.org/0000-0002-1825-0097">0000-0002-1825-0097</a>)' in page
+    assert '<a href="https://creativecommons.org/licenses/by/4.0/">' in page
 
 
 def test_a_dry_run_lists_what_is_written_and_writes_nothing(packed, tmp_path, capsys):
