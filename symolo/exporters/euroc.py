@@ -98,7 +98,7 @@ def _grey(image: Image) -> bytes:
 
 
 def _camera_file(name: str, camera: RunFolder, body: _Body) -> bytes:
-    model = camera.camera
+    model = camera.camera.document
     (fx, _, cx), (_, fy, cy), _ = model.K
     period_s = camera.settings.period_s if isinstance(camera, CameraRun) else _period_s(camera)
     coefficients, kind = _distortion(model)

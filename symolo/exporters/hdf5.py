@@ -99,7 +99,7 @@ def _frame(h5py: ModuleType, image: Image, split: str | None) -> bytes:
 def _pose(image: Image) -> bytes:
     """Return the pose of the camera in OpenCV's convention, as BlenderProc writes it with `save_world2cam`."""
     X_CW = np.linalg.inv(image.X_WC)
-    K = np.array(image.run.camera.K)
+    K = image.run.camera.K
     pose = {"cam_K": K.ravel(), "cam_R_w2c": X_CW[:3, :3].ravel(), "cam_t_w2c": X_CW[:3, 3]}
     without_negative_zeros = {name: (values + 0.0).tolist() for name, values in pose.items()}
     return json.dumps(without_negative_zeros, allow_nan=False).encode()

@@ -105,8 +105,8 @@ def _images(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
     }
     columns |= {
         "X_WC": (vector(vector(number, 4), 4), [image.X_WC.tolist() for image in images]),
-        "K": (vector(vector(number, 3), 3), [image.run.camera.K for image in images]),
-        "D": (vector(number, len(images[0].run.camera.D)), [image.run.camera.D for image in images]),
+        "K": (vector(vector(number, 3), 3), [image.run.camera.K.tolist() for image in images]),
+        "D": (vector(number, len(images[0].run.camera.D)), [image.run.camera.D.tolist() for image in images]),
     }
     for kind in kinds:
         paths = [image.annotation_files.get(kind) for image in images]

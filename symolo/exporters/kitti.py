@@ -70,9 +70,9 @@ def _calibration(sequence: _Sequence) -> bytes:
     the frame of a laser scanner to the camera; here it transforms from R.
     """
     camera = sequence.cameras[0].camera
-    K = np.array(camera.K)
+    K = camera.K
     P0, P1 = (np.column_stack((K, K @ [-baseline_m, 0.0, 0.0])).ravel() for baseline_m in (0.0, sequence.baseline_m))
-    X_CR = np.linalg.inv(np.array(camera.X_RC))[:3].ravel()
+    X_CR = np.linalg.inv(camera.X_RC)[:3].ravel()
     entries = {"P0": P0, "P1": P1, "P2": P0, "P3": P1, "Tr": X_CR, "D0": camera.D}
     return b"".join(f"{name}: ".encode() + _lines([numbers]) for name, numbers in entries.items())
 

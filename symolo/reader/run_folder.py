@@ -17,7 +17,7 @@ from symolo.core.errors import InputError, nearest
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS, RECORD_KINDS, AnnotationDocument, annotation_file
 from symolo.dataset.codes import TofStatus
-from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, read_camera_document
+from symolo.dataset.documents.camera_model import INTRINSICS, read_camera_document
 from symolo.dataset.documents.metadata import side_tables
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.layout import ANNOTATIONS, DATA, IMAGES, SIDE, SPEC, frame_name
@@ -26,6 +26,7 @@ from symolo.dataset.tables.camera_rows import main_camera_rows
 from symolo.dataset.tables.rows import RANGES, Rows, read_rows
 from symolo.dataset.tables.side_reading import first_fault, read_side
 from symolo.dataset.tables.side_tables import CAMERA, TOF, SideTable
+from symolo.reader.calibrated_camera import CalibratedCamera
 from symolo.reader.tables import frame, rows_frame
 
 _IMAGE_KINDS = ENCODINGS.keys() - set(RECORD_KINDS)
@@ -297,7 +298,7 @@ class RunFolder:
         return poses
 
     @cached_property
-    def camera(self) -> CameraDocument:
+    def camera(self) -> CalibratedCamera:
         """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json.
 
         Raises:
@@ -308,7 +309,7 @@ class RunFolder:
             raise InputError(f"run {self.name} has no images, and so no camera", where=str(self.folder), cure=cure)
         path = self.folder / SIDE / INTRINSICS
         try:
-            return read_camera_document(path)
+            return CalibratedCamera(read_camera_document(path))
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
         except ValueError as error:

@@ -48,8 +48,8 @@ class StereoLog:
         return cls(
             np.array([image.t_s for image in images[0]]),
             lambda index: (images[0][index].pixels(), images[1][index].pixels()),
-            np.array(left.camera.K),
-            np.array(left.camera.X_RC),
+            left.camera.K,
+            left.camera.X_RC,
             pair.baseline_m,
         )
 

@@ -99,7 +99,7 @@ def _camera(maker: "_Arrays", path: str, camera: RunFolder) -> Iterator[Chunk]:
     images, model = camera.images, camera.camera
     t_s = np.array([image.t_s for image in images])
     yield maker.transform(path, camera.X_WC[:, :3, 3], camera.X_WC[:, :3, :3], t_s)
-    arrow, K = maker.arrow, np.array(model.K)
+    arrow, K = maker.arrow, model.K
     lens = (
         Component("image_from_camera", "PinholeProjection", maker.one(maker.fixed(K.T.reshape(1, 9)))),
         Component("resolution", "Resolution", maker.one(maker.fixed(np.array([[model.width_px, model.height_px]])))),

@@ -30,8 +30,8 @@ def camera_poses(run: Run) -> Iterator[tuple[str, str, Array]]:
     """Yield parent, child and pose (4, 4) of the two frames of each camera."""
     for name, camera in cameras_with_images(run).items():
         body, optical = _frames(name)
-        X_CB: Array = np.array(camera.camera.X_CB)
-        yield BASE, body, np.array(camera.camera.X_RC) @ X_CB
+        X_CB = camera.camera.X_CB
+        yield BASE, body, camera.camera.X_RC @ X_CB
         yield body, optical, np.linalg.inv(X_CB)
 
 
@@ -50,7 +50,7 @@ def _images(name: str, camera: RunFolder, _log: Log, ros: Vocabulary) -> Iterato
 
 def _infos(run: Run, name: str, camera: RunFolder, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     model, pair = camera.camera, stereo_pair(run)
-    K, D = np.array(model.K), np.array(model.D)
+    K, D = model.K, model.D
     P = np.column_stack((K, np.zeros(3)))
     if pair is not None and name == pair.right:
         P[0, 3] = -K[0, 0] * pair.baseline_m

@@ -21,5 +21,5 @@ def record_of(image: Image) -> bytes:
         column.name: value if column.decimals or value is None else int(value)
         for column, value in zip(table.definitions, values, strict=True)
     }
-    content |= {**run_of(image), "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
+    content |= {**run_of(image), "X_WC": image.X_WC.tolist(), "K": camera.K.tolist(), "D": camera.D.tolist()}
     return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()

@@ -55,12 +55,13 @@ def pair_first(run: Run) -> dict[str, RunFolder]:
 
 def _baseline_m(left: RunFolder, right: RunFolder) -> float | None:
     """Return the baseline of two cameras if they are a rectified pair."""
-    same_lens = left.camera.model_copy(update={"X_RC": right.camera.X_RC}) == right.camera
+    right_document = right.camera.document
+    same_lens = left.camera.document.model_copy(update={"X_RC": right_document.X_RC}) == right_document
     if not same_lens or left.camera.camera_model != "pinhole" or any(left.camera.D):
         return None
     if [image.t_s for image in left.images] != [image.t_s for image in right.images]:
         return None
-    X_LR = np.linalg.inv(np.array(left.camera.X_RC)) @ np.array(right.camera.X_RC)
+    X_LR = np.linalg.inv(left.camera.X_RC) @ right.camera.X_RC
     x_m, y_m, z_m = X_LR[:3, 3].tolist()
     is_aside = x_m > _SAME_M and max(abs(y_m), abs(z_m)) < _SAME_M
     return x_m if is_aside and np.allclose(X_LR[:3, :3], np.eye(3), rtol=0, atol=_SAME_DIRECTION) else None

@@ -96,10 +96,10 @@ def test_kinds_that_the_list_no_longer_names_are_removed_and_no_image_is_rendere
     assert "add `instance` to render.annotations and repeat `symolo release` with the same --out" in refused.err
 
 
-def test_the_example_of_the_page_reads_them(annotated):
+def test_the_examples_of_the_page_read_them(annotated, monkeypatch, capsys):
     """On the counter-clockwise route, whose first image sees an obstacle."""
     page = (Path(__file__).parents[3] / "docs/annotations.md").read_text()
-    (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    program, projection = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     program += "print('floor', float(np.abs(p_W[read('semantic') == categories['floor'], 2]).max()), line.any())\n"
     call = [sys.executable, "-c", program]
     done = subprocess.run(call, cwd=annotated / "CCW/test_1", capture_output=True, text=True, check=False)
@@ -107,6 +107,14 @@ def test_the_example_of_the_page_reads_them(annotated):
     assert re.search(r"^O2 \[\d+, \d+, \d+, \d+\] (0\.\d|1\.0)", done.stdout, re.MULTILINE)
     assert (floor := re.search(r"^floor (\S+) (\S+)$", done.stdout, re.MULTILINE))
     assert (float(floor[1]) < 1e-3, floor[2]) == (True, "True")
+    monkeypatch.chdir(annotated.parent)
+    exec(projection.replace('"labelled"', f'"{annotated.name}"'), {})  # noqa: S102 - our own page
+    projected = re.findall(
+        r"^line_\S+ (?:True|False) \((\S+), (\S+)\) \[ *(\S+) +(\S+)\]", capsys.readouterr().out, re.MULTILINE
+    )
+    pixels = np.array(projected, dtype=float)
+    assert len(pixels) > 3
+    np.testing.assert_allclose(pixels[:, :2], pixels[:, 2:], atol=1e-3)
 
 
 def test_an_export_has_the_boxes_of_what_is_seen_and_every_image(annotated, tmp_path, symolo):

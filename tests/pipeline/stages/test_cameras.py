@@ -70,7 +70,7 @@ def test_each_camera_has_its_own_images_poses_and_intrinsics(made, symolo):
     # The right camera is 60 mm to the right of the left one in the axes of the camera: a rectified pair.
     between = np.linalg.inv(np.array(left.X_RC)) @ np.array(right.X_RC)
     np.testing.assert_allclose(between, [[1, 0, 0, 0.06], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], atol=1e-6)
-    assert (rear.camera_model, rear.distortion_model, rear.D) == ("fisheye", "equidistant", (0.0, 0.0, 0.0, 0.0))
+    assert (rear.camera_model, rear.distortion_model, tuple(rear.D)) == ("fisheye", "equidistant", (0.0, 0.0, 0.0, 0.0))
     # The image is as wide as the field of view of 185 degrees.
     assert rear.K[0][0] == pytest.approx(16 / np.radians(92.5))
     np.testing.assert_array_equal(np.array(rear.X_RC)[:3, 2].round(9), [-1, 0, 0])

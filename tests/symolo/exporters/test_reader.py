@@ -26,6 +26,9 @@ def test_rows_poses_and_side_tables_are_those_of_the_files(random_release):
         np.testing.assert_array_equal(run.side("wheels").to_numpy(), truth.wheels)
         np.testing.assert_array_equal(run.X_WC, truth.X_WC)
         np.testing.assert_array_equal(run.camera.K, truth.K)
+        assert {array.dtype.name for array in (run.camera.K, run.camera.D, run.camera.X_RC)} == {"float64"}
+        pixel, _ = cv2.projectPoints(np.array([[0.0, 0.0, 2.0]]), np.zeros(3), np.zeros(3), run.camera.K, run.camera.D)
+        np.testing.assert_allclose(pixel.ravel(), truth.K[:2, 2])
         assert (len(run), run.t_s[-1]) == (len(truth.table), truth.table[-1, 0] / 1000)
     kinds = {name: str(kind) for name, kind in data.runs[0].rows.dtypes.items()}
     assert {name for name, kind in kinds.items() if kind == "int64"} == {"t", "state", "img"}

@@ -8,6 +8,7 @@ import pytest
 import symolo
 from symolo.dataset.documents.camera_model import X_CB, CameraDocument
 from symolo.exporters.shared.stereo import StereoPair, stereo_pair
+from symolo.reader.calibrated_camera import CalibratedCamera
 
 K = ((100.0, 0.0, 79.5), (0.0, 100.0, 59.5), (0.0, 0.0, 1.0))
 AHEAD = np.linalg.inv(X_CB)
@@ -24,7 +25,7 @@ def camera(y_m, x_m=0.0, turn_rad=0.0, D=(0.0,) * 5, period_s=0.2, **settings):
     sizes = {"width_px": 160, "height_px": 120, "exposure_s": 0.0, "read_out_s": 0.0} | settings
     document = CameraDocument.model_validate({**sizes, "K": K, "D": D, "X_RC": rows, "X_CB": X_CB})
     images = tuple(SimpleNamespace(t_s=period_s * i) for i in range(3))
-    return SimpleNamespace(camera=document, images=images, numbers=(1, 2, 3))
+    return SimpleNamespace(camera=CalibratedCamera(document), images=images, numbers=(1, 2, 3))
 
 
 def run_of(**cameras):
