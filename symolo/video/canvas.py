@@ -63,8 +63,8 @@ class Canvas:
         place[:] = np.rint(place + ink * (np.array(colour) - place.astype(np.float64)))
         return x + text_width(words, size_px)
 
-    def image(self, pixels: Pixels) -> None:
-        """Show an image as large as fits, in the middle."""
+    def image(self, pixels: Pixels) -> "Canvas":
+        """Show an image as large as fits, in the middle, and return the part that it fills."""
         height_px, width_px = self.pixels.shape[:2]
         scale = min(width_px / pixels.shape[1], height_px / pixels.shape[0])
         size = (max(1, round(pixels.shape[1] * scale)), max(1, round(pixels.shape[0] * scale)))
@@ -72,6 +72,7 @@ class Canvas:
         small = cv2.resize(pixels, size, interpolation=method)
         x, y = (width_px - size[0]) // 2, (height_px - size[1]) // 2
         self.pixels[y : y + size[1], x : x + size[0]] = small
+        return self.part(x, y, *size)
 
     def _draw(self, draw) -> None:  # noqa: ANN001 - a call of OpenCV on an array
         """Draw with OpenCV, which takes no part of an array, so a part is copied."""

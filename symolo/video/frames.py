@@ -92,7 +92,7 @@ class RunFrames:
             plot_places = _below_each_other(plots, _PLOTS + 1, gap)
         self._band_at, self._band = band, StateBand(playback, band.width, band.height, self._text_px)
         self._cameras = [
-            (place, _CameraPicture(camera))
+            (place, _CameraPicture(camera, self._text_px if len(playback.cameras) > 1 else None))
             for camera, place in zip(playback.cameras, _grid(pictures, len(playback.cameras), gap), strict=True)
         ]
         self._floor = FloorView(playback, self._floor_at.width, self._floor_at.height)
@@ -126,8 +126,9 @@ class RunFrames:
 class _CameraPicture:
     """What one camera sees; the last picture stays in memory, because several frames show it."""
 
-    def __init__(self, camera: CameraTrack) -> None:
-        self._camera = camera
+    def __init__(self, camera: CameraTrack, name_px: float | None) -> None:
+        """Prepare the images; `name_px` is the height of the letters of the camera's name, None for no name."""
+        self._camera, self._name_px = camera, name_px
         self._t_s = np.array([image.t_s for image in camera.images])
         self._shown, self._pixels = -1, np.empty((0, 0, 3), np.uint8)
 
@@ -135,9 +136,18 @@ class _CameraPicture:
         index = row_at(self._t_s, t_s)
         if index != self._shown:
             canvas.pixels[:] = _GREY
-            canvas.image(self._camera.images[index].pixels())
+            image = canvas.image(self._camera.images[index].pixels())
+            if self._name_px is not None:
+                self._write_name(image, self._name_px)
             self._shown, self._pixels = index, canvas.pixels.copy()
         canvas.pixels[:] = self._pixels
+
+    def _write_name(self, image: Canvas, size_px: float) -> None:
+        """Write the name in the upper left corner, on a white ground that is legible on any image."""
+        margin = 0.4 * size_px
+        width, height = text_width(self._camera.name, size_px) + 2 * margin, 1.6 * size_px
+        image.part(0, 0, round(width), round(height)).pixels[:] = 255
+        image.text(self._camera.name, margin, 1.15 * size_px, size_px)
 
 
 def _chosen(playback: Playback) -> list[CurvePlot | StripePlot]:

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 
 import cv2
@@ -15,7 +16,7 @@ from symolo.reader.dataset import load
 from symolo.video.build import Video, VideoSettings
 from symolo.video.encoders import gif_chunks, mp4_chunks, webp_chunks
 from symolo.video.floor import FloorView
-from symolo.video.frames import times_s
+from symolo.video.frames import RunFrames, times_s
 from symolo.video.rows import row_at
 from symolo.video.time_plots import ticks_around
 
@@ -66,6 +67,23 @@ def test_the_camera_shows_the_image_of_the_moment(film):
         pixels = film.frame(frame)
         assert pixels.shape == (180, 320, 3)
         assert np.abs(pixels[CAMERA].astype(int) - (121 + frame)).max() <= 1
+
+
+def test_several_cameras_have_their_names_in_a_corner_and_a_single_one_has_none(root):
+    """The images are flat, so that a corner of one grey has no letters."""
+    playback = playback_of(load(root).runs[0])
+    (camera,) = playback.cameras
+    pair = replace(playback, cameras=(replace(camera, name="left"), replace(camera, name="right")))
+    alone, both = (RunFrames(one, "", 640, 360).at(0.0) for one in (playback, pair))
+
+    def corner(part):
+        rows, columns = np.nonzero((part == camera.images[0].pixels()[0, 0]).all(axis=2))
+        return part[rows.min() : rows.min() + 16, columns.min() : columns.min() + 30]
+
+    left, right = corner(both[:, :158]), corner(both[:, 166:324])
+    assert np.ptp(corner(alone[:, :324])) == 0
+    assert (left.max(), right.max(), left.min() < 60, right.min() < 60) == (255, 255, True, True)
+    assert not np.array_equal(left, right)
 
 
 def test_an_independent_reader_finds_the_frames_in_the_mp4(film, mp4):
