@@ -135,6 +135,14 @@ Runs = Annotated[
     str | None, typer.Option("--runs", metavar="GLOB", help="Include only runs whose name matches, such as 'CW/*'.")
 ]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Print what would be written or sent, and do nothing else.")]
+Replace = Annotated[
+    bool,
+    typer.Option(
+        "--replace",
+        help="Also if a finished release in the output folder loses something: it has another name, runs in it are no "
+        "longer made, or it is signed and would change.",
+    ),
+]
 Json = Annotated[
     bool, typer.Option("--json", help="Print the result as one JSON object, and nothing else on standard output.")
 ]

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from pipeline.importing.imported_runs import ImportedDataset
+from pipeline.run_folder.losses import check_losses
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
@@ -16,14 +17,22 @@ _COPIES = 2
 _BYTES_PER_RUN = 100_000
 
 
-def check_place(dataset: ImportedDataset, out: Path) -> None:
+def check_place(dataset: ImportedDataset, out: Path, report: Report, *, replace: bool = False) -> None:
     """Refuse an output folder that cannot be used, before anything is written.
+
+    Args:
+        dataset: The runs.
+        out: Their folder.
+        report: Receiver of a line about a finished release that will lose something.
+        replace: Whether a finished release in it may lose something.
 
     Raises:
         InputError: It is not a place for an imported dataset.
         EnvironmentLacking: The disk is too full.
     """
     check_out(out, Kind.IMPORTED)
+    workspace, specs = Workspace(out.absolute(), Kind.IMPORTED), [run.spec for run in dataset.runs]
+    check_losses(workspace, dataset.tree, specs, report, replace=replace)
     tables = sum(len(run.rows.to_csv()) + sum(map(len, run.side.values())) for run in dataset.runs)
     check_disk(out, _COPIES * tables + _BYTES_PER_RUN * len(dataset.runs))
 

@@ -2,6 +2,7 @@
 
 from pipeline.json_results.base import JsonPart, JsonResult
 from pipeline.run_folder.status import FolderStatus, ImageCost, RunStatus
+from pipeline.run_folder.status_text import reasons_of
 
 
 class StagePart(JsonPart):
@@ -76,7 +77,7 @@ class StatusResult(JsonResult):
             process=status.worker.process or None,
             has_stages=status.worker.has_stages,
             runs=[RunPart.of(run, status.mixed.get(run.run, "")) for run in status.runs],
-            next_release=dict(status.reasons),
+            next_release={reason: len(runs) for reason, runs in reasons_of(status.runs).items()},
             release_finished=not status.release.missing_lists,
             faults=status.release.faults,
             cost=CostPart.of(status.cost) if status.cost else None,

@@ -22,6 +22,7 @@ from pipeline.rerendering.image_rows import with_images
 from pipeline.rerendering.robot_section import robot_of_images
 from pipeline.rerendering.room_check import check_on_the_floor
 from pipeline.rerendering.sources import Sources
+from pipeline.run_folder.losses import check_losses
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_image_copies import copy_user_images
 from pipeline.run_folder.workspace import Workspace
@@ -133,13 +134,17 @@ def prepare(sources: Sources, request: RerenderRequest) -> Rerendering:
     return Rerendering(tuple(runs), tree, assets, sources.sensors, device_for(render.device))
 
 
-def check_place(rerendering: Rerendering, out: Path, *, is_default: bool) -> None:
+def check_place(
+    rerendering: Rerendering, out: Path, report: Report, *, is_default: bool, replace: bool = False
+) -> None:
     """Refuse an output folder that cannot be used, before anything is written.
 
     Args:
         rerendering: The release.
         out: Its folder.
+        report: Receiver of a line about a finished release that will lose something.
         is_default: Whether the user has named no folder, so that another release in it is not replaced.
+        replace: Whether a finished release in it may lose something.
 
     Raises:
         InputError: It is not a place for this release.
@@ -150,6 +155,8 @@ def check_place(rerendering: Rerendering, out: Path, *, is_default: bool) -> Non
     if is_default and there is not None and canonical_json(there.scenario) != canonical_json(rerendering.tree):
         what = "contains images of a different trajectory or a different draw of the look"
         raise InputError(what, where=str(out), cure="name a folder with --out")
+    workspace, specs = Workspace(out.absolute(), Kind.RERENDERED), [run.spec for run in rerendering.runs]
+    check_losses(workspace, rerendering.tree, specs, report, replace=replace)
     check_disk(out, sum(map(_bytes_needed, rerendering.runs)))
 
 

@@ -104,11 +104,6 @@ class FolderStatus:
     disk_bytes: Mapping[str, int]
     """Size of each part of the folder, the largest name first."""
 
-    @property
-    def reasons(self) -> Mapping[str, int]:
-        """What the next release would do, with the number of runs."""
-        return Counter(f"{stage.stage}: {stage.again}" for run in self.runs for stage in run.stages if stage.again)
-
 
 def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> FolderStatus:
     """Return the status of an output folder.
@@ -202,7 +197,7 @@ def _images_of(camera: RunCamera, stage: Path) -> str:
         return "?"
 
 
-def image_changes(workspace: Workspace, run: str, spec: RunSpec) -> list[str]:
+def image_changes(workspace: Workspace, run: str, spec: SceneSpec) -> list[str]:
     """Return the fields that differ between a run now and when its images were made; empty where that is unknown."""
     released = workspace.out / run / "side" / SPEC
     made = _read_spec(released) or _read_spec(workspace.simulate(run).path / SPEC)
@@ -290,10 +285,11 @@ def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec |
         runs |= {path.relative_to(root).as_posix() for path in begun + places}
     metadata = read_metadata(workspace.out)
     runs |= {record.run for record in metadata.runs} if metadata else set()
-    return dict.fromkeys(sorted(runs, key=_in_order))
+    return dict.fromkeys(sorted(runs, key=in_order))
 
 
-def _in_order(run: str) -> tuple[str, int]:
+def in_order(run: str) -> tuple[str, int]:
+    """Return the key by which runs are sorted: their route and number."""
     route, _, number = run.partition("/test_")
     return route, int(number) if number.isdigit() else 0
 

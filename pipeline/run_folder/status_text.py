@@ -1,16 +1,57 @@
 """The lines that `symolo status` prints."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from pipeline.run_folder.status import FolderStatus, ImageCost, ReleaseStatus, Worker
+from pipeline.run_folder.losses import Losses, named_runs
+from pipeline.run_folder.status import (
+    FolderStatus,
+    ImageCost,
+    ReleaseStatus,
+    RunStatus,
+    Worker,
+)
 from symolo.core.progress import plural
 
 MAX_DONE_RUNS = 20
 """Largest number of runs up to which those that are done have a line too."""
 
 
-def status_lines(status: FolderStatus, *, check: bool) -> Iterator[str]:
-    """Yield the status as lines of text; `check` as for `status`."""
+def reasons_of(runs: Sequence[RunStatus]) -> dict[str, tuple[str, ...]]:
+    """Return the names of the runs by what the next release would do with them."""
+    names: dict[str, tuple[str, ...]] = {}
+    for run in runs:
+        for reason in [f"{stage.stage}: {stage.again}" for stage in run.stages if stage.again]:
+            names[reason] = (*names.get(reason, ()), run.run)
+    return names
+
+
+def next_release(runs: Sequence[RunStatus], losses: Losses | None) -> Iterator[str]:
+    """Yield lines with what the next release would take away, if a scenario is known, and what it would do."""
+    if losses is not None and losses.text:
+        yield f"would be lost by the next release: {losses.text}"
+    for reason, names in reasons_of(runs).items():
+        yield f"would be done by the next release, {named_runs(names)}: {reason}"
+
+
+def dry_run(runs: Sequence[RunStatus], losses: Losses) -> Iterator[str]:
+    """Yield lines with what a release would take away, do, keep and fail to do; `runs` are those of its scenario."""
+    yield from next_release(runs, losses)
+    kept = [run.run for run in runs if run.done]
+    failed = [run.run for run in runs if any(stage.has_failed for stage in run.stages)]
+    if kept:
+        yield f"would be kept as they are, {named_runs(kept)}"
+    if failed:
+        yield f"would fail again, {named_runs(failed)}"
+
+
+def status_lines(status: FolderStatus, losses: Losses | None, *, check: bool) -> Iterator[str]:
+    """Yield the status as lines of text.
+
+    Args:
+        status: The status.
+        losses: Losses if the scenario were released; None without a scenario.
+        check: As for `status`.
+    """
     runs = status.runs
     yield _worker(status.worker)
     failed = sum(any(stage.has_failed for stage in run.stages) for run in runs)
@@ -19,8 +60,7 @@ def status_lines(status: FolderStatus, *, check: bool) -> Iterator[str]:
     for run in runs:
         if not run.done or check or len(runs) <= MAX_DONE_RUNS:
             yield f"{run.run}: " + "; ".join(f"{stage.stage} {stage.text}" for stage in run.stages)
-    for reason, count in status.reasons.items():
-        yield f"would be done by the next release, {plural(count, 'run')}: {reason}"
+    yield from next_release(runs, losses)
     for run, warning in status.mixed.items():
         yield f"{run}: {warning}"
     yield _release(status.release)

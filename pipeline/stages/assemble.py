@@ -62,8 +62,9 @@ def assemble(
     good = [spec for spec in specs if spec.key not in failed]
     hashes: dict[str, str] = {}
     records, cpus, columns = [], set(), HEADER
+    tags_before = _tags_in(workspace.out)
+    _remove_stale_runs(workspace, {spec.key for spec in good}, failed, report)
     with report.stage("assemble", len(good), "runs") as stage:
-        _remove_stale_runs(workspace, {spec.key for spec in good})
         for spec in good:
             hashes |= {f"{spec.key}/{name}": digest for name, digest in release_run(workspace, spec).items()}
             record, run_cpus, columns = _record(workspace, spec)
@@ -73,12 +74,14 @@ def assemble(
             cpus |= run_cpus
             stage.update(spec.key, 1)
     if not good:
-        _remove_files(workspace.out, (*SEALS, *CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
+        _remove_seals(workspace.out, report)
+        _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     sensors = listed_sensors(specs[0].robot.sensors) if sensors is None else sensors
     splits = _splits(tree, specs, records)
     metadata = describe(tree, specs, records, failures, sensors, columns_of_data=columns, splits=splits)
-    _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
+    page = markdown(metadata, good[0])
+    _describe(workspace, metadata, page, hashes, cpus, tags_before=tags_before, report=report)
 
 
 def _splits(tree: dict[str, Any], specs: Sequence[SceneSpec], records: Sequence[RunRecord]) -> SplitsRecord | None:
@@ -160,7 +163,16 @@ def of_several_classes(cpus: Sequence[str]) -> str:
     return f"its frames were made on {' and '.join(cpus)}: low bits may not be those of a machine of one class"
 
 
-def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dict[str, str], cpus: set[str]) -> None:
+def _describe(
+    workspace: Workspace,
+    metadata: Metadata,
+    page: bytes,
+    hashes: dict[str, str],
+    cpus: set[str],
+    *,
+    tags_before: bytes,
+    report: Report,
+) -> None:
     """Write the files at the top of a release; the checksum of the checksums comes last."""
     out, text = workspace.out, metadata.to_json()
     _write_if_new(out / METADATA_COPY, text)
@@ -171,8 +183,8 @@ def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dic
     info = bag_info(metadata.name, metadata.description, sizes, cpus)
     hashes[BAG_INFO] = hashlib.sha256(info).hexdigest()
     tags = tag_manifest(hashes)
-    if not _holds(out / TAG_MANIFEST, tags):  # a signature of the lists before would be taken for a forgery
-        _remove_files(out, SEALS)
+    if tags != tags_before:  # a signature of the lists before would be taken for a forgery
+        _remove_seals(out, report)
     for name, data in ((BAG_INFO, info), (MANIFEST, manifest(hashes)), (TAG_MANIFEST, tags)):
         _write_if_new(out / name, data)
 
@@ -247,18 +259,31 @@ def copy_images(stage: Path, files: Mapping[str, str], run: Path) -> dict[str, s
     return images
 
 
-def _remove_stale_runs(workspace: Workspace, good: set[str]) -> None:
-    """Remove released runs that are no longer in the scenario, or that have failed."""
-    for run in sorted(_released(workspace) - good):
+def _remove_stale_runs(workspace: Workspace, good: set[str], failed: set[str], report: Report) -> None:
+    """Remove released runs that are no longer in the scenario, or that have failed, and report each."""
+    for run in sorted(released_runs(workspace) - good):
         _remove_files(workspace.out, CHECKSUMS)
         remove_folder(workspace.out / run)
         route = (workspace.out / run).parent
         if route.is_dir() and not any(route.iterdir()):
             remove_folder(route)
         remove_folder(workspace.assemble(run).path)  # last: while it is there, a rerun takes up what was interrupted
+        report.say(f"removed: {run}, which " + ("has failed" if run in failed else "does not belong to the scenario"))
 
 
-def _released(workspace: Workspace) -> set[str]:
+def _tags_in(out: Path) -> bytes:
+    """Return the checksum of the checksums in a folder; empty if there is none."""
+    return read_file(out / TAG_MANIFEST, FileKind.ANY) if is_plain_file(out / TAG_MANIFEST) else b""
+
+
+def _remove_seals(out: Path, report: Report) -> None:
+    """Remove what `symolo sign` added, and report it."""
+    if any((out / name).exists() for name in SEALS):
+        report.say("removed: the signature, which is that of other files")
+    _remove_files(out, SEALS)
+
+
+def released_runs(workspace: Workspace) -> set[str]:
     """Return the runs released before, by the stages or, if these were deleted, by metadata.json."""
     root = workspace.out / STAGES / "assemble"
     marked = {run for run in (_runs_in(root) if root.is_dir() else ()) if (root / run / DONE).is_file()}

@@ -81,6 +81,10 @@ def _release(_source: Path, out: Path) -> list[str]:
     return ["release", str(Path(__file__).with_name("bare.yaml")), "--out", str(out), "--workers", "1"]
 
 
+def _release_over(source: Path, out: Path) -> list[str]:
+    return [*_release(source, out), "--replace"]
+
+
 def _repair(_source: Path, out: Path) -> list[str]:
     return ["repair", str(out), "--workers", "1"]
 
@@ -95,7 +99,7 @@ def _download(release: Path, out: Path) -> list[str]:
 
 COMMANDS = (
     Command("release", _nothing, _release),
-    Command("release over another", _outdated, _release),
+    Command("release over another", _outdated, _release_over),
     Command("repair", _damaged_release, _repair),
     Command("repair without stages", _damaged_without_stages, _repair),
     Command("export", _nothing, _export, whole_at_once=True),

@@ -30,21 +30,25 @@ def status(
     from configs.loader import load_scenario
     from pipeline.effects.extract import effect_file_lines
     from pipeline.planning.drawing import draw_reported
+    from pipeline.run_folder.losses import losses_of
     from pipeline.run_folder.status import status as status_of
     from pipeline.run_folder.status_text import status_lines
+    from pipeline.run_folder.workspace import Workspace
     from symolo.core.errors import InputError
     from symolo.core.progress import report_here
 
     if settings and scenario is None:
         raise InputError("--set", got=settings[0], cure="name the scenario that it applies to")
-    specs = draw_reported(load_scenario(scenario, settings or ()), report_here()) if scenario is not None else ()
+    loaded = load_scenario(scenario, settings or ()) if scenario is not None else None
+    specs = draw_reported(loaded, report_here()) if loaded else ()
     result = status_of(folder, specs, check=check)
     if as_json:
         from pipeline.json_results.status import StatusResult
 
         typer.echo(StatusResult.of(str(folder), result).to_json())
         return
-    for line in (*status_lines(result, check=check), *effect_file_lines(folder)):
+    losses = losses_of(Workspace(folder.absolute()), loaded.tree, specs) if loaded else None
+    for line in (*status_lines(result, losses, check=check), *effect_file_lines(folder)):
         typer.echo(line)
 
 

@@ -9,6 +9,7 @@ from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
     OnDevice,
     Out,
+    Replace,
     Robot,
     Scenario,
     Settings,
@@ -65,6 +66,7 @@ def hil(
     workers: Workers = None,
     device: OnDevice = None,
     memory: WorkerMemory = None,
+    replace: Replace = False,
 ) -> int:
     """Make a dataset whose robot is driven by a microcontroller board (hardware in the loop).
 
@@ -76,6 +78,7 @@ def hil(
     The same command continues after an interruption: finished runs are not driven again.
     """
     from pipeline.executors.local import Local
+    from pipeline.run_folder.losses import check_losses
     from pipeline.run_folder.status import again
     from pipeline.stages.board_runs import check_board, drive_runs
     from pipeline.work.batch import Batch
@@ -87,6 +90,7 @@ def hil(
     overrides = with_device([*(settings or ()), *board, *([f"board.baud={baud}"] if baud else [])], device)
     report = report_here()
     batch = Batch.open(scenario, overrides, out, Local.of(workers, memory), report)
+    check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
     check_board(batch.workspace, batch.specs, port or "")
     with batch.workspace.locked():
         for line in (*batch.notes, *again(batch.workspace, batch.specs)):

@@ -10,6 +10,7 @@ from logs.axis import Axis
 from pipeline.commands.options import (
     DryRun,
     Out,
+    Replace,
     checked_input,
     checked_inputs,
     if_given,
@@ -125,6 +126,7 @@ def import_logs(
             "also with --dry-run.",
         ),
     ] = None,
+    replace: Replace = False,
     dry_run: DryRun = False,
 ) -> None:
     """Import logs of other programs as a dataset: tables with any columns, TUM, KITTI, EuRoC, Motive, bags of ROS.
@@ -154,13 +156,14 @@ def import_logs(
     if name is not None:
         checked_name("--name", name)
     dataset = imported_dataset(request)
-    check_place(dataset, out)
+    report = report_here()
+    check_place(dataset, out, report, replace=replace)
     if save_map is not None:
         _save_map(dataset, save_map)
     describe_logs(dataset, yes=yes or dry_run)
     if dry_run:
         return
-    write_dataset(dataset, out, report_here())
+    write_dataset(dataset, out, report)
     rows = sum(len(run.rows.t_ms) for run in dataset.runs)
     from symolo.core.progress import plural
 

@@ -23,6 +23,7 @@ from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
     DryRun,
     OnDevice,
+    Replace,
     Settings,
     WorkerMemory,
     Workers,
@@ -127,6 +128,7 @@ def rerender(
     device: OnDevice = None,
     memory: WorkerMemory = None,
     dry_run: DryRun = False,
+    replace: Replace = False,
 ) -> int:
     """Render images of existing trajectories under other looks, without simulating.
 
@@ -171,7 +173,8 @@ def rerender(
     )
     rerendering = prepare(read, request)
     where = out or checked_new_folder(Path(folder_name(read, request)))
-    check_place(rerendering, where, is_default=out is None)
+    report = report_here()
+    check_place(rerendering, where, report, is_default=out is None, replace=replace)
     if read.imported is not None:
         describe_logs(read.imported, yes=yes or dry_run)
     if recorded := read.recorded_cameras:
@@ -181,7 +184,7 @@ def rerender(
         _print_plan(rerendering, where)
         return 0
     executor = Local.of(workers, memory).on(rerendering.device)
-    failures = make_release(rerendering, where, executor, report_here())
+    failures = make_release(rerendering, where, executor, report)
     return conclude(failures, len(rerendering.runs), "rerender", where)
 
 

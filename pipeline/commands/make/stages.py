@@ -20,6 +20,7 @@ from pipeline.commands.options import (
     OnDevice,
     Out,
     Part,
+    Replace,
     Scenario,
     Settings,
     WorkedBy,
@@ -154,6 +155,7 @@ def assemble(
     like: Like = None,
     workers: Workers = None,
     device: OnDevice = None,
+    replace: Replace = False,
 ) -> int:
     """Assemble the dataset from the rendered runs, with description, metadata and checksums.
 
@@ -161,7 +163,8 @@ def assemble(
     """
     from pipeline.executors import chosen
 
-    return _make(["assemble"], scenario, with_device(with_like(settings, like), device), out, chosen(workers))
+    overrides = with_device(with_like(settings, like), device)
+    return _make(["assemble"], scenario, overrides, out, chosen(workers), replace=replace)
 
 
 def release(
@@ -186,6 +189,14 @@ def release(
     ] = None,
     endpoint: Endpoint = None,
     allow_http: AllowHttp = False,
+    replace: Replace = False,
+    dry_run: Annotated[
+        bool,
+        typer.Option(
+            "--dry-run",
+            help="Print what would be lost, made again and kept, and do nothing else.",
+        ),
+    ] = False,
 ) -> int:
     """Make a dataset from a scenario: simulate, render and assemble.
 
@@ -193,6 +204,8 @@ def release(
 
     The same command continues after an interruption. It repeats only the work whose inputs have changed: after a change
     of the look, it renders again, but does not simulate again.
+
+    What a command with other inputs would do: symolo release smoke --out data --set render.quality=high --dry-run
 
     Robots that agree with a diagnosis, another one in each run: symolo release smoke --like diagnosis --out data
 
@@ -211,7 +224,8 @@ def release(
     cluster = address if executor is ExecutorName.RAY else None
     workplace = chosen(workers, memory, address=cluster, card_share=gpu_share)
     to = _destination(out, upload, endpoint, allow_http=allow_http)
-    return _make(STAGES, scenario, with_device(with_like(settings, like), device), out, workplace, to=to)
+    overrides = with_device(with_like(settings, like), device)
+    return _make(STAGES, scenario, overrides, out, workplace, to=to, replace=replace, dry_run=dry_run)
 
 
 def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
@@ -236,8 +250,11 @@ def _make(
     *,
     part: str | None = None,
     to: "Destination | None" = None,
+    replace: bool = False,
+    dry_run: bool = False,
 ) -> int:
     """Do one stage, or all of them for `release`, and return the exit code."""
+    from pipeline.run_folder.losses import check_losses
     from pipeline.stages.simulate_runs import prepare_controllers
     from pipeline.work.batch import Batch
     from symolo.core.progress import report_here
@@ -247,6 +264,12 @@ def _make(
     if "simulate" in stages:
         check_installed("pybullet")
     batch = Batch.open(scenario, overrides, out, executor, report, renders=command != "simulate")
+    if dry_run:
+        _print_plan(batch)
+    if "assemble" in stages:
+        check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
+    if dry_run:
+        return 0
     if "render" in stages and batch.has_images:
         check_installed("bpy")
     failures = batch.simulated() if "simulate" not in stages else []
@@ -266,6 +289,17 @@ def _make(
         if upload is not None:
             typer.echo(upload.finish(complete=not failures))
     return code
+
+
+def _print_plan(batch: "Batch") -> None:
+    """Print what a release of these runs would take away, do and keep."""
+    from pipeline.run_folder.losses import losses_of
+    from pipeline.run_folder.status import run_status
+    from pipeline.run_folder.status_text import dry_run
+
+    runs = [run_status(batch.workspace, spec.key, spec) for spec in batch.specs]
+    for line in dry_run(runs, losses_of(batch.workspace, batch.loaded.tree, batch.specs)):
+        typer.echo(line)
 
 
 def _do_stages(

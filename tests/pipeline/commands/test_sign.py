@@ -172,7 +172,7 @@ def test_a_release_that_becomes_another_one_loses_its_signature(dataset, copy_of
     assert symolo("sign", root, "--key", KEYS / "plain.key", "--provenance").code == 0
     assert symolo("release", "smoke", "--out", root, *tiny).code == 0
     assert (root / SIGNATURE).exists(), "the same release keeps it"
-    assert symolo("release", "smoke", "--out", root, *tiny, "--set", "description=another").code == 0
+    assert symolo("release", "smoke", "--out", root, *tiny, "--set", "description=another", "--replace").code == 0
     assert not any((root / name).exists() for name in SEALS)
     assert symolo("verify", root).code == 0
 

@@ -189,6 +189,8 @@ def test_the_same_command_twice_gives_the_same_bytes_and_another_log_takes_its_p
     first = release_of(out)
     assert symolo("import", log, "--out", out).code == 0
     assert release_of(out) == first
+    refused = symolo("import", log, "--out", out, "--name", "other")
+    assert (refused.code, "1 run (imported/test_1) would be lost" in refused.err) == (2, True)
     assert symolo("import", log, log, "--out", out, "--row-hz", 10).code == 0
     assert symolo("verify", out).code == 0
     assert [run.name for run in symolo_reader.load(out)] == ["imported/test_1", "imported/test_2"]

@@ -57,15 +57,15 @@ def test_an_interrupted_rendering_is_counted(out, symolo):
         (out / f".stages/render/CW/test_1/images/{number:06d}.jpg").unlink()
     printed = symolo("status", out).out
     assert "CW/test_1: simulate done; render 4 of 6 images; " in printed
-    assert "would be done by the next release, 1 run: render: it was interrupted or failed" in printed
+    assert "would be done by the next release, 1 run (CW/test_1): render: it was interrupted or failed" in printed
 
 
 def test_changed_fields_are_named_with_their_values(out, symolo, tiny):
     printed = symolo("status", out, "smoke", *tiny, "--set", "robot.drive.track_m=0.15").out
-    assert "2 runs: simulate: robot.drive.track_m 0.14 -> 0.15" in printed
+    assert "2 runs (CW/test_1, CCW/test_1): simulate: robot.drive.track_m 0.14 -> 0.15" in printed
     printed = symolo("status", out, "smoke", *tiny, "--set", "look.sun.elevation_deg=70").out
     assert "simulate: " not in printed
-    assert "1 run: render: look.sun.elevation_deg " in printed
+    assert "1 run (CW/test_1): render: look.sun.elevation_deg " in printed
     assert "-> 70.0" in printed
 
 
@@ -77,7 +77,8 @@ def test_a_release_of_a_version_without_scene_json_is_not_up_to_date(out, symolo
     done.write_text(json.dumps(files))
     printed = symolo("status", out, "smoke", *tiny).out
     done.write_bytes(whole)
-    assert "would be done by the next release, 1 run: release: side/scene.json is not among its files" in printed
+    run = done.relative_to(out / ".stages/assemble").parent.as_posix()
+    assert f"would be done by the next release, 1 run ({run}): release: side/scene.json is not among" in printed
 
 
 def test_damage_and_failures_are_reported(out, symolo):

@@ -138,7 +138,7 @@ def test_another_look_is_rendered_again_but_not_simulated(dataset, copy_of, symo
     before = trajectory.stat().st_mtime_ns
     sun = ("look.sun.elevation_deg=70", "look.sun.illuminance_klx=60")
     sunny = [*tiny, ONE_ROUTE, "--workers=1", *(f"--set={setting}" for setting in sun)]
-    ended = symolo("release", "smoke", "--out", out, *sunny)
+    ended = symolo("release", "smoke", "--out", out, *sunny, "--replace")
     assert ended.code == 0
     assert "simulate: 1 of 1 run done before" in ended.err
     assert "the images there differ: look.sun.elevation_deg" in ended.err
@@ -163,15 +163,16 @@ def test_a_damaged_image_in_the_stages_and_the_release_is_made_again(dataset, co
 
 
 @pytest.mark.usefixtures("hands")
-def test_a_run_that_touches_something_is_reported_and_not_released(tmp_path, symolo, tiny):
+def test_a_run_that_touches_something_is_reported_and_no_longer_released(dataset, copy_of, tmp_path, symolo, tiny):
     """A sill below the range sensors' beams stands in the way of the counter-clockwise route alone."""
     (tmp_path / "sill.yaml").write_text(ARENA_WITH_A_SILL)
-    out = tmp_path / "out"
+    out = copy_of(dataset, stages=True)
     arguments = ("release", "smoke", "--out", out, *tiny, "--set", f"arena={tmp_path / 'sill.yaml'}")
     ended = symolo(*arguments)
     assert ended.code == 3
     (line,) = [line for line in ended.err.splitlines() if line.startswith("failed")]
     assert line.startswith("failed: CCW/test_1: simulate: touched sill at 0.")
+    assert "removed: CCW/test_1, which has failed" in ended.err.splitlines()
     assert not (out / "CCW").exists()
     assert [run["run"] for run in json.loads((out / "metadata.json").read_text())["runs"]] == ["CW/test_1"]
     assert "touched sill" in (out / "README.md").read_text()
@@ -263,7 +264,7 @@ def test_a_kill_while_an_old_run_is_removed_leaves_nothing_behind(
         rmtree(path, **options)
 
     monkeypatch.setattr(shutil, "rmtree", killed)
-    assert symolo("release", "smoke", "--out", out, *tiny).code == 130
+    assert symolo("release", "smoke", "--out", out, *tiny, *(["--replace"] if taken_back else [])).code == 130
     monkeypatch.undo()
     assert any(out.glob("CW/.*.dropped")), "it was interrupted in the middle"
     (out / ".metadata.json.123.tmp").write_text("{")
@@ -290,7 +291,7 @@ def test_a_release_without_its_stages_is_made_again(tmp_path, symolo, tiny, rele
     metadata["runs"] += [{**metadata["runs"][0], "run": run} for run in ("CW/test_2", "../test_1")]
     (out / "metadata.json").write_text(json.dumps(metadata))
     shutil.copytree(out / "CW/test_1", out / "CW/test_2")
-    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert symolo("release", "smoke", "--out", out, *tiny, "--replace").code == 0
     assert release_of(out) == before
     assert (tmp_path / "test_1").is_dir()
 
