@@ -48,13 +48,10 @@ def _tail(residuals: Array) -> Array:
     return (np.abs(residuals) > TAIL_SD).mean(axis=-1)
 
 
+MEDIAN_NAME, WIDTH_NAME = "median", "half width of the middle 68 %"
+CORRELATION_NAME, TAIL_NAME = "correlation of neighbours", "share beyond 3 sd"
 STATISTICS = MappingProxyType(
-    {
-        "median": _middle,
-        "half width of the middle 68 %": _width,
-        "correlation of neighbours": _correlation,
-        "share beyond 3 sd": _tail,
-    }
+    {MEDIAN_NAME: _middle, WIDTH_NAME: _width, CORRELATION_NAME: _correlation, TAIL_NAME: _tail}
 )
 """Functions of residuals (..., n) in standard deviations, by their names."""
 
@@ -141,9 +138,7 @@ def _checked(fit: HypothesisFit, z: Mapping[str, Array]) -> Iterator[CheckedStat
         for rows, part in (("fitted", evidence.fit), ("held out", evidence.heldout)):
             inside: Mask = part[place] & is_reading
             if inside.sum() >= MIN_ROWS:
-                names = (
-                    [*STATISTICS] if observed.is_series else [n for n in STATISTICS if n != "correlation of neighbours"]
-                )
+                names = [name for name in STATISTICS if observed.is_series or name != CORRELATION_NAME]
                 measured, replicated = z["measured"][place][inside], z["replicated"][:, place][:, inside]
                 yield from _statistics((observed.name, rows), names, measured, replicated)
 

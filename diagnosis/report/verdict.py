@@ -284,7 +284,9 @@ def gain_sentences(data: ReportData) -> list[str]:
     if deviations := _bent_text(diagnosis.selection.nominal):
         calibration += f", but parameters leave their tolerances ({deviations})"
     if not diagnosis.fitted_effects:
-        return [f"{calibration}."]
+        is_noise = diagnosis.conclusion is CaseVerdict.EXPLAINED and diagnosis.calibrated.value < 0.0
+        why = ": where nothing is wrong, such a fit only follows the noise of the rows to which it is fitted"
+        return [f"{calibration}{why if is_noise else ''}."]
     calibrated, before, after = diagnosis.calibrated.after, diagnosis.gain.before, diagnosis.gain.after
     error = f"the error {'falls' if after <= before else 'rises'} from {before:.3g} to {after:.3g} sigma"
     names = listed([each.effect.name for each in diagnosis.fitted_effects])

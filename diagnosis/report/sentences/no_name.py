@@ -41,8 +41,10 @@ def why_no_name(diagnosis: Diagnosis) -> str:
 
 
 def _moved(nuisance: Nuisance, x: float) -> str:
-    """Return, for example, `track_m by +1.2 % (1.5 tolerances)`."""
+    """Return, for example, `track_m by +1.5 % to 0.1421 m (1.5 tolerances of 1 %)`."""
     if nuisance.value == 0.0:
         return f"{nuisance.name} by {x:+.1f} tolerances"
-    share = deviated(nuisance, x) / nuisance.value - 1.0
-    return f"{nuisance.name} by {100.0 * share:+.2g} % ({abs(x):.1f} tolerances)"
+    value = deviated(nuisance, x)
+    change, tolerance = 100.0 * (value / nuisance.value - 1.0), 100.0 * abs(nuisance.tolerance / nuisance.value)
+    unit = "" if nuisance.unit == "1" else f" {nuisance.unit}"
+    return f"{nuisance.name} by {change:+.2g} % to {value:.4g}{unit} ({abs(x):.1f} tolerances of {tolerance:.2g} %)"

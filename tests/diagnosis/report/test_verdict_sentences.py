@@ -15,6 +15,7 @@ from diagnosis.report.sentences.quantities import gain_text
 from diagnosis.report.verdict import (
     _gains,
     certainty,
+    gain_sentences,
     headline,
     no_effect,
     nothing_left,
@@ -154,3 +155,30 @@ def test_a_model_of_which_no_parameter_moved_changes_nothing():
     unchanged = gain_of_sizes([(sizes, np.arange(250) // 50)])
     assert _gains(unchanged) == "changes nothing on the held-out rows"
     assert gain_text(unchanged) == "0 % (no change)"
+
+
+@pytest.mark.parametrize(
+    ("conclusion", "gain", "follows"),
+    [
+        (
+            CaseVerdict.EXPLAINED,
+            -0.57,
+            ": where nothing is wrong, such a fit only follows the noise",
+        ),
+        (CaseVerdict.EXPLAINED, 0.09, "."),
+        (CaseVerdict.UNEXPLAINED, -0.57, "."),
+    ],
+)
+def test_a_calibration_that_makes_things_worse_where_nothing_is_wrong_is_explained(conclusion, gain, follows):
+    hypothesis = SimpleNamespace(nuisances=(), prior=lambda _: np.zeros(0))
+    change = Gain(gain, gain - 0.2, gain + 0.2, 1.0, 1.0 - gain, ())
+    diagnosis = SimpleNamespace(
+        gain=change,
+        calibrated=change,
+        conclusion=conclusion,
+        fitted_effects=(),
+        selection=SimpleNamespace(nominal=SimpleNamespace(hypothesis=hypothesis, x=None)),
+    )
+    data: Any = SimpleNamespace(diagnosis=diagnosis)
+    (sentence,) = gain_sentences(data)
+    assert sentence.partition(")")[2].startswith(follows)

@@ -31,8 +31,12 @@ def test_parameters_that_took_the_place_of_an_effect_are_listed_the_furthest_fir
     numbers = {n.name: 100.0 * n.tolerance / n.value for n in diagnosis.fit.hypothesis.nuisances}
     text = why_no_name(diagnosis)
     assert text.startswith("Parameters of the nominal robot, which are known only to their tolerances, account for")
+    # Two tolerances of a logarithm.
+    values = {n.name: n.value for n in diagnosis.fit.hypothesis.nuisances}
     resistance = 100.0 * np.expm1(0.02 * numbers["winding_resistance_ohm"])
-    assert f"winding_resistance_ohm by {resistance:+.2g} % (2.0 tolerances) and coulomb_friction_N_m by -" in text
+    ohm = values["winding_resistance_ohm"] * (1.0 + 0.01 * resistance)
+    how_far = f"2.0 tolerances of {numbers['winding_resistance_ohm']:.2g} %"
+    assert f"winding_resistance_ohm by {resistance:+.2g} % to {ohm:.4g} ohm ({how_far}) and coulomb_friction" in text
     assert "winding_resistance_scale would lower the cost by 4.5 only, and a name needs 15." in text
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.posterior.predictive_check import LEVEL, STATISTICS, _noise, predictive_check
+from diagnosis.posterior.predictive_check import LEVEL, STATISTICS, CheckedStatistic, _noise, predictive_check
 from diagnosis.report.sentences.predictive import predictive_sentence
 from symolo.core.random_streams import stream
 
@@ -59,3 +59,36 @@ def test_the_sentence_counts_what_is_outside_and_what_chance_would_put_there(dia
     outside = sum(each.is_outside for each in checks)
     assert f"Of {len(checks)} statistics" in predictive_sentence(checks)
     assert f"{outside} lie outside {100 * LEVEL:g} % of the robots" in predictive_sentence(checks)
+
+
+def checked(name, *shares_below):
+    """Checks of one statistic of several quantities."""
+    return [
+        CheckedStatistic(f"q{k}", "fitted", name, 0.0, (0.0, 0.0, 0.0), share) for k, share in enumerate(shares_below)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "share_below", "meaning"),
+    [
+        ("median", 1.0, "q0 and q1 are higher than predicted on average"),
+        (
+            "half width of the middle 68 %",
+            0.0,
+            "q0 and q1 scatter less than the fit assumes, so that",
+        ),
+        ("half width of the middle 68 %", 1.0, "q0 and q1 scatter more than the fit assumes"),
+        ("correlation of neighbours", 0.0, "q0 and q1 alternate from row to row"),
+        ("share beyond 3 sd", 1.0, "q0 and q1 have more large errors"),
+    ],
+)
+def test_the_sentence_says_what_it_means_that_more_lie_outside_than_by_chance(name, share_below, meaning):
+    text = predictive_sentence(checked(name, share_below, share_below, 0.5, 0.5))
+    assert text.count("Outside means: ") == 1
+    assert text.partition("Outside means: ")[2].startswith(meaning)
+
+
+def test_what_chance_puts_outside_means_nothing():
+    """Of 20 statistics, 1 is outside by chance, and 3 are less than two standard deviations more."""
+    assert "means" not in predictive_sentence(checked("median", 1.0, 1.0, *[0.5] * 18))
+    assert "means" in predictive_sentence(checked("median", 1.0, 1.0, 1.0, 1.0, *[0.5] * 16))
