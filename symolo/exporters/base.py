@@ -110,3 +110,5 @@ class Exporter:
     """Description of the output in one line."""
     files: Callable[[Dataset, ExportSettings], Iterable[ExportedFile]]
     """Function that lists all files before one is written; it raises InputError if the release lacks what it needs."""
+    warnings: Callable[[Dataset], Iterable[str]] = lambda _data: ()
+    """Function that lists what readers of the format do not expect in the output; called after `files`."""

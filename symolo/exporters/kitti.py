@@ -34,10 +34,21 @@ class _Sequence:
         return cls((cameras[pair.left], cameras[pair.right]), pair.baseline_m)
 
 
-def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+def _pairs(data: Dataset) -> list[StereoPair | None]:
+    """Return the rectified pair of each run; all sequences have the same folders, so all or none have one."""
     pairs = [stereo_pair(run) for run in data.runs]
-    if len({pair and (pair.left, pair.right) for pair in pairs}) > 1:  # all sequences have the same folders
-        pairs = [None] * len(pairs)
+    same = len({pair and (pair.left, pair.right) for pair in pairs}) <= 1
+    return pairs if same else [None] * len(pairs)
+
+
+def _warnings(data: Dataset) -> Iterator[str]:
+    cameras = [_Sequence.of(run, pair).cameras[0] for run, pair in zip(data.runs, _pairs(data), strict=True)]
+    if any(camera.camera.camera_model == "fisheye" or camera.camera.D.any() for camera in cameras):
+        yield "the lens has distortion, and images are not undistorted: readers of KITTI do not know D0 in calib.txt"
+
+
+def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+    pairs = _pairs(data)
     check_images(data, "kitti")
     digits = max(2, len(str(len(data.runs) - 1)))
     names = {f"{number:0{digits}d}": run for number, run in enumerate(data.runs)}
@@ -84,5 +95,5 @@ def _lines(table) -> bytes:  # noqa: ANN001 - rows of numbers, an array or lists
 
 
 EXPORTER = Exporter(
-    "kitti", "sequences in the form of KITTI's odometry benchmark: poses, times, calibration, images", _files
+    "kitti", "sequences in the form of KITTI's odometry benchmark: poses, times, calibration, images", _files, _warnings
 )

@@ -95,6 +95,9 @@ def export(
     if data.splits is not None and data.splits.by == "image":
         typer.echo(f"warning: {NEIGHBOURS_WARNING}", err=True)
     planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE, video, polygons))
+    for exporter in exporters:
+        for text in exporter.warnings(data):
+            typer.echo(f"warning: {exporter.name}: {text}", err=True)
     if dry_run:
         for export_plan in planned:
             files, exporter = export_plan.files, export_plan.exporter

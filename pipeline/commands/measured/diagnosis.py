@@ -363,7 +363,9 @@ def _print(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]", *
         for line in diagnosis_table(cases, out, failed):
             typer.echo(line)
     elif finished:
-        typer.echo(f"{out / 'report.html'}, {out / 'answer.json'}, {out / 'extended.yaml'}")
+        typer.echo(
+            ", ".join(str(out / name) for name in ("report.html", "answer.json", "extended.yaml", "posterior.yaml"))
+        )
 
 
 def _print_json(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]") -> None:

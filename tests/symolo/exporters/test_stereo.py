@@ -7,6 +7,7 @@ import pytest
 
 import symolo
 from symolo.dataset.documents.camera_model import X_CB, CameraDocument
+from symolo.exporters.kitti import EXPORTER as KITTI
 from symolo.exporters.shared.stereo import StereoPair, stereo_pair
 from symolo.reader.calibrated_camera import CalibratedCamera
 
@@ -55,6 +56,12 @@ def test_the_camera_on_the_right_is_the_second_whatever_its_name():
 )
 def test_other_cameras_are_no_rectified_pair(other):
     assert stereo_pair(run_of(a=camera(0.07), b=other)) is None
+
+
+@pytest.mark.parametrize(("D", "count"), [((0.0,) * 5, 0), ((-0.2, 0.0, 0.0, 0.0, 0.0), 1)])
+def test_kitti_warns_of_a_lens_with_distortion(D, count):
+    data = SimpleNamespace(runs=[run_of(camera=camera(0.0, D=D))])
+    assert sum("D0" in text for text in KITTI.warnings(data)) == count
 
 
 def test_equal_distortion_is_not_rectified():
