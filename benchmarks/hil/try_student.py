@@ -38,7 +38,10 @@ def main() -> int:
         specs = [draw_run(loaded, route, 1) for route in arguments.routes.split(",")]
         with tempfile.TemporaryDirectory() as folder:
             outcomes = [driven(spec, text, Path(folder)) for spec in specs]
-    except (InputError, OSError, UnicodeDecodeError) as error:
+    except OSError as error:
+        print(f"{error.filename or arguments.student}: {error.strerror}", file=sys.stderr)
+        return 2
+    except (InputError, UnicodeDecodeError) as error:
         print(error, file=sys.stderr)
         return 2
     except RunFailed as error:

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.ticker import LogFormatter
 
 from pipeline.baselines.base import Method
 from pipeline.baselines.compare import BaselineComparison
@@ -29,6 +30,13 @@ _OTHER_STYLE = (BLACK, ":")
 """Colour and line style of any other method."""
 
 
+class PlainNumbers(LogFormatter):
+    """Labels of a logarithmic axis without powers of ten; between the powers only on short axes."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return f"{x:g}" if super().__call__(x, pos) else ""
+
+
 def figure(compared: BaselineComparison) -> bytes:
     """Return the figure of the first runs as PNG."""
     shown = compared.runs[:MAX_RUNS]
@@ -42,9 +50,11 @@ def figure(compared: BaselineComparison) -> bytes:
             _method(compared, run, method, _STYLES.get(method.name, _OTHER_STYLE), (floor, place, turn))
         low, high = run.truth[:, :2].min(axis=0) - 0.3, run.truth[:, :2].max(axis=0) + 0.3
         floor.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-        place.set_yscale("log")
+        for error in (place, turn):
+            error.set_yscale("log")
+            error.yaxis.set_major_formatter(PlainNumbers())
+            error.yaxis.set_minor_formatter(PlainNumbers())
         place.set_ylim(bottom=0.3)
-        turn.set_yscale("log")
         turn.set_ylim(bottom=0.01)
         finished(floor, f"{run.name}, from the dot on", "x [m]", "y [m]", legend=False)
         finished(place, "Position error", "time [s]", "distance [mm]", legend=False)

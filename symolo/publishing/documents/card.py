@@ -58,7 +58,7 @@ def _head(data: Published) -> str:
 def _files(data: Published) -> str:
     described = [(shard, f"the dataset, below `{data.name}/`") for shard in data.shards]
     described += data.described_tables
-    rows = [(file.name, f"{file.size / 1e6:.1f} MB", text) for file, text in described]
+    rows = [(file.name, _size(file.size), text) for file, text in described]
     rows += [
         ("croissant.json", "", "files, tables and columns for MLCommons' `mlcroissant`"),
         ("datacite.json", "", "the record in DataCite's schema 4.5"),
@@ -68,6 +68,10 @@ def _files(data: Published) -> str:
         ("SHA256SUMS", "", "checksums of all files here"),
     ]
     return f"## Files\n\n{markdown_table(('file', 'size', 'what it is'), rows)}"
+
+
+def _size(size_bytes: int) -> str:
+    return f"{size_bytes / 1e6:.1f} MB" if size_bytes >= 1e6 else f"{size_bytes / 1e3:.1f} kB"
 
 
 def _use(data: Published) -> str:

@@ -123,6 +123,7 @@ def test_the_card_has_front_matter_and_names_every_file(packed):
     assert tables == {path.name for path in packed.out.glob("*.csv")}
     for path in packed.out.iterdir():
         assert path.name == "README.md" or path.name in body
+    assert f"| {next(packed.out.glob('*.csv')).stat().st_size / 1000:.1f} kB |" in body
 
 
 def test_the_names_of_authors_are_text_and_their_identifiers_are_links(packed):

@@ -1,0 +1,23 @@
+"""The figure of `symolo baselines`."""
+
+import pytest
+from matplotlib.figure import Figure
+
+from pipeline.baselines.figure import PlainNumbers
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "labels"),
+    [(0.35, 0.95, {"0.4", "0.6"}), (0.3, 900.0, {"1", "10", "100"})],
+)
+def test_logarithmic_axes_have_plain_numbers(low, high, labels):
+    """Within a decade, values between the powers of ten are labelled, without a power."""
+    axes = Figure().subplots()
+    axes.set_yscale("log")
+    axes.set_ylim(low, high)
+    axes.yaxis.set_major_formatter(PlainNumbers())
+    axes.yaxis.set_minor_formatter(PlainNumbers())
+    axes.figure.draw_without_rendering()
+    drawn = {label.get_text() for label in axes.get_yticklabels(which="both")}
+    assert labels <= drawn
+    assert not any("10^" in label or "e" in label for label in drawn)
