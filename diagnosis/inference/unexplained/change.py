@@ -9,6 +9,8 @@ One of the named effects may also be present from that moment on only. If this e
 penalty for each parameter, and leaves no structure, the named effects are withdrawn.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
@@ -19,6 +21,7 @@ from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
 from diagnosis.inference.unexplained.equivalent_errors import is_same_as_own
 from diagnosis.measured.channel import Mask
+from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
 
@@ -53,11 +56,13 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     time = _time_s(evidence)
     for moment in _moments(time[evidence.fit & np.isfinite(time)]):
         after = time >= moment
-        parts = ((change * after[:, None], shape) for change, shape in lasting)
-        for columns, shape in ((_jump(evidence, nominal, after), 0), *parts):
+        parts = ((part.change * after[:, None], part.shape, part.least) for part in lasting)
+        for columns, shape, least in ((_jump(evidence, nominal, after), 0, -np.inf), *parts):
             weighed = columns * root[:, None]
             combined = beyond(weighed, basis[: len(root)].T @ weighed)
             along = combined.T @ (weighed.T @ residual[: len(root)])
+            if np.any(combined @ along <= least):
+                continue
             # The selection of effects has the same penalty, so that the two models can be compared.
             penalty = PARAMETER_PENALTY * (combined.shape[1] + shape + MOMENT_PARAMETERS)
             squares = float(residual @ residual - along @ along) / level + penalty
@@ -104,19 +109,40 @@ def _left(weighed: Array, basis: Array, residual: Array) -> Array:
     return residual - (padded @ combined - basis @ (taken @ combined)) @ along
 
 
-def _lasting(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> list[tuple[Array, int]]:
-    """Return the changes (N, 1) in sigmas of which each may be present from a moment on only, by nominal numbers and by
-    the effects of a fit, and the number of parameters of its shape.
-    """
+@dataclass(frozen=True)
+class _Lasting:
+    """A change that may be present from a moment on only."""
+
+    change: Array
+    """(N, 1), in sigmas."""
+    shape: int = 0
+    """Number of parameters of its shape."""
+    least: float = -np.inf
+    """Multiple of the change that must be exceeded."""
+
+
+def _lasting(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> list[_Lasting]:
+    """Return the changes by nominal numbers and by the effects of a fit."""
     numbers = zip(nominal.hypothesis.nuisances, nominal.slopes, strict=False)
-    by_numbers = [(slope[:, None], 0) for nuisance, slope in numbers if nuisance.change is None]
+    by_numbers = [
+        _Lasting(slope[:, None], least=_least(nuisance)) for nuisance, slope in numbers if nuisance.change is None
+    ]
     # An effect has its fitted shape, whose numbers are parameters like the size.
     by_effects = [
-        (change_by(evidence, nominal, fit, effect)[:, None], len(effect.coordinates) - 1)
+        _Lasting(change_by(evidence, nominal, fit, effect)[:, None], len(effect.coordinates) - 1)
         for effect in fit.hypothesis.effects
         if not is_of_noise(fit, effect)
     ]
     return [*by_numbers, *by_effects]
+
+
+def _least(nuisance: Nuisance) -> float:
+    """Return the jump of a number, in tolerances, from its nominal value to zero; a number that is positive stays so.
+
+    Where speed and voltage are nearly constant, no possible inertia changes a prediction. But the controller answers
+    the rounding of the counts, row by row, and an inertia of several times its value, below zero, has the same shape.
+    """
+    return -nuisance.value / nuisance.tolerance if nuisance.value > 0.0 else -np.inf
 
 
 def _same_noise(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Mask:

@@ -119,6 +119,24 @@ def test_a_nominal_number_that_jumps_explains_all_quantities_at_once(evidence_of
     assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=2.0)
 
 
+@pytest.mark.parametrize(("jump", "is_possible"), [(3.0, True), (-0.8, True), (-3.0, False)])
+def test_no_positive_number_jumps_below_zero(evidence_of, hypothesis, effect, jump, is_possible):
+    """The jumps have the same size in sigmas, and no offset imitates them. The torque constant is positive, so that it
+    cannot lose three times its value."""
+    generator = np.random.default_rng(5)
+    changes, when = np.linspace(-0.01, 0.01, 60), generator.permutation(60).astype(float)
+    x = changes / abs(jump)
+    stages = []
+    for k in range(6):
+        readings = x * (1.0 + jump * (when >= 26.0)) + SD_A * generator.standard_normal(60)
+        (stage,) = evidence_of(x, readings, t_s=when).stages
+        stage.observed = (replace(stage.observed[0], name=f"current_{k}_A"),)
+        stages.append(stage)
+    evidence = Evidence(tuple(stages))
+    named = fitted(evidence, hypothesis.with_effect(effect("current_sensor_offset")))
+    assert (change_in_time(evidence, fitted(evidence, hypothesis), named) is not None) == is_possible
+
+
 def test_a_jump_is_one_of_the_quantity_that_it_explains_and_not_of_the_one_with_the_most_noise(
     evidence_of, hypothesis, effect
 ):
