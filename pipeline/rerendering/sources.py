@@ -25,10 +25,11 @@ from symolo.dataset.documents.origin import Origin, ReleaseOrigin
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.documents.splits_record import SplitName
 from symolo.dataset.layout import DATA, SIDE
-from symolo.dataset.manifest import MANIFEST
+from symolo.dataset.manifest import MANIFEST, read_manifest, repair_cure
 from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.dataset.tables.sensor_tables import ListedSensor
-from symolo.dataset.tables.side_tables import CAMERA
+from symolo.dataset.tables.side_reading import read_side
+from symolo.dataset.tables.side_tables import CAMERA, SideTable
 from symolo.exporters.export import open_release
 
 _OF_IMAGES = re.compile(
@@ -146,7 +147,10 @@ def _of_run(folder: Path) -> Sources:
     if metadata is not None and record is not None:
         manifest = folder.absolute().parents[1] / MANIFEST
         digest = sha256_of(manifest) if manifest.is_file() else ""
-        return _with_metadata((_released(folder, record, metadata, digest),), (folder / DATA,), metadata)
+        run = _released(folder, record, metadata, digest)
+        if digest:
+            _check_as_released(folder, manifest, (DATA, f"{SIDE}/{SPEC}", *run.side))
+        return _with_metadata((run,), (folder / DATA,), metadata)
     spec = read_spec(folder / SIDE / SPEC, _CURE)
     if spec.is_imported:
         what = "is a run of an import without its metadata.json, which describes its tables"
@@ -154,6 +158,19 @@ def _of_run(folder: Path) -> Sources:
     sensors = listed_sensors(spec.robot.sensors)
     run = _taken(folder, spec, sensors, RunOutcome.of_rows(read_rows(folder / DATA)), "")
     return Sources((run,), (folder / DATA,), spec.scenario, "", "", {}, sensors)
+
+
+def _check_as_released(folder: Path, manifest: Path, names: Sequence[str]) -> None:
+    """Refuse the folder of a run in which one of these files is not as it was released."""
+    try:
+        listed = read_manifest(read_file(manifest, FileKind.CHECKSUMS))
+    except ValueError as error:
+        cure = repair_cure(manifest, "")
+        raise InputError(f"is damaged: {error}", where=str(manifest), cure=cure) from None
+    for name in names:
+        if listed.get(f"{run_name(folder)}/{name}") != sha256_of(folder / name):
+            path = folder / name
+            raise InputError(f"its SHA-256 is not that of {MANIFEST}", where=str(path), cure=repair_cure(path, ""))
 
 
 def _with_metadata(runs: tuple[ExternalRun, ...], files: tuple[Path, ...], metadata: Metadata) -> Sources:
@@ -190,16 +207,16 @@ def _taken(
     """Return a run from its folder, with the tables that do not follow from its specification."""
     known = side_tables(RunDocument.model_validate(spec))
     tables = (*known, *(sensor.table for sensor in sensors))
-    names = [table.file for table in tables if table is not CAMERA and table.name != "obstacles"]
-    side = {f"{SIDE}/{name}": _read_side(folder / SIDE / name) for name in names}
-    return ExternalRun(_with_origin(spec, digest), read_rows(folder / DATA), side, outcome)
+    kept = [table for table in tables if table is not CAMERA and table.name != "obstacles"]
+    rows = read_rows(folder / DATA)
+    side = {f"{SIDE}/{table.file}": _checked_side(folder / SIDE / table.file, table, rows) for table in kept}
+    return ExternalRun(_with_origin(spec, digest), rows, side, outcome)
 
 
-def _read_side(path: Path) -> bytes:
-    try:
-        return read_file(path, FileKind.TABLE)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
+def _checked_side(path: Path, table: SideTable, rows: Rows) -> bytes:
+    """Return the bytes of a side table that fits data.csv."""
+    read_side(path, table, rows)
+    return read_file(path, FileKind.TABLE)
 
 
 def _with_origin(spec: SceneSpec, digest: str) -> SceneSpec:

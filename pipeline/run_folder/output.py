@@ -4,8 +4,9 @@ from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.paths import nearest_existing, not_writable, writing_error
-from symolo.dataset.folder_kind import Kind, kind_of
+from symolo.dataset.folder_kind import DATASETS, Kind, kind_of
 from symolo.dataset.layout import STAGES
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 
 NEW_OR_EMPTY = "name a folder that is new or empty"
 MADE_BY = {
@@ -35,6 +36,20 @@ def check_out(out: Path, kind: Kind) -> None:
         raise InputError(f"is below the file {nearest}", where=where, cure=NEW_OR_EMPTY)
     if (error := writing_error(nearest)) is not None:
         raise not_writable(nearest, error, where)
+
+
+def check_finished(root: Path) -> None:
+    """Refuse an output folder whose release was interrupted, which is no damage.
+
+    Raises:
+        InputError: Both lists of checksums are missing in a folder of the stages.
+    """
+    if kind_of(root) in DATASETS and not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST)):
+        cure = (
+            "repeat the command that makes it, such as `symolo release`, with the same options; "
+            f"`symolo status {root}` shows what is missing"
+        )
+        raise InputError("the release is not finished", where=str(root), cure=cure)
 
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:

@@ -51,6 +51,13 @@ def read_manifest(data: bytes) -> dict[str, str]:
     return hashes
 
 
+def repair_cure(path: Path, otherwise: str) -> str:
+    """Return the advice about a damaged file: `symolo repair` if it belongs to a release, else `otherwise`."""
+    root = next((folder for folder in path.absolute().parents if (folder / MANIFEST).is_file()), None)
+    is_released = root is not None and STAGES not in path.absolute().relative_to(root).parts
+    return f"restore it with `symolo repair {root}`" if is_released else otherwise
+
+
 def released_hashes(out: Path) -> dict[str, str]:
     """Return the SHA-256 of every file of a dataset except the manifests, the signatures and the hidden stages."""
     return hashes_of(out, skip=(STAGES, MANIFEST, TAG_MANIFEST, *SEALS))

@@ -1,5 +1,6 @@
 """Facts about a publication that only people know: title, authors, date, publisher. Read from a YAML file."""
 
+from collections.abc import Iterator
 from datetime import date
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +8,7 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, ValidationError
 from pydantic_core import PydanticCustomError
 
-from symolo.core.errors import InputError, nearest
+from symolo.core.errors import InputError, nearest, together
 from symolo.core.yaml.reader import read_yaml
 from symolo.core.yaml.tree import Node, dotted
 
@@ -113,29 +114,44 @@ def read_about(path: Path) -> About:
     """Return the content of a YAML file.
 
     Raises:
-        InputError: The file cannot be read, or something in it is missing or wrong.
+        InputError: The file cannot be read, or something in it is missing or wrong; all faults are reported together.
     """
     root = read_yaml(path).root
     try:
         return About.model_validate(root.plain())
     except ValidationError as error:
-        raise _first_fault(error, root) from None
+        raise together([*_faults(error, root)]) from None
 
 
-def _first_fault(error: ValidationError, root: Node) -> InputError:
-    """Return the first fault with its line; an unknown key comes first, for a missing field may follow from it."""
-    faults = sorted(error.errors(include_url=False), key=lambda fault: fault["type"] != "extra_forbidden")
-    fault, others = faults[0], len(faults) - 1
-    path = fault["loc"]
+def _faults(error: ValidationError, root: Node) -> Iterator[InputError]:
+    """Yield each fault with its line, without those that follow from another one."""
+    faults = error.errors(include_url=False)
+    unknown = {fault["loc"]: _nearest_key(fault["loc"]) for fault in faults if fault["type"] == "extra_forbidden"}
+    misspelt = {(*path[:-1], key) for path, key in unknown.items()}
+    with_faults_inside = {fault["loc"][:depth] for fault in faults for depth in range(len(fault["loc"]))}
+    for fault in faults:
+        path = fault["loc"]
+        if path not in with_faults_inside and not (fault["type"] == "missing" and path in misspelt):
+            yield _fault(fault["type"], path, fault["msg"], fault["input"], root)
+
+
+def _fault(kind: str, path: tuple[int | str, ...], message: str, value: object, root: Node) -> InputError:
+    """Return a fault of a field with its line."""
     where, field = root.place_of(path), str(path[-1]) if path else ""
-    note = f"and {others} more fault{'s' if others > 1 else ''} after this one" if others else ""
-    if fault["type"] == "extra_forbidden":
-        known = [*(Author if path[0] == "authors" else About).model_fields]
-        what, hint = f"{dotted(path)}: unknown key", nearest(field, known)
-        return InputError(what, where=where, allowed=", ".join(known), nearest=hint, cure=note)
-    if fault["type"] == "missing":
-        return InputError(f"{dotted(path)}: missing", where=where, cure=note)
-    allowed = fault["msg"]
-    if fault["type"] == "string_pattern_mismatch":
-        allowed = _ALLOWED.get(field, "one line of text that neither begins nor ends with a space")
-    return InputError(dotted(path) or "top level", where=where, got=fault["input"], allowed=allowed, cure=note)
+    if kind == "extra_forbidden":
+        what = f"{dotted(path)}: unknown key"
+        return InputError(what, where=where, allowed=", ".join(_keys(path)), nearest=_nearest_key(path))
+    if kind == "missing":
+        return InputError(f"{dotted(path)}: missing", where=where)
+    if kind == "string_pattern_mismatch":
+        message = _ALLOWED.get(field, "one line of text that neither begins nor ends with a space")
+    return InputError(dotted(path) or "top level", where=where, got=value, allowed=message)
+
+
+def _keys(path: tuple[int | str, ...]) -> list[str]:
+    """Return the keys that are allowed beside that of a path."""
+    return [*(Author if path[0] == "authors" else About).model_fields]
+
+
+def _nearest_key(path: tuple[int | str, ...]) -> str:
+    return nearest(path[-1], _keys(path))

@@ -71,6 +71,7 @@ def verify(
     Example: symolo verify data --key symolo.pub --reproduce 10
     """
     from pipeline.effects.extract import effect_file_lines
+    from pipeline.run_folder.output import check_finished
     from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.files.file_locks import is_locked
     from symolo.core.progress import plural
@@ -83,6 +84,7 @@ def verify(
     if is_locked(folder / STAGES):
         what, cure = "another symolo command is working in this folder", "verify it when that command has ended"
         raise InputError(what, where=str(folder), cure=cure)
+    check_finished(folder)
     for finding in findings_of(folder, spec_problem, public):
         if not as_json:
             typer.echo(str(finding))

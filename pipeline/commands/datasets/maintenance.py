@@ -70,9 +70,11 @@ def repair(
     Example: symolo repair data
     """
     from pipeline.repair.repair import repair as repaired
+    from pipeline.run_folder.output import check_finished
     from pipeline.work.supervisor import cores
     from symolo.core.progress import plural, report_here
 
+    check_finished(folder)
     result = repaired(folder, workers or cores(), report_here(), typer.echo, remove_extra=remove_extra)
     for fault in result.left:
         typer.echo(f"not repaired: {fault}")

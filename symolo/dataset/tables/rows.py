@@ -16,6 +16,7 @@ from symolo.core.files.text_file import LineFault, decode_text
 from symolo.core.table import MAX_FAULTS, NumberColumn, header_fault, table_of
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import State
+from symolo.dataset.manifest import repair_cure
 from symolo.dataset.tables.column import Column, Series
 
 Ints = NDArray[np.int64]
@@ -226,7 +227,7 @@ def read_rows(path: Path) -> Rows:
     if faults:
         fault = _in_seconds(table[:, 0]) if faults[0].kind == "time" else None
         fault = fault or faults[0]
-        raise InputError(fault.what, where=f"{path}:{fault.line}", cure=fault.cure)
+        raise InputError(fault.what, where=f"{path}:{fault.line}", cure=repair_cure(path, fault.cure))
     return Rows.from_table(table, columns)
 
 

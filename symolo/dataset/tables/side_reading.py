@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.dataset.manifest import repair_cure
 from symolo.dataset.tables.rows import Rows, parse_table
 from symolo.dataset.tables.side_tables import CAMERA, SideTable
 
@@ -72,23 +73,24 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
     Raises:
         InputError: It cannot be read, or its format, times or images are wrong.
     """
+    cure = repair_cure(path, "make the run again")
     try:
         data = read_file(path, FileKind.TABLE)
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure=cure) from None
     numbers, faults = parse_table(data, table.header, may_be_empty=table.empty_names)
     if faults:
-        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
+        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=repair_cure(path, faults[0].cure))
     if table.rows_of == "samples":
         t_ms = numbers[:, 0]
         if np.any(np.diff(t_ms) <= 0.0) or np.any((t_ms < rows.t_ms[0]) | (t_ms > rows.t_ms[-1])):
             what = "column t does not increase within the times of data.csv"
-            raise InputError(what, where=str(path), cure="make the run again")
+            raise InputError(what, where=str(path), cure=cure)
         return numbers
     taken = rows.image > 0
     is_of_images = table.rows_of == "images"
     keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if is_of_images else rows.t_ms[:, None]
     for name, column, expected in zip(table.header, numbers.T, keys.T, strict=False):
         if not np.array_equal(column, expected):
-            raise InputError(f"column {name} is not that of data.csv", where=str(path), cure="make the run again")
+            raise InputError(f"column {name} is not that of data.csv", where=str(path), cure=cure)
     return numbers

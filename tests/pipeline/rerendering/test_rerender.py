@@ -196,6 +196,38 @@ def test_a_damaged_dataset_is_refused_before_anything_is_made(dataset, copy_of, 
     assert not (tmp_path / "out").exists()
 
 
+def _shorter(run):
+    lines = (run / "data.csv").read_text().splitlines(keepends=True)
+    (run / "data.csv").write_text("".join(lines[:10]))
+
+
+def _edited(run):
+    path = run / "side/wheels.csv"
+    head, first, *others = path.read_text().splitlines(keepends=True)
+    path.write_text("".join([head, first.replace("0.0", "0.1", 1), *others]))
+
+
+@pytest.mark.parametrize(
+    ("damage", "is_alone", "message"),
+    [
+        (_shorter, True, "side/wheels.csv: column t is not that of data.csv; make the run again"),
+        (_shorter, False, "side/wheels.csv: column t is not that of data.csv; restore it with `symolo repair "),
+        (_edited, False, "side/wheels.csv: its SHA-256 is not that of manifest-sha256.txt; restore it with `symolo "),
+    ],
+)
+def test_a_damaged_run_is_refused_before_anything_is_made(dataset, tmp_path, symolo, damage, is_alone, message):
+    """The rows that are left are well-formed, so only other files show that some are missing."""
+    run = tmp_path / "copy" / RUN
+    if is_alone:
+        shutil.copytree(dataset / RUN, run)
+    else:
+        shutil.copytree(dataset, tmp_path / "copy", ignore=shutil.ignore_patterns(".stages"))
+    damage(run)
+    ended = symolo("rerender", run, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n"), message in ended.err) == (2, 1, True), ended.err
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize(
     ("array", "row", "number", "message"),
     [

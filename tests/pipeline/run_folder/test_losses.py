@@ -88,6 +88,19 @@ def test_a_dry_run_into_a_new_folder_makes_no_folder(tmp_path, symolo, tiny):
     assert not (tmp_path / "new").exists()
 
 
+@pytest.mark.parametrize("command", ["verify", "repair"])
+def test_a_release_that_was_interrupted_is_named_so(out, symolo, command):
+    for name in ("manifest-sha256.txt", "tagmanifest-sha256.txt"):
+        (out / name).unlink()
+    ended = symolo(command, out)
+    assert (ended.code, ended.out) == (2, "")
+    (line,) = ended.err.splitlines()
+    assert line.endswith(
+        f"{out}: the release is not finished; repeat the command that makes it, such as `symolo release`, with the "
+        f"same options; `symolo status {out}` shows what is missing"
+    )
+
+
 def test_an_unfinished_release_needs_no_flag(out, symolo, tiny):
     (out / "tagmanifest-sha256.txt").unlink()
     assert symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE, "--workers=1").code == 0

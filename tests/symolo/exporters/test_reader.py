@@ -122,7 +122,7 @@ DAMAGE = {
     "no rows": (lambda root: (root / "CW/test_1/data.csv").unlink(), "CW/test_1/data.csv: is missing"),
     "a row cut off": (
         lambda root: (root / "CW/test_1/data.csv").write_bytes((root / "CW/test_1/data.csv").read_bytes()[:-20]),
-        r"data.csv:\d+: \d+ columns?; allowed: 19",
+        r"data.csv:\d+: \d+ columns?; allowed: 19; restore it with `symolo repair /.*/copy`$",
     ),
     "no picture": (lambda root: (root / "CW/test_1/images/000001.jpg").unlink(), "000001.jpg: is missing"),
     "half a picture": (damaged("CW/test_1/images/000001.jpg", "x"), "000001.jpg: is no image"),

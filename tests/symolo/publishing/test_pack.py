@@ -200,8 +200,21 @@ def test_what_is_wrong_about_it_is_reported_before_anything_is_written(
     (tmp_path / "about.yaml").write_text(packed.about.read_text().replace(line, changed))
     out = tmp_path / "upload"
     assert main(["pack", str(packed.release), "--about", str(tmp_path / "about.yaml"), "--out", str(out)]) == 2
-    assert message in capsys.readouterr().err
+    printed = capsys.readouterr().err
+    assert (printed.count("\n"), message in printed) == (1, True), printed
     assert not out.exists()
+
+
+def test_all_that_is_wrong_about_it_is_reported_together_and_counted_rightly(packed, tmp_path, capsys):
+    text = packed.about.read_text().replace("1825-0097", "1825-0098").replace("2026-11-22", "22 November")
+    (tmp_path / "about.yaml").write_text(text + "keyword: robot\n")
+    command = ["pack", str(packed.release), "--about", str(tmp_path / "about.yaml"), "--out", str(tmp_path / "upload")]
+    assert main(command) == 2
+    first, *faults = capsys.readouterr().err.splitlines()
+    assert first.endswith("3 faults:")
+    assert ["whose last sign is 7" in faults[0], "published: got '22 Nov" in faults[1]] == [True, True]
+    assert "keyword: unknown key" in faults[2]
+    assert len(faults) == 3
 
 
 def test_a_damaged_release_is_not_packed(packed, tmp_path, capsys):
