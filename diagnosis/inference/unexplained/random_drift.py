@@ -48,7 +48,7 @@ TIMES = 12
 DISTANCE = "distance_m"
 EQUAL = 1e-6
 """Difference of the cost that is only rounding error."""
-LIMITS = RangeWander.parameters()["time_constant_s"]
+TIME_CONSTANT_LIMITS = RangeWander.parameters()["time_constant_s"]
 """Least and greatest time constant of the effect, which hold for rows of any distance."""
 
 
@@ -87,8 +87,8 @@ class _Seen:
     """(T,), time constants that were tried."""
     found: Likelihoods
     beside: tuple[Array, Array]
-    """What tolerances and samples of other quantities tell: information (P, P), and its product with the change (P,)
-    that they want."""
+    """Information (P, P) of tolerances and of samples of other quantities, and its product with the change (P,) that
+    they make most probable."""
 
     @property
     def cost(self) -> float:
@@ -134,10 +134,11 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     rows = evidence.fit[ranges.place] & usable
     if np.count_nonzero(rows) < MIN_ROWS:
         return None
-    time_s = ranges.of_sensor(ranges.time_s)
+    time_s = ranges.path_time_s
     plain = RangeSeries.of(fit, ranges, time_s, rows)
     row_s, span_s = float(np.median(np.diff(plain.at))), float(np.ptp(ranges.time_s[rows]))
-    shortest_s, longest_s = max(MIN_LASTING_ROWS * row_s, LIMITS.low), min(span_s, LIMITS.high)
+    shortest_s = max(MIN_LASTING_ROWS * row_s, TIME_CONSTANT_LIMITS.low)
+    longest_s = min(span_s, TIME_CONSTANT_LIMITS.high)
     if not (0.0 < 2.0 * MIN_LASTING_ROWS * row_s < span_s and shortest_s < longest_s):
         return None
     times_s = np.geomspace(shortest_s, longest_s, TIMES)
@@ -145,7 +146,7 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     def beside(other: HypothesisFit) -> _Seen:
         series = RangeSeries.of(other, ranges, time_s, rows)
         likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, RATIOS)
-        return _Seen(other, series, times_s, likely, _told_elsewhere(evidence, other, ranges))
+        return _Seen(other, series, times_s, likely, _information_elsewhere(evidence, other, ranges))
 
     seen = beside(fit)
     white = plain.cost_of(float(plain.z @ plain.z))
@@ -171,8 +172,11 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     return _named(seen, others, white, path_m, {ranges.time: [float(known_s.min()), float(known_s.max())]})
 
 
-def _told_elsewhere(evidence: Evidence, fit: HypothesisFit, ranges: RangeRows) -> tuple[Array, Array]:
-    """Return what tolerances and samples of other quantities tell about the coordinates of a fit."""
+def _information_elsewhere(evidence: Evidence, fit: HypothesisFit, ranges: RangeRows) -> tuple[Array, Array]:
+    """Return what tolerances and samples of other quantities add to the normal equations of a fit.
+
+    It is their information (P, P), and its product with the change (P,) of coordinates that they make most probable.
+    """
     elsewhere = evidence.fit & (np.abs(fit.z) < OUTLIER)
     elsewhere[ranges.place] = False
     slopes = fit.slopes[:, elsewhere] * evidence.weight[elsewhere]
@@ -283,8 +287,8 @@ def _short(series: RangeSeries, row_s: float) -> Iterator[float]:
 
 
 def _jump(series: RangeSeries) -> float:
-    """Return the cost of an offset of one sensor that changes once, at the best moment."""
-    falls = [_fall_by_jump(series.z[inside], series.sd_m[inside]) for inside in _each_sensor(series)]
+    """Return the cost of an offset of one path that changes once, at the best moment."""
+    falls = [_fall_by_jump(series.z[inside], series.sd_m[inside]) for inside in _each_path(series)]
     return series.cost_of(float(series.z @ series.z) - max(falls))
 
 
@@ -298,14 +302,14 @@ def _fall_by_jump(z: Array, sd: Array) -> float:
 
 
 def _lines(series: RangeSeries) -> Array:
-    """Return a constant and a line in time (n, 2 K) for each of the K sensors."""
-    columns = [inside * (series.at - series.at[inside].mean()) ** k for inside in _each_sensor(series) for k in (0, 1)]
+    """Return a constant and a line in time (n, 2 K) for each of the K paths."""
+    columns = [inside * (series.at - series.at[inside].mean()) ** k for inside in _each_path(series) for k in (0, 1)]
     return np.stack(columns, axis=1)
 
 
-def _each_sensor(series: RangeSeries) -> Iterator[Mask]:
-    for number in np.unique(series.sensor):
-        yield series.sensor == number
+def _each_path(series: RangeSeries) -> Iterator[Mask]:
+    for number in np.unique(series.path):
+        yield series.path == number
 
 
 def _left(z: Array, columns: Array) -> float:

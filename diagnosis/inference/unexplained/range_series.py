@@ -1,7 +1,8 @@
 """Residuals of the range sensors in order of time or of a covariate, for the test of a random drift.
 
 Several sensors follow each other in one series. Their coordinates are so far apart that an error with a memory forgets
-everything between two sensors: each has a drift of its own, with the same standard deviation and time constant.
+everything between two sensors: each has a path of its own, with the same standard deviation and time constant. So have
+two trials of a sensor, unless a session states the time between them.
 """
 
 from collections.abc import Iterator
@@ -16,13 +17,12 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import SESSION
 from diagnosis.measured.case_format import RANGES
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import ROW_TIME, Covariate, CovariateShape, Observed
+from diagnosis.predictors.base import ROW_TIME, SESSION_TIME, Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
 
-SESSION_TIME = "session_time_s"
-MAX_ROWS = 400
+ROWS_OF_SENSOR = 400
 """Number of rows of a sensor from which neighbours are averaged, since the time grows with its third power."""
-GAP = 10.0
+PAUSE_STEPS = 10.0
 """Step between two rows, in median steps, across which they are not averaged: a pause, or another sensor."""
 APART = 1e3
 """Distance between the coordinates of two sensors or categories, in their whole range."""
@@ -43,6 +43,8 @@ class RangeRows:
     """(N,), index of each among all samples."""
     sensor: NDArray[np.int64]
     """(N,), number of its sensor."""
+    path: NDArray[np.int64]
+    """(N,), number of the path of errors over time: one for each sensor, or for each trial of a sensor."""
     time: str
     """Name of the time."""
     time_s: Array
@@ -58,6 +60,11 @@ class RangeRows:
         """Return coordinates (N,) in which those of different sensors are far apart."""
         return values + APART * _reach(values) * self.sensor
 
+    @property
+    def path_time_s(self) -> Array:
+        """Return times (N,) in which those of different paths are far apart."""
+        return self.time_s + APART * _reach(self.time_s) * self.path
+
 
 @dataclass(frozen=True)
 class RangeSeries:
@@ -65,8 +72,8 @@ class RangeSeries:
 
     at: Array
     """(n,), rising coordinate: the time [s], or a covariate."""
-    sensor: NDArray[np.int64]
-    """(n,), number of the sensor."""
+    path: NDArray[np.int64]
+    """(n,), number of the path of errors."""
     residual_m: Array
     sd_m: Array
     slopes_m: Array
@@ -76,13 +83,13 @@ class RangeSeries:
     def of(cls, fit: HypothesisFit, ranges: RangeRows, at: Array, rows: Mask) -> "RangeSeries":
         """Return the series of some rows (N,) of the ranges along a coordinate (N,)."""
         inside = np.flatnonzero(rows)[np.argsort(at[rows], kind="stable")]
-        begins = _begins(at[inside], MAX_ROWS * ranges.sensors)
+        begins = _begins(at[inside], ROWS_OF_SENSOR * ranges.sensors)
         sd_m = fit.sd[ranges.place]
         weight = sd_m[inside] ** -2.0
         total = np.add.reduceat(weight, begins)
         values = np.stack([at, (fit.z * fit.sd)[ranges.place], *(fit.slopes[:, ranges.place] * sd_m)])[:, inside]
         means = np.add.reduceat(weight * values, begins, axis=1) / total
-        return cls(means[0], ranges.sensor[inside][begins], means[1], total**-0.5, means[2:])
+        return cls(means[0], ranges.path[inside][begins], means[1], total**-0.5, means[2:])
 
     @property
     def z(self) -> Array:
@@ -96,25 +103,35 @@ class RangeSeries:
 def _begins(at: Array, most: int) -> NDArray[np.int64]:
     """Return the first of each group of neighbours; no group reaches across a gap."""
     steps = np.diff(at)
-    gaps = np.flatnonzero(steps > GAP * np.median(steps)) + 1
+    gaps = np.flatnonzero(steps > PAUSE_STEPS * np.median(steps)) + 1
     size = -(-len(at) // most)
     return np.concatenate([np.arange(a, b, size) for a, b in pairwise([0, *gaps.tolist(), len(at)])])
 
 
 def range_rows(evidence: Evidence) -> RangeRows | None:
     """Return the samples of the range sensors; None without any or without their times."""
-    found = [(o, p) for o, p in zip(evidence.observed, evidence.places, strict=True) if o.name in RANGES]
-    times = [{c.name: c.values for c in o.covariates if c.name in (SESSION_TIME, ROW_TIME)} for o, _ in found]
+    samples = [(o, p) for o, p in zip(evidence.observed, evidence.places, strict=True) if o.name in RANGES]
+    times = [{c.name: c.values for c in o.covariates if c.name in (SESSION_TIME, ROW_TIME)} for o, _ in samples]
     time = next((name for name in (SESSION_TIME, ROW_TIME) if times and all(name in each for each in times)), None)
     if time is None:
         return None
+    time_s = np.concatenate([each[time] for each in times])
+    sensor = np.concatenate([np.full(place.stop - place.start, number) for number, (_, place) in enumerate(samples)])
+    trial = np.concatenate([observed.trial for observed, _ in samples])
     return RangeRows(
-        np.concatenate([np.arange(place.start, place.stop) for _, place in found]),
-        np.concatenate([np.full(place.stop - place.start, number) for number, (_, place) in enumerate(found)]),
+        np.concatenate([np.arange(place.start, place.stop) for _, place in samples]),
+        sensor,
+        sensor if _follow_each_other(trial, time_s) else sensor * (int(trial.max()) + 1) + trial,
         time,
-        np.concatenate([each[time] for each in times]),
-        tuple(_covariates([observed for observed, _ in found])),
+        time_s,
+        tuple(_covariates([observed for observed, _ in samples])),
     )
+
+
+def _follow_each_other(trial: NDArray[np.int64], time_s: Array) -> bool:
+    """Return whether each trial begins after the one before has ended, so that one clock counts their times."""
+    spans = [time_s[(trial == number) & np.isfinite(time_s)] for number in np.unique(trial).tolist()]
+    return all(before.max() < after.min() for before, after in pairwise(span for span in spans if len(span)))
 
 
 def _covariates(observed: list[Observed]) -> Iterator[Covariate]:
@@ -133,9 +150,9 @@ def coordinates(covariate: Covariate) -> Iterator[tuple[Array, Array]]:
     """
     if covariate.second is not None:
         both = np.stack([covariate.values, covariate.second])
-        side = max(_reach(values) for values in both)
-        for share in CELLS if side > 0.0 else ():
-            column, row = np.floor(both / (share * side))
+        longest_m = max(_reach(values) for values in both)
+        for share in CELLS if longest_m > 0.0 else ():
+            column, row = np.floor(both / (share * longest_m))
             yield APART * (column + APART * row), np.ones(1)
     elif covariate.name == WALL:
         yield APART * covariate.values, np.ones(1)

@@ -101,7 +101,7 @@ class _View:
 
 
 class RangesInArena(Ranges):
-    """Arena, robot and noise of a SyMoLo data.csv."""
+    """Ranges in the arena of each trial, of a data.csv of the SyMoLo format or of simulated runs."""
 
     channels = RANGE_READINGS
 
@@ -152,8 +152,8 @@ class RangesInArena(Ranges):
         return Surroundings(np.stack(clear, axis=-1), surface, names)
 
     def _path(self, robot: RobotConfig) -> Array:
-        """Return pose of the axle and time since the start of the drive, (n, 4), of each row's reading."""
-        return np.column_stack([self._axle([robot]), self._since_on_s - self._age_s([robot])])
+        """Return pose of the axle and time since the start of the trial, (n, 4), of each row's reading."""
+        return np.column_stack([self._axle([robot]), self._t_s - self._age_s([robot])])
 
     def _cone(self, robot: RobotConfig) -> _Cone:
         """Return the rays of a robot, of which only their weights may differ from those of the nominal one."""
@@ -241,7 +241,7 @@ class RangesInArena(Ranges):
                 # A wheel that changes its speed at once, between two rows, is off the straight line between them by
                 # a quarter of the change per row.
                 bend = np.pad(np.diff(self._tracked.pose[rows], 2, axis=0), ((1, 1), (0, 0)), mode="edge")
-                moved[rows] = 0.25 * (np.abs(bend) + np.abs(np.roll(bend, 1, axis=0)))
+                moved[rows] = 0.25 * (np.abs(bend) + np.abs(np.vstack([bend[:1], bend[:-1]])))
         return moved
 
     def _cast(self, k: int, path: Array, askew_rad: float, cone: _Cone) -> _View:

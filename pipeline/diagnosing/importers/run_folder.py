@@ -77,6 +77,11 @@ class _DatasetRun:
         """Whether the trajectory was imported from a log, so that it has only the tables that were measured."""
         return self.spec is not None and self.spec.is_imported
 
+    @property
+    def is_rendered_again(self) -> bool:
+        """Whether `rerender` made the images, so that the specification may have an arena that nobody measured."""
+        return self.spec is not None and self.spec.origin is not None and self.spec.origin.release is not None
+
     def tables(self) -> tuple[Rows, Array, Array]:
         """Return data.csv, side/wheels.csv and side/tof.csv.
 
@@ -154,9 +159,13 @@ def _read(path: Path) -> Measurement:
     files = tuple(file for run in runs for file in run.files)
     share = f"every {HELD_OUT_EACH}th run" if several else f"the last {1.0 / HELD_OUT_EACH:.0%} of each run"
     notes = (*(() if runs[0].is_imported else (_NOTE,)), f"{share} is held out")
-    without_arena = ", ".join(run_name(run.folder) for run in runs if run.spec is None)
-    if without_arena:
-        notes = (*notes, f"ranges are not compared, because {without_arena} has no {SPEC}, which states the arena")
+    without_spec = ", ".join(run_name(run.folder) for run in runs if run.spec is None)
+    if without_spec:
+        notes = (*notes, f"ranges are not compared: no {SPEC}, which states the arena, in {without_spec}")
+    rendered_again = ", ".join(run_name(run.folder) for run in runs if run.is_rendered_again)
+    if rendered_again:
+        what = "rendered again, perhaps in another arena than that of the readings"
+        notes = (*notes, f"ranges are not compared: {rendered_again} was {what}")
     name = path.absolute().parent.name if path.name == DATA else path.absolute().name
     source = MeasurementSource("logs that symolo imported" if runs[0].is_imported else "a dataset of symolo", files)
     return Measurement(name, CaseKind.DRIVE_LOG, source, tuple(trials), notes=notes)
@@ -179,7 +188,7 @@ def _trial(run: _DatasetRun) -> Trial:
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
     # Of the specification, a diagnosis may know the arena, and must not know the robot.
-    arena = run.spec.arena if run.spec else None
+    arena = run.spec.arena if run.spec and not run.is_rendered_again else None
     return replace(trial_of(run_name(run.folder), rows, (*drive, *seen)), held_inputs=tuple(held), arena=arena)
 
 

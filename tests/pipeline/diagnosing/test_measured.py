@@ -1,5 +1,6 @@
 """`symolo inspect`: what is said of measured data, and what is refused."""
 
+import json
 import re
 import subprocess
 import sys
@@ -68,11 +69,19 @@ def test_without_its_specification_a_run_has_no_arena_and_its_ranges_are_not_com
     assert [trial.arena.name for trial in read(root).trials] == ["symolo", "symolo"]
     (root / "CW" / "test_1" / "side" / "spec.json").unlink()
     measurement = read(root)
-    assert measurement.notes[-1] == (
-        "ranges are not compared, because CW/test_1 has no spec.json, which states the arena"
-    )
+    assert measurement.notes[-1] == "ranges are not compared: no spec.json, which states the arena, in CW/test_1"
     robot = draw_robot(load_section("robot", "nominal"), 1, "test")[0]
     assert [stage.name for stage in STAGES[CaseKind.DRIVE_LOG](measurement, robot)] == ["wheels", "pose"]
+
+
+def test_ranges_of_a_run_that_was_rendered_again_are_not_compared_with_the_arena_of_its_images(copy_of, dataset):
+    root = copy_of(dataset)
+    path = root / "CW" / "test_1" / "side" / "spec.json"
+    origin = {"release": {"name": "smoke", "manifest_sha256": "", "run": "CW/test_1"}}
+    path.write_text(json.dumps({**json.loads(path.read_text()), "origin": origin}))
+    measurement = read(root)
+    assert [trial.arena is None for trial in measurement.trials] == [False, True]
+    assert measurement.notes[-1].startswith("ranges are not compared: CW/test_1 was rendered again")
 
 
 def test_voltages_between_rows_have_the_mean_and_the_last_value_of_each_row(dataset):

@@ -1,6 +1,7 @@
 """The range sensors of a drive drift at random, independently of each other, with one size and one time constant."""
 
 import importlib
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -72,6 +73,27 @@ def test_it_is_named_with_size_and_time_constant_and_its_path_follows_the_error(
     assert np.sqrt(np.mean(left_m**2)) < 0.5 * SD_M
 
 
+def test_without_a_session_each_trial_of_a_sensor_has_a_path_of_its_own(drive):
+    """Both trials begin at 0, and rows of the same time must not be taken for neighbours."""
+    evidence, hypothesis = drive
+    stages = [copy(stage) for stage in evidence.stages]
+    for stage in stages:
+        stage.observed = tuple(_with_own_times(quantity) for quantity in stage.observed)
+    apart = Evidence(tuple(stages))
+    ranges = range_rows(apart)
+    assert len(np.unique(ranges.path)) == 3 * 2
+    errors_m = np.zeros(len(apart.values))
+    errors_m[ranges.place] = first_order(ranges)
+    (fit,) = fits(apart.without(-errors_m), [(hypothesis, hypothesis.null())])
+    drift = random_drift(fit.evidence, fit, fit)
+    assert drift.effect.sd_m == pytest.approx(SD_M, abs=3.0 * drift.std["sd_m"])
+
+
+def _with_own_times(quantity):
+    times = (replace(c, values=quantity.t_s) if c.name == "session_time_s" else c for c in quantity.covariates)
+    return replace(quantity, covariates=tuple(times))
+
+
 @pytest.mark.parametrize(
     "error_m",
     [
@@ -97,7 +119,7 @@ def test_no_mean_of_neighbours_reaches_across_a_pause_or_into_another_sensor(dri
     evidence, hypothesis = drive
     ranges = range_rows(evidence)
     (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
-    at = ranges.of_sensor(ranges.time_s)
+    at = ranges.path_time_s
     series = RangeSeries.of(fit, ranges, at, np.ones(len(at), dtype=bool))
     assert len(series.at) < 0.6 * len(at)
     away = np.abs(series.at[:, None] - at).min(axis=1)
