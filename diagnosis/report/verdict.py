@@ -60,6 +60,11 @@ def headline(diagnosis: Diagnosis) -> str:
             text = "The nominal simulation explains these data, within the tolerances of its parameters."
         stuck = _stuck(diagnosis)
         return f"{stuck}; apart from that, {text[0].lower()}{text[1:]}" if stuck else text
+    if diagnosis.adequacy.leaves_only_outliers:
+        rows = f"successive rows of {structure.observed} are far off together, as the logger alone may cause it"
+        if names:
+            return f"The real robot differs from the nominal one by {listed(names)}; in addition, {rows}."
+        return f"No effect is named, but {rows}."
     what = f"{structure.channel} depends on {along(structure.covariate)}"
     if structure.what.startswith(SCATTER):
         what = f"{structure.channel} has a {structure.what}"

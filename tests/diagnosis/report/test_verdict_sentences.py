@@ -119,11 +119,28 @@ def test_a_scatter_is_said_of_the_readings_and_of_no_covariate():
     text = unexplained_sentence(structure)
     assert text.startswith("The residuals of reading_m have a scatter of 1.7 times the stated noise, and no covariate")
     assert "distance" not in text
-    verdict: Any = SimpleNamespace(names=(), unexplained=structure)
+    verdict: Any = SimpleNamespace(
+        names=(), unexplained=structure, adequacy=SimpleNamespace(leaves_only_outliers=False)
+    )
     assert headline(verdict) == (
         "The simulation is wrong in a way that has no name here: reading_m has a scatter of 1.7 times the stated "
         "noise, and no known effect explains this."
     )
+
+
+@pytest.mark.parametrize(
+    ("names", "begin"),
+    [
+        ((), "No effect is named, but"),
+        (("turn_slip",), "The real robot differs from the nominal one by turn_slip; in addition,"),
+    ],
+)
+def test_outliers_in_successive_rows_alone_are_not_called_a_wrong_simulation(names, begin):
+    structure: Any = SimpleNamespace(observed="tof_left_m", channel="tof_m", covariate="t_s", what="runs of rows")
+    adequacy = SimpleNamespace(leaves_only_outliers=True)
+    diagnosis: Any = SimpleNamespace(names=names, named=(), unexplained=structure, adequacy=adequacy)
+    rows = "successive rows of tof_left_m are far off together, as the logger alone may cause it"
+    assert headline(diagnosis) == f"{begin} {rows}."
 
 
 def test_a_calibration_that_predicts_worse_gains_nothing():
