@@ -9,30 +9,30 @@ from symolo.core.geometry.pinhole import Intrinsics
 from symolo.dataset.documents.camera_model import CameraDocument
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CalibratedCamera:
+    """The camera of a run; its arrays are read-only."""
+
     document: CameraDocument
     """The content of side/intrinsics.json."""
+    K: Array
+    """(3, 3), camera matrix [px]; pixel (0, 0) is the middle of the first pixel."""
+    D: Array
+    """(5,), k1, k2, p1, p2, k3 of a pinhole camera, or (4,), k1, k2, k3, k4 of a fisheye lens, as in OpenCV."""
+    X_RC: Array
+    """(4, 4), pose of the camera on the robot [m]."""
+    X_CB: Array
+    """(4, 4), pose in C of the camera's body frame B: x forward, y left, z up."""
 
-    @property
-    def K(self) -> Array:
-        """(3, 3), camera matrix [px]; pixel (0, 0) is the middle of the first pixel."""
-        return np.array(self.document.K)
+    def __post_init__(self) -> None:
+        for array in (self.K, self.D, self.X_RC, self.X_CB):
+            array.flags.writeable = False
 
-    @property
-    def D(self) -> Array:
-        """(5,), k1, k2, p1, p2, k3 of a pinhole camera, or (4,), k1, k2, k3, k4 of a fisheye lens, as in OpenCV."""
-        return np.array(self.document.D)
-
-    @property
-    def X_RC(self) -> Array:
-        """(4, 4), pose of the camera on the robot [m]."""
-        return np.array(self.document.X_RC)
-
-    @property
-    def X_CB(self) -> Array:
-        """(4, 4), pose in C of the camera's body frame B: x forward, y left, z up."""
-        return np.array(self.document.X_CB)
+    @classmethod
+    def of(cls, document: CameraDocument) -> "CalibratedCamera":
+        return cls(
+            document, np.array(document.K), np.array(document.D), np.array(document.X_RC), np.array(document.X_CB)
+        )
 
     @property
     def width_px(self) -> int:
@@ -51,6 +51,11 @@ class CalibratedCamera:
     def distortion_model(self) -> str:
         """Name of D in ROS: `plumb_bob` or `equidistant`."""
         return self.document.distortion_model
+
+    @property
+    def field_of_view_deg(self) -> float | None:
+        """Angle within which a fisheye lens brings light to the sensor; None for a pinhole camera."""
+        return self.document.field_of_view_deg
 
     @property
     def exposure_s(self) -> float:

@@ -4,7 +4,7 @@ The file of a discovered law claims numbers. Another measurement confirms the la
 form with other numbers, or the other sign, is another law.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot, inf, isfinite, pi, remainder, sqrt
 
@@ -40,23 +40,26 @@ def file_numbers(
         effect: The effect.
         std: Standard errors of the fit by number.
     """
-    stated, fitted = numbers_in_file(effect), fit.hypothesis.values(effect, fit.x)
-    values = _turned_like_the_file(effect.kind, fitted)
+    values = _turned_like_the_file(effect.kind, fit.hypothesis.values(effect, fit.x))
     numbers = []
-    for name, number in stated.items():
-        apart, error = abs(_difference(number, values[name])), std[name]
-        if apart > 0.0 and not isfinite(error):
+    for name, number, stated_std in _stated(effect):
+        difference, error = abs(_difference(number, values[name])), std[name]
+        if difference > 0.0 and not isfinite(error):
             # The cost does not change with the place of a jump until it meets the next row, and then it leaps.
             rise = _cost_at(evidence, fit, effect, {name: number.start}) - fit.cost
-            error = apart / sqrt(rise) if rise > 0.0 else inf
-        numbers.append(FileNumber(name, number.start, number.std or 0.0, apart / hypot(number.std or 0.0, error)))
+            error = difference / sqrt(rise) if rise > 0.0 else inf
+        apart = difference / hypot(stated_std, error) if difference > 0.0 else 0.0
+        numbers.append(FileNumber(name, number.start, stated_std, apart))
     return tuple(numbers)
 
 
-def numbers_in_file(effect: CandidateEffect) -> dict[str, Parameter]:
-    """Return the fitted numbers of an effect whose file states a standard error."""
-    numbers, names = effect.kind.parameters(), [coordinate.name for coordinate in effect.coordinates]
-    return {name: numbers[name] for name in names if numbers[name].std is not None}
+def _stated(effect: CandidateEffect) -> Iterator[tuple[str, Parameter, float]]:
+    """Yield name, number and stated standard error of each fitted number whose file states one."""
+    numbers = effect.kind.parameters()
+    for coordinate in effect.coordinates:
+        number = numbers[coordinate.name]
+        if number.std is not None:
+            yield coordinate.name, number, number.std
 
 
 def _difference(number: Parameter, value: float) -> float:
@@ -81,7 +84,7 @@ def agree(numbers: Iterable[FileNumber]) -> bool:
 
 def cost_with_file_numbers(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> float:
     """Return the cost with an effect of the fit held at the numbers of its file, and with everything else fitted."""
-    return _cost_at(evidence, fit, effect, {name: number.start for name, number in numbers_in_file(effect).items()})
+    return _cost_at(evidence, fit, effect, {name: number.start for name, number, _ in _stated(effect)})
 
 
 def _cost_at(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect, values: Mapping[str, float]) -> float:

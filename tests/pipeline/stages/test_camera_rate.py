@@ -40,7 +40,7 @@ def test_images_at_30_hz_have_their_own_times_and_the_poses_of_the_path(made, sy
     assert run.rows["img"].tolist() == [1, 2, 4, 5, 7, 8, 10, 11, 13, 14, 16, 17, 19]
     for image in run.images[::3]:  # those at a multiple of 100 ms are at rows
         np.testing.assert_array_equal(image.pose, run.table.pose[image.row])
-    X_RC = np.array(run.camera.X_RC)
+    X_RC = run.camera.X_RC
     for image, track in zip(run.images, run.image_rows.itertuples(), strict=True):
         np.testing.assert_allclose(image.X_WC, pose_X_WR(*image.pose) @ X_RC, atol=1e-6)
         assert (track.img, track.t / 1000, track.x) == (image.number, image.t_s, image.pose[0])

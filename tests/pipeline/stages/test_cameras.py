@@ -63,17 +63,18 @@ def test_each_camera_has_its_own_images_poses_and_intrinsics(made, symolo):
     for name, camera in run.cameras.items():
         np.testing.assert_allclose(camera.t_s, np.arange(IMAGES[name]) * (0.3 if name == "rear" else 0.125))
         assert {image.pixels().shape for image in camera.images} == {(24, 32, 3)}
-        X_RC = np.array(camera.camera.X_RC)
+        X_RC = camera.camera.X_RC
         for image in camera.images:
             np.testing.assert_allclose(image.X_WC, pose_X_WR(*image.pose) @ X_RC, atol=1e-6)
     left, right, rear = (run.cameras[name].camera for name in ("left", "right", "rear"))
     # The right camera is 60 mm to the right of the left one in the axes of the camera: a rectified pair.
-    between = np.linalg.inv(np.array(left.X_RC)) @ np.array(right.X_RC)
+    between = np.linalg.inv(left.X_RC) @ right.X_RC
     np.testing.assert_allclose(between, [[1, 0, 0, 0.06], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], atol=1e-6)
     assert (rear.camera_model, rear.distortion_model, tuple(rear.D)) == ("fisheye", "equidistant", (0.0, 0.0, 0.0, 0.0))
-    # The image is as wide as the field of view of 185 degrees.
+    # The image is as wide as the field of view.
+    assert rear.field_of_view_deg == pytest.approx(185.0)
     assert rear.K[0][0] == pytest.approx(16 / np.radians(92.5))
-    np.testing.assert_array_equal(np.array(rear.X_RC)[:3, 2].round(9), [-1, 0, 0])
+    np.testing.assert_array_equal(rear.X_RC[:3, 2].round(9), [-1, 0, 0])
     assert run.cameras["rear"].delivered(np.array([0.0, 0.39, 0.41, 0.75])).tolist() == [0, 0, 1, 2]
 
 

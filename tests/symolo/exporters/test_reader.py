@@ -35,6 +35,15 @@ def test_rows_poses_and_side_tables_are_those_of_the_files(random_release):
     assert set(kinds.values()) == {"int64", "float64"}
 
 
+def test_a_camera_has_all_of_its_document_with_arrays_that_cannot_be_written_to(random_release):
+    camera = reader.load(random_release(1).root).runs[0].camera
+    for name, value in camera.document:
+        np.testing.assert_array_equal(getattr(camera, name), value)
+    for array in (camera.K, camera.D, camera.X_RC, camera.X_CB):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
+
+
 def test_tables_know_their_units(random_release):
     data = reader.load(random_release(1).root)
     units = data.runs[0].rows.attrs["units"]

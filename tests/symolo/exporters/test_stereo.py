@@ -26,7 +26,7 @@ def camera(y_m, x_m=0.0, turn_rad=0.0, D=(0.0,) * 5, period_s=0.2, **settings):
     sizes = {"width_px": 160, "height_px": 120, "exposure_s": 0.0, "read_out_s": 0.0} | settings
     document = CameraDocument.model_validate({**sizes, "K": K, "D": D, "X_RC": rows, "X_CB": X_CB})
     images = tuple(SimpleNamespace(t_s=period_s * i) for i in range(3))
-    return SimpleNamespace(camera=CalibratedCamera(document), images=images, numbers=(1, 2, 3))
+    return SimpleNamespace(camera=CalibratedCamera.of(document), images=images, numbers=(1, 2, 3))
 
 
 def run_of(**cameras):
@@ -82,10 +82,10 @@ def test_kitti_projects_a_point_where_both_cameras_see_it(sensing_release, expor
         for i, (pose, image) in enumerate(zip(poses, one.images, strict=True)):
             assert (sequence / f"image_{number}/{i:06d}.jpg").read_bytes() == image.path.read_bytes()
             p_W = image.X_WC @ [0.1, -0.05, 0.8, 1]  # seen by both cameras
-            expected = np.array(one.camera.K) @ [0.1, -0.05, 0.8]
+            expected = one.camera.K @ [0.1, -0.05, 0.8]
             X_WC = origin @ np.vstack((pose, [0, 0, 0, 1]))
             seen = calibration[P].reshape(3, 4) @ np.linalg.inv(X_WC) @ p_W
             np.testing.assert_allclose(seen[:2] / seen[2], expected[:2] / expected[2], atol=1e-3)
     X_CR = np.vstack((calibration["Tr"].reshape(3, 4), [0, 0, 0, 1]))
-    np.testing.assert_allclose(X_CR @ np.array(run.cameras["left"].camera.X_RC), np.eye(4), atol=1e-8)
+    np.testing.assert_allclose(X_CR @ run.cameras["left"].camera.X_RC, np.eye(4), atol=1e-8)
     assert not (sequence / "image_2").exists()

@@ -1,7 +1,7 @@
 """Numbers of a file beside fitted ones."""
 
 from dataclasses import replace
-from math import pi
+from math import nan, pi
 from types import SimpleNamespace
 from typing import Annotated, Any
 
@@ -36,11 +36,11 @@ class StatedTop(Effect):
 STD = {"swing_m": 0.004, "length_m": 0.01, "phase_rad": 0.4}
 
 
-def compared(swing_m, phase_rad):
+def compared(swing_m, phase_rad, std=STD):
     values = {"swing_m": swing_m, "length_m": 0.9, "phase_rad": phase_rad}
     fit: Any = SimpleNamespace(hypothesis=SimpleNamespace(values=lambda *_: values), x=None)
     evidence: Any = None
-    return file_numbers(evidence, fit, CandidateEffect(StatedWave), STD)
+    return file_numbers(evidence, fit, CandidateEffect(StatedWave), std)
 
 
 def test_the_difference_is_in_combined_standard_errors():
@@ -53,6 +53,12 @@ def test_the_difference_is_in_combined_standard_errors():
 def test_a_number_further_than_three_standard_errors_is_another_one():
     assert agree(compared(0.0349, 3.0))
     assert not agree(compared(0.0351, 3.0))
+
+
+def test_an_equal_number_agrees_though_its_error_is_not_known():
+    numbers = compared(0.02, 3.0, std={**STD, "swing_m": nan})
+    assert [number.apart for number in numbers] == [0.0, 0.0]
+    assert agree(numbers)
 
 
 def test_a_turn_is_no_difference():
