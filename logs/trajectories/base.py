@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from logs.axis import Axis
+from logs.mapping import LogMapping
 from symolo.core.arrays import Array
 from symolo.core.progress import Report
 from symolo.dataset.tables.column import Column
@@ -103,8 +104,8 @@ class LoggedTrajectory:
     """Name within a log of several trajectories, such as a topic."""
     sensors: tuple[LoggedSensor, ...] = ()
     cameras: tuple[LoggedCamera, ...] = ()
-    mapping: str = ""
-    """Text of the mapping file with which the table was read, guesses included; empty for other forms."""
+    mapping: LogMapping | None = None
+    """Mapping with which a table was read, guesses included; None for other forms."""
 
     def __post_init__(self) -> None:
         for array in (self.t_s, self.pose, *self.readings.values()):

@@ -10,16 +10,7 @@ import numpy as np
 from logs.counts import jump_note, running_counts
 from logs.drive import COUNTED, DRIVE_TABLE
 from logs.log_file import LogFile, read_log
-from logs.mapping import (
-    MAPPING,
-    LogMapping,
-    Source,
-    check_mapping,
-    mapping_text,
-    missing_note,
-    read_mapping,
-    unused_columns,
-)
+from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
 from logs.proposal import Proposal, missing, propose_as, unit_faults
 from logs.recognition import first_line, is_file
 from logs.times import goes_back
@@ -164,14 +155,9 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
             (*notes, *changes, *lost),
             (*table.guesses, *guesses),
             warnings,
-            mapping=mapping_text(table.mapping, TRAJECTORY, table.log, _command(path)),
+            mapping=table.mapping,
         )
     ]
-
-
-def _command(path: Path) -> tuple[str, ...]:
-    """Return the command that reads a log with an edited mapping."""
-    return ("symolo", "import", str(path), "--map", MAPPING, "--out", f"{path.stem}-dataset")
 
 
 def _lone_wheels(values: Mapping[str, Array]) -> Iterator[str]:

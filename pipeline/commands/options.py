@@ -72,13 +72,15 @@ def new_file_check(*suffixes: str, option: str = "--out") -> Callable[[Path], Pa
     return checked
 
 
-def absent_file_check(*suffixes: str) -> Callable[[Path], Path]:
-    """Return the same check of `--out` for a file that users change by hand, which is not replaced."""
-    check = new_file_check(*suffixes)
+def absent_file_check(*suffixes: str, option: str = "--out") -> Callable[[Path], Path]:
+    """Return the same check for a file that users change by hand, which is not replaced."""
+    check = new_file_check(*suffixes, option=option)
 
     def checked(path: Path) -> Path:
         if check(path).exists():
-            raise InputError("exists already", where=str(path), cure="name another file with --out, or remove this one")
+            raise InputError(
+                "exists already", where=str(path), cure=f"name another file with {option}, or remove this one"
+            )
         return path
 
     return checked

@@ -46,7 +46,7 @@ def render_views(engine: Engine, views: Sequence[PreviewImage], workers: int, re
 
 
 def usual_columns(count: int) -> int:
-    """Return the number of images in a row that leaves the fewest places of the last row empty, three to six."""
+    """Return the number of images in a row: all of up to six, else three to six with the fewest places left empty."""
     return min(range(3, 7), key=lambda columns: (-count % columns, -columns)) if count > 6 else count
 
 

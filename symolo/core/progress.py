@@ -86,16 +86,22 @@ class _Clock:
             self._whole, self._whole_after_s = whole, self.passed_s
 
     @property
-    def left(self) -> str:
-        """The time left as text; empty if all is done, or if it is too early to estimate."""
+    def estimate(self) -> str:
+        """The estimated time left, such as `8.0 s`; empty if all is done, or if there is no estimate."""
         if self._is_even:
-            left = time_left(self.passed_s, self.done / self._total if self._total else 1.0)
-            return left and f"about {left} left"
-        if self.done >= self._total:
+            return time_left(self.passed_s, self.done / self._total if self._total else 1.0)
+        if self.done >= self._total or not self._whole:
             return ""
         # The end is expected at a fixed time from one finished part to the next, so that the time left falls.
-        left_s = self._whole_after_s * self._total / self._whole - self.passed_s if self._whole else 0.0
-        return f"about {seconds(left_s)} left" if left_s > 0.0 else "time left not known"
+        left_s = self._whole_after_s * self._total / self._whole - self.passed_s
+        return seconds(left_s) if left_s > 0.0 else ""
+
+    @property
+    def left(self) -> str:
+        """The time left as text; empty if all is done, or if it is too early to estimate."""
+        if estimate := self.estimate:
+            return f"about {estimate} left"
+        return "" if self._is_even or self.done >= self._total else "time left not known"
 
 
 class _Lines:
@@ -117,9 +123,9 @@ class _Lines:
         if now - self._last < SECONDS_BETWEEN_LINES or self.done >= self._total:
             return
         self._last = now
-        left = self.clock.left
-        if not math.floor(self.done) and self._total <= 1.0 and not left.startswith("about"):
+        if not math.floor(self.done) and self._total <= 1.0 and not self.clock.estimate:
             return  # "0 of 1" says nothing
+        left = self.clock.left
         text = f"{math.floor(self.done)} of {self._total:.0f} {self._unit}{left and f', {left}'}"
         if text != self._text:  # the same line again says nothing
             self.say(text)

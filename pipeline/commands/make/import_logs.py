@@ -1,6 +1,7 @@
 """The command `symolo import`: logs of other programs as a dataset."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ from pipeline.commands.options import (
     DryRun,
     Out,
     Replace,
+    absent_file_check,
     checked_input,
     checked_inputs,
     if_given,
@@ -20,7 +22,7 @@ from symolo.core.errors import InputError
 
 if TYPE_CHECKING:
     from logs.trajectories.base import ReadSettings
-    from pipeline.importing.imported_runs import ImportedDataset
+    from pipeline.importing.imported_runs import ImportedDataset, ImportRequest
     from pipeline.importing.log_files import ReadLog
     from pipeline.stages.run_tables import ExternalRun
 
@@ -121,7 +123,8 @@ def import_logs(
     save_map: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE",
+            metavar="FILE.yaml",
+            callback=if_given(absent_file_check(".yaml", ".yml", option="--save-map")),
             help="Write the mapping with which a table is read into a new file, to edit it and give it with --map; "
             "also with --dry-run.",
         ),
@@ -147,7 +150,8 @@ def import_logs(
     """
     from pipeline.importing.imported_runs import ImportRequest, imported_dataset
     from pipeline.importing.write import check_place, write_dataset
-    from symolo.core.progress import report_here
+    from symolo.core.files.atomic_files import write_file
+    from symolo.core.progress import plural, report_here
 
     settings = read_settings(mapping, up, forward, pose_hz, topic, heading_from_path=heading_from_path)
     request = ImportRequest(
@@ -158,34 +162,55 @@ def import_logs(
     dataset = imported_dataset(request)
     report = report_here()
     check_place(dataset, out, report, replace=replace)
-    if save_map is not None:
-        _save_map(dataset, save_map)
+    saved_map = _mapping_text(dataset, _command_with(save_map, request, out)) if save_map is not None else ""
     describe_logs(dataset, yes=yes or dry_run)
+    if save_map is not None:
+        write_file(save_map, saved_map.encode())
+        typer.echo(f"{save_map}: which column is which quantity, for --map")
     if dry_run:
         return
     write_dataset(dataset, out, report)
     rows = sum(len(run.rows.t_ms) for run in dataset.runs)
-    from symolo.core.progress import plural
-
     typer.echo(f"{out}: {plural(len(dataset.runs), 'run')}, {plural(rows, 'row')}")
     first = out / dataset.runs[0].spec.key
     typer.echo(f"\nsymolo rerender {first} --looks classroom,lab --camera-hz 5 --out {out}-images")
 
 
-def _save_map(dataset: "ImportedDataset", file: Path) -> None:
-    """Write the mapping of the only log.
+def _mapping_text(dataset: "ImportedDataset", command: Sequence[str]) -> str:
+    """Return the mapping file of the only log; `command` reads the log with it.
 
     Raises:
-        InputError: There are several logs, or the log is no table; or the file exists.
+        InputError: There are several logs, or the log is no table.
     """
-    from symolo.core.files.atomic_files import write_file
+    from logs.log_file import read_log
+    from logs.mapping import mapping_text
+    from logs.trajectories.quantities import TRAJECTORY
 
-    if len(dataset.logs) != 1 or not dataset.logs[0].trajectory.mapping:
-        raise InputError("--save-map", got=f"{len(dataset.logs)} logs", allowed="one table, which alone has a mapping")
-    if file.exists():
-        raise InputError("--save-map", got=str(file), allowed="a new file")
-    write_file(file, dataset.logs[0].trajectory.mapping.encode())
-    typer.echo(f"{file}: which column is which quantity, for --map")
+    log, *others = dataset.logs
+    if others or log.trajectory.mapping is None:
+        got = f"{len(dataset.logs)} trajectories" if others else log.origin.format
+        raise InputError("--save-map", got=got, allowed="one table, which alone has a mapping")
+    return mapping_text(log.trajectory.mapping, TRAJECTORY, read_log(log.path), command)
+
+
+def _command_with(mapping: Path, request: "ImportRequest", out: Path) -> list[str]:
+    """Return the command that imports a table with a mapping file and the other options of a request."""
+    settings, usual = request.settings, type(request)(request.paths)
+    options = {
+        "--format": (request.format, usual.format),
+        "--up": (settings.up, usual.settings.up),
+        "--forward": (settings.forward, usual.settings.forward),
+        "--row-hz": (request.row_hz, usual.row_hz),
+        "--arena": (request.arena, usual.arena),
+        "--robot": (request.robot, usual.robot),
+        "--route": (request.route, usual.route),
+        "--name": (request.name, usual.name),
+        "--licence": (request.licence, usual.licence),
+    }
+    words = [word for option, (value, default) in options.items() if value != default for word in (option, f"{value}")]
+    heading = ["--heading-from-path"] if settings.heading_from_path else []
+    logs = [str(path) for path in request.paths]
+    return ["symolo", "import", *logs, "--map", str(mapping), *words, *heading, "--out", str(out)]
 
 
 def read_settings(

@@ -58,7 +58,8 @@ def preview(
             min=1,
             max=100,
             metavar="N",
-            help="Number of images in a row; by default three to six, with as few empty places as possible.",
+            help="Number of images in a row; by default one row of up to six, else three to six with "
+            "as few empty places as possible.",
         ),
     ] = None,
     workers: Workers = None,

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -178,8 +179,28 @@ def test_the_mapping_of_an_import_is_saved_and_read_again(tmp_path, symolo):
     np.testing.assert_array_equal(a, b)
     ended = symolo("import", log, "--out", tmp_path / "c", "--yes", "--save-map", mapping)
     assert ended.code == 2
-    assert "--save-map: got" in ended.err
-    assert "allowed: a new file" in ended.err
+    assert f"{mapping}: exists already; name another file with --save-map" in ended.err
+
+
+def test_a_saved_mapping_names_the_command_that_reads_the_log_with_it(tmp_path, symolo, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    log, options = Path("run.csv"), ("--up", "z", "--row-hz", 10.0, "--licence", "CC-BY-4.0", "--out", "data")
+    log.write_text(table("t,x,y,theta", T_S, *PLACE.T, np.degrees(YAW)))
+    asked = symolo("import", log, *options, "--save-map", "guessed.yaml")
+    assert (asked.code, Path("guessed.yaml").exists()) == (2, False)  # nobody confirmed the guesses
+    assert symolo("import", log, *options, "--yes", "--save-map", "guessed.yaml").code == 0
+    command = "symolo import run.csv --map guessed.yaml --up z --row-hz 10.0 --licence CC-BY-4.0 --out data"
+    assert f"#   {command}\n" in Path("guessed.yaml").read_text()
+    assert symolo(*command.split()[1:]).code == 0
+
+
+def test_only_a_single_table_has_a_mapping(tmp_path, symolo):
+    log, tum = tmp_path / "run.csv", tmp_path / "run.tum"
+    log.write_text(table("t_s,x_m,y_m,theta_rad", T_S, *PLACE.T, YAW))
+    tum.write_text("".join(f"{t} {0.1 * t} 0 0 0 0 0 1\n" for t in T_S))
+    out = ("--out", tmp_path / "data", "--dry-run", "--save-map", tmp_path / "mapping.yaml")
+    assert "got 'tum', allowed: one table" in symolo("import", tum, *out).err
+    assert "got '2 trajectories', allowed: one table" in symolo("import", log, log, *out).err
 
 
 def test_the_same_command_twice_gives_the_same_bytes_and_another_log_takes_its_place(tmp_path, symolo, release_of):
