@@ -39,7 +39,7 @@ def answer(data: ReportData) -> dict[str, object]:
             }
             for ablation in data.ablations
         }
-    result |= _of_files(data)
+    result |= _file_numbers(data)
     if data.own_effects:
         result["own_effects"] = {
             tried.name: {"text": tried.text}
@@ -76,18 +76,18 @@ def answer(data: ReportData) -> dict[str, object]:
     return result
 
 
-def _of_files(data: ReportData) -> dict[str, object]:
+def _file_numbers(data: ReportData) -> dict[str, object]:
     """Return the numbers that the files of named effects state; empty if none does."""
     compared = {
         named.effect.name: {
-            "parameters": {number.name: number.value for number in named.of_file},
-            "std": {number.name: number.std for number in named.of_file},
-            "standard_errors_apart": {number.name: number.apart for number in named.of_file},
-            "agree": agree(named.of_file),
+            "parameters": {number.name: number.value for number in named.file_numbers},
+            "std": {number.name: number.std for number in named.file_numbers},
+            "standard_errors_apart": {number.name: number.apart for number in named.file_numbers},
+            "agree": agree(named.file_numbers),
             "cost_rise_if_held": data.rise_with_file[named.effect.name],
         }
         for named in data.diagnosis.named
-        if named.of_file
+        if named.file_numbers
     }
     return {"of_files": compared} if compared else {}
 

@@ -10,7 +10,7 @@ from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
 from diagnosis.report import dataset_comparison, engines, verdict
 from diagnosis.report.matrix import matrix_rows
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.sentences import discovered, of_file, quantities
+from diagnosis.report.sentences import discovered, file_numbers, quantities
 from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
 from diagnosis.report.sentences.compared import (
     left_out_sentence,
@@ -72,7 +72,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         beyond=list(beyond_list(data.unseen)),
         predictive_sentence=predictive_sentence(data.predictive),
         too_large=too_large,
-        of_file=of_file,
+        file_numbers=file_numbers,
         dataset_comparison=dataset_comparison,
         engines=engines,
         quantities=quantities,
@@ -90,12 +90,9 @@ def _drawn_supply(data: ReportData) -> str:
 
 def _parameter_rows(named: NamedEffect, data: ReportData) -> Iterator[tuple[str, ...]]:
     intervals, numbers = data.intervals.get(named.effect.name, {}), named.effect.kind.parameters()
-    in_file = {
-        number.name: f"{quantities.with_error(number.value, number.std)}, {number.apart:.1f} standard errors away"
-        for number in named.of_file
-    }
+    stated = {number.name: file_numbers.file_number(number) for number in named.file_numbers}
     for name, value in named.values.items():
         reach = verdict.reach(intervals[name]) if name in intervals else "not determined by these data"
         unit = numbers[name].unit
         row = (name, quantities.with_error(value, named.std[name]), reach, "" if unit == "1" else unit)
-        yield (*row, in_file.get(name, "-")) if in_file else row
+        yield (*row, stated.get(name, "-")) if stated else row

@@ -149,7 +149,7 @@ def report_data(
         rise_with_file={
             named.effect.name: cost_with_file_numbers(evidence, diagnosis.fit, named.effect) - diagnosis.fit.cost
             for named in diagnosis.named
-            if named.of_file
+            if named.file_numbers
         },
         own_effects=tuple(tried_effects(diagnosis)),
         unseen=predictions(diagnosis, unseen),

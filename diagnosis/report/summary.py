@@ -11,7 +11,7 @@ from diagnosis.measured.overview import summary_line
 from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
-from diagnosis.report.sentences import discovered, of_file
+from diagnosis.report.sentences import discovered, file_numbers
 from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.quantities import meaning, with_error
@@ -104,14 +104,14 @@ def _not_named(data: ReportData) -> Iterator[str]:
 
 def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterator[str]:
     intervals = data.intervals.get(named.effect.name, {})
-    in_file = {number.name: f"; {of_file.number_of_file(number, '+-')}" for number in named.of_file}
+    stated = {number.name: f"; its file has {file_numbers.file_number(number, '+-')}" for number in named.file_numbers}
     yield named.effect.name
     for name, value in named.values.items():
         interval = f"; {reach(intervals[name])}" if name in intervals else ""
-        yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + interval + in_file.get(name, ""))
-    if in_file:
+        yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + interval + stated.get(name, ""))
+    if stated:
         rise = data.rise_with_file[named.effect.name]
-        yield from _entry("  its file", of_file.comparison(named, rise, ablation.cost_rise))
+        yield from _entry("  its file", file_numbers.comparison(named, rise, ablation.cost_rise))
     yield from _entry("  meaning", meaning(named.effect.kind))
     yield from _entry("  possible causes", named.effect.kind.cause)
     yield from _entry("  confidence", certainty(named))

@@ -22,7 +22,7 @@ from diagnosis.inference.unexplained.random_drift import RandomDrift
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData
-from diagnosis.report.sentences.of_file import label
+from diagnosis.report.sentences.file_numbers import label
 from diagnosis.report.sentences.quantities import (
     along,
     confidence,

@@ -21,7 +21,7 @@ class NamedEffect:
     comparison: RivalComparison
     ranges: tuple[SeenRange, ...] = ()
     """Range of each covariate over the rows in which the effect was seen."""
-    of_file: tuple[FileNumber, ...] = ()
+    file_numbers: tuple[FileNumber, ...] = ()
     """Numbers that the file of the effect states, such as that of a law; empty for other effects."""
 
     @classmethod

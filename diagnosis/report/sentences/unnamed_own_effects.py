@@ -12,7 +12,7 @@ from diagnosis.inference.naming.file_numbers import cost_with_file_numbers, file
 from diagnosis.inference.selection.candidates import setups_of
 from diagnosis.inference.selection.refusal import refusal
 from diagnosis.inference.selection.scan import scan
-from diagnosis.report.sentences.of_file import of_unnamed
+from diagnosis.report.sentences.file_numbers import of_unnamed
 from diagnosis.report.sentences.quantities import with_error
 
 
@@ -64,9 +64,9 @@ def _best(diagnosis: Diagnosis, candidates: list[CandidateEffect]) -> TriedEffec
     drop = max(0.0, fit.cost - tried.cost)
     numbers = ", ".join(f"{name} {with_error(value, std[name], '+-')}" for name, value in values.items())
     reason = refusal(evidence, fit, tried, effect) or f"the cost falls by {drop:.1f}, and other effects were preferred"
-    if in_file := file_numbers(evidence, tried, effect, std):
-        stated = ", ".join(f"{number.name} {with_error(number.value, number.std, '+-')}" for number in in_file)
+    if stated_numbers := file_numbers(evidence, tried, effect, std):
+        stated = ", ".join(f"{number.name} {with_error(number.value, number.std, '+-')}" for number in stated_numbers)
         change = cost_with_file_numbers(evidence, tried, effect) - fit.cost
-        numbers += f". Its file has {stated}; {of_unnamed(change, in_file)}"
+        numbers += f". Its file has {stated}; {of_unnamed(change, stated_numbers)}"
     beside = "beside the named effects, " if diagnosis.named else ""
     return TriedEffect(effect.name, f"not named: {beside}{reason}; {numbers}", values, std, drop)

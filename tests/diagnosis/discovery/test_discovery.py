@@ -226,13 +226,13 @@ def test_a_further_bench_confirms_the_law_although_the_exact_curve_has_another_s
     (named,) = again.named
     assert named.effect.name == law.name
     assert again.conclusion is CaseVerdict.NAMED
-    for number in named.of_file:
+    for number in named.file_numbers:
         assert number.value == pytest.approx(law.values[number.name], rel=1e-5)
         assert number.std == pytest.approx(law.std[number.name], rel=0.06)  # two digits
         apart = abs(named.values[number.name] - number.value) / np.hypot(named.std[number.name], number.std)
         assert number.apart == pytest.approx(apart)
         assert number.apart < 3.0, number.name
-    assert len(named.of_file) == 3
+    assert len(named.file_numbers) == 3
     assert 0.0 <= data.rise_with_file[law.name] < 24.0  # chi-squared of three numbers with the errors of two benches
     assert "The fitted numbers agree with those of the file" in plain(data)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from diagnosis.inference.naming.file_numbers import FileNumber, agree
+from diagnosis.inference.naming.file_numbers import MAX_APART, FileNumber, agree
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.report.sentences.quantities import cost, with_error
@@ -10,14 +10,14 @@ from diagnosis.report.sentences.quantities import cost, with_error
 OTHER_NUMBERS = "the same form as in its file, with other numbers"
 
 
-def number_of_file(number: FileNumber, between: str = "±") -> str:
-    """Return a number of the file and how far the fitted one is away, as a clause."""
-    return f"its file has {with_error(number.value, number.std, between)}, {number.apart:.1f} standard errors away"
+def file_number(number: FileNumber, between: str = "±") -> str:
+    """Return a number of the file, and how far the fitted one is away."""
+    return f"{with_error(number.value, number.std, between)}, {number.apart:.1f} standard errors away"
 
 
 def label(named: NamedEffect) -> str:
     """Return the name of an effect, with a remark if its file states other numbers."""
-    return named.effect.name if agree(named.of_file) else f"{named.effect.name} ({OTHER_NUMBERS})"
+    return named.effect.name if agree(named.file_numbers) else f"{named.effect.name} ({OTHER_NUMBERS})"
 
 
 def comparison(named: NamedEffect, rise_if_held: float, rise_without: float) -> str:
@@ -29,8 +29,8 @@ def comparison(named: NamedEffect, rise_if_held: float, rise_without: float) -> 
         rise_without: Rise of the cost without the effect.
     """
     held = f"with the numbers of the file held, the cost rises by {cost(max(0.0, rise_if_held))}"
-    if agree(named.of_file):
-        return f"The fitted numbers agree with those of the file within three standard errors; {held}"
+    if agree(named.file_numbers):
+        return f"The fitted numbers agree with those of the file within {MAX_APART:g} standard errors; {held}"
     refused = "The same form with other numbers: these data do not confirm the law of the file"
     return f"{refused}. {held[0].upper()}{held[1:]}; without the effect, by {cost(rise_without)}"
 
@@ -46,5 +46,5 @@ def of_unnamed(change: float, numbers: Sequence[FileNumber]) -> str:
     if change > AS_GOOD:
         return f"{text}: these data contradict them"
     if not agree(numbers):
-        return f"{text}, and the fitted ones are more than three standard errors away"
+        return f"{text}, and the fitted ones are more than {MAX_APART:g} standard errors away"
     return f"{text}: these data agree with them" if change < -AS_GOOD else f"{text}, which decides nothing"
