@@ -48,7 +48,7 @@ def file_numbers(
             # The cost does not change with the place of a jump until it meets the next row, and then it leaps.
             rise = _cost_at(evidence, fit, effect, {name: number.start}) - fit.cost
             error = difference / sqrt(rise) if rise > 0.0 else inf
-        apart = difference / hypot(stated_std, error) if difference > 0.0 else 0.0
+        apart = 0.0 if difference == 0.0 else difference / hypot(stated_std, error)
         numbers.append(FileNumber(name, number.start, stated_std, apart))
     return tuple(numbers)
 
