@@ -141,8 +141,8 @@ Replace = Annotated[
     bool,
     typer.Option(
         "--replace",
-        help="Also if a finished release in the output folder loses something: it has another name, runs in it are no "
-        "longer made, or it is signed and would change.",
+        help="Continue even if a finished release in the output folder loses something: it has another name, runs, "
+        "cameras or annotations in it are no longer made, a run in it fails now, or it is signed and would change.",
     ),
 ]
 Json = Annotated[

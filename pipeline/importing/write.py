@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from pipeline.importing.imported_runs import ImportedDataset
-from pipeline.run_folder.losses import check_losses
+from pipeline.run_folder.losses import check_losses, protected_runs
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
@@ -17,14 +17,17 @@ _COPIES = 2
 _BYTES_PER_RUN = 100_000
 
 
-def check_place(dataset: ImportedDataset, out: Path, report: Report, *, replace: bool = False) -> None:
+def check_place(
+    dataset: ImportedDataset, out: Path, report: Report, *, replace: bool = False, dry_run: bool = False
+) -> None:
     """Refuse an output folder that cannot be used, before anything is written.
 
     Args:
         dataset: The runs.
         out: Their folder.
-        report: Receiver of a line about a finished release that will lose something.
+        report: Receiver of a line about a finished release that would lose something.
         replace: Whether a finished release in it may lose something.
+        dry_run: Whether nothing will be written.
 
     Raises:
         InputError: It is not a place for an imported dataset.
@@ -32,18 +35,18 @@ def check_place(dataset: ImportedDataset, out: Path, report: Report, *, replace:
     """
     check_out(out, Kind.IMPORTED)
     workspace, specs = Workspace(out.absolute(), Kind.IMPORTED), [run.spec for run in dataset.runs]
-    check_losses(workspace, dataset.tree, specs, report, replace=replace)
+    check_losses(workspace, dataset.tree, specs, report, replace=replace, dry_run=dry_run)
     tables = sum(len(run.rows.to_csv()) + sum(map(len, run.side.values())) for run in dataset.runs)
     check_disk(out, _COPIES * tables + _BYTES_PER_RUN * len(dataset.runs))
 
 
-def write_dataset(dataset: ImportedDataset, out: Path, report: Report) -> None:
+def write_dataset(dataset: ImportedDataset, out: Path, report: Report, *, replace: bool = False) -> None:
     """Write the runs into a checked folder; a run that is there unchanged stays."""
-    workspace = Workspace(out.absolute(), Kind.IMPORTED)
+    workspace, specs = Workspace(out.absolute(), Kind.IMPORTED), [run.spec for run in dataset.runs]
     with workspace.locked():
+        protected_runs(workspace, dataset.tree, specs, report, replace=replace)
         with report.stage("import", len(dataset.runs), "runs") as stage:
             for number, run in enumerate(dataset.runs, 1):
                 write_external_run(run, workspace.simulate(run.spec.key))
                 stage.update("all", number)
-        specs = [run.spec for run in dataset.runs]
         assemble(workspace, dataset.tree, specs, [], report, sensors=dataset.sensors)

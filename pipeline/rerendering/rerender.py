@@ -22,7 +22,7 @@ from pipeline.rerendering.image_rows import with_images
 from pipeline.rerendering.robot_section import robot_of_images
 from pipeline.rerendering.room_check import check_on_the_floor
 from pipeline.rerendering.sources import Sources
-from pipeline.run_folder.losses import check_losses
+from pipeline.run_folder.losses import check_losses, protected_runs
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_image_copies import copy_user_images
 from pipeline.run_folder.workspace import Workspace
@@ -135,16 +135,23 @@ def prepare(sources: Sources, request: RerenderRequest) -> Rerendering:
 
 
 def check_place(
-    rerendering: Rerendering, out: Path, report: Report, *, is_default: bool, replace: bool = False
+    rerendering: Rerendering,
+    out: Path,
+    report: Report,
+    *,
+    is_default: bool,
+    replace: bool = False,
+    dry_run: bool = False,
 ) -> None:
     """Refuse an output folder that cannot be used, before anything is written.
 
     Args:
         rerendering: The release.
         out: Its folder.
-        report: Receiver of a line about a finished release that will lose something.
+        report: Receiver of a line about a finished release that would lose something.
         is_default: Whether the user has named no folder, so that another release in it is not replaced.
         replace: Whether a finished release in it may lose something.
+        dry_run: Whether nothing will be written.
 
     Raises:
         InputError: It is not a place for this release.
@@ -156,11 +163,13 @@ def check_place(
         what = "contains images of a different trajectory or a different draw of the look"
         raise InputError(what, where=str(out), cure="name a folder with --out")
     workspace, specs = Workspace(out.absolute(), Kind.RERENDERED), [run.spec for run in rerendering.runs]
-    check_losses(workspace, rerendering.tree, specs, report, replace=replace)
+    check_losses(workspace, rerendering.tree, specs, report, replace=replace, dry_run=dry_run)
     check_disk(out, sum(map(_bytes_needed, rerendering.runs)))
 
 
-def make_release(rerendering: Rerendering, out: Path, executor: Executor, report: Report) -> list[FailedRun]:
+def make_release(
+    rerendering: Rerendering, out: Path, executor: Executor, report: Report, *, replace: bool = False
+) -> list[FailedRun]:
     """Render, annotate and assemble the release in a checked folder, and return the runs that failed.
 
     What is there from the same inputs is not made again.
@@ -168,11 +177,13 @@ def make_release(rerendering: Rerendering, out: Path, executor: Executor, report
     workspace = Workspace(out.absolute(), Kind.RERENDERED)
     specs = [run.spec for run in rerendering.runs]
     with workspace.locked():
+        protected = protected_runs(workspace, rerendering.tree, specs, report, replace=replace)
         copy_user_images((spec.look for spec in specs), rerendering.assets, workspace.user_files)
         for run in rerendering.runs:
             write_external_run(run, workspace.simulate(run.spec.key))
         failures = render_specs(workspace, specs, executor, rerendering.device, failures=[], report=report)
-        assemble(workspace, rerendering.tree, specs, failures, report, sensors=rerendering.sensors)
+        tree, sensors = rerendering.tree, rerendering.sensors
+        assemble(workspace, tree, specs, failures, report, sensors=sensors, protected=protected)
     return failures
 
 

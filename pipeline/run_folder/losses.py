@@ -1,20 +1,24 @@
 """What a command would take away from a finished release, which it does only if the user says so."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from configs.schema.scenario import SceneSpec
+from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.run_folder.status import image_changes, in_order
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import released_runs
+from pipeline.stages.cameras import cameras_of, logged_cameras
+from pipeline.stages.simulate_runs import simulation_key
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import is_plain_file
 from symolo.core.progress import Report, plural
-from symolo.dataset.documents.metadata import Metadata, made_with, read_metadata
+from symolo.dataset.annotations import AnnotationName
+from symolo.dataset.documents.metadata import Metadata, RunRecord, made_with, read_metadata
+from symolo.dataset.documents.run_records import CameraRecord
 from symolo.dataset.layout import STAGES
-from symolo.dataset.manifest import MANIFEST, SIGNATURE, TAG_MANIFEST
+from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST
 
 MAX_NAMES = 3
 """Largest number of runs that a line names."""
@@ -31,7 +35,9 @@ class Losses:
     runs: tuple[str, ...]
     """Released runs that would be removed, or all of them if the dataset has another name."""
     images: int
-    """Number of their images, of all cameras."""
+    """Number of their images, of all cameras, and of those of cameras that the other runs no longer have."""
+    annotations: tuple[str, ...]
+    """Annotations that images of the other runs no longer have."""
     signature: bool
 
     @property
@@ -40,10 +46,16 @@ class Losses:
         parts = [
             named_runs(self.runs) if self.runs else "",
             plural(self.images, "image") if self.images else "",
+            f"annotations ({', '.join(self.annotations)})" if self.annotations else "",
             "the signature" if self.signature else "",
         ]
         *first, last = [part for part in parts if part] or [""]
         return f"{', '.join(first)} and {last}" if first else last
+
+    @property
+    def dataset(self) -> str:
+        """The finished dataset in words."""
+        return f"the finished dataset {self.name}" if self.name else "a finished dataset"
 
 
 def named_runs(runs: Sequence[str]) -> str:
@@ -55,36 +67,85 @@ def named_runs(runs: Sequence[str]) -> str:
 def losses_of(workspace: Workspace, tree: dict[str, Any], specs: Sequence[SceneSpec]) -> Losses:
     """Return what the folder would lose if the runs `specs` of the scenario `tree` were released into it."""
     out, new_name = workspace.out, specs[0].scenario
-    if not all(is_plain_file(out / name) for name in (MANIFEST, TAG_MANIFEST)):
-        return Losses("", new_name, (), 0, signature=False)
+    if not _is_finished(workspace):
+        return Losses("", new_name, (), 0, (), signature=False)
     metadata = read_metadata(out) or read_metadata(out / STAGES / "assemble")
-    name = metadata.name if metadata else ""
     released = released_runs(workspace)
-    runs = released if name and name != new_name else released - {spec.key for spec in specs}
-    signature = (out / SIGNATURE).exists() and (bool(runs) or _changes(workspace, metadata, tree, specs))
-    return Losses(name, new_name, tuple(sorted(runs, key=in_order)), _images(metadata, runs), signature)
+    is_same = metadata is not None and metadata.name == new_name
+    kept = {spec.key: spec for spec in specs if spec.key in released} if is_same else {}
+    runs = released - kept.keys()
+    images, annotations = _images_and_annotations(metadata, runs, kept)
+    is_signed = any((out / name).exists() for name in SEALS)
+    return Losses(
+        metadata.name if metadata else "",
+        new_name,
+        tuple(sorted(runs, key=in_order)),
+        images,
+        annotations,
+        signature=is_signed and (bool(runs) or _changes(workspace, metadata, tree, specs)),
+    )
 
 
 def check_losses(
-    workspace: Workspace, tree: dict[str, Any], specs: Sequence[SceneSpec], report: Report, *, replace: bool
+    workspace: Workspace,
+    tree: dict[str, Any],
+    specs: Sequence[SceneSpec],
+    report: Report,
+    *,
+    replace: bool,
+    dry_run: bool = False,
 ) -> None:
-    """Refuse to take anything away from a finished release; with `replace`, only report what will be lost.
+    """Refuse to take anything away from a finished release before the work begins.
+
+    Args:
+        workspace: The output folder.
+        tree: The scenario as loaded.
+        specs: Its runs.
+        report: Receiver of a line about what would be lost, with `replace` and `dry_run`.
+        replace: Whether the release may lose something.
+        dry_run: Whether nothing will be done.
 
     Raises:
         InputError: Something would be lost, without `replace`.
     """
     losses = losses_of(workspace, tree, specs)
-    if not losses.text:
-        return
-    if replace:
-        report.say(f"--replace: the finished dataset {losses.name} loses {losses.text}")
-        return
-    other = f", and not {losses.new_name}" if losses.name not in {losses.new_name, ""} else ""
-    raise InputError(
-        f"contains the finished dataset {losses.name}{other}: {losses.text} would be lost",
-        where=f"--out {workspace.out}",
-        cure="name another folder with --out, or give --replace",
-    )
+    if not replace:
+        _refuse(workspace, losses)
+    elif losses.text and dry_run:
+        report.say(f"--replace: {losses.dataset} would lose {losses.text}")
+
+
+def protected_runs(
+    workspace: Workspace, tree: dict[str, Any], specs: Sequence[SceneSpec], report: Report, *, replace: bool
+) -> frozenset[str]:
+    """Check again in the locked folder, report what will be lost, and return the runs that stay even if they fail.
+
+    Another command may have finished its dataset between the first check and the lock.
+
+    Raises:
+        InputError: Something would be lost, without `replace`.
+    """
+    losses = losses_of(workspace, tree, specs)
+    if not replace:
+        _refuse(workspace, losses)
+        return frozenset(released_runs(workspace)) if _is_finished(workspace) else frozenset()
+    if losses.text:
+        report.say(f"--replace: {losses.dataset} loses {losses.text}")
+    return frozenset()
+
+
+def _refuse(workspace: Workspace, losses: Losses) -> None:
+    if losses.text:
+        other = f", and not {losses.new_name}" if losses.name not in {losses.new_name, ""} else ""
+        raise InputError(
+            f"contains {losses.dataset}{other}: {losses.text} would be lost",
+            where=f"--out {workspace.out}",
+            cure="name another folder with --out, or give --replace",
+        )
+
+
+def _is_finished(workspace: Workspace) -> bool:
+    return all(is_plain_file(workspace.out / name) for name in (MANIFEST, TAG_MANIFEST))
 
 
 def _changes(workspace: Workspace, metadata: Metadata | None, tree: dict[str, Any], specs: Sequence[SceneSpec]) -> bool:
@@ -95,9 +156,36 @@ def _changes(workspace: Workspace, metadata: Metadata | None, tree: dict[str, An
             return True
         if canonical_json(metadata.scenario) != canonical_json(tree):
             return True
-    return any(image_changes(workspace, spec.key, spec) for spec in specs)
+    return any(image_changes(workspace, spec.key, spec) or _has_another_key(workspace, spec) for spec in specs)
 
 
-def _images(metadata: Metadata | None, runs: Iterable[str]) -> int:
-    records = [record for record in metadata.runs if record.run in runs] if metadata else []
-    return sum(record.images + sum(camera.images for camera in record.cameras.values()) for record in records)
+def _has_another_key(workspace: Workspace, spec: SceneSpec) -> bool:
+    """Return whether a run was simulated from other inputs, such as another content of the controller's file."""
+    if not isinstance(spec, RunSpec) or spec.origin is not None:
+        return False
+    done = workspace.simulate(spec.key).done()
+    return done is not None and done.key != simulation_key(spec)
+
+
+def _images_and_annotations(
+    metadata: Metadata | None, removed: Iterable[str], kept: Mapping[str, SceneSpec]
+) -> tuple[int, tuple[str, ...]]:
+    """Return the number of images that are lost, and the annotations that other images no longer have."""
+    images, annotations = 0, set[str]()
+    for record in metadata.runs if metadata else ():
+        if record.run not in removed and record.run not in kept:
+            continue  # its folder is gone
+        cameras: dict[str, RunRecord | CameraRecord] = {"": record, **record.cameras}
+        there = _annotations_by_camera(kept[record.run]) if record.run in kept else {}
+        for name, camera in cameras.items():
+            if name in there:
+                annotations |= {*camera.annotations} - {*there[name]}
+            else:
+                images += camera.images
+    return images, tuple(sorted(annotations))
+
+
+def _annotations_by_camera(spec: SceneSpec) -> dict[str, tuple[AnnotationName, ...]]:
+    """Return the annotations of the images of each camera of a run by its name."""
+    annotations: dict[str, tuple[AnnotationName, ...]] = dict.fromkeys(logged_cameras(spec), ())
+    return annotations | {camera.name: camera.spec.render.annotations for camera in cameras_of(spec)}

@@ -39,7 +39,7 @@ def dry_run(runs: Sequence[RunStatus], losses: Losses) -> Iterator[str]:
     kept = [run.run for run in runs if run.done]
     failed = [run.run for run in runs if any(stage.has_failed for stage in run.stages)]
     if kept:
-        yield f"would be kept as they are, {named_runs(kept)}"
+        yield f"would be kept, as far as their settings show, {named_runs(kept)}"
     if failed:
         yield f"would fail again, {named_runs(failed)}"
 

@@ -15,11 +15,11 @@ from pipeline.stages.rendering_facts import Rendered
 from pipeline.stages.run_tables import TAKEN, stage_has_images, stage_rows, stage_tables
 from pipeline.stages.simulate_runs import read_outcome
 from sensors.build import listed_sensors
-from symolo.core.errors import EnvironmentLacking
+from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known
 from symolo.core.files.plain_files import FileKind, is_plain_file, read_file
-from symolo.core.progress import Report
+from symolo.core.progress import Report, plural
 from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
 from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
@@ -47,6 +47,7 @@ def assemble(
     report: Report,
     *,
     sensors: Sequence[ListedSensor] | None = None,
+    protected: frozenset[str] = frozenset(),
 ) -> None:
     """Release every run without a problem, and remove released runs that have one now.
 
@@ -57,8 +58,13 @@ def assemble(
         failures: Failures of the stages before.
         report: Progress report.
         sensors: Sensors of the runs; by default the loaded classes of those of `robot.sensors`.
+        protected: Runs of a finished release that are not removed even if they have failed.
+
+    Raises:
+        InputError: A protected run has failed. Nothing is removed.
     """
     failed = {failure.run for failure in failures}
+    _check_protected(workspace.out, [failure for failure in failures if failure.run in protected])
     good = [spec for spec in specs if spec.key not in failed]
     hashes: dict[str, str] = {}
     records, cpus, columns = [], set(), HEADER
@@ -82,6 +88,18 @@ def assemble(
     metadata = describe(tree, specs, records, failures, sensors, columns_of_data=columns, splits=splits)
     page = markdown(metadata, good[0])
     _describe(workspace, metadata, page, hashes, cpus, tags_before=tags_before, report=report)
+
+
+def _check_protected(out: Path, failures: Sequence[FailedRun]) -> None:
+    """Refuse to remove runs of a finished release that have failed now."""
+    if failures:
+        first, runs = failures[0], {failure.run for failure in failures}
+        raise InputError(
+            f"{plural(len(runs), 'released run')} failed now, and no run was removed from the finished dataset; "
+            f"{first.run}: {first.stage}: {first.problem}",
+            where=f"--out {out}",
+            cure=f"see `symolo status {out}`, or give --replace",
+        )
 
 
 def _splits(tree: dict[str, Any], specs: Sequence[SceneSpec], records: Sequence[RunRecord]) -> SplitsRecord | None:
@@ -279,7 +297,7 @@ def _tags_in(out: Path) -> bytes:
 def _remove_seals(out: Path, report: Report) -> None:
     """Remove what `symolo sign` added, and report it."""
     if any((out / name).exists() for name in SEALS):
-        report.say("removed: the signature, which is that of other files")
+        report.say("removed: the signature, because the signed files have changed")
     _remove_files(out, SEALS)
 
 

@@ -121,8 +121,8 @@ class Batch:
         annotations = annotation_jobs(self.workspace, self.specs, self.device, tasks.values(), failed)
         return failed + self._problems(annotations)
 
-    def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
-        assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
+    def assemble(self, failures: Sequence[FailedRun], report: Report, protected: frozenset[str]) -> None:
+        assemble(self.workspace, self.loaded.tree, self.specs, failures, report, protected=protected)
 
     def _problems(self, frame_jobs: Iterable[FrameJob]) -> list[FailedRun]:
         failed = []

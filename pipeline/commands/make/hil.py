@@ -78,7 +78,7 @@ def hil(
     The same command continues after an interruption: finished runs are not driven again.
     """
     from pipeline.executors.local import Local
-    from pipeline.run_folder.losses import check_losses
+    from pipeline.run_folder.losses import check_losses, protected_runs
     from pipeline.run_folder.status import again
     from pipeline.stages.board_runs import check_board, drive_runs
     from pipeline.work.batch import Batch
@@ -93,12 +93,13 @@ def hil(
     check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
     check_board(batch.workspace, batch.specs, port or "")
     with batch.workspace.locked():
+        protected = protected_runs(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
         for line in (*batch.notes, *again(batch.workspace, batch.specs)):
             report.say(line)
         batch.copy_user_images()
         failures = drive_runs(batch.workspace, batch.specs, port or "", report)
         failures += batch.render(failures, report)
-        batch.assemble(failures, report)
+        batch.assemble(failures, report, protected)
     return conclude(failures, len(batch.specs), "hil", out)
 
 

@@ -161,7 +161,7 @@ def import_logs(
         checked_name("--name", name)
     dataset = imported_dataset(request)
     report = report_here()
-    check_place(dataset, out, report, replace=replace)
+    check_place(dataset, out, report, replace=replace, dry_run=dry_run)
     saved_map = _mapping_text(dataset, _command_with(save_map, request, out)) if save_map is not None else ""
     describe_logs(dataset, yes=yes or dry_run)
     if save_map is not None:
@@ -169,7 +169,7 @@ def import_logs(
         typer.echo(f"{save_map}: which column is which quantity, for --map")
     if dry_run:
         return
-    write_dataset(dataset, out, report)
+    write_dataset(dataset, out, report, replace=replace)
     rows = sum(len(run.rows.t_ms) for run in dataset.runs)
     typer.echo(f"{out}: {plural(len(dataset.runs), 'run')}, {plural(rows, 'row')}")
     first = out / dataset.runs[0].spec.key

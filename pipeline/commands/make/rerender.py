@@ -174,7 +174,7 @@ def rerender(
     rerendering = prepare(read, request)
     where = out or checked_new_folder(Path(folder_name(read, request)))
     report = report_here()
-    check_place(rerendering, where, report, is_default=out is None, replace=replace)
+    check_place(rerendering, where, report, is_default=out is None, replace=replace, dry_run=dry_run)
     if read.imported is not None:
         describe_logs(read.imported, yes=yes or dry_run)
     if recorded := read.recorded_cameras:
@@ -184,7 +184,7 @@ def rerender(
         _print_plan(rerendering, where)
         return 0
     executor = Local.of(workers, memory).on(rerendering.device)
-    failures = make_release(rerendering, where, executor, report)
+    failures = make_release(rerendering, where, executor, report, replace=replace)
     return conclude(failures, len(rerendering.runs), "rerender", where)
 
 

@@ -109,7 +109,7 @@ def simulate(
 
     Example: symolo simulate smoke --out data
 
-    As a dataset without images: symolo release smoke --set rates.camera_hz=0 --out data
+    As a dataset without images: symolo release smoke --set rates.camera_hz=0 --out tables
 
     Robots that agree with a diagnosis: symolo simulate smoke --like diagnosis --out data
     """
@@ -267,7 +267,7 @@ def _make(
     if dry_run:
         _print_plan(batch)
     if "assemble" in stages:
-        check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
+        check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace, dry_run=dry_run)
     if dry_run:
         return 0
     if "render" in stages and batch.has_images:
@@ -280,7 +280,7 @@ def _make(
     with ExitStack() as held:
         upload = held.enter_context(to.opened(batch.workspace, batch.loaded.tree, batch.specs, report)) if to else None
         held.enter_context(batch.workspace.locked(alone=executor.does_all))
-        failures = _do_stages(batch, stages, failures, report, upload)
+        failures = _do_stages(batch, stages, failures, report, upload, replace=replace)
         if part is not None:
             print_failures(failures)
             typer.echo(f"{command}: part {part} is done, in {out}; when all parts are done, `symolo release` finishes")
@@ -308,10 +308,16 @@ def _do_stages(
     failures: "Sequence[FailedRun]",
     report: "Report",
     upload: "ReleaseUpload | None",
+    *,
+    replace: bool,
 ) -> "list[FailedRun]":
     """Do the stages and return all failures; `upload` uploads each run as soon as it is complete."""
+    from pipeline.run_folder.losses import protected_runs
     from pipeline.run_folder.status import again
 
+    protected: frozenset[str] = frozenset()
+    if "assemble" in stages:
+        protected = protected_runs(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
     failed = [*failures]
     for line in (*(batch.notes if "simulate" in stages else ()), *again(batch.workspace, batch.specs)):
         report.say(line)
@@ -324,7 +330,7 @@ def _do_stages(
     if upload:
         upload.assembled()
     if "assemble" in stages:
-        batch.assemble(failed, report)
+        batch.assemble(failed, report, protected)
     return failed
 
 

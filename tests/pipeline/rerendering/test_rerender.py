@@ -121,7 +121,8 @@ def test_a_run_that_is_simulated_only_is_rendered(dataset, tmp_path, symolo):
     assert cv2.imread(str(out / RUN / "annotations/semantic/000006.png")).shape == (24, 32, 3)
     assert (out / RUN / "data.csv").read_bytes() == (dataset / RUN / "data.csv").read_bytes()
     images = {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")}
-    assert symolo(*arguments).code == 0
+    assert "annotations (semantic) would be lost" in symolo(*arguments).err
+    assert symolo(*arguments, "--replace").code == 0
     assert not (out / RUN / "annotations").exists()
     assert {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")} == images
 

@@ -1,7 +1,13 @@
 """No command takes files away from a finished release of something else unless the user says so."""
 
+import contextlib
+import json
+
 import pytest
 
+from pipeline.run_folder.workspace import Workspace
+
+LISTS = ("manifest-sha256.txt", "tagmanifest-sha256.txt")
 ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
 SIGNATURE = "tagmanifest-sha256.txt.minisig"
 BRIGHT = "--set=look.sun.elevation_deg=70"
@@ -49,7 +55,7 @@ def test_with_replace_it_is_replaced_and_the_lines_name_what_went(signed, symolo
     lost = "2 runs (CCW/test_1, CW/test_1), 12 images and the signature"
     assert f"--replace: the finished dataset smoke loses {lost}" in lines
     assert "removed: CCW/test_1, which does not belong to the scenario" in lines
-    assert "removed: the signature, which is that of other files" in lines
+    assert "removed: the signature, because the signed files have changed" in lines
     assert not (signed / SIGNATURE).exists()
     assert not (signed / "CCW").exists()
     assert symolo("verify", signed).code == 0
@@ -66,8 +72,12 @@ def test_runs_that_the_scenario_no_longer_has_are_not_removed_unasked(out, symol
 def test_a_dry_run_says_what_a_release_would_take_away_do_and_keep_and_writes_nothing(out, symolo, tiny):
     before = state_of(out)
     ended = symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE, "--dry-run", "--replace")
+    assert "--replace: the finished dataset smoke would lose 1 run (CCW/test_1) and 6 images" in ended.err.splitlines()
     lines = ["would be lost by the next release: 1 run (CCW/test_1) and 6 images"]
-    assert (ended.code, ended.out.splitlines()) == (0, [*lines, "would be kept as they are, 1 run (CW/test_1)"])
+    assert (ended.code, ended.out.splitlines()) == (
+        0,
+        [*lines, "would be kept, as far as their settings show, 1 run (CW/test_1)"],
+    )
     assert lines[0] in symolo("status", out, "smoke", *tiny, ONE_ROUTE).out
     ended = symolo("release", "smoke", "--out", out, *tiny, BRIGHT, "--dry-run")
     assert ended.code == 0
@@ -90,7 +100,7 @@ def test_a_dry_run_into_a_new_folder_makes_no_folder(tmp_path, symolo, tiny):
 
 @pytest.mark.parametrize("command", ["verify", "repair"])
 def test_a_release_that_was_interrupted_is_named_so(out, symolo, command):
-    for name in ("manifest-sha256.txt", "tagmanifest-sha256.txt"):
+    for name in LISTS:
         (out / name).unlink()
     ended = symolo(command, out)
     assert (ended.code, ended.out) == (2, "")
@@ -105,6 +115,86 @@ def test_an_unfinished_release_needs_no_flag(out, symolo, tiny):
     (out / "tagmanifest-sha256.txt").unlink()
     assert symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE, "--workers=1").code == 0
     assert not (out / "CCW").exists()
+
+
+def test_images_and_annotations_of_kept_runs_are_not_removed_unasked(out, symolo, tiny):
+    before = state_of(out)
+    ended = symolo("release", "smoke", "--out", out, *tiny, "--set=rates.camera_hz=0")
+    assert ended.code == 2
+    assert "contains the finished dataset smoke: 12 images would be lost" in ended.err
+    assert state_of(out) == before
+    metadata = json.loads((out / "metadata.json").read_text())
+    rear = {"period_s": 0.2, "images": 5, "image_width_px": 32, "image_height_px": 24}
+    metadata["runs"][0] |= {"annotations": ["depth"], "cameras": {"rear": rear}}
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    ended = symolo("release", "smoke", "--out", out, *tiny)
+    assert (ended.code, "5 images and annotations (depth) would be lost" in ended.err) == (2, True)
+
+
+def test_a_dataset_of_unknown_name_counts_as_another_one(out, symolo, tiny):
+    for place in (out, out / ".stages/assemble"):
+        (place / "metadata.json").write_text("damaged")
+    before = state_of(out)
+    ended = symolo("release", "smoke", "--out", out, *tiny)
+    assert ended.code == 2
+    assert "contains a finished dataset: 2 runs (CCW/test_1, CW/test_1) would be lost" in ended.err
+    assert state_of(out) == before
+
+
+@pytest.fixture
+def finished_meanwhile(monkeypatch):
+    """Takes the lists of a dataset away until a command has the lock, as if another one finished in between."""
+
+    def prepare(out):
+        lists = {out / name: (out / name).read_bytes() for name in LISTS}
+        for path in lists:
+            path.unlink()
+        locked = Workspace.locked
+
+        @contextlib.contextmanager
+        def after_another(workspace, **options):
+            with locked(workspace, **options):
+                for path, data in lists.items():
+                    path.write_bytes(data)
+                yield
+
+        monkeypatch.setattr(Workspace, "locked", after_another)
+
+    return prepare
+
+
+@pytest.mark.parametrize("command", [["release"], ["hil", "--simulated"]])
+def test_what_another_command_finishes_before_the_lock_is_protected_too(
+    out, symolo, tiny, release_of, finished_meanwhile, command
+):
+    before = release_of(out)
+    finished_meanwhile(out)
+    ended = symolo(*command, "smoke", "--out", out, *tiny, "--set=name=other")
+    assert (ended.code, "contains the finished dataset smoke, and not other" in ended.err) == (2, True)
+    assert release_of(out) == before
+
+
+def test_an_import_protects_it_too(tmp_path, symolo, release_of, finished_meanwhile):
+    log, out = tmp_path / "log.csv", tmp_path / "out"
+    log.write_text("t_s,x_m,y_m,theta_rad\n" + "".join(f"{0.05 * i:.2f},{0.01 * i:.2f},0,0\n" for i in range(20)))
+    assert symolo("import", log, "--out", out, "--yes").code == 0
+    before = release_of(out)
+    finished_meanwhile(out)
+    ended = symolo("import", log, "--out", out, "--yes", "--name", "other")
+    assert (ended.code, "and not other" in ended.err) == (2, True)
+    assert release_of(out) == before
+
+
+@pytest.mark.parametrize("seal", [SIGNATURE, "provenance.intoto.json"])
+def test_a_seal_is_not_removed_where_a_file_of_the_user_has_changed(out, symolo, tiny, seal):
+    """The key of a simulation contains the content of the controller's file, which spec.json does not."""
+    (out / seal).write_text("{}")
+    done = json.loads((out / ".stages/simulate/CW/test_1/done.json").read_text())
+    (out / ".stages/simulate/CW/test_1/done.json").write_text(json.dumps(done | {"key": "0" * len(done["key"])}))
+    before = state_of(out)
+    ended = symolo("release", "smoke", "--out", out, *tiny)
+    assert (ended.code, "smoke: the signature would be lost" in ended.err) == (2, True)
+    assert state_of(out) == before
 
 
 @pytest.mark.parametrize("change", [BRIGHT, "--set=description=of something else"])
@@ -124,7 +214,7 @@ def test_a_signed_release_is_repaired_by_the_same_scenario_and_stays_signed(sign
 
 
 @pytest.mark.usefixtures("hands")
-def test_a_rerendering_of_another_look_replaces_nothing_unasked(dataset, tmp_path, symolo):
+def test_a_rerendering_of_another_look_replaces_nothing_unasked(dataset, tmp_path, symolo, finished_meanwhile):
     arguments = ["rerender", dataset / "CW/test_1", "--out", tmp_path / "out", "--set=render.annotations=[]"]
     size = ["--set=render.width_px=32", "--set=render.height_px=24"]
     assert symolo(*arguments, *size, "--look", "lab").code == 0
@@ -134,3 +224,8 @@ def test_a_rerendering_of_another_look_replaces_nothing_unasked(dataset, tmp_pat
     assert "contains the finished dataset smoke-lab, and not smoke-night: 1 run (CW/test_1) and 6 images" in ended.err
     assert state_of(tmp_path / "out") == before
     assert symolo(*arguments, *size, "--look", "night", "--replace").code == 0
+    before = [path.read_bytes() for path in sorted((tmp_path / "out/CW").rglob("*.*"))]
+    finished_meanwhile(tmp_path / "out")
+    ended = symolo(*arguments, *size, "--look", "lab")
+    assert (ended.code, "contains the finished dataset smoke-night, and not smoke-lab" in ended.err) == (2, True)
+    assert [path.read_bytes() for path in sorted((tmp_path / "out/CW").rglob("*.*"))] == before

@@ -77,7 +77,7 @@ def test_a_second_release_touches_nothing_and_one_without_takes_them_back(
     (out / OWN / "depth/000002.png").write_bytes(b"damaged")
     assert symolo("release", "smoke", "--out", out, *tiny, ASKED).code == 0
     assert release_of(out) == release_of(annotated)
-    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert symolo("release", "smoke", "--out", out, *tiny, "--replace").code == 0
     assert release_of(out) == release_of(dataset)
 
 
@@ -88,7 +88,7 @@ def test_kinds_that_the_list_no_longer_names_are_removed_and_no_image_is_rendere
     out = copy_of(annotated, stages=True)
     rendered = times(out / ".stages", "*.jpg")
     assert rendered
-    assert symolo("release", "smoke", "--out", out, *tiny, "--set=render.annotations=[depth]").code == 0
+    assert symolo("release", "smoke", "--out", out, *tiny, "--set=render.annotations=[depth]", "--replace").code == 0
     assert {path.name for path in (out / OWN).iterdir()} == {"annotations.json", "depth"}
     assert times(out / ".stages", "*.jpg") == rendered
     refused = symolo("export", out, "--format", "coco", "--out", tmp_path / "out")

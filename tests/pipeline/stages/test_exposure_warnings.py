@@ -121,8 +121,9 @@ def test_stage_by_stage_a_run_of_black_images_has_failed_as_in_a_release(
 
     monkeypatch.setattr("pipeline.executors.local.run_units", paint)
     arguments = ("smoke", "--out", out, *tiny, "--set", "look.camera.brightness=0.3")
-    for stage in ("render", "render", "assemble", "assemble"):
-        ended = symolo(stage, *arguments)
+    replacing = ("assemble", "--replace")  # the runs were released before
+    for command in (("render",), ("render",), replacing, replacing):
+        ended = symolo(*command, *arguments)
         assert ended.code == 3, ended.err
         failures = [line for line in ended.err.splitlines() if line.startswith("failed: ")]
         assert [line.split(": ")[1] for line in failures] == list(black)

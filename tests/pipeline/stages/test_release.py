@@ -163,12 +163,24 @@ def test_a_damaged_image_in_the_stages_and_the_release_is_made_again(dataset, co
 
 
 @pytest.mark.usefixtures("hands")
-def test_a_run_that_touches_something_is_reported_and_no_longer_released(dataset, copy_of, tmp_path, symolo, tiny):
-    """A sill below the range sensors' beams stands in the way of the counter-clockwise route alone."""
+def test_a_run_that_touches_something_is_reported_and_no_longer_released(
+    dataset, copy_of, tmp_path, symolo, tiny, release_of
+):
+    """If it was released before, only with `--replace`.
+
+    A sill below the range sensors' beams stands in the way of the counter-clockwise route alone.
+    """
     (tmp_path / "sill.yaml").write_text(ARENA_WITH_A_SILL)
     out = copy_of(dataset, stages=True)
     arguments = ("release", "smoke", "--out", out, *tiny, "--set", f"arena={tmp_path / 'sill.yaml'}")
-    ended = symolo(*arguments)
+    refused = symolo(*arguments)
+    assert refused.code == 2
+    message = refused.err.splitlines()[-1]
+    assert "1 released run failed now, and no run was removed from the finished dataset; CCW/test_1: " in message
+    assert "simulate: touched sill at 0." in message
+    assert message.endswith(f"see `symolo status {out}`, or give --replace")
+    assert release_of(out) == release_of(dataset)
+    ended = symolo(*arguments, "--replace")
     assert ended.code == 3
     (line,) = [line for line in ended.err.splitlines() if line.startswith("failed")]
     assert line.startswith("failed: CCW/test_1: simulate: touched sill at 0.")
