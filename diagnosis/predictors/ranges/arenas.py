@@ -70,7 +70,7 @@ class LogArenas:
             trial: (n,), trial of each place.
             origins: (n, 3), places in W.
             rays: (n, R, 3), rays from their origins to their ends.
-            t_s: (n,), time since the start of the trial, at which obstacles that move are placed.
+            t_s: (n,), time since the start of the session, at which obstacles that move are placed.
         """
         places, count = rays.shape[:2]
         fraction, surface = np.empty((places, count)), np.empty((places, count), dtype=np.int64)

@@ -152,8 +152,8 @@ class RangesInArena(Ranges):
         return Surroundings(np.stack(clear, axis=-1), surface, names)
 
     def _path(self, robot: RobotConfig) -> Array:
-        """Return pose of the axle and time since the start of the trial, (n, 4), of each row's reading."""
-        return np.column_stack([self._axle([robot]), self._t_s - self._age_s([robot])])
+        """Return pose of the axle and time since the start of the session, (n, 4), of each row's reading."""
+        return np.column_stack([self._axle([robot]), self._since_on_s - self._age_s([robot])])
 
     def _cone(self, robot: RobotConfig) -> _Cone:
         """Return the rays of a robot, of which only their weights may differ from those of the nominal one."""
