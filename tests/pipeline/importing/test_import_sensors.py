@@ -62,7 +62,7 @@ def test_images_of_all_cameras_come_back_as_they_went(name, recorded, sensing_re
     assert [image.t_s for image in camera] == [image.t_s for image in source]
     np.testing.assert_allclose(camera.X_WC, source.X_WC, atol=1e-6)
     for field in ("camera_model", "distortion_model", "width_px", "height_px", "K", "D"):
-        assert getattr(camera.camera, field) == getattr(source.camera, field)
+        np.testing.assert_array_equal(getattr(camera.camera, field), getattr(source.camera, field))
     np.testing.assert_allclose(camera.camera.X_RC, source.camera.X_RC, atol=1e-6)
     if name == "rear":
         assert camera.camera.field_of_view_deg == pytest.approx(source.camera.field_of_view_deg, abs=1e-4)
