@@ -142,7 +142,8 @@ Replace = Annotated[
     typer.Option(
         "--replace",
         help="Continue even if a finished release in the output folder loses something: it has another name, runs, "
-        "cameras or annotations in it are no longer made, a run in it fails now, or it is signed and would change.",
+        "cameras or annotations in it are no longer made, a run in it fails now or is measured again, or it is signed "
+        "and would change.",
     ),
 ]
 Json = Annotated[

@@ -44,9 +44,9 @@ def write_dataset(dataset: ImportedDataset, out: Path, report: Report, *, replac
     """Write the runs into a checked folder; a run that is there unchanged stays."""
     workspace, specs = Workspace(out.absolute(), Kind.IMPORTED), [run.spec for run in dataset.runs]
     with workspace.locked():
-        protected_runs(workspace, dataset.tree, specs, report, replace=replace)
+        protected = protected_runs(workspace, dataset.tree, specs, report, replace=replace)
         with report.stage("import", len(dataset.runs), "runs") as stage:
             for number, run in enumerate(dataset.runs, 1):
                 write_external_run(run, workspace.simulate(run.spec.key))
                 stage.update("all", number)
-        assemble(workspace, dataset.tree, specs, [], report, sensors=dataset.sensors)
+        assemble(workspace, dataset.tree, specs, [], report, sensors=dataset.sensors, protected=protected)

@@ -33,7 +33,7 @@ class Losses:
     new_name: str
     """Name of the dataset that the command makes."""
     runs: tuple[str, ...]
-    """Released runs that would be removed, or all of them if the dataset has another name."""
+    """Released runs that would be removed or measured again, or all of them if the dataset has another name."""
     images: int
     """Number of their images, of all cameras, and of those of cameras that the other runs no longer have."""
     annotations: tuple[str, ...]
@@ -73,6 +73,9 @@ def losses_of(workspace: Workspace, tree: dict[str, Any], specs: Sequence[SceneS
     released = released_runs(workspace)
     is_same = metadata is not None and metadata.name == new_name
     kept = {spec.key: spec for spec in specs if spec.key in released} if is_same else {}
+    for record in metadata.runs if metadata else ():
+        if record.run in kept and _is_measured_again(workspace, record, kept[record.run]):
+            del kept[record.run]
     runs = released - kept.keys()
     images, annotations = _images_and_annotations(metadata, runs, kept)
     is_signed = any((out / name).exists() for name in SEALS)
@@ -165,6 +168,16 @@ def _has_another_key(workspace: Workspace, spec: SceneSpec) -> bool:
         return False
     done = workspace.simulate(spec.key).done()
     return done is not None and done.key != simulation_key(spec)
+
+
+def _is_measured_again(workspace: Workspace, record: RunRecord, spec: SceneSpec) -> bool:
+    """Return whether a run that no scenario repeats, by a log or by a real board, would get other data."""
+    if record.origin is not None:
+        before, now = record.origin.log, spec.origin.log if spec.origin else None
+        return before is not None and (now is None or now.sha256 != before.sha256)
+    if record.board is None or record.board.kind != "serial":
+        return False
+    return not isinstance(spec, RunSpec) or not workspace.simulate(spec.key).is_done(simulation_key(spec))
 
 
 def _images_and_annotations(

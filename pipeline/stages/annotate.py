@@ -50,18 +50,24 @@ class AnnotationTask(FrameTask):
 
 
 def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
-    """Copy the released annotations of a run or a camera into its folder, and return their SHA-256 by path.
+    """Copy the released annotations of a run or a camera into its folder, and return their SHA-256 by path."""
+    copied = released_annotations(annotated.files())
+    for name, digest in copied.items():
+        make_folder((run / name).parent)
+        write_file(run / name, read_known(annotated.path / name, digest))
+    return copied
+
+
+def released_annotations(files: Mapping[str, str]) -> dict[str, str]:
+    """Return the annotations among the files of a stage, with their SHA-256 by path.
 
     The records are part of the document.
     """
-    copied = {}
-    for name, digest in sorted(annotated.files().items()):
-        folder = PurePosixPath(name).parent
-        if name.startswith(f"{ANNOTATIONS}/") and folder.name != RECORDS_DIR:
-            make_folder(run / folder)
-            write_file(run / name, read_known(annotated.path / name, digest))
-            copied[name] = digest
-    return copied
+    return {
+        name: digest
+        for name, digest in sorted(files.items())
+        if name.startswith(f"{ANNOTATIONS}/") and PurePosixPath(name).parent.name != RECORDS_DIR
+    }
 
 
 def processors(workspace: Workspace, run: str, annotated: Mapping[str, bool]) -> tuple[str, ...]:

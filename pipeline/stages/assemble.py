@@ -1,7 +1,9 @@
 """Stage 3: assembles good runs into the released dataset, with description, metadata and checksums."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +11,10 @@ from configs.schema.scenario import SceneSpec
 from configs.schema.splits import Splits
 from pipeline.assembly.description import markdown
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
-from pipeline.stages.annotate import copy_released, processors
-from pipeline.stages.cameras import RunCamera, cameras_of, logged_cameras
-from pipeline.stages.rendering_facts import Rendered
-from pipeline.stages.run_tables import TAKEN, stage_has_images, stage_rows, stage_tables
-from pipeline.stages.simulate_runs import read_outcome
+from pipeline.stages.annotate import copy_released, released_annotations
+from pipeline.stages.assembled_run import AssembledRun, assembled_run, cameras_with_images
+from pipeline.stages.cameras import RunCamera
+from pipeline.stages.run_tables import stage_tables
 from sensors.build import listed_sensors
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
@@ -22,13 +23,11 @@ from symolo.core.files.plain_files import FileKind, is_plain_file, read_file
 from symolo.core.progress import Report, plural
 from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
-from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
-from symolo.dataset.documents.run_records import CameraRecord
+from symolo.dataset.documents.metadata import METADATA, FailedRun, RunRecord, describe, read_metadata
 from symolo.dataset.documents.splits_record import SplitsRecord
-from symolo.dataset.layout import DESCRIPTION, DONE, IMAGES, SIDE, STAGES, camera_folder
+from symolo.dataset.layout import DESCRIPTION, DONE, IMAGES, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, tag_manifest
 from symolo.dataset.splits import SplitMember, assign
-from symolo.dataset.tables.rows import HEADER, Rows
 from symolo.dataset.tables.sensor_tables import ListedSensor
 
 METADATA_COPY = Path(STAGES) / "assemble" / METADATA
@@ -37,6 +36,18 @@ FORM = 2
 """Version of the list of files of a run; releases with another number are assembled again. 1 had no side/scene.json."""
 CHECKSUMS = (TAG_MANIFEST, MANIFEST)
 """Lists of checksums in the order in which they are removed, before the files that they name."""
+
+
+@dataclass(frozen=True)
+class _Checked:
+    """A released file as the lists of checksums have it."""
+
+    sha256: str
+    size_bytes: int
+
+    @classmethod
+    def of(cls, data: bytes) -> "_Checked":
+        return cls(hashlib.sha256(data).hexdigest(), len(data))
 
 
 def assemble(
@@ -61,33 +72,38 @@ def assemble(
         protected: Runs of a finished release that are not removed even if they have failed.
 
     Raises:
-        InputError: A protected run has failed. Nothing is removed.
+        InputError: A protected run has failed, or the files of a signed release would change. Nothing is removed.
     """
     failed = {failure.run for failure in failures}
     _check_protected(workspace.out, [failure for failure in failures if failure.run in protected])
     good = [spec for spec in specs if spec.key not in failed]
-    hashes: dict[str, str] = {}
-    records, cpus, columns = [], set(), HEADER
+    top = partial(_top_files, tree=tree, specs=specs, failures=failures, sensors=sensors)
     tags_before = _tags_in(workspace.out)
+    if protected and _is_sealed(workspace.out) and _planned_tags(workspace, good, top) != tags_before:
+        raise InputError(
+            f"contains the finished dataset {specs[0].scenario}: the signature would be lost, because other files were "
+            "made now; no released file was changed",
+            where=f"--out {workspace.out}",
+            cure="name another folder with --out, or give --replace",
+        )
+    runs: list[AssembledRun] = []
+    files: dict[str, _Checked] = {}
     _remove_stale_runs(workspace, {spec.key for spec in good}, failed, report)
     with report.stage("assemble", len(good), "runs") as stage:
         for spec in good:
-            hashes |= {f"{spec.key}/{name}": digest for name, digest in release_run(workspace, spec).items()}
-            record, run_cpus, columns = _record(workspace, spec)
-            if record.cpu_classes:
-                stage.say(f"{spec.key}: {of_several_classes(record.cpu_classes)}")
-            records.append(record)
-            cpus |= run_cpus
+            for name, digest in release_run(workspace, spec).items():
+                path = f"{spec.key}/{name}"
+                files[path] = _Checked(digest, (workspace.out / path).stat().st_size)
+            run = assembled_run(workspace, spec)
+            if run.record.cpu_classes:
+                stage.say(f"{spec.key}: {of_several_classes(run.record.cpu_classes)}")
+            runs.append(run)
             stage.update(spec.key, 1)
     if not good:
         _remove_seals(workspace.out, report)
         _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
-    sensors = listed_sensors(specs[0].robot.sensors) if sensors is None else sensors
-    splits = _splits(tree, specs, records)
-    metadata = describe(tree, specs, records, failures, sensors, columns_of_data=columns, splits=splits)
-    page = markdown(metadata, good[0])
-    _describe(workspace, metadata, page, hashes, cpus, tags_before=tags_before, report=report)
+    _write_top(workspace.out, top(runs, files), tags_before, report)
 
 
 def _check_protected(out: Path, failures: Sequence[FailedRun]) -> None:
@@ -118,93 +134,65 @@ def _splits(tree: dict[str, Any], specs: Sequence[SceneSpec], records: Sequence[
     return assign(rule, members, METADATA).only(images)
 
 
-def _record(workspace: Workspace, spec: SceneSpec) -> tuple[RunRecord, set[str], tuple[str, ...]]:
-    """Return the facts of a run, the classes of the processors that made it, and the columns of its data.csv."""
-    stage = workspace.simulate(spec.key).path
-    rows, outcome = stage_rows(stage), read_outcome(stage)
-    drivers = {"board": outcome.board, "controller": outcome.controller}
-    if not rows.image.any():
-        logged = {name: _logged_record(stage, name, one) for name, one in logged_cameras(spec).items()}
-        record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings, cameras=logged, **drivers)
-        return record, {outcome.cpu} - {""}, rows.columns
-    cameras = {camera.name: camera for camera in cameras_of(spec)}
-    rendered = {name: Rendered.read(workspace.render(spec.key, name).path) for name in cameras}
-    annotated = {name: bool(camera.spec.render.annotations) for name, camera in cameras.items()}
-    cpus = processors(workspace, spec.key, annotated)
-    warnings = (*outcome.warnings, *_image_warnings(rendered))
-    record = RunRecord.of(
-        spec,
-        rows,
-        outcome.lap_time_s,
-        warnings,
-        rendered[""].device,
-        cpus=cpus,
-        cameras={name: _camera_record(camera, rows, rendered[name]) for name, camera in cameras.items() if name},
-        rendering=rendered[""].rendering,
-        **drivers,
-    )
-    return record, {outcome.cpu, *cpus} - {""}, rows.columns
-
-
-def _image_warnings(rendered: Mapping[str, Rendered]) -> Iterator[str]:
-    """Yield the warnings about the images of each camera."""
-    for name, images in rendered.items():
-        yield from (f"camera {name}: {warning}" if name else warning for warning in images.warnings)
-
-
-def _camera_record(camera: RunCamera, rows: Rows, rendered: Rendered) -> CameraRecord:
-    render = camera.spec.render
-    return CameraRecord(
-        period_s=camera.period_s,
-        images=len(camera.rows(rows).t_ms),
-        image_width_px=render.width_px,
-        image_height_px=render.height_px,
-        render_device=rendered.device,
-        rendering=rendered.rendering,
-        annotations=render.annotations,
-    )
-
-
-def _logged_record(stage: Path, name: str, settings: Mapping[str, Any]) -> CameraRecord:
-    """Return the record of a camera of a log from the folder of the first stage."""
-    return CameraRecord(
-        period_s=settings["period_s"],
-        images=sum(1 for _ in (stage / TAKEN / camera_folder(name) / IMAGES).iterdir()),
-        image_width_px=settings["width_px"],
-        image_height_px=settings["height_px"],
-        render_device="",
-    )
-
-
 def of_several_classes(cpus: Sequence[str]) -> str:
     """Return the warning about a run whose frames were made on several classes of processor."""
     return f"its frames were made on {' and '.join(cpus)}: low bits may not be those of a machine of one class"
 
 
-def _describe(
-    workspace: Workspace,
-    metadata: Metadata,
-    page: bytes,
-    hashes: dict[str, str],
-    cpus: set[str],
+def _top_files(
+    runs: Sequence[AssembledRun],
+    files: Mapping[str, _Checked],
     *,
-    tags_before: bytes,
-    report: Report,
-) -> None:
+    tree: dict[str, Any],
+    specs: Sequence[SceneSpec],
+    failures: Sequence[FailedRun],
+    sensors: Sequence[ListedSensor] | None,
+) -> dict[str, bytes]:
+    """Return the files at the top of a release by name; `files` are those of its runs."""
+    records = [run.record for run in runs]
+    sensors = listed_sensors(specs[0].robot.sensors) if sensors is None else sensors
+    splits = _splits(tree, specs, records)
+    metadata = describe(tree, specs, records, failures, sensors, columns_of_data=runs[-1].columns, splits=splits)
+    top = {METADATA: metadata.to_json(), DESCRIPTION: markdown(metadata, runs[0].spec)}
+    files = {**files, **{name: _Checked.of(data) for name, data in top.items()}}
+    sizes = {name: file.size_bytes for name, file in files.items()}
+    info = bag_info(metadata.name, metadata.description, sizes, frozenset[str]().union(*(run.cpus for run in runs)))
+    hashes = {name: file.sha256 for name, file in files.items()} | {BAG_INFO: hashlib.sha256(info).hexdigest()}
+    return {**top, BAG_INFO: info, MANIFEST: manifest(hashes), TAG_MANIFEST: tag_manifest(hashes)}
+
+
+def _write_top(out: Path, top: Mapping[str, bytes], tags_before: bytes, report: Report) -> None:
     """Write the files at the top of a release; the checksum of the checksums comes last."""
-    out, text = workspace.out, metadata.to_json()
-    _write_if_new(out / METADATA_COPY, text)
-    for name, data in ((METADATA, text), (DESCRIPTION, page)):
-        _write_if_new(out / name, data)
-        hashes[name] = hashlib.sha256(data).hexdigest()
-    sizes = {name: (out / name).stat().st_size for name in hashes}
-    info = bag_info(metadata.name, metadata.description, sizes, cpus)
-    hashes[BAG_INFO] = hashlib.sha256(info).hexdigest()
-    tags = tag_manifest(hashes)
-    if tags != tags_before:  # a signature of the lists before would be taken for a forgery
+    _write_if_new(out / METADATA_COPY, top[METADATA])
+    for name in (METADATA, DESCRIPTION):
+        _write_if_new(out / name, top[name])
+    if top[TAG_MANIFEST] != tags_before:  # a signature of the lists before would be taken for a forgery
         _remove_seals(out, report)
-    for name, data in ((BAG_INFO, info), (MANIFEST, manifest(hashes)), (TAG_MANIFEST, tags)):
-        _write_if_new(out / name, data)
+    for name in (BAG_INFO, MANIFEST, TAG_MANIFEST):
+        _write_if_new(out / name, top[name])
+
+
+def _planned_tags(
+    workspace: Workspace,
+    good: Sequence[SceneSpec],
+    top: Callable[[Sequence[AssembledRun], Mapping[str, _Checked]], Mapping[str, bytes]],
+) -> bytes:
+    """Return the checksum of the checksums of a release of these runs, of which nothing is written."""
+    files = {f"{spec.key}/{name}": file for spec in good for name, file in _planned_files(workspace, spec)}
+    return top([assembled_run(workspace, spec) for spec in good], files)[TAG_MANIFEST]
+
+
+def _planned_files(workspace: Workspace, spec: SceneSpec) -> Iterator[tuple[str, _Checked]]:
+    """Yield the files of a run by their paths in its folder, from its stages."""
+    for name, data in stage_tables(spec, workspace.simulate(spec.key).path):
+        yield name, _Checked.of(data)
+    for camera in cameras_with_images(workspace, spec):
+        folders = [(workspace.render(spec.key, camera.name), released_images)]
+        if camera.spec.render.annotations:
+            folders.append((workspace.annotate(spec.key, camera.name), released_annotations))
+        for folder, released in folders:
+            for name, digest in released(folder.files()).items():
+                yield camera.inner(name), _Checked(digest, (folder.path / name).stat().st_size)
 
 
 def release_run(workspace: Workspace, spec: SceneSpec) -> dict[str, str]:
@@ -214,7 +202,7 @@ def release_run(workspace: Workspace, spec: SceneSpec) -> dict[str, str]:
         EnvironmentLacking: Files of the stages, or of the new folder, are not what was written.
     """
     stages = {"simulate": workspace.simulate(spec.key)}
-    cameras = cameras_of(spec) if stage_has_images(spec, stages["simulate"].path) else ()
+    cameras = cameras_with_images(workspace, spec)
     for camera in cameras:
         stages[camera.inner("render")] = workspace.render(spec.key, camera.name)
         if camera.spec.render.annotations:
@@ -271,10 +259,15 @@ def copy_images(stage: Path, files: Mapping[str, str], run: Path) -> dict[str, s
         files: SHA-256 of all its files by path.
         run: Folder of the run.
     """
-    images = {name: digest for name, digest in sorted(files.items()) if name.startswith(f"{IMAGES}/")}
+    images = released_images(files)
     for name, digest in images.items():
         write_file(run / name, read_known(stage / name, digest))
     return images
+
+
+def released_images(files: Mapping[str, str]) -> dict[str, str]:
+    """Return the images among the files of a stage, with their SHA-256 by path."""
+    return {name: digest for name, digest in sorted(files.items()) if name.startswith(f"{IMAGES}/")}
 
 
 def _remove_stale_runs(workspace: Workspace, good: set[str], failed: set[str], report: Report) -> None:
@@ -294,9 +287,13 @@ def _tags_in(out: Path) -> bytes:
     return read_file(out / TAG_MANIFEST, FileKind.ANY) if is_plain_file(out / TAG_MANIFEST) else b""
 
 
+def _is_sealed(out: Path) -> bool:
+    return any((out / name).exists() for name in SEALS)
+
+
 def _remove_seals(out: Path, report: Report) -> None:
     """Remove what `symolo sign` added, and report it."""
-    if any((out / name).exists() for name in SEALS):
+    if _is_sealed(out):
         report.say("removed: the signature, because the signed files have changed")
     _remove_files(out, SEALS)
 

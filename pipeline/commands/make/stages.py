@@ -326,7 +326,9 @@ def _do_stages(
     if "simulate" in stages:
         failed += batch.simulate(report)
     if "render" in stages:
-        failed += batch.render(failed, report, upload.run_done) if upload else batch.render(failed, report)
+        # A finished dataset stays as it is until no run can fail any more.
+        on_complete = [upload.run_done] if upload and not protected else []
+        failed += batch.render(failed, report, *on_complete)
     if upload:
         upload.assembled()
     if "assemble" in stages:

@@ -2,9 +2,11 @@
 
 import contextlib
 import json
+import shutil
 
 import pytest
 
+from physics.control.registry import CONTROLLERS
 from pipeline.run_folder.workspace import Workspace
 
 LISTS = ("manifest-sha256.txt", "tagmanifest-sha256.txt")
@@ -185,6 +187,22 @@ def test_an_import_protects_it_too(tmp_path, symolo, release_of, finished_meanwh
     assert release_of(out) == before
 
 
+def test_an_import_of_another_log_of_the_same_name_needs_the_flag(tmp_path, symolo, release_of):
+    """An imported dataset is named after its file, and its run is the same in all of them."""
+    log, out = tmp_path / "log.csv", tmp_path / "out"
+    arguments = ["import", log, "--out", out, "--yes"]
+    rows = [f"{0.05 * i:.2f},{0.01 * i:.2f},0,0\n" for i in range(20)]
+    log.write_text("t_s,x_m,y_m,theta_rad\n" + "".join(rows))
+    assert symolo(*arguments).code == 0
+    assert symolo(*arguments, "--licence", "MIT").code == 0
+    log.write_text("t_s,x_m,y_m,theta_rad\n" + "".join(rows[:15]))
+    before = release_of(out)
+    ended = symolo(*arguments)
+    assert (ended.code, "the finished dataset log: 1 run (imported/test_1) would be lost" in ended.err) == (2, True)
+    assert release_of(out) == before
+    assert symolo(*arguments, "--replace").code == 0
+
+
 @pytest.mark.parametrize("seal", [SIGNATURE, "provenance.intoto.json"])
 def test_a_seal_is_not_removed_where_a_file_of_the_user_has_changed(out, symolo, tiny, seal):
     """The key of a simulation contains the content of the controller's file, which spec.json does not."""
@@ -194,6 +212,69 @@ def test_a_seal_is_not_removed_where_a_file_of_the_user_has_changed(out, symolo,
     before = state_of(out)
     ended = symolo("release", "smoke", "--out", out, *tiny)
     assert (ended.code, "smoke: the signature would be lost" in ended.err) == (2, True)
+    assert state_of(out) == before
+
+
+CONTROLLER = """
+from physics.control.base import RobotController, State, Twist
+
+
+class Toy(RobotController):
+    def step(self, seen):
+        return Twist(0.1, 0.0, State.LINE)
+"""
+
+
+@pytest.fixture
+def with_controller(tmp_path, symolo):
+    """Does a command with a controller of the user, whose file has a text of its own in each command."""
+    path = tmp_path / "toy.py"
+    settings = ["controller.toy={}", "stop.lap=false", "stop.time_limit_s=0.3", "rates.camera_hz=0"]
+
+    def do(command, text):
+        path.write_text(CONTROLLER + text)
+        options = ["--out", tmp_path / "out", ONE_ROUTE, *(f"--set={setting}" for setting in settings)]
+        try:
+            return symolo("--controller-file", path, command, "smoke", *options)
+        finally:
+            CONTROLLERS.unload(path)
+
+    return do
+
+
+@pytest.mark.usefixtures("hands")
+def test_a_signature_is_not_removed_where_a_controller_has_changed_since(with_controller, tmp_path, release_of):
+    """In the folder of its simulation, the changed controller has become the known one."""
+    out = tmp_path / "out"
+    assert with_controller("release", "").code == 0
+    (out / SIGNATURE).write_text("untrusted comment: of a test\n")
+    before = release_of(out)
+    assert with_controller("simulate", "# changed").code == 0
+    for command in ("assemble", "release"):
+        ended = with_controller(command, "# changed")
+        assert (ended.code, "smoke: the signature would be lost" in ended.err) == (2, True)
+        assert release_of(out) == before
+    shutil.rmtree(out / ".stages")
+    ended = with_controller("release", "# changed")
+    assert (ended.code, "the signature would be lost" in ended.err) == (2, True)
+    assert release_of(out) == before
+    shutil.rmtree(out / ".stages")
+    assert with_controller("release", "").code == 0
+    assert release_of(out) == before
+
+
+def test_a_drive_of_a_real_board_is_not_replaced_unasked(out, symolo, tiny):
+    """No board drives the same way twice."""
+    metadata = json.loads((out / "metadata.json").read_text())
+    line = {"kind": "serial", "framing": "framed", "bits_per_s": 115_200, "actuation_delay_ticks": 1}
+    metadata["runs"][0]["board"] = {**line, "firmware_id": "", "rows_unanswered": 0, "events": {}}
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    assert symolo("release", "smoke", "--out", out, *tiny, BRIGHT, "--dry-run").code == 0
+    done = json.loads((out / ".stages/simulate/CW/test_1/done.json").read_text())
+    (out / ".stages/simulate/CW/test_1/done.json").write_text(json.dumps(done | {"key": "0" * len(done["key"])}))
+    before = state_of(out)
+    ended = symolo("release", "smoke", "--out", out, *tiny)
+    assert (ended.code, "smoke: 1 run (CW/test_1) and 6 images would be lost" in ended.err) == (2, True)
     assert state_of(out) == before
 
 

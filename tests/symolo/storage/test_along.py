@@ -125,6 +125,19 @@ def test_where_a_run_failed_the_place_is_not_finished(release, hands, shelf, tmp
     assert (tmp_path / "out" / TAG_MANIFEST).is_file()
 
 
+def test_a_released_run_that_fails_twice_is_not_removed(release, hands, shelf, tmp_path, release_of, symolo):
+    out = tmp_path / "out"
+    assert symolo("release", "smoke", "--out", out, *SMALL).code == 0
+    before = release_of(out)
+    plain = hands.paint
+    hands.paint = lambda unit: plain(unit, grey=0 if unit.name == "CCW/test_1" else 128)
+    for _ in range(2):
+        ended = release("--set=look.sun.elevation_deg=70")
+        assert (ended.code, "1 released run failed now, and no run was removed" in ended.err) == (2, True)
+        assert release_of(out) == before
+    assert shelf.names == []
+
+
 def test_a_place_with_something_else_is_refused_before_anything_is_written(release, shelf, tmp_path, symolo):
     assert release(out=tmp_path / "first").code == 0
     names = [*shelf.names]
