@@ -17,8 +17,9 @@ def require_finite(values: NDArray[np.float64], name: str, axes: Sequence[str]) 
     Raises:
         ValueError: A number is not finite; the first one and its place are named.
     """
-    bad = np.argwhere(~np.isfinite(values))
-    if len(bad):
-        first = tuple(bad[0].tolist())
+    is_finite = np.isfinite(values)
+    bad = is_finite.size - np.count_nonzero(is_finite)
+    if bad:
+        first = tuple(int(index) for index in np.unravel_index(np.argmin(is_finite), is_finite.shape))
         where = ", ".join(f"{axis} {index}" for axis, index in zip(axes, first, strict=True))
-        raise ValueError(f"{name}: {values[first]} at {where}, {len(bad)} such in all; give finite numbers")
+        raise ValueError(f"{name}: {values[first]} at {where}, {bad} such in all; give finite numbers")

@@ -11,7 +11,7 @@ import re
 import struct
 import zipfile
 import zlib
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ _ENTRY = b"PK\x01\x02"
 _PLAIN = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """Methods of compression of which zipfile unpacks no more than requested; of others it unpacks whole blocks."""
 _MAGIC = b"\x93NUMPY\x01\x00"
+_PIECE = 1 << 20
 _HEADER = re.compile(
     rb"\{'descr': '([<>|][biuf][1248])', 'fortran_order': (True|False), 'shape': \((\d{1,12}), ?(\d{1,12})?\), \} *\n"
 )
@@ -60,18 +61,30 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Numbers:
     if entry.compress_type not in _PLAIN:
         raise zipfile.BadZipFile(f"{entry.filename} is packed in a way that numpy does not use")
     with archive.open(entry) as file:
-        content = file.read(entry.file_size)  # and no more, whatever the packed data hold
-    if len(content) < entry.file_size:
-        raise zipfile.BadZipFile(f"{entry.filename} is shorter than announced")
-    start = len(_MAGIC) + 2
-    header = _HEADER.fullmatch(content, start, start + int.from_bytes(content[start - 2 : start], "little"))
-    if not content.startswith(_MAGIC) or header is None:
-        raise ValueError(f"{entry.filename} holds no rows of numbers")
-    kind, by_column, *counts = header.groups()
-    try:
-        dtype, shape = np.dtype(kind.decode()), tuple(int(count) for count in counts if count)
-    except TypeError:  # such as f1
-        raise ValueError(f"{entry.filename} holds no rows of numbers") from None
-    if math.prod(shape) * dtype.itemsize != len(content) - header.end():
-        raise ValueError(f"{entry.filename} holds another number of rows than it announces")
-    return np.frombuffer(content, dtype, offset=header.end()).reshape(shape, order="F" if by_column == b"True" else "C")
+        start = file.read(len(_MAGIC) + 2)
+        text = file.read(int.from_bytes(start[-2:], "little"))
+        header = _HEADER.fullmatch(text)
+        if not start.startswith(_MAGIC) or header is None:
+            raise ValueError(f"{entry.filename} holds no rows of numbers")
+        kind, by_column, *counts = header.groups()
+        try:
+            dtype, shape = np.dtype(kind.decode()), tuple(int(count) for count in counts if count)
+        except TypeError:  # such as f1
+            raise ValueError(f"{entry.filename} holds no rows of numbers") from None
+        if math.prod(shape) * dtype.itemsize != entry.file_size - len(start) - len(text):
+            raise ValueError(f"{entry.filename} holds another number of rows than it announces")
+        values = np.empty(math.prod(shape), dtype)
+        _fill(values, file, entry.filename)
+    values.flags.writeable = False
+    return values.reshape(shape, order="F" if by_column == b"True" else "C")
+
+
+def _fill(values: Numbers, file: IO[bytes], name: str) -> None:
+    """Read an array in pieces, because zipfile holds what it unpacks at once in memory twice."""
+    content = values.view(np.uint8)
+    for begin in range(0, len(content), _PIECE):
+        piece = content[begin : begin + _PIECE]
+        data = file.read(len(piece))
+        if len(data) < len(piece):
+            raise zipfile.BadZipFile(f"{name} is shorter than announced")
+        piece[:] = np.frombuffer(data, np.uint8)

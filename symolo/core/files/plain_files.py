@@ -35,8 +35,8 @@ class FileKind(Enum):
     ANNOTATIONS = "a list of annotations", 256 * _MIB
     JOB = "a render job", 512 * _MIB
     """A render job, or the journal of its frames."""
-    TRAJECTORY = "a trajectory", 512 * _MIB
-    """Packed or not; 18 hours at 20 rows a second."""
+    TRAJECTORY = "a trajectory", 384 * _MIB
+    """Packed or not; 13 hours at 20 rows a second, or 2.8 hours of a robot with one sensor of every kind."""
     LOG = "a log", 100_000_000
     CODE = "a Python file", _MIB
     BAG = "a bag", 1 << 39

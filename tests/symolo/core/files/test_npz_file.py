@@ -1,5 +1,6 @@
 """An npz archive from a stranger takes neither time nor memory, whatever its headers say."""
 
+import contextlib
 import io
 import struct
 import time
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from symolo.core.files.npz_file import MAX_ENTRIES, arrays_of
+from symolo.core.finite import require_finite
 
 MIB = 1 << 20
 MAX_BYTES = 8 * MIB
@@ -20,6 +22,18 @@ def saved(**arrays):
     file = io.BytesIO()
     np.savez_compressed(file, **arrays)
     return file.getvalue()
+
+
+@contextlib.contextmanager
+def traced():
+    """Yields a function that returns the largest number of bytes allocated within, once it is over."""
+    peaks = []
+    tracemalloc.start()
+    try:
+        yield lambda: peaks[0]
+        peaks.append(tracemalloc.get_traced_memory()[1])
+    finally:
+        tracemalloc.stop()
 
 
 def npy(header, content=bytes(48)):
@@ -79,6 +93,7 @@ NUMBERS = npy(ROWS)
 BOMB = bytes(64 * MIB)
 HOSTILE = {
     "more than allowed": lambda: packed(npy(ROWS, BOMB)),
+    "as much as is allowed behind a wrong header": lambda: packed(npy(ROWS, bytes(MAX_BYTES - 200))),
     "more than it announces": lambda: with_size(packed(npy(ROWS, BOMB)), len(NUMBERS)),
     "less than it announces": lambda: with_size(packed(NUMBERS), 4 * MIB),
     "a block of lzma": lambda: with_size(packed(npy(ROWS, BOMB), zipfile.ZIP_LZMA), len(NUMBERS)),
@@ -110,12 +125,18 @@ HOSTILE = {
 def test_a_hostile_archive_is_refused_at_once(make):
     data = make()
     begin = time.process_time()
-    tracemalloc.start()
-    try:
-        with pytest.raises((ValueError, zipfile.BadZipFile)):
-            arrays_of(data, MAX_BYTES)
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert peak < 2 * MAX_BYTES
+    with traced() as peak, pytest.raises((ValueError, zipfile.BadZipFile)):
+        arrays_of(data, MAX_BYTES)
+    assert peak() < MAX_BYTES / 2
     assert time.process_time() - begin < 2.0
+
+
+def test_the_largest_archive_needs_no_more_memory_than_its_arrays():
+    """Infinite numbers are those about which a message could be as large as the array itself."""
+    rows = MAX_BYTES // 8 - 100
+    data = packed(npy(f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows},), }}", b"\xff" * (8 * rows)))
+    with traced() as peak:
+        values = arrays_of(data, MAX_BYTES)["pose"]
+        with pytest.raises(ValueError, match=f"pose: nan at row 0, {rows} such in all"):
+            require_finite(values, "pose", ["row"])
+    assert peak() < 1.5 * MAX_BYTES
