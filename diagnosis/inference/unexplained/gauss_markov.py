@@ -21,7 +21,9 @@ class Likelihoods:
     """(T, R), most probable variance of the white noise, relative to that of the rows."""
 
 
-def likelihoods(t_s: Array, residual_m: Array, sd_m: Array, times_s: Array, ratios: Array) -> Likelihoods:
+def likelihoods(
+    t_s: Array, residual_m: Array, sd_m: Array, times_s: Array, ratios: Array, *, greatest_level: float = np.inf
+) -> Likelihoods:
     """Return the likelihoods of residuals.
 
     Args:
@@ -30,10 +32,12 @@ def likelihoods(t_s: Array, residual_m: Array, sd_m: Array, times_s: Array, rati
         sd_m: (n,), standard deviations of the white noise, up to a common factor.
         times_s: (T,), time constants.
         ratios: (R,), variances of the error, relative to that of the white noise at the median of `sd_m`.
+        greatest_level: Limit for the variance of the white noise, relative to that of the rows.
     """
     unit_m = float(np.median(sd_m))
     noise = (sd_m / unit_m) ** 2
-    remaining = np.exp(-np.diff(t_s, prepend=t_s[0])[:, None] / times_s)
+    # Means of equal times may differ in their last digits.
+    remaining = np.exp(-np.maximum(np.diff(t_s, prepend=t_s[0]), 0.0)[:, None] / times_s)
     mean = np.zeros((len(times_s), len(ratios)))
     variance = np.broadcast_to(ratios, mean.shape).copy()
     squares, logarithms = np.zeros_like(mean), np.zeros_like(mean)
@@ -47,8 +51,10 @@ def likelihoods(t_s: Array, residual_m: Array, sd_m: Array, times_s: Array, rati
         gain = variance / total
         mean = mean + gain * surprise
         variance = white * gain
-    levels = squares / len(t_s)
-    return Likelihoods(len(t_s) * (np.log(levels) + 2.0 * np.log(unit_m)) + logarithms, levels)
+    levels = np.minimum(squares / len(t_s), greatest_level)
+    # At the most probable level, the last two terms are equal.
+    normal = len(t_s) * (np.log(levels) + 2.0 * np.log(unit_m)) + logarithms
+    return Likelihoods(normal + squares / levels - len(t_s), levels)
 
 
 @dataclass(frozen=True)

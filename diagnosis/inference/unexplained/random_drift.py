@@ -16,9 +16,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.likelihood import LEVELS
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY, parameter_penalty
 from diagnosis.inference.selection.refusal import PER_PARAMETER, THRESHOLD, is_of_noise, needed
 from diagnosis.inference.selection.removal import without
@@ -31,15 +33,17 @@ from sensors.effects.range_sensor.warmup_drift import WarmupDrift
 from symolo.core.arrays import Array
 
 OUTLIER = 4.0
-"""Residual in sigmas from which a row is left out."""
-MIN_ROWS = 40
+"""Distance from the median, in standard deviations, from which a row is left out."""
+MEDIAN_OF_NORMAL = 0.6745
+"""Median distance of normal noise from its mean, in standard deviations."""
+MIN_ROWS = 30
 MIN_LASTING_ROWS = 5.0
 """Least time constant in rows; noise that is correlated over fewer rows is no drift."""
 SHORT = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0)
 """Time constants of correlated noise, in rows."""
 JUMP_ROWS = 4
 """Rows at either end between which an offset may jump."""
-RATIOS = np.geomspace(0.01, 30.0, 40)
+RATIOS = np.geomspace(0.01, 1000.0, 50)
 """Variance of the random drift over that of the white noise."""
 WITHOUT_WHITE = np.array([1e3])
 """Such a ratio for noise that has hardly any white part."""
@@ -78,6 +82,21 @@ class RandomDrift:
 
 
 @dataclass(frozen=True)
+class _Elsewhere:
+    """What tolerances, and samples of other quantities, say about a change of the coordinates of a fit."""
+
+    information: Array
+    """(P, P)"""
+    pull: Array
+    """(P,), product of the information with the change that is most probable."""
+    squares: float
+    """Their sum of squares without a change."""
+
+    def squares_after(self, change: Array) -> float:
+        return float(self.squares - 2.0 * change @ self.pull + change @ self.information @ change)
+
+
+@dataclass(frozen=True)
 class _Seen:
     """A fit with a random drift beside it."""
 
@@ -85,10 +104,10 @@ class _Seen:
     series: RangeSeries
     times_s: Array
     """(T,), time constants that were tried."""
+    greatest_level: float
+    """Greatest variance that the noise can have, relative to that of the fit."""
     found: Likelihoods
-    beside: tuple[Array, Array]
-    """Information (P, P) of tolerances and of samples of other quantities, and its product with the change (P,) that
-    they make most probable."""
+    elsewhere: _Elsewhere
 
     @property
     def cost(self) -> float:
@@ -105,7 +124,16 @@ class _Seen:
     def estimate(self, series: RangeSeries) -> LinearEstimate:
         """Return the change of the coordinates beside the error, from some series of the fit and its other samples."""
         covariance = self.error.covariance(series.at, series.sd_m)
-        return estimate(series.residual_m, series.slopes_m, covariance, *self.beside)
+        elsewhere = self.elsewhere
+        return estimate(series.residual_m, series.slopes_m, covariance, elsewhere.information, elsewhere.pull)
+
+    def joint_cost(self, elsewhere: _Elsewhere) -> float:
+        """Return -2 log-likelihood at the most probable change, up to a constant."""
+        covariance = self.error.covariance(self.series.at, self.series.sd_m)
+        change = replace(self, elsewhere=elsewhere).estimate(self.series).change
+        left_m = self.series.residual_m - change @ self.series.slopes_m
+        squares = float(left_m @ np.linalg.solve(covariance, left_m)) + elsewhere.squares_after(change)
+        return float(np.linalg.slogdet(covariance)[1]) + squares
 
     def path(self, series: RangeSeries, time_s: Array) -> Array:
         """Return the most probable error (n,) at each time; that of the first row where a time is not known.
@@ -130,23 +158,23 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     ranges = range_rows(evidence)
     if ranges is None:
         return None
-    usable = np.isfinite(ranges.time_s) & (np.abs(fit.z[ranges.place]) < OUTLIER)
-    rows = evidence.fit[ranges.place] & usable
+    time_s = ranges.path_time_s
+    rows = _regular(fit.z[ranges.place], evidence.fit[ranges.place] & np.isfinite(time_s))
     if np.count_nonzero(rows) < MIN_ROWS:
         return None
-    time_s = ranges.path_time_s
     plain = RangeSeries.of(fit, ranges, time_s, rows)
     row_s, span_s = float(np.median(np.diff(plain.at))), float(np.ptp(ranges.time_s[rows]))
     shortest_s = max(MIN_LASTING_ROWS * row_s, TIME_CONSTANT_LIMITS.low)
     longest_s = min(span_s, TIME_CONSTANT_LIMITS.high)
     if not (0.0 < 2.0 * MIN_LASTING_ROWS * row_s < span_s and shortest_s < longest_s):
         return None
-    times_s = np.geomspace(shortest_s, longest_s, TIMES)
+    times_s, quantities = np.geomspace(shortest_s, longest_s, TIMES), np.unique(evidence.quantity[ranges.place])
 
     def beside(other: HypothesisFit) -> _Seen:
         series = RangeSeries.of(other, ranges, time_s, rows)
-        likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, RATIOS)
-        return _Seen(other, series, times_s, likely, _information_elsewhere(evidence, other, ranges))
+        most = float((LEVELS[1] / other.noise.levels[quantities].min()) ** 2)
+        likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, RATIOS, greatest_level=most)
+        return _Seen(other, series, times_s, most, likely, _elsewhere(evidence, other, ranges, other))
 
     seen = beside(fit)
     white = plain.cost_of(float(plain.z @ plain.z))
@@ -154,10 +182,10 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
         return None
     # A drift after power-on and a random drift imitate each other.
     others = [white] if _warms_up(fit) else []
-    seen = _weighed(evidence, seen, beside)
+    seen = _weighed(evidence, ranges, seen, beside)
     z, sd = seen.series.z, seen.series.sd_m
     drift = seen.series.cost_of(_left(z, _lines(seen.series) / sd[:, None]))
-    others += [drift, _jump(seen.series) + PARAMETER_PENALTY, min(_short(seen.series, row_s))]
+    others += [drift, _jump(seen.series) + PARAMETER_PENALTY, min(_short(seen, row_s))]
     bare = RangeSeries.of(nominal, ranges, time_s, rows)
     others.append(_jump(bare) + PARAMETER_PENALTY - parameter_penalty(seen.fit))
     white = seen.series.cost_of(float(z @ z))
@@ -172,33 +200,50 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     return _named(seen, others, white, path_m, {ranges.time: [float(known_s.min()), float(known_s.max())]})
 
 
-def _information_elsewhere(evidence: Evidence, fit: HypothesisFit, ranges: RangeRows) -> tuple[Array, Array]:
-    """Return what tolerances and samples of other quantities add to the normal equations of a fit.
+def _regular(z: Array, rows: Mask) -> Mask:
+    """Return which of some rows (N,) are no outliers, by their residuals (N,) in sigmas.
 
-    It is their information (P, P), and its product with the change (P,) of coordinates that they make most probable.
+    A random drift may take all readings many sigmas away from their prediction. So the scale is that of the residuals
+    themselves, by their median absolute deviation, if that is larger than the noise.
     """
-    elsewhere = evidence.fit & (np.abs(fit.z) < OUTLIER)
-    elsewhere[ranges.place] = False
-    slopes = fit.slopes[:, elsewhere] * evidence.weight[elsewhere]
+    if not rows.any():
+        return rows
+    deviation = np.abs(z - np.median(z[rows]))
+    return rows & (deviation < OUTLIER * max(1.0, float(np.median(deviation[rows])) / MEDIAN_OF_NORMAL))
+
+
+def _elsewhere(evidence: Evidence, fit: HypothesisFit, ranges: RangeRows, beside: HypothesisFit) -> _Elsewhere:
+    """Return what a fit says about tolerances and other quantities, by samples that are no outliers `beside` a fit."""
+    rows = evidence.fit & (np.abs(beside.z) < OUTLIER)
+    rows[ranges.place] = False
+    weight, unit = evidence.weight[rows], fit.sd[rows] / beside.sd[rows]
+    z, slopes = fit.z[rows] * unit, fit.slopes[:, rows] * unit
     prior = (np.arange(len(fit.x)) < len(fit.hypothesis.nuisances)).astype(float)
-    information = slopes @ fit.slopes[:, elsewhere].T + np.diag(prior)
-    return information, slopes @ fit.z[elsewhere] - prior * fit.x
+    return _Elsewhere(
+        (slopes * weight) @ slopes.T + np.diag(prior),
+        slopes @ (weight * z) - prior * fit.x,
+        float(weight @ z**2 + prior @ fit.x**2),
+    )
 
 
-def _weighed(evidence: Evidence, seen: _Seen, beside: Callable[[HypothesisFit], _Seen]) -> _Seen:
+def _weighed(evidence: Evidence, ranges: RangeRows, seen: _Seen, beside: Callable[[HypothesisFit], _Seen]) -> _Seen:
     """Return the fit with those effects that the readings need beside a random drift."""
-    while True:
-        falls = _falls(seen)
-        weak = {effect: fall - needed(effect) for effect, fall in falls.items() if fall < needed(effect)}
-        if not weak:
-            return seen
-        seen = beside(without(evidence, seen.fit, min(weak, key=lambda effect: weak[effect])))
+    falls = _falls(seen)
+    weak = {effect: fall - needed(effect) for effect, fall in falls.items() if fall < needed(effect)}
+    for effect in sorted(weak, key=lambda effect: weak[effect]):
+        fewer = beside(without(evidence, seen.fit, effect))
+        # The standard errors of an effect that is not linear may be far too large.
+        elsewhere = (_elsewhere(evidence, each.fit, ranges, seen.fit) for each in (fewer, seen))
+        less, more = (each.joint_cost(other) for each, other in zip((fewer, seen), elsewhere, strict=True))
+        if less - more < needed(effect):
+            return _weighed(evidence, ranges, fewer, beside)
+    return seen
 
 
 def _falls(seen: _Seen) -> dict[CandidateEffect, float]:
-    """Return by how much each effect of the mean lowers the cost beside the error (Wald, Trans. AMS 54 (1943) 426).
+    """Return by how much each effect lowers the cost beside the error (Wald, Trans. AMS 54 (1943) 426).
 
-    A limit is left out: it is not linear, and no random drift imitates it.
+    It is 0 for an effect of the noise of the ranges. A limit is left out, since no random drift imitates it.
     """
     fit = seen.fit
     result = seen.estimate(seen.series)
@@ -211,7 +256,9 @@ def _falls(seen: _Seen) -> dict[CandidateEffect, float]:
             for place, c in zip(places, effect.coordinates, strict=True)
             if c.null is not None and not c.is_ceiling
         ]
-        if sizes and not is_of_noise(fit, effect):
+        if effect.kind.slot is Slot.RANGE_NOISE:
+            falls[effect] = 0.0
+        elif sizes and not is_of_noise(fit, effect):
             falls[effect] = float(max(sizes))
     return falls
 
@@ -280,10 +327,15 @@ def _warms_up(fit: HypothesisFit) -> bool:
     return any(effect.kind is WarmupDrift for effect in fit.hypothesis.effects)
 
 
-def _short(series: RangeSeries, row_s: float) -> Iterator[float]:
-    """Yield the costs of noise that is correlated over few rows and has hardly any white part."""
-    times_s = np.array(SHORT) * row_s
-    yield from likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE).costs[:, 0].tolist()
+def _short(seen: _Seen, row_s: float) -> Iterator[float]:
+    """Yield the costs of noise that is correlated over few rows and has hardly any white part.
+
+    It is no larger than noise can be; a larger error is a drift.
+    """
+    series, times_s = seen.series, np.array(SHORT) * row_s
+    most = seen.greatest_level / float(WITHOUT_WHITE[0])
+    likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE, greatest_level=most)
+    yield from likely.costs[:, 0].tolist()
 
 
 def _jump(series: RangeSeries) -> float:

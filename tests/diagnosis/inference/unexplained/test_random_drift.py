@@ -25,14 +25,15 @@ pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 def diagnosed(tmp_path):
     """The diagnosis of a bench of 150 rows whose readings have an error [m] that is a function of time [s].
 
-    The rows are 2 s apart, times a factor.
+    The rows are 2 s apart, times a factor. A second error [m] is a function of the distance [m].
     """
 
-    def of(error_m, slower=1.0):
+    def of(error_m, slower=1.0, near_m=np.zeros_like):
         gap = importlib.import_module("gap_cases")
         case = gap.make_case("tof_bench", 8, rows="some")
         t_s = slower * case.columns["t_s"]
-        columns = {**case.columns, "t_s": t_s, "reading_m": np.round(case.columns["reading_m"] + error_m(t_s), 3)}
+        error = error_m(t_s) + near_m(case.columns["distance_m"])
+        columns = {**case.columns, "t_s": t_s, "reading_m": np.round(case.columns["reading_m"] + error, 3)}
         gap.write(replace(case, columns=columns), tmp_path / "case")
         return diagnose(tof_bench.IMPORTER.read(tmp_path / "case"))
 
@@ -62,6 +63,20 @@ def test_a_random_drift_is_named_with_its_size_and_time(diagnosed):
     assert extended_robot(diagnosis).config.effects.get(RangeWander).time_constant_s == pytest.approx(
         effect["parameters"]["time_constant_s"], rel=1e-6
     )
+
+
+def test_a_random_drift_much_larger_than_the_noise_is_named(diagnosed):
+    """Most readings are so far away that they would count as outliers beside the noise."""
+    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.05, 20.0))
+    assert diagnosis.names == ("range_wander",)
+    # The standard deviation over a time T is known to a share of about sqrt(tau / T).
+    assert diagnosis.random_drift.effect.sd_m == pytest.approx(0.05, rel=2.0 * np.sqrt(20.0 / 300.0))
+
+
+def test_an_effect_that_is_not_linear_stays_beside_a_random_drift(diagnosed):
+    """Amplitude and decay length of the error near the sensor are so uncertain together that neither seems needed."""
+    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 25.0), near_m=lambda d_m: -0.08 * np.exp(-d_m / 0.025))
+    assert set(diagnosis.names) == {"near_field_error", "range_wander"}
 
 
 @pytest.mark.parametrize(
