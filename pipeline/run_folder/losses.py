@@ -148,7 +148,8 @@ def _refuse(workspace: Workspace, losses: Losses) -> None:
 
 
 def _is_finished(workspace: Workspace) -> bool:
-    return all(is_plain_file(workspace.out / name) for name in (MANIFEST, TAG_MANIFEST))
+    """Return whether there is a list of checksums: an interrupted command leaves none, and damage may leave one."""
+    return any(is_plain_file(workspace.out / name) for name in (MANIFEST, TAG_MANIFEST))
 
 
 def _changes(workspace: Workspace, metadata: Metadata | None, tree: dict[str, Any], specs: Sequence[SceneSpec]) -> bool:

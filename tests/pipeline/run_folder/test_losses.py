@@ -113,8 +113,18 @@ def test_a_release_that_was_interrupted_is_named_so(out, symolo, command):
     )
 
 
+@pytest.mark.parametrize("name", LISTS)
+def test_a_finished_release_that_has_lost_a_list_is_protected_too(out, symolo, tiny, name):
+    (out / name).unlink()
+    before = state_of(out)
+    ended = symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE)
+    assert (ended.code, "1 run (CCW/test_1) and 6 images would be lost" in ended.err) == (2, True)
+    assert state_of(out) == before
+
+
 def test_an_unfinished_release_needs_no_flag(out, symolo, tiny):
-    (out / "tagmanifest-sha256.txt").unlink()
+    for name in LISTS:
+        (out / name).unlink()
     assert symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE, "--workers=1").code == 0
     assert not (out / "CCW").exists()
 
