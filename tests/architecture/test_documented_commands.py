@@ -49,6 +49,7 @@ ELSEWHERE = {
     "extracted": "needs a release with an effect of its own; tests/contracts/test_effect_files.py makes one",
     "model.npz": "needs PyTorch; tests/pipeline/baselines/learned/test_training.py trains one",
     "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
+    "--like diagnosis --out data": "likewise; the diagnosis of that command",
     "my_bench": "a bench of the reader; test_quoted_outputs.py runs the one of the page",
     "cases/tof_bench": "needs a case that test_quoted_outputs.py makes",
     "law/": "likewise; the law of that command",
@@ -62,15 +63,22 @@ SCAN = "x,y,lidar\n" + "".join(
     for _ in range(3)
 )
 """Something round in front of a board, three readings at each point."""
-MOCAP = "time_ms,pos_x,pos_y,heading [deg]\n" + "".join(
+MOCAP = "time_ms,pos_x,pos_y,heading\n" + "".join(
     f"{50 * i},{0.5 * math.cos(0.01 * i):.6f},{0.5 * math.sin(0.01 * i):.6f},{90 + math.degrees(0.01 * i):.5f}\n"
     for i in range(100)
 )
 """A robot on a circle, as a camera above it sees it."""
+TUM = "".join(
+    f"{0.05 * i:.2f} {0.5 * math.cos(0.01 * i):.6f} {0.5 * math.sin(0.01 * i):.6f} 0"
+    f" 0 0 {math.sin(math.pi / 4 + 0.005 * i):.6f} {math.cos(math.pi / 4 + 0.005 * i):.6f}\n"
+    for i in range(50)
+)
+"""The same in the format of TUM."""
 STATIC_RECORD = "Fs,50.00\nLogging time,20\nd\n" + "100.0\n101.0\n99.0\n103.0\n" * 250
 RELEASES = ("data", "symolo-dataset", "my_release", "A", "B")
 """Releases that pages use without making them; a tutorial makes its own."""
-SMALL = ("render.width_px=32", "render.height_px=24", "render.samples=1", "stop.lap=false", "stop.time_limit_s=1.0")
+SMALL_IMAGES = ("render.width_px=32", "render.height_px=24", "render.samples=1")
+SMALL = (*SMALL_IMAGES, "stop.lap=false", "stop.time_limit_s=1.0")
 
 
 def _commands(page):
@@ -131,10 +139,12 @@ def _indented(text):
 
 @pytest.fixture(scope="session")
 def release(tmp_path_factory):
-    """What pages call `data` or `symolo-dataset`."""
+    """What pages call `data` or `symolo-dataset`, and the bag of a run of it."""
     folder = tmp_path_factory.mktemp("documents") / "data"
     kinds = "render.annotations=[depth,instance,semantic,boxes_2d,key_points]"
-    assert main(["release", "symolo", "--out", str(folder), *_small(), "--set", kinds]) == 0
+    assert main(["release", "symolo", "--out", str(folder), *_settings(SMALL), "--set", kinds]) == 0
+    bag = ["--format", "mcap", "--runs", "CW/test_1", "--out", str(folder.with_name("bag"))]
+    assert main(["export", str(folder), *bag]) == 0
     return folder
 
 
@@ -151,6 +161,8 @@ def desk(tmp_path, release, monkeypatch):
         (tmp_path / "measured" / name).mkdir()
         (tmp_path / "measured" / name / "recording.csv").write_text(text)
     (tmp_path / "mocap.csv").write_text(MOCAP)
+    (tmp_path / "groundtruth.txt").write_text(TUM)
+    shutil.copy(release.with_name("bag") / "mcap/CW/test_1.mcap", tmp_path / "drive.mcap")
     (tmp_path / "elsewhere").mkdir()
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
     about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]
@@ -206,11 +218,16 @@ def _removed(path):
 def _made_small(arguments):
     name = arguments[0]
     if name in {"release", "simulate", "render", "assemble", "hil", "plan"}:
-        return [*arguments, *_small()]
+        return [*arguments, *_settings(SMALL)]
     if name == "preview":
         return [*arguments, "--width-px", "32"]
+    if name == "import":
+        return [*arguments, "--yes"]  # as the reader answers
+    if name == "rerender":
+        draws = ["--draws", "2"] if "--draws" in arguments else []
+        return [name, *_settings((*SMALL_IMAGES, "render.annotations=[]")), *arguments[1:], *draws, "--yes"]
     return arguments
 
 
-def _small():
-    return [word for setting in SMALL for word in ("--set", setting)]
+def _settings(texts):
+    return [word for text in texts for word in ("--set", text)]
