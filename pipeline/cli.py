@@ -2,10 +2,11 @@
 
 import os
 import signal
+import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -168,8 +169,19 @@ def _options(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
-    with _interrupts_noted() as interrupted:
+    with _streams_open(), _interrupts_noted() as interrupted:
         return _run(arguments, interrupted)
+
+
+@contextmanager
+def _streams_open() -> Iterator[None]:
+    """Open the null device in place of each standard stream that is closed, and thus None, as under some daemons."""
+    with ExitStack() as stack:
+        for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+            if getattr(sys, name) is None:
+                setattr(sys, name, stack.enter_context(Path(os.devnull).open(mode, encoding="utf-8")))
+                stack.callback(setattr, sys, name, None)
+        yield
 
 
 def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:

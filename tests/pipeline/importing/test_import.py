@@ -151,7 +151,7 @@ def test_a_data_csv_of_a_release_is_read_with_all_its_columns(dataset, tmp_path,
     assert run.spec.arena.name == "symolo"
 
 
-def test_guesses_need_a_yes(tmp_path, symolo):
+def test_guesses_need_a_yes(tmp_path, symolo, monkeypatch):
     log, out = tmp_path / "run.csv", tmp_path / "data"
     log.write_text(table("t,x,y,theta", T_S, *PLACE.T, np.degrees(YAW)))
     ended = symolo("import", log, "--out", out)
@@ -159,6 +159,8 @@ def test_guesses_need_a_yes(tmp_path, symolo):
     assert "repeat the command with --yes" in ended.err
     assert "theta (theta_rad): the name has no unit; taken for degrees" in ended.out
     assert not out.exists()
+    monkeypatch.setattr("sys.stdin", None)  # closed, as under some daemons
+    assert symolo("import", log, "--out", out) == ended
     assert symolo("import", log, "--out", out, "--dry-run").code == 0
     assert not out.exists()
     ended = symolo("import", log, "--out", out, "--yes")
