@@ -14,6 +14,16 @@ from symolo.core.time_series import TimeSeries
 
 KINDS = (CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP, CaseKind.TOF_BENCH, CaseKind.DRIVE_LOG)
 """Kinds of measurement for which a trial can be designed."""
+INSTEAD = (
+    "from a log of your own, make a case with `symolo case init LOG` and diagnose it; of a simulated robot, simulate "
+    "other drives"
+)
+"""What to do with data that are no case."""
+
+
+def has_trials(measurement: Measurement) -> bool:
+    """Return whether trials can be designed for a measurement, which must be cases that state their nominal robot."""
+    return all(case.kind in KINDS and case.nominal is not None for case in measurement.cases or (measurement,))
 
 
 def template_of(measurement: Measurement) -> Measurement:
@@ -24,15 +34,15 @@ def template_of(measurement: Measurement) -> Measurement:
     """
     cases = measurement.cases or (measurement,)
     kinds = {case.kind for case in cases}
-    allowed = ", ".join(KINDS)
     if len(kinds) > 1:
         cure = "name a diagnosis of cases of one kind"
         raise InputError("cases of several kinds", got=", ".join(sorted(kinds)), cure=cure)
     template = cases[0]
-    if template.kind not in KINDS or template.nominal is None:
-        what = f"no trial can be designed for data of kind {template.kind}"
-        what += "" if template.nominal is not None else " without a nominal.yaml"
-        raise InputError(what, allowed=f"{allowed}, with a nominal.yaml")
+    if template.kind not in KINDS:
+        allowed = f"cases of kind {', '.join(KINDS)}"
+        raise InputError(f"no trial can be designed for data of kind {template.kind}", allowed=allowed)
+    if template.nominal is None:
+        raise InputError("no trial can be designed for data without a nominal.yaml", cure=INSTEAD)
     return template
 
 

@@ -140,6 +140,11 @@ def test_effects_that_are_not_distinguished_lead_to_the_design_of_the_next_trial
     undecided = replace(data, diagnosis=replace(data.diagnosis, named=(alike,)))
     assert "symolo next DIR --out next" in text_of(page(undecided, images))
     assert "symolo next DIR --out next" in "\n".join(summary(undecided))
+    no_case = replace(undecided.diagnosis, measurement=replace(data.diagnosis.measurement, nominal=None))
+    no_case = replace(undecided, diagnosis=no_case)
+    for text in (text_of(page(no_case, images)), " ".join(" ".join(summary(no_case)).split())):
+        assert "symolo next DIR" not in text
+        assert "from a log of your own, make a case with `symolo case init LOG`" in text
     assert "symolo next" not in files_of("weak")[PAGE].decode() + files_of("weak")[SUMMARY].decode()
 
 

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -135,7 +136,13 @@ def test_a_refusal_names_the_folder_of_the_diagnosis(symolo, tmp_path):
     ended = symolo("next", made, "--out", tmp_path / "next")
     assert ended.code == 2
     assert f"{made}: no trial can be designed for data of kind symolo_csv" in ended.err
+    assert "allowed: cases of kind motor_steady, motor_step, tof_bench, drive_log" in ended.err
     assert "data.csv" not in ended.err
+
+
+def test_data_without_nominal_parameters_lead_to_a_case(diagnosis):
+    with pytest.raises(InputError, match=r"data without a nominal.yaml; from a log of your own, .*symolo case init"):
+        limits_of(replace(diagnosis.measurement, nominal=None))
 
 
 def test_what_is_no_diagnosis_or_has_lost_its_case_is_refused(symolo, forward_only, tmp_path):
