@@ -7,6 +7,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import pairwise
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -50,7 +51,7 @@ Exit codes:
 """
 
 CODE_OF = {InputError: BAD_INPUT, RunFailed: RUN_FAILED, EnvironmentLacking: MACHINE_LACKS}
-INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command again to continue"
+INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command again"
 
 
 PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
@@ -76,6 +77,11 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
 """Commands by their heading, both in the order of `symolo --help`."""
 NAMES: dict[Callable[..., int | None], str] = {import_logs: "import", next_trial: "next"}
 """Commands with another name than their function, which Python reserves or has as a function."""
+CONTINUED = (
+    *("release", "simulate", "render", "assemble", "hil", "rerender"),
+    *("repair", "upload", "download"),
+)
+"""Commands that keep what was finished before an interrupt; the others begin again."""
 
 
 def command_line() -> typer.Typer:
@@ -194,12 +200,12 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
         code = next(code for kind, code in CODE_OF.items() if isinstance(error, kind))
         return _fail(code, str(error))
     except (KeyboardInterrupt, typer.Abort):
-        return _interrupted()
+        return _interrupted(arguments)
     except SystemExit:
         return 0  # typer ends so when the reader of our output is gone, as in `symolo schema | head`
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
-            return _interrupted()
+            return _interrupted(arguments)
         if problem := extra_lacking(error) or lacking(error):
             return _fail(MACHINE_LACKS, one_line(problem))
         from pipeline.user_code import fault_of_user_code  # noqa: PLC0415 - loads NumPy, which --help does not need
@@ -208,7 +214,7 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
             return _fail(BAD_INPUT, str(fault))
         traceback.print_exc()
         return _fail(BUG, "this is a bug in symolo; please report it with the lines above")
-    return _interrupted() if code == INTERRUPTED else int(code or 0)
+    return _interrupted(arguments) if code == INTERRUPTED else int(code or 0)
 
 
 @contextmanager
@@ -257,5 +263,11 @@ def _fail(code: int, text: str) -> int:
     return code
 
 
-def _interrupted() -> int:
-    return _fail(INTERRUPTED, "interrupted, nothing is lost; run the same command again to continue")
+def _interrupted(arguments: Sequence[str] | None) -> int:
+    """Report an interrupt, and what the same command does when it is run again."""
+    words = sys.argv[1:] if arguments is None else arguments
+    # Each option that may stand before the command has a value.
+    command = next((b for a, b in pairwise(("", *words)) if b[:1] != "-" and (a[:1] != "-" or "=" in a)), "")
+    if command in CONTINUED:
+        return _fail(INTERRUPTED, "interrupted, nothing is lost; run the same command again to continue")
+    return _fail(INTERRUPTED, "interrupted; run the same command again, which then begins from the start")
