@@ -9,8 +9,7 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.selection.penalty import parameter_penalty
-from diagnosis.inference.selection.rivals import AS_GOOD, SECOND, relative_weight
+from diagnosis.inference.selection.rivals import AS_GOOD, SECOND, relative_weight, rise_over
 from symolo.core.errors import InputError
 
 MAX_MODELS = 6
@@ -73,7 +72,7 @@ def _fits(diagnosis: Diagnosis) -> Iterator[tuple[HypothesisFit, float]]:
         (named,) = diagnosis.named
         for pair in diagnosis.selection.pairs:
             if named.effect.kind not in {effect.kind for effect in pair.hypothesis.effects}:
-                yield pair, pair.cost + parameter_penalty(pair) - best.cost - parameter_penalty(best) + SECOND
+                yield pair, rise_over(diagnosis.evidence, best, pair) + SECOND
     if not diagnosis.named:
         yield from _hints(diagnosis)
 

@@ -109,7 +109,7 @@ def _whereabouts(design: TrialDesign) -> str:
     paths = expected_paths(design.trial, design.limits, design.diagnosis.nominal, robots_of(design.models))
     planned = planned_path(design)
     away = [
-        f"{float(f'{1000.0 * np.hypot(*(path - planned)[:, :2].T).max():.2g}'):g} mm if {model.name} is the cause"
+        f"{float(f'{1000.0 * np.hypot(*(path - planned)[:, :2].T).max():.2g}'):g} mm if the cause is {model.name}"
         for model, path in zip(design.models, paths, strict=False)
     ]
     return text + (f" The robot leaves the planned path by up to {', '.join(away)}." if away else "")
@@ -137,10 +137,11 @@ def _expected(design: TrialDesign) -> Iterator[str]:
         for pair in design.expected.pairs:
             yield f"| {pair.truth} | {pair.rival} | {pair.separation:.1f} sigma | {_percent(pair.excluded)} |"
         yield ""
-        yield from _wrapped(
-            "If one of them is the cause, it alone remains with a probability of "
-            f"{_percent(design.expected.one_right)} or more."
-        )
+        smallest = design.expected.smallest
+        text = f"it alone remains with a probability of {_percent(design.expected.one_right)} or more"
+        if smallest is not None and smallest.separation < WEAK:
+            text = "expect that others remain beside it, since no trial within the limits distinguishes all of them"
+        yield from _wrapped(f"If one of them is the cause, {text}.")
         yield ""
     yield "| if the cause is | number | value | standard error now | after the trial |"
     yield "|---|---|---|---|---|"
@@ -166,7 +167,7 @@ def hindrance_lines(design: TrialDesign) -> Iterator[str]:
     if smallest is None or smallest.separation >= WEAK:
         return
     text = (
-        f"No trial within the limits distinguishes {smallest.truth} and {smallest.rival}: the best one separates them "
+        f"No trial within the limits distinguishes {smallest.truth} from {smallest.rival}: the best one separates them "
         f"by {smallest.separation:.2g} standard deviations, and {WEAK:g} are needed."
     )
     helpful = [limit for limit in design.hindrances if limit.smallest > 1.05 * smallest.separation]
@@ -175,7 +176,7 @@ def hindrance_lines(design: TrialDesign) -> Iterator[str]:
         text += f" {enough[0].text.capitalize()} would be enough ({enough[0].smallest:.2g})."
     elif helpful:
         reached = f"{helpful[0].smallest:.2g}"
-        text += f" The limit that hinders most is loosened by {helpful[0].text}, but that reaches only {reached}."
+        text += f" With {helpful[0].text}, the separation would be {reached}, which is still too small."
     else:
         text += " Neither more time nor a wider range helps: these sensors show both in the same way."
     yield from _wrapped(text)

@@ -108,7 +108,7 @@ def compare_rivals(
         if is_negligible(candidate, other):
             continue
         # Only a rival that would win must pass the tests of the selection; others are reported as they are.
-        worse = _rise(evidence, fit, candidate)
+        worse = rise_over(evidence, fit, candidate)
         refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
         rivals.append(Rival(other, worse, candidate, refused))
     others = [
@@ -127,7 +127,7 @@ def compare_rivals(
     )
 
 
-def _rise(evidence: Evidence, fit: HypothesisFit, other: HypothesisFit) -> float:
+def rise_over(evidence: Evidence, fit: HypothesisFit, other: HypothesisFit) -> float:
     """Return the rise of the cost of all rows with another fit, with the penalties of both."""
     penalties = parameter_penalty(other) - parameter_penalty(fit)
     rise = other.whole_cost - fit.whole_cost + penalties
@@ -158,7 +158,7 @@ def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[Hypothesis
     rises = [
         (
             " and ".join(other.name for other in pair.hypothesis.effects),
-            _rise(evidence, fit, pair),
+            rise_over(evidence, fit, pair),
         )
         for pair in pairs
         if kinds.isdisjoint(other.kind for other in pair.hypothesis.effects)

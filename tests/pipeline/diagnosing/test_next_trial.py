@@ -15,7 +15,8 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.next_trial.design import design_trial
 from diagnosis.next_trial.limits import limits_of
-from diagnosis.next_trial.text import hindrance_lines
+from diagnosis.next_trial.remaining import remaining_models
+from diagnosis.next_trial.text import trial_text
 from pipeline.diagnosing.made_from import MADE_FROM
 from symolo.core.errors import InputError
 
@@ -107,7 +108,17 @@ def test_what_hinders_most_is_named_where_no_trial_distinguishes_two_effects(dia
     assert smallest is not None
     assert smallest.separation == pytest.approx(0.0, abs=0.05)
     assert design.hindrances[0].text == "both directions"
-    assert "Both directions would be enough" in " ".join(hindrance_lines(design))
+    text = " ".join(trial_text(design, "symolo diagnose", "", "trial_1").split())
+    assert "Both directions would be enough" in text
+    assert "If one of them is the cause, expect that others remain beside it" in text
+    assert "it alone remains" not in text
+
+
+def test_two_effects_remain_only_if_they_explain_the_rows_that_were_held_out(diagnosis):
+    """They are compared as in the diagnosis, which counts all rows, and not by the rows to which they were fitted."""
+    fitted_well = tuple(replace(pair, cost=pair.cost - 1000.0) for pair in diagnosis.selection.pairs)
+    tampered = replace(diagnosis, selection=replace(diagnosis.selection, pairs=fitted_well))
+    assert {model.name for model in remaining_models(tampered)} == {COULOMB, ASYMMETRY}
 
 
 def test_limits_that_leave_no_trial_are_refused(diagnosis):
