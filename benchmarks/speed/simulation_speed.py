@@ -123,7 +123,7 @@ def time_bare(spec: RunSpec, steps: int) -> float:
     client = connect(spec.rates.physics_hz)
     add_arena(client, Arena.from_config(spec.arena))
     start = (spec.start.x_m, spec.start.y_m, radians(spec.start.yaw_deg))
-    robot, wheels = add_robot(client, spec.robot, start)
+    robot, wheels = add_robot(client, spec.robot, start, 1.0 / spec.rates.physics_hz)
     torque = MotorModel.from_config(spec.robot.motor).damping_N_m_s_rad * WHEEL_SPEED_RAD_S
     for wheel, sign in zip(wheels, (1.0, -1.0), strict=True):
         pybullet.setJointMotorControl2(

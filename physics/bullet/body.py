@@ -20,8 +20,15 @@ MAX_JOINT_SPEED_RAD_S = 1000.0
 """Limit of joint speeds; Bullet's default of 100 rad/s is too low."""
 
 
-def add_robot(client: int, robot: RobotConfig, start: PlanarPose) -> tuple[int, list[int]]:
-    """Put the robot on the floor at x [m], y [m], yaw [rad]; return its body id and wheel joints, right and left."""
+def add_robot(client: int, robot: RobotConfig, start: PlanarPose, step_s: float) -> tuple[int, list[int]]:
+    """Put the robot on the floor at x [m], y [m], yaw [rad]; return its body id and wheel joints, right and left.
+
+    Args:
+        client: The PyBullet client.
+        robot: The robot.
+        start: Pose of the robot.
+        step_s: Duration of a physics step.
+    """
     body = _load(client, robot, start)
     pybullet.changeDynamics(
         body,
@@ -38,7 +45,7 @@ def add_robot(client: int, robot: RobotConfig, start: PlanarPose) -> tuple[int, 
     motors = RobotModel.from_config(robot).motors
     for wheel, motor in zip(wheels, (motors.right, motors.left), strict=True):
         _tread(client, body, wheel, robot.drive.wheel_friction)
-        _motor(client, body, wheel, motor)
+        _motor(client, body, wheel, motor, step_s)
     _tread(client, body, links[CASTER], robot.drive.caster_friction)
     return body, wheels
 
@@ -84,10 +91,13 @@ def _tread(client: int, body: int, link: int, friction: float) -> None:
     pybullet.setCollisionFilterGroupMask(body, link, TREADS, FLOOR, physicsClientId=client)
 
 
-def _motor(client: int, body: int, wheel: int, motor: MotorModel) -> None:
+def _motor(client: int, body: int, wheel: int, motor: MotorModel, step_s: float) -> None:
     # URDF cannot express a reflected rotor, and no rigid body has so much inertia about one axis alone.
     across, spin, _ = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
-    inertia = [across, spin + motor.inertia_kg_m2, across]
+    # The engine computes the damping from the speed before a step. A wheel whose time constant is below half a step
+    # would therefore overshoot more at each step. With this inertia it settles in one step, at the same speed.
+    settles_in_a_step = step_s * motor.damping_N_m_s_rad
+    inertia = [across, max(spin + motor.inertia_kg_m2, settles_in_a_step), across]
     pybullet.changeDynamics(body, wheel, localInertiaDiagonal=inertia, physicsClientId=client)
     # A velocity motor with set point 0 and limited force is Coulomb friction: the solver brakes with at most that
     # torque and holds the wheel at rest below it.

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from physics.control.base import Observation
+from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.run.controller_runner import ControllerRunner, Decision, InProcessRunner
 from pipeline.stages.closed_loop import ClosedLoop
 from sensors.wheels.instruments import read_current_A, read_speed_rad_s
@@ -24,6 +26,11 @@ Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""
 Watch = Callable[[float, Observation, Decision], None]
 """Called at each control tick with the simulated time [s], the readings for the controller and its decision."""
+
+
+MAX_OF_NO_LOAD = 3.0
+"""Largest speed of a wheel relative to that of its motor without load. A slope, a push or an effect on the motor adds
+less; an unstable simulation soon adds more."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +66,18 @@ def simulate(
             return _Recorder(spec, loop, built_in, watch).drive(progress)
 
 
+def _runaway(robot: RobotConfig, speeds_rad_s: tuple[float, float], time_s: float) -> str:
+    """Return what is wrong with the speeds of the wheels, right and left; empty where a motor can reach them."""
+    no_load_rad_s = voltage_limit_V(robot.power) / robot.motor.torque_constant_N_m_A
+    fastest = max(speeds_rad_s, key=abs)
+    if abs(fastest) <= MAX_OF_NO_LOAD * no_load_rad_s:
+        return ""
+    return (
+        f"a wheel turns at {fastest:.4g} rad/s at {time_s:.2f} s, and its motor reaches {no_load_rad_s:.3g} rad/s"
+        " without load: the simulation is unstable; raise rates.physics_hz, or check the motor and its effects"
+    )
+
+
 class _Recorder:
     """A run from its first tick to its end, with everything that is recorded of it."""
 
@@ -81,6 +100,9 @@ class _Recorder:
                 if tick == 0:  # there is nothing to record
                     raise
                 problems.append(str(error))
+                break
+            if runaway := _runaway(spec.robot, self._loop.world.wheel_speeds(), time_s):
+                problems.append(runaway)
                 break
             if touched := self._loop.world.touching():
                 problems.append(f"touched {', '.join(touched)} at {time_s:.2f} s")

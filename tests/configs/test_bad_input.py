@@ -211,6 +211,12 @@ CASES = {
         "robot.motor.coulomb_friction_N_m",
         "cannot overcome its friction",
     ),
+    # 0.9 kg in 0.18 x 0.038 m pitch with m (l^2 + h^2) / 12 = 2.54e-3 kg m2; K^2 / R + B = 2.003 N m s/rad.
+    "motors too strong for the step": robot(
+        "motor:\n    winding_resistance_ohm: 2\n    viscous_friction_N_m_s_rad: 0.003\n    torque_constant_N_m_A: 2 #!",
+        "robot.motor.torque_constant_N_m_A",
+        "of more than a physics step of 1 ms; it is 0.634 ms",
+    ),
     "corner never clear": robot(
         "controller: {corner: {front_below_m: 1.5}} #!", "robot.controller.corner.front_below_m", "front_clear_m"
     ),

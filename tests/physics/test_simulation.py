@@ -71,6 +71,16 @@ class TestMotorInTheEngine:
             expected, _ = motor.step(3.0, 0.0, simulation.time_s, disc)
             assert simulation.wheel_speeds() == pytest.approx((expected, -expected), rel=0.03)
 
+    @pytest.mark.parametrize("inertia", [0.0, 1e-6, 1e-5])
+    def test_a_wheel_faster_than_the_steps_settles_where_eq_20_says(self, simulate, robot, inertia):
+        """Without a rotor the time constant is 0.43 ms, and explicit steps of 1 ms would overshoot more each time."""
+        light = robot.with_section("motor", {"rotor_inertia_kg_m2": inertia})
+        simulation = simulate(robot=light, lifted=True)
+        simulation.set_voltages(3.0, 3.0)
+        simulation.advance(100)
+        _, speed = MotorModel.from_config(light.motor).steady_state(3.0)
+        assert simulation.wheel_speeds() == pytest.approx((speed, speed), rel=1e-6)
+
     @pytest.mark.parametrize("share", [-0.99, 0.5, 0.99])
     def test_a_robot_below_breakaway_stays_where_it_is(self, simulate, robot, share):
         motor = robot.motor

@@ -30,7 +30,7 @@ def engine():
 
 @pytest.fixture(scope="module")
 def ours(engine, spec) -> int:
-    return add_robot(engine, spec.robot, (0.0, 0.0, 0.0))[0]
+    return add_robot(engine, spec.robot, (0.0, 0.0, 0.0), 0.001)[0]
 
 
 @pytest.fixture(scope="module")

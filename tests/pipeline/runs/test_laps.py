@@ -2,12 +2,14 @@
 
 import io
 import itertools
+import re
 
 import numpy as np
 import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from physics.bullet import body
 from pipeline.stages.simulate import simulate
 
 STATES = {"CW": [0, 1, 5, 1, 2, 4, 2, 0, 5, 0], "CCW": [0, 5, 0, 1, 3, 1, 2, 6, 2, 0]}
@@ -60,6 +62,19 @@ def test_an_obstacle_too_low_to_be_seen_is_reported_as_touched():
     outcome = run("CW", unseen)
     assert not outcome.finished
     assert outcome.problems == (f"touched Sill at {outcome.recording.trajectory.t_s[-1]:.2f} s",)
+
+
+def test_a_wheel_far_beyond_the_speed_of_its_motor_ends_the_run_with_the_reason(monkeypatch):
+    """A wheel without a rotor, and without the least inertia from `body`, is unstable. Its motor has 6 V / 0.6 V s."""
+    motor = body._motor
+    monkeypatch.setattr(body, "_motor", lambda *arguments: motor(*arguments[:-1], 0.0))
+    strong = ("robot.motor.rotor_inertia_kg_m2=0", "robot.motor.torque_constant_N_m_A=0.6")
+    outcome = run("CW", "stop.lap=false", "stop.time_limit_s=2", *strong)
+    assert not outcome.finished
+    assert re.fullmatch(
+        r"a wheel turns at -?[0-9.]+ rad/s at [0-9.]+ s, and its motor reaches 10 rad/s without load: .*",
+        outcome.problems[0],
+    )
 
 
 def test_a_lap_that_takes_too_long_is_reported():
