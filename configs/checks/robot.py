@@ -57,9 +57,14 @@ def _range_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     path: FieldPath = ("robot", "tof")
     yield from _order_faults(tof, path, "min_range_m", "max_range_m")
     if tof.min_range_m < tof.no_target_m < tof.max_range_m:
+        # Blame the limit that is nearer, as a ratio: whoever changed one of the three most likely changed that one.
+        nearer = "max_range_m" if tof.min_range_m * tof.max_range_m <= tof.no_target_m**2 else "min_range_m"
         ends = f"up to {tof.min_range_m} (min_range_m) or from {tof.max_range_m} (max_range_m)"
         yield ConfigFault(
-            (*path, "no_target_m"), got=tof.no_target_m, allowed=f"values outside the valid range, {ends}"
+            (*path, "no_target_m"),
+            got=tof.no_target_m,
+            allowed=f"values outside the valid range, {ends}",
+            against=(*path, nearer),
         )
 
 

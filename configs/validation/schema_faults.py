@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
@@ -20,6 +19,15 @@ _UNITS = {
 }  # fmt: skip
 """Unit of a value written as text -> unit at the end of the field's name, and the factor to it."""
 
+_SMALLER_UNITS = {
+    "m": ("metres", (("cm", 100), ("mm", 1000))),
+    "s": ("seconds", (("ms", 1000),)),
+    "kg": ("kilograms", (("g", 1000),)),
+    "V": ("volts", (("mV", 1000),)),
+}
+"""Unit at the end of a field's name -> its name, and smaller units with their number per unit."""
+_SIMPLE_UNIT = re.compile(r"(?<!_m)(?<!_rad)(?<!_N)(?<!_per)(?<!_1)_(m|s|kg|V)$")
+"""Unit at the end of the name of a length, time, mass or voltage, and not of a speed, torque or quotient."""
 
 NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pitch_deg", "roll_deg", "tilt_deg"})
 """Keys of an arena by which users try to describe a floor that is no plane."""
@@ -127,13 +135,16 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
     """Return what to do about a value of the wrong type, or an empty string."""
     if (shape.is_number or shape.is_integer) and isinstance(got, str):
         return _cure_of_text(str(path[-1]), got)
-    is_length = path[:1] == ("arena",) and (isinstance(path[-1], int) or path[-1].endswith("_m"))
-    if is_length and isinstance(got, int | float) and got >= 2 * shape.schema.get("maximum", np.inf):
-        return f"is it in metres? {got:g} cm are {got / 100:g}, {got:g} mm are {got / 1000:g}"
+    if isinstance(got, int | float) and (hint := _cure_of_size(path, got, shape)):
+        return hint
     if path[:1] == ("routes",) and path[-1] == "runs" and got == 0:
         return "to leave a route out, write the list `routes` without it (docs/scenarios.md)"
     if shape.is_integer and isinstance(got, float) and got.is_integer():
         return f"write {int(got)}, without a decimal point or exponent"
+    if path[-1:] == ("counts_per_revolution",) and isinstance(got, float):
+        return (
+            f"round the number of a geared encoder to {round(got)}, with which wheels and odometry are then simulated"
+        )
     if shape.types == {"string"} and isinstance(got, bool | int | float):
         return "put it in quotes to make it text"
     if shape.types == {"array"} and isinstance(got, dict):
@@ -143,6 +154,19 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
     if shape.types == {"boolean"} and str(got).lower() in {"no", "off", "n", "0"}:
         return "write false"
     return ""
+
+
+def _cure_of_size(path: FieldPath, got: float, shape: Shape) -> str:
+    """Return the question whether a number far beyond its bounds has another unit; empty where that is no reason."""
+    field = "_m" if path[:1] == ("arena",) and isinstance(path[-1], int) else str(path[-1])
+    match = _SIMPLE_UNIT.search(field)
+    low = shape.schema.get("minimum", shape.schema.get("exclusiveMinimum"))
+    high = shape.schema.get("maximum", shape.schema.get("exclusiveMaximum"))
+    if not match or low is None or high is None or abs(got) < 2 * max(abs(low), abs(high)):
+        return ""
+    word, parts = _SMALLER_UNITS[match[1]]
+    fitting = [f"{got:g} {unit} are {got / per:g}" for unit, per in parts if low <= got / per <= high]
+    return f"is it in {word}? {', '.join(fitting)}" if fitting else ""
 
 
 def _cure_of_text(field: str, text: str) -> str:

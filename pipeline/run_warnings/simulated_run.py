@@ -7,7 +7,11 @@ from math import cos, degrees, pi, radians, sin
 
 import numpy as np
 
+from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
+from physics.control.following import MAX_ERROR
+from physics.drivetrain.motor import MotorModel
+from physics.drivetrain.wheel_loop import voltage_limit_V
 from symolo.arena.footprints import wall_footprint
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
@@ -27,6 +31,9 @@ SPACING_M = 0.005
 ROUND_RAD = {2: pi / 4.0, 3: pi / 12.0}
 """Angle whose multiples are round, 45 or 15 degrees, by the number of decimals from which on it counts. Sensors are
 mounted at round angles, which in degrees have no decimals; many angles with two decimals are near a multiple of 15."""
+SIDE_MOUNTS = ("robot.tof.mounts.left.", "robot.tof.mounts.right.")
+MIN_SIDE_RAD, MAX_SIDE_RAD = 0.1, 2.0
+"""Yaw of a side sensor that is probably in radians: in degrees, the sensor would look straight ahead."""
 MOUNT_ANGLE = re.compile(r"(yaw|pitch|roll)\w*_deg")
 
 
@@ -61,9 +68,52 @@ def _suspicions(spec: RunSpec) -> Iterator[_Suspicion]:
     """Yield what is suspicious about a run, and about the path of the built-in controller through its arena."""
     line = Arena.from_config(spec.arena).line
     yield from _in_radians(spec, line)
+    yield from _outside_the_body(spec.robot)
+    if spec.board is None and spec.controller is None:
+        yield from _too_slow(spec.robot)
     if line.pieces and spec.board is None and spec.controller is None:
         yield from _starts_beside(spec, line)
         yield from _through_walls(spec, line)
+
+
+def _outside_the_body(robot: RobotConfig) -> Iterator[_Suspicion]:
+    """Yield the range and line sensors that are farther from the middle of the axle than the body is long or wide."""
+    chassis, mounts = robot.chassis, robot.tof.mounts
+    sizes = {"x_m": chassis.length_m, "y_m": chassis.width_m}
+    places = [
+        ("robot.tof.mounts.front", mounts.front),
+        ("robot.tof.mounts.left", mounts.left),
+        ("robot.tof.mounts.right", mounts.right),
+        ("robot.line_sensor", robot.line_sensor),
+    ]
+    for place, mount in places:
+        for field, size_m in sizes.items():
+            at_m = getattr(mount, field, 0.0)
+            if abs(at_m) > size_m:
+                where = "length" if field == "x_m" else "width"
+                text = f"{place}.{field} {at_m:g} is far outside the body, whose {where} is {size_m:g} m"
+                yield _Suspicion(f"{place}.{field} outside", text)
+
+
+def _too_slow(robot: RobotConfig) -> Iterator[_Suspicion]:
+    """Yield a speed that the control law asks of a wheel and that its motor does not reach even without load."""
+    motor, half_track_m = MotorModel.from_config(robot.motor), 0.5 * robot.drive.track_m
+    voltage_V = voltage_limit_V(robot.power)
+    reached_m_s = 0.5 * robot.drive.wheel_diameter_m * motor.steady_state(voltage_V)[1]
+    laws = {"line": robot.controller.line, "wall.gains": robot.controller.wall.gains}
+    asked = [
+        (law.k1_m_s + error * (law.k2_rad_s * half_track_m - law.k3_m_s), error, place)
+        for place, law in laws.items()
+        for error in (0.0, MAX_ERROR)
+    ]
+    asked_m_s, error, place = max(asked)
+    if asked_m_s > reached_m_s:
+        text = (
+            f"robot.controller.{place} asks a wheel for {asked_m_s:.2g} m/s at an error of {error:g}, and the motors"
+            f" reach {reached_m_s:.2g} m/s at {voltage_V:g} V without load: the robot is slower than that, and may cut"
+            " bends"
+        )
+        yield _Suspicion("speed beyond the motors", text)
 
 
 def _starts_beside(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
@@ -124,7 +174,8 @@ def _in_radians(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
             yield _radians("", "yaw_deg", yaw, ": as degrees, the start leads away from the line")
     for (*section, field), angle in _mount_angles(spec.robot.model_dump(exclude={"effects"}), ("robot",)):
         place = f"{'.'.join(section)}."
-        if f"{place}{field}" not in spec.drawn and _is_round_in_radians(angle):
+        beside = place in SIDE_MOUNTS and field == "yaw_deg" and MIN_SIDE_RAD < abs(angle) < MAX_SIDE_RAD
+        if f"{place}{field}" not in spec.drawn and (beside or _is_round_in_radians(angle)):
             yield _radians(place, field, angle, "")
 
 

@@ -49,6 +49,8 @@ def test_a_start_in_radians_is_named_with_the_number_in_degrees(yaw, degrees):
         ("robot.camera.yaw_left_deg=-1.5708", "robot.camera.yaw_left_deg", "-1.5708", -90),
         ("robot.sensors.r2={kind: lidar, roll_deg: 3.14159}", "robot.sensors.r2.roll_deg", "3.14159", 180),
         ("robot.tof.mounts.left.yaw_deg=0.524", "robot.tof.mounts.left.yaw_deg", "0.524", 30),
+        ("robot.tof.mounts.left.yaw_deg=1.4", "robot.tof.mounts.left.yaw_deg", "1.4", 80),
+        ("robot.tof.mounts.right.yaw_deg=-1.3963", "robot.tof.mounts.right.yaw_deg", "-1.3963", -80),
         ("robot.camera.pitch_down_deg=1.0472", "robot.camera.pitch_down_deg", "1.0472", 60),
         ("robot.camera.pitch_down_deg=1.047", "robot.camera.pitch_down_deg", "1.047", 60),
     ],
@@ -67,6 +69,28 @@ def test_a_mount_in_radians_is_named_with_the_number_in_degrees(setting, field, 
 def test_small_angles_of_a_mount_and_drawn_ones_get_no_warning(yaw):
     route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
     assert plan_warnings(draw_all(load_scenario("smoke", [route, f"robot.camera.yaw_left_deg={yaw}"]))) == ()
+
+
+@pytest.mark.parametrize(
+    ("setting", "beginning"),
+    [
+        # No load: (6 V K / R - Tq) / (K^2 / R + B) = (1.6821 - 0.0174) / (0.2243 + 0.0027) = 7.33 rad/s, x 32.5 mm;
+        # the outer wheel at the largest error: 0.18 - 3.5 * 0.02 + 3.5 * 0.9 * 0.07 = 0.33 m/s.
+        (
+            "robot.motor.torque_constant_N_m_A=0.8",
+            "robot.controller.line asks a wheel for 0.33 m/s at an error of 3.5, and the motors reach 0.24 m/s at 6 V ",
+        ),
+        (
+            "robot.tof.mounts.left.y_m=0.4",
+            "robot.tof.mounts.left.y_m 0.4 is far outside the body, whose width is 0.17 m",
+        ),
+        ("robot.line_sensor.x_m=0.3", "robot.line_sensor.x_m 0.3 is far outside the body, whose length is 0.18 m"),
+    ],
+)
+def test_a_plan_names_what_a_robot_cannot_do_or_be_meant_to_have(setting, beginning):
+    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
+    (warning,) = plan_warnings(draw_all(load_scenario("smoke", [route, setting])))
+    assert warning.startswith(f"CW/test_1: {beginning}")
 
 
 def test_a_start_beside_the_line_is_named_with_its_distance():
