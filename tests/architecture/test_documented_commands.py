@@ -52,6 +52,7 @@ ELSEWHERE = {
     "model.npz": "needs PyTorch; tests/pipeline/baselines/learned/test_training.py trains one",
     "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
     "--like diagnosis --out data": "likewise; the diagnosis of that command",
+    "compass.py": "the sensor of CONTRIBUTING.md; tests/contracts/test_own_sensor.py loads such a file",
     "my_bench": "a bench of the reader; test_quoted_outputs.py runs the one of the page",
     "cases/tof_bench": "needs a case that test_quoted_outputs.py makes",
     "law/": "likewise; the law of that command",
