@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.measured.channel import Role
-from diagnosis.measured.measurement import CHECK, Measurement
+from diagnosis.measured.measurement import CHECK, Measurement, Trial
 from diagnosis.measured.pose_by_ticks import MIN_SHARE, pose_by_ticks
 from logs.counts import jump_note
 from logs.drive import COUNTED
 from logs.times import gap_note
+from symolo.core.arrays import Array
 
 MIN_GAP_STEPS = 10.0
 """Smallest gap that is noted, in usual steps: half a second."""
@@ -18,6 +19,10 @@ FAR_OFF = 1.4
 """Ratio of the distances of pose and wheels from which on a number of the wheels is wrong; no wheel slips as much."""
 EDGES = (2.0, 4.0)
 """Counts per pulse of an encoder, by how many edges of its two channels are counted."""
+MIN_DRIVEN_ROWS = 10
+"""Rows with a voltage and a motion from which the sign of one against the other is judged."""
+AGAINST = 0.5
+"""Correlation of speed and voltage, both from zero, beyond which a wheel turns against its voltage."""
 
 
 @dataclass(frozen=True)
@@ -50,13 +55,46 @@ def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_u
             if note := jump_note(f"{where}{name}", trial[name].values, trial.t_s):
                 has_cause = True
                 yield f"{CHECK} {note}"
-    moved = None if has_cause else pose_by_ticks(measurement)
-    if moved is None:
+    if has_cause:
         return
-    contradictions = list(moved.contradictions())
+    moved = pose_by_ticks(measurement)
+    contradictions = list(moved.contradictions()) if moved else []
     yield from (f"{CHECK} {text}" for text in contradictions)
-    if not contradictions and moved.is_forward_clear and moved.forward_share >= MIN_SHARE:
+    if contradictions:
+        return
+    yield from _voltage_notes(measurement, agree_with_pose=moved is not None and moved.is_explained)
+    if moved and moved.is_forward_clear and moved.forward_share >= MIN_SHARE:
         yield from _travel_note(wheels, moved.span_m_per_tick)
+
+
+def _voltage_notes(measurement: Measurement, *, agree_with_pose: bool) -> Iterator[str]:
+    """Yield a note for each wheel that turns against its voltage.
+
+    A motor takes power over a whole drive, so that the sum of voltage times speed is not negative.
+
+    Args:
+        measurement: The drive.
+        agree_with_pose: Whether the ticks agree with the poses, so that their signs are right.
+    """
+    for side in ("left", "right"):
+        voltage, ticks = f"u_{side}_V", f"enc_{side}_ticks"
+        if not measurement.has(voltage, ticks):
+            continue
+        rows = np.concatenate([_held_and_moved(trial, voltage, ticks) for trial in measurement.trials])
+        volts, steps = rows[np.isfinite(rows).all(axis=1)].T
+        if np.count_nonzero(volts * steps) < MIN_DRIVEN_ROWS:
+            continue
+        if volts @ steps < -AGAINST * np.linalg.norm(volts) * np.linalg.norm(steps):
+            cure = f"give {voltage} factor: -1" if agree_with_pose else "give the one with the wrong sign factor: -1"
+            yield (
+                f"{CHECK} {voltage} and {ticks}: the {side} wheel turns against its voltage; {cure}, or exchange left "
+                "and right if both wheels do so"
+            )
+
+
+def _held_and_moved(trial: Trial, voltage: str, ticks: str) -> Array:
+    """Return (N, 2), the voltage from each row to the next, and the ticks by which the wheel turns meanwhile."""
+    return np.stack([trial[voltage].values[:-1], np.diff(trial[ticks].values)], axis=1)
 
 
 def _travel_note(wheels: CountedWheels, m_per_tick: float) -> Iterator[str]:

@@ -14,11 +14,14 @@ from scipy.special import chdtrc
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Structure
+from symolo.core.arrays import Array
 
 OUTLIERS = 1.0 / 16.0
 """Share of outliers among the readings that is no structure. Squares are clipped at 9, so that their mean is 1.5 times
 that of good readings: one outlier in twenty gives 1.4, a noise 10 % off 1.2."""
 MIN_ROWS = 8
+MANY = 0.1
+"""Share of clipped residuals from which the clipped scatter is only a lower limit."""
 SCATTER = "scatter of"
 """Beginning of what a structure is if it has no shape along its covariate."""
 
@@ -46,8 +49,17 @@ def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Ad
         p = float(chdtrc(degrees, squares / widened(quantity.readings))) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
-            scatters.append(replace(best, p=p, what=f"{SCATTER} {times:.1f} times the stated noise"))
+            scatters.append(replace(best, p=p, what=f"{SCATTER} {_times(float(times), z)} the stated noise"))
     return Adequacy(tuple(sorted((*scatters, *result.structures), key=lambda structure: structure.p)))
+
+
+def _times(times: float, residuals: Array) -> str:
+    """Return how far residuals (N,), in standard deviations of the noise, exceed it; clipped ones exceed it by more."""
+    share = float(np.mean(np.abs(residuals) > CLIP))
+    if share < MANY:
+        return f"{times:.1f} times"
+    farthest = float(np.abs(residuals).max())
+    return f"at least {times:.1f} times (in {100.0 * share:.0f} % of the samples more than {CLIP:g}, up to {farthest:.0f})"
 
 
 def widened(readings: int) -> float:

@@ -241,12 +241,22 @@ def test_a_gap_is_noted_and_is_no_jump_of_a_counter(init, columns):
         (lambda c: {**c, "heading_deg": c["heading_deg"] + 90}, "x_m and y_m do not move where theta_rad points"),
         (lambda c: {**c, "enc_l": -c["enc_r"], "enc_r": -c["enc_l"]}, "the pose moves backwards while the ticks grow"),
         (lambda c: {**c, "heading_deg": 10 * np.sin(np.arange(600))}, "theta_rad does not follow the wheels"),
+        (lambda c: {**c, "motor_l [mV]": -c["motor_l [mV]"]}, "u_left_V and enc_left_ticks"),
         (lambda c: c, ""),
     ],
 )
 def test_mixed_up_sides_and_signs_are_reported(change, message, init, columns):
     _, out, _, _ = init(change(columns), "--set", "ticks_per_turn=1440")
     assert re.findall(r"CHECK ([^:;]*)", out) == ([message] if message else [])
+
+
+def test_a_log_without_poses_leaves_open_whose_sign_is_wrong(init, columns):
+    logged = {name: column for name, column in columns.items() if name[:4] in {"time", "enc_", "moto"}}
+    _, out, _, _ = init({**logged, "enc_r": -logged["enc_r"]}, "--set", "ticks_per_turn=1440")
+    assert re.findall("CHECK (.*)", out) == [
+        "u_right_V and enc_right_ticks: the right wheel turns against its voltage; give the one with the wrong sign "
+        "factor: -1, or exchange left and right if both wheels do so"
+    ]
 
 
 def test_in_a_terminal_the_command_asks_and_enter_leaves_a_number_out(init, columns, monkeypatch):
