@@ -43,6 +43,10 @@ DECIMALS = 9
 """Decimals of a converted number, whose last digits are rounding errors of the factor."""
 HELD_OUT_EACH = 4
 """Every 4th row of a bench and every 4th trial is held out; of fewer than 4 trials, the last quarter of each."""
+MIN_HELD_MOTION = 0.05
+"""Share of the motion of a trial that its last quarter needs, if it is to say anything about the robot."""
+_MOVES = ("enc_left_ticks", "enc_right_ticks", "omega_rad_s")
+"""Columns by which a trial moves: counts, and the speed of a motor, which changes while the motor starts and stops."""
 _IN_TIME = frozenset({CaseKind.DRIVE_LOG, CaseKind.MOTOR_STEP})
 
 
@@ -341,8 +345,23 @@ def _holdout(parts: Sequence[_Rows], kind: CaseKind, notes: list[str]) -> list[N
     if len(parts) >= HELD_OUT_EACH:
         notes.append("every fourth trial is held out")
         return [np.full(count, k % HELD_OUT_EACH == HELD_OUT_EACH - 1) for k, count in enumerate(rows)]
+    held = [np.arange(count) >= round(0.75 * count) for count in rows]
+    late = [_late_motion(part, last) for part, last in zip(parts, held, strict=True)]
     notes.append("the last quarter of each trial is held out")
-    return [np.arange(count) >= round(0.75 * count) for count in rows]
+    if any(rows.any() for rows in late):
+        notes[-1] += "; where nothing moves in it, the rows after three quarters of the motion are"
+    return [rows if rows.any() else last for rows, last in zip(late, held, strict=True)]
+
+
+def _late_motion(part: _Rows, last: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the rows (N,) after three quarters of the motion, if hardly anything moves in the last ones; else none."""
+    moved = np.zeros(len(part.t_s))
+    for name in _MOVES:
+        steps = np.abs(np.diff(part.values.get(name, moved), prepend=np.nan))
+        moved += np.nan_to_num(steps)
+    if moved[last].sum() >= MIN_HELD_MOTION * moved.sum():
+        return np.zeros_like(last)
+    return np.cumsum(moved) > 0.75 * moved.sum()
 
 
 def _trial(name: str, part: _Rows, holdout: NDArray[np.bool_], kind: CaseKind, begins_s: float) -> Trial:

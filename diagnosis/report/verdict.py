@@ -36,6 +36,8 @@ from diagnosis.report.sentences.quantities import (
 
 MIN_BENT = 4.0
 """Deviation in tolerances from which a nominal parameter is mentioned."""
+NO_ERROR = 0.01
+"""Error on held-out rows, in sigmas, below which they say nothing: noise alone is far larger."""
 _MAX_VOLTAGES = 3
 """Voltages at standstill that the headline lists; more are counted."""
 _MORE_LIKELY_THAN_NOT = 0.5
@@ -51,7 +53,8 @@ def headline(diagnosis: Diagnosis) -> str:
     structure = diagnosis.unexplained
     if structure is None:
         if names and any(named.comparison.confidence < _MORE_LIKELY_THAN_NOT for named in diagnosis.named):
-            return f"The real robot differs from the nominal one. {listed(names)} fits best, but this is not certain."
+            fit = "fits" if len(names) == 1 else "fit"
+            return f"The real robot differs from the nominal one. {listed(names)} {fit} best, but this is not certain."
         if names:
             return f"The real robot differs from the nominal one by {listed(names)}."
         if diagnosis.conclusion is CaseVerdict.UNDECIDED:
@@ -188,11 +191,13 @@ def without_effect(ablation: Ablation) -> str:
         text += f", and parameters leave their tolerances ({deviations})"
     if ablation.gain is None or ablation.effect_gain is None or ablation.log_score is None:
         return text
+    if says_nothing(ablation.gain):
+        return f"{text}; the held-out rows say nothing about it"
     if ablation.is_of_noise:
         return f"{text}; {_of_log_score(ablation.log_score)}"
     return (
-        f"{text}; the gain on held-out rows is {gain_text(ablation.gain)}, and adding the effect then "
-        f"{_gains(ablation.effect_gain)}"
+        f"{text}; on the held-out rows, the fitted model without it gains {gain_text(ablation.gain)} over the nominal "
+        f"robot, and adding the effect to it {_gains(ablation.effect_gain)}"
     )
 
 
@@ -280,11 +285,22 @@ def _gains(gain: Gain) -> str:
     return f"makes the error on the held-out rows {percent(-gain.value)} larger ({ends})"
 
 
+def says_nothing(gain: Gain) -> bool:
+    """Return whether the first model of a gain predicts the held-out rows so well that no other could be better."""
+    return gain.before < NO_ERROR
+
+
 def gain_sentences(data: ReportData) -> list[str]:
     """Return the gain on held-out rows, and the gain of calibration alone."""
     diagnosis = data.diagnosis
     if diagnosis.gain is None or diagnosis.calibrated is None:
         return ["No rows are held out, so it is not known how well the model predicts data that were not fitted."]
+    if says_nothing(diagnosis.gain):
+        return [
+            "The held-out rows say nothing: the nominal robot predicts them to within a hundredth of the noise, as it "
+            "does where nothing moves. So they neither confirm a name nor refute it; hold out rows in which the robot "
+            "moves."
+        ]
     calibration = f"Fitting the nominal parameters alone, without any effect, {_gains(diagnosis.calibrated)}"
     if deviations := _bent_text(diagnosis.selection.nominal):
         calibration += f", but parameters leave their tolerances ({deviations})"

@@ -174,6 +174,20 @@ def test_a_model_of_which_no_parameter_moved_changes_nothing():
     assert gain_text(unchanged) == "0 % (no change)"
 
 
+def test_held_out_rows_that_every_robot_predicts_say_nothing():
+    """The rows of a robot that stands still are predicted exactly, with errors of 0 to 0 sigma."""
+    nothing = Gain(0.0, -1.65, 0.0, 0.0, 0.0, ())
+    data: Any = SimpleNamespace(diagnosis=SimpleNamespace(gain=nothing, calibrated=nothing))
+    (sentence,) = gain_sentences(data)
+    assert sentence.startswith("The held-out rows say nothing")
+    assert "0 sigma" not in sentence
+    hypothesis = SimpleNamespace(nuisances=(), prior=lambda _: np.zeros(0))
+    fit: Any = SimpleNamespace(hypothesis=hypothesis, x=None)
+    change = LogScoreChange(0.0, 0.0, 0.0)
+    ablation = Ablation("friction_warmup", fit, 13.2, nothing, nothing, change, is_of_noise=False)
+    assert without_effect(ablation) == "the cost rises by 13.2; the held-out rows say nothing about it"
+
+
 @pytest.mark.parametrize(
     ("conclusion", "gain", "follows"),
     [
