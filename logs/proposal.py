@@ -73,7 +73,7 @@ def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_
         column = sources[name].column
         sources[name] = sources[name].model_copy(update={"per_row": True})
         is_named = PER_ROW & set(taken_apart(column).words)
-        reason = "by its name" if is_named else "since it follows the speed itself"
+        reason = "by its name" if is_named else "because it rises and falls with the speed"
         warnings.append(f"{column} ({name}): taken for the ticks since the row before, {reason}")
     return Proposal(LogMapping.model_validate({"kind": kind.name, "columns": sources}), tuple(warnings))
 
@@ -88,11 +88,12 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     nearest = dict.fromkeys(min(sets, key=len) for sets in (without_range, several))
     names = " or ".join(" ".join(sorted(each)) for each in nearest)
     unused = [name for name in log.columns if name not in recognised.values()]
-    cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}"
+    cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}{kind.elsewhere}"
+    others = f"not recognised: {', '.join(unused)}; " if unused else ""
     return InputError(
         f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
         where=f"{log.path}: row 1",
-        cure=f"not recognised: {', '.join(unused) or 'none'}; {cure}",
+        cure=f"{others}{cure}",
     )
 
 

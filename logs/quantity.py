@@ -87,6 +87,8 @@ class LogKind:
     """Words for how a user states the voltage of a full duty cycle."""
     page: str = "docs/case_from_log.md"
     """Page on mapping files."""
+    elsewhere: str = ""
+    """What else to do with a log that lacks these quantities, as the end of a sentence."""
 
     @property
     def names(self) -> tuple[str, ...]:

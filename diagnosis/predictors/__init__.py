@@ -30,6 +30,9 @@ def check_kind(measurement: Measurement) -> None:
     """Raise InputError if no stage of the simulator predicts such data."""
     if measurement.kind not in STAGES and not measurement.cases:
         allowed = ", ".join(STAGES)
-        what = f"no stage predicts data of kind {measurement.kind}"
-        cure = "diagnose a bench or a drive; `symolo inspect` shows what these data contain"
+        what = f"data of kind {measurement.kind} cannot be compared with a simulation"
+        cure = (
+            "diagnose a bench or a drive; `symolo inspect` shows what these data contain, and `symolo case init` makes "
+            "a case of a log"
+        )
         raise InputError(what, where=measurement.where, allowed=allowed, cure=cure)

@@ -94,5 +94,6 @@ TRAJECTORY = LogKind(
     mapping_option="--map",
     supply_option="as factor of the voltages in a mapping file, with --map",
     page="docs/import.md",
+    elsewhere="; of a log without poses, `symolo case init` makes a case",
 )
 """Tables of times and poses; headings may be angles or quaternions, or the direction of the path."""

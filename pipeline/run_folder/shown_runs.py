@@ -26,7 +26,10 @@ def shown_runs(path: Path, pattern: str | None = None) -> Iterator[Dataset]:
     Raises:
         InputError: It is nothing of that kind, it is damaged, or no run matches.
     """
-    root = path.parent if path.name == DATA and path.is_file() else path
+    if path.is_file() and path.name != DATA:
+        cure = f"name a dataset, a run folder, or the {DATA} of a run"
+        raise InputError(f"is neither a folder nor a {DATA}", where=str(path), cure=cure)
+    root = path.parent if path.is_file() else path
     if _is_unreleased(root):
         yield from _unreleased(root, pattern)
     elif runs := _several(root):

@@ -51,6 +51,8 @@ def read_spec(path: Path, cure: str = "make the run again") -> SceneSpec:
     """
     try:
         return parse_spec(read_file(path, FileKind.DOCUMENT))
+    except FileNotFoundError:
+        reason = "there is no such file, which states the robot and the arena"
     except OSError as error:
         reason = error.strerror
     except ValidationError as error:

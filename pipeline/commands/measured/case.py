@@ -71,7 +71,7 @@ def init(
 
     CASE then has three files:
 
-    - data.csv: the rows, in our columns and units
+    - data.csv: the rows, in symolo's columns and units
 
     - nominal.yaml: parameters with tolerances, each with a comment
 
@@ -96,6 +96,7 @@ def init(
     if kind is not None and kind not in names:
         raise InputError("--kind", got=kind, allowed=", ".join(names), nearest=nearest(kind, names))
     known = parsed(settings or ())
+    _check_origin(log)
     table = read_log(log)
     checked = None
     if mapping is not None:
@@ -118,6 +119,23 @@ def init(
     unused = sorted(case.known.keys() - {number.key for number in case.numbers})
     notes += [f"not needed for what was logged: {', '.join(unused)}"] if unused else []
     _print(case, out, (*warnings, *dict.fromkeys(notes)))
+
+
+def _check_origin(log: Path) -> None:
+    """Refuse a table of a run of symolo, whose other tables and noise are known to the diagnosis.
+
+    Raises:
+        InputError: It is such a table.
+    """
+    from logs.recognition import first_line
+    from symolo.dataset.layout import DATA, SIDE
+    from symolo.dataset.tables.side_tables import WHEELS
+
+    header = first_line(log).split(",")
+    run = log.parent.parent if log.parent.name == SIDE else log.parent
+    if header == list(WHEELS.header) or (log.name == DATA and (log.parent / SIDE / WHEELS.file).is_file()):
+        cure = f"diagnose the run: symolo diagnose {run} --out {run.absolute().name}-diagnosis"
+        raise InputError("is a table of a run of symolo, which needs no case", where=str(log), cure=cure)
 
 
 def _asked(case: "NewCase") -> dict[str, float]:

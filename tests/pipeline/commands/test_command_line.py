@@ -170,6 +170,7 @@ BAD = {
     ),
     "contact sheet of nothing": (["contact-sheet", "HERE/empty", "--out", "OUT.jpg"], "neither a release nor a run"),
     "view of nothing": (["view", "HERE/empty", "--out", "OUT.html"], "neither a release nor a run"),
+    "view of a log": (["view", "HERE/bad.yaml", "--out", "OUT.html"], "neither a folder nor a data.csv"),
     "view as an image": (["view", "HERE", "--out", "OUT.png"], "--out: got"),
     "video of nothing": (["video", "HERE/empty", "--out", "OUT.mp4"], "neither a release nor a run"),
     "video as a text": (["video", "HERE", "--out", "OUT.txt"], ".mp4 or .gif or .webp"),
