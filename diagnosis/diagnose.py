@@ -267,7 +267,7 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis, progress: DiagnosisProg
     """Return the observations with their noise, which is estimated from the nominal model if it is not stated."""
     evidence = Evidence(stages)
     if progress is not None:
-        evidence.on_predicted = progress.predicted
+        evidence.on_predicted, evidence.on_fits = progress.predicted, progress.fits
     rounds = NOISE_ROUNDS if evidence.fit.any() else 0
     for _ in range(rounds if any(is_open(observed) for observed in evidence.observed) else 0):
         (fit,) = fits(evidence, [(bare, bare.null())])

@@ -1,6 +1,6 @@
 """Progress of a diagnosis. It is an estimate, because how many hypotheses are fitted depends on what the fits show."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import Enum
 from types import MappingProxyType
 
@@ -45,15 +45,20 @@ USUAL_ROBOTS_OF = MappingProxyType({Phase.SELECTION: 600, Phase.STRUCTURE: 20})
 2500 robots."""
 
 
+SHOWN = 3
+"""Hypotheses that are named while they are fitted; the others are counted."""
+
+
 class DiagnosisProgress:
     """Turns phases and predicted robots into a share that grows and stays below 1.
 
     Args:
         on_share: Called with the share that is done, 0 to 1.
+        on_fits: Called with words for what is being fitted.
     """
 
-    def __init__(self, on_share: Callable[[float], None]) -> None:
-        self._on_share = on_share
+    def __init__(self, on_share: Callable[[float], None], on_fits: Callable[[str], None] | None = None) -> None:
+        self._on_share, self._on_fits = on_share, on_fits
         self._phase = Phase.SELECTION
         self._robots = 0
 
@@ -66,6 +71,12 @@ class DiagnosisProgress:
         """Count robots of which all samples were predicted, which takes most of the time."""
         self._robots += robots
         self._on_share(self.share)
+
+    def fits(self, names: Sequence[str], of: int) -> None:
+        """Note which hypotheses are still fitted, of so many that were begun together."""
+        if self._on_fits is not None:
+            listed = ", ".join(dict.fromkeys(names[:SHOWN])) + (", ..." if len(names) > SHOWN else "")
+            self._on_fits(f"{len(names)} of {of} fits remain of this round ({listed})")
 
     @property
     def share(self) -> float:

@@ -70,7 +70,8 @@ def headline(diagnosis: Diagnosis) -> str:
         return f"No effect is named, but {rows}."
     what = f"{structure.channel} depends on {along(structure.covariate)}"
     if structure.what.startswith(SCATTER):
-        what = f"{structure.channel} has a {structure.what}"
+        by = "the noise that nominal.yaml states" if diagnosis.measurement.nominal else "the stated noise"
+        what = f"{structure.channel} has a {structure.what.replace('the stated noise', by)}"
     where = f"{what}, and no known effect explains this"
     if not names:
         return f"The simulation is wrong in a way that has no name here: {where}."
@@ -296,11 +297,9 @@ def gain_sentences(data: ReportData) -> list[str]:
     if diagnosis.gain is None or diagnosis.calibrated is None:
         return ["No rows are held out, so it is not known how well the model predicts data that were not fitted."]
     if says_nothing(diagnosis.gain):
-        return [
-            "The held-out rows say nothing: the nominal robot predicts them to within a hundredth of the noise, as it "
-            "does where nothing moves. So they neither confirm a name nor refute it; hold out rows in which the robot "
-            "moves."
-        ]
+        text = "The held-out rows say nothing: the nominal robot predicts them to within a hundredth of the noise, as "
+        text += "it does where nothing moves. They neither confirm a name nor refute it; hold out rows with motion."
+        return [text]
     calibration = f"Fitting the nominal parameters alone, without any effect, {_gains(diagnosis.calibrated)}"
     if deviations := _bent_text(diagnosis.selection.nominal):
         calibration += f", but parameters leave their tolerances ({deviations})"

@@ -1,7 +1,8 @@
 """Cases of measured data diagnosed side by side, each into a folder of its own, whatever the number of workers."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from diagnosis.measured.case_format import BLIND, DATA
 from diagnosis.measured.holdout import hold_out, of_part
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NOMINAL
-from diagnosis.progress import DiagnosisProgress, Phase
+from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
 from pipeline.diagnosing.made_from import MADE_FROM, MadeFrom
@@ -27,7 +28,7 @@ from symolo.core.child_process import Failed, Finished
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, remove_file, write_file
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.core.progress import Report
+from symolo.core.progress import SECONDS_BETWEEN_LINES, Report, StageReport
 from symolo.dataset.layout import STAGES
 
 if TYPE_CHECKING:
@@ -132,14 +133,13 @@ def diagnose_cases(
     ]
     # How many hypotheses are fitted depends on what the fits show, so the share of a case says little about its rest.
     with report.stage("diagnose", len(units), "cases", is_even=False) as stage:
-        begun: set[Phase] = set()
+        said = _SaidPhases(stage)
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(event, Progress):
                 stage.update(unit.name, event.share)
-                if alone and (phase := Phase.at(event.share)) not in begun:
-                    begun.add(phase)
-                    stage.say(phase.title)
+                if alone:
+                    said.say(event)
             if isinstance(event, Finished | Failed):
                 stage.update(unit.name, 1.0)
             if isinstance(event, Failed) and not alone:
@@ -150,6 +150,26 @@ def diagnose_cases(
         failures = run_units(units, workers, on_event, ONE_THREAD)
     order = [case.name for case in cases]
     return sorted(failures, key=lambda failure: order.index(failure.unit.name))
+
+
+class _SaidPhases:
+    """Prints each phase of the only case when it begins, and now and then what is fitted in it."""
+
+    def __init__(self, stage: StageReport) -> None:
+        self._stage = stage
+        self._begun: set[Phase] = set()
+        self._said_s = time.monotonic()
+
+    def say(self, event: Progress) -> None:
+        phase, now_s = Phase.at(event.share), time.monotonic()
+        if phase not in self._begun:
+            self._begun.add(phase)
+            self._stage.say(phase.title)
+        elif event.text and now_s - self._said_s >= SECONDS_BETWEEN_LINES:
+            self._stage.say(f"{phase.title}: {event.text}")
+        else:
+            return
+        self._said_s = now_s
 
 
 def diagnosed_again(measurement: Measurement, settings: DiagnosisSettings, report: Report) -> "Diagnosis":
@@ -173,7 +193,7 @@ def folder_of(case: NamedCase, out: Path, *, alone: bool) -> Path:
 
 
 def diagnose_into(
-    path: Path, settings: DiagnosisSettings, folder: Path, on_share: Callable[[float], None] = lambda _share: None
+    path: Path, settings: DiagnosisSettings, folder: Path, progress: DiagnosisProgress | None = None
 ) -> None:
     """Diagnose one case, write its files into `folder` and remove those of an earlier diagnosis.
 
@@ -181,7 +201,7 @@ def diagnose_into(
         path: The case.
         settings: How it is diagnosed.
         folder: Folder of the files.
-        on_share: Called with the share that is done, 0 to 1, which is an estimate.
+        progress: Receives how far the diagnosis is, which is an estimate; by default nobody does.
 
     Raises:
         InputError: The case cannot be read, or holds nothing that can be diagnosed.
@@ -194,7 +214,7 @@ def diagnose_into(
     measurement = read_case(path, settings)
     is_blind = measurement.kind in BLIND
     unseen = read_blind(path if path.is_dir() else path.parent, measurement.kind) if is_blind else {}
-    progress = DiagnosisProgress(on_share)
+    progress = progress or unreported()
     diagnosis = diagnose(measurement, robot, progress)
     if settings.discover:
         from diagnosis.discovery.discover import with_law  # noqa: PLC0415 - as above

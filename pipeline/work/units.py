@@ -127,6 +127,8 @@ class Progress(Message):
     """Share of the unit that is done, 0 to 1."""
     at: int | None = None
     """Number of the frame that is begun."""
+    text: str = ""
+    """What is being done, in a few words; empty if nobody says so."""
 
 
 AnyMessage = Progress | Alive | Finished | Failed

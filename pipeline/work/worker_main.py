@@ -26,8 +26,8 @@ class EngineFailed(Exception):  # noqa: N818 - an outcome with a name, as `RunFa
 class OnProgress(Protocol):
     """Called while a unit is done."""
 
-    def __call__(self, share: float, at: int | None = None) -> None:
-        """Take the share of the unit that is done, 0 to 1, and the number of the frame that is begun."""
+    def __call__(self, share: float, at: int | None = None, text: str = "") -> None:
+        """Take the share of the unit that is done, 0 to 1, the number of the frame that is begun, and what is done."""
         ...
 
 
@@ -81,18 +81,23 @@ def diagnose_case(unit: DiagnoseUnit, on_progress: OnProgress) -> None:
         InputError: The only case is bad.
         RunFailed: One of several cases is bad or brings out a bug.
     """
+    from diagnosis.progress import DiagnosisProgress  # noqa: PLC0415 - as below
     from pipeline.diagnosing.diagnose import TRACEBACK, diagnose_into  # noqa: PLC0415 - loads SciPy and Matplotlib
 
-    sent_s = time.monotonic()
+    sent_s, text = time.monotonic(), ""
+
+    def on_fits(words: str) -> None:
+        nonlocal text
+        text = words
 
     def on_share(share: float) -> None:
         nonlocal sent_s
         if time.monotonic() - sent_s >= SECONDS_BETWEEN_SHARES:
             sent_s = time.monotonic()
-            on_progress(share if share >= MIN_SHARE else 0.0)
+            on_progress(share if share >= MIN_SHARE else 0.0, text=text)
 
     try:
-        diagnose_into(unit.case, unit.settings, unit.folder, on_share)
+        diagnose_into(unit.case, unit.settings, unit.folder, DiagnosisProgress(on_share, on_fits))
     except (EnvironmentLacking, OSError):
         raise
     except Exception as error:
@@ -123,7 +128,7 @@ def main() -> None:
     owner = Owner()
     while True:
         unit = UNITS.validate_json(owner.next_request())
-        owner.send(do(unit, lambda share, at=None: owner.send(Progress(share=share, at=at))))
+        owner.send(do(unit, lambda share, at=None, text="": owner.send(Progress(share=share, at=at, text=text))))
 
 
 def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:

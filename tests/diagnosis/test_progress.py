@@ -30,3 +30,12 @@ def test_a_phase_is_half_done_after_the_usual_number_of_robots():
 )
 def test_the_phase_follows_from_the_share(share, phase):
     assert Phase.at(share) is phase
+
+
+def test_the_fits_that_remain_are_counted_and_the_first_ones_named():
+    texts: list[str] = []
+    progress = DiagnosisProgress(lambda _: None, texts.append)
+    progress.fits(["turn_slip", "input_delay", "turn_slip", "floor_slope"], 9)
+    assert texts == ["4 of 9 fits remain of this round (turn_slip, input_delay, ...)"]
+    progress.fits(["no effect"], 1)
+    assert texts[1:] == ["1 of 1 fits remain of this round (no effect)"]

@@ -80,6 +80,8 @@ class Evidence:
         """Results of the functions that are `memoized`, by function and arguments."""
         self.on_predicted: Callable[[int], None] = _nothing
         """Called with the number of robots before each prediction, which is nearly all the work of a fit."""
+        self.on_fits: Callable[[Sequence[str], int], None] = _no_fits
+        """Called with the names of the hypotheses that are still fitted side by side, and how many they were."""
 
     @cached_property
     def resolution(self) -> Array:
@@ -120,7 +122,7 @@ class Evidence:
         """Return the same evidence with other estimated noises."""
         others = Evidence(self.stages, noises)
         others.values = self.values
-        others.on_predicted = self.on_predicted
+        others.on_predicted, others.on_fits = self.on_predicted, self.on_fits
         return others
 
     def without(self, error: Array) -> "Evidence":
@@ -152,4 +154,8 @@ class Evidence:
 
 
 def _nothing(_robots: int) -> None:
+    """Do nothing."""
+
+
+def _no_fits(_names: Sequence[str], _of: int) -> None:
     """Do nothing."""

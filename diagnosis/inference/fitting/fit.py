@@ -195,6 +195,8 @@ def fits_of_contests(contests: Sequence[Contest]) -> list[list[HypothesisFit]]:
     ]
     active = states
     while active:
+        names = [" and ".join(e.name for e in state.hypothesis.effects) or "no effect" for state in active]
+        active[0].contest.evidence.on_fits(names, len(states))
         requests = [(state.hypothesis, _requested(state)) for state in active]
         predictions = _predicted(active, requests)
         ended = [_advance(s, x, p) for s, (_, x), p in zip(active, requests, predictions, strict=True)]

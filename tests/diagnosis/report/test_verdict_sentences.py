@@ -119,13 +119,17 @@ def test_a_scatter_is_said_of_the_readings_and_of_no_covariate():
     text = unexplained_sentence(structure)
     assert text.startswith("The residuals of reading_m have a scatter of 1.7 times the stated noise, and no covariate")
     assert "distance" not in text
-    verdict: Any = SimpleNamespace(
-        names=(), unexplained=structure, adequacy=SimpleNamespace(leaves_only_outliers=False)
-    )
-    assert headline(verdict) == (
-        "The simulation is wrong in a way that has no name here: reading_m has a scatter of 1.7 times the stated "
-        "noise, and no known effect explains this."
-    )
+    for nominal, noise in ((None, "the stated noise"), (object(), "the noise that nominal.yaml states")):
+        verdict: Any = SimpleNamespace(
+            names=(),
+            unexplained=structure,
+            adequacy=SimpleNamespace(leaves_only_outliers=False),
+            measurement=SimpleNamespace(nominal=nominal),
+        )
+        assert headline(verdict) == (
+            f"The simulation is wrong in a way that has no name here: reading_m has a scatter of 1.7 times {noise}, "
+            "and no known effect explains this."
+        )
 
 
 @pytest.mark.parametrize(

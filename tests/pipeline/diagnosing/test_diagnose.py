@@ -162,10 +162,17 @@ def test_a_bug_that_one_of_several_cases_brings_out_fails_that_case_alone(tmp_pa
 def test_a_diagnosis_reports_a_share_that_grows(benches, tmp_path, monkeypatch):
     monkeypatch.setattr("pipeline.work.worker_main.SECONDS_BETWEEN_SHARES", 0.0)
     shares: list[float] = []
-    diagnose_case(unit(tmp_path, alone=True).model_copy(update={"case": benches / "plain"}), shares.append)
+    texts: list[str] = []
+
+    def on_progress(share: float, at: int | None = None, text: str = "") -> None:  # noqa: ARG001 - of frames
+        shares.append(share)
+        texts.append(text)
+
+    diagnose_case(unit(tmp_path, alone=True).model_copy(update={"case": benches / "plain"}), on_progress)
     assert len(shares) > len(Phase)
     assert shares == sorted(shares)
     assert Phase.PLOTS.value / 100 <= shares[-1] < 1.0
+    assert any("fits remain of this round (" in text for text in texts)
 
 
 def test_too_little_memory_for_one_of_several_cases_is_no_bug(tmp_path, monkeypatch):
