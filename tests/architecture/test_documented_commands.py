@@ -171,6 +171,8 @@ def desk(tmp_path, release, monkeypatch):
     shutil.copytree(release.with_name("smoke-dataset"), tmp_path / "smoke-dataset")
     (tmp_path / "elsewhere").mkdir()
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
+    shutil.copytree(release / "CW/test_1", tmp_path / "mystery/clockwise")
+    (tmp_path / "mystery/clockwise/side/spec.json").unlink()
     about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]
     (tmp_path / "about.yaml").write_text(about)
     plan = np.full((60, 80), 255, np.uint8)

@@ -25,6 +25,8 @@ def at_work(dataset, tmp_path_factory):
     folder = tmp_path_factory.mktemp("tutorial")
     for name in ("data", "study", "before", "fast", "symolo-dataset"):
         shutil.copytree(dataset, folder / name)
+    shutil.copytree(dataset / "CW/test_1", folder / "mystery/clockwise")
+    (folder / "mystery/clockwise/side/spec.json").unlink()
     for page in PAGES:
         for kind, text in BLOCK.findall(page.read_text()):
             # Scenarios begin with the name of their file; workflows do not.
