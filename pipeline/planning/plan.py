@@ -8,7 +8,7 @@ from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from configs.posterior.schema import LoadedPosterior
 from configs.schema.scenario import RunSpec
 from pipeline.planning.demands import demand_lines, source_line
-from pipeline.run_warnings.simulated_run import plan_warnings
+from pipeline.run_warnings.simulated_run import plan_warnings, start_to_line
 from pipeline.stages.cameras import RunCamera, cameras_of
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
@@ -67,6 +67,8 @@ class PlannedRun:
     margin: float
     """Ratio of the traced pixels to those of the image; larger than 1 behind a lens."""
     render_core_s: float
+    start_to_line: str
+    """Distance of the start from the line, and angle of its heading to the line; empty without a line."""
 
     @property
     def bytes_needed(self) -> int:
@@ -101,7 +103,7 @@ class ScenarioPlan:
         cameras = [(spec, camera) for spec in specs for camera in cameras_of(spec) or [RunCamera("", spec, 0.0)]]
         planned = [(camera.name, _planned(spec, camera)) for spec, camera in cameras]
         runs = tuple(run for name, run in planned if not name)
-        further = tuple(replace(run, rows=0) for name, run in planned if name)
+        further = tuple(replace(run, rows=0, start_to_line="") for name, run in planned if name)
         return cls(runs, further, cores, source_line(like), demand_lines(like, specs), plan_warnings(specs))
 
     def notes(self) -> Iterator[str]:
@@ -137,12 +139,12 @@ class ScenarioPlan:
         # Several qualities where the scenario draws them at random; a dict keeps their order.
         qualities = dict.fromkeys(f"{run.quality}, {_samples(run.sampling)}" for run in self._all)
         lights = dict.fromkeys(LightPathsRecord.model_validate(run.sampling.paths).text for run in self._all)
-        lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
-        lines += [
-            f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  "
-            + (f"{run.width_px} x {run.height_px}" if run.images else "-")
-            for run in self._all
-        ]
+        to_line = "start to line" if any(run.start_to_line for run in self.runs) else ""
+        lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  {'size [px]':11}  {to_line}".rstrip()]
+        for run in self._all:
+            size = f"{run.width_px} x {run.height_px}" if run.images else "-"
+            numbers = f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}"
+            lines.append(f"{numbers}  {size:11}  {run.start_to_line}".rstrip())
         rendering = [
             f"quality    {' or '.join(qualities)}",
             f"light      {' or '.join(lights)}",
@@ -256,4 +258,5 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
         sampling=sampled,
         margin=traced / pixels,
         render_core_s=RENDER_START_S + choice_s + images * image_s + annotation_s if images else 0.0,
+        start_to_line=start_to_line(spec),
     )

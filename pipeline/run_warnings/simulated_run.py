@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import cos, degrees, pi, radians, sin
+from math import atan2, cos, degrees, pi, radians, sin
 
 import numpy as np
 
@@ -53,6 +53,19 @@ def plan_warnings(specs: Sequence[RunSpec]) -> tuple[str, ...]:
         for suspicion in _suspicions(spec):
             runs_of.setdefault(suspicion.about, []).append((spec.key, suspicion.text))
     return tuple(_of_runs(runs) for runs in runs_of.values())
+
+
+def start_to_line(spec: RunSpec) -> str:
+    """Return distance and heading of the start, relative to the line, as text; empty in an arena without a line.
+
+    The angle is that to the left of the line, which may be followed in both directions.
+    """
+    line = Arena.from_config(spec.arena).line
+    if not line.pieces:
+        return ""
+    away_m, along = _nearest(line, spec)
+    left_deg = (spec.start.yaw_deg - degrees(atan2(along[1], along[0])) + 90.0) % 180.0 - 90.0
+    return f"{away_m:.3f} m, {round(left_deg, 1) + 0.0:g} deg"
 
 
 def _of_runs(runs: Sequence[tuple[str, str]]) -> str:

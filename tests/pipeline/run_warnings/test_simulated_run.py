@@ -10,7 +10,8 @@ import pytest
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from configs.references import shipped_names
-from pipeline.run_warnings.simulated_run import plan_warnings, run_warnings
+from pipeline.planning.plan import ScenarioPlan
+from pipeline.run_warnings.simulated_run import plan_warnings, run_warnings, start_to_line
 from pipeline.stages.simulate import simulate
 
 
@@ -103,6 +104,23 @@ def test_a_plan_names_a_start_far_from_the_line():
     """The line is at x = 0.55 m."""
     (warning,) = plan_warnings([spec_of(x_m=0.2)])
     assert warning.startswith("CW/test_1: the run starts 0.35 m away from the line")
+
+
+@pytest.mark.parametrize(
+    ("start", "text"),
+    [
+        ({}, "0.000 m, 0 deg"),
+        ({"yaw_deg": 90.0}, "0.000 m, 0 deg"),
+        ({"yaw_deg": -77.0}, "0.000 m, 13 deg"),
+        ({"x_m": 0.2, "yaw_deg": 85.5}, "0.350 m, -4.5 deg"),
+    ],
+)
+def test_a_plan_has_the_place_of_a_start_on_the_line(start, text):
+    """The line leads along y at x = 0.55 m."""
+    spec = spec_of(**start)
+    assert start_to_line(spec) == text
+    row = next(line for line in ScenarioPlan.of([spec], 1).text().splitlines() if line.startswith("CW/test_1"))
+    assert row.endswith(f"160 x 120    {text}")
 
 
 def test_a_warning_of_several_runs_is_stated_once_with_their_number_and_the_first():
