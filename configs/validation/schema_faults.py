@@ -26,6 +26,8 @@ _SMALLER_UNITS = {
     "V": ("volts", (("mV", 1000),)),
 }
 """Unit at the end of a field's name -> its name, and smaller units with their number per unit."""
+MAX_HINTED = 1e9
+"""Largest number that may have a wrong unit; a larger one is a mistake of another kind, and may overflow."""
 _SIMPLE_UNIT = re.compile(r"(?<!_m)(?<!_rad)(?<!_N)(?<!_per)(?<!_1)_(m|s|kg|V)$")
 """Unit at the end of the name of a length, time, mass or voltage, and not of a speed, torque or quotient."""
 
@@ -135,7 +137,12 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
     """Return what to do about a value of the wrong type, or an empty string."""
     if (shape.is_number or shape.is_integer) and isinstance(got, str):
         return _cure_of_text(str(path[-1]), got)
-    if isinstance(got, int | float) and (hint := _cure_of_size(path, got, shape)):
+    if (
+        isinstance(got, int | float)
+        and not isinstance(got, bool)
+        and abs(got) <= MAX_HINTED
+        and (hint := _cure_of_size(path, got, shape))
+    ):
         return hint
     if path[:1] == ("routes",) and path[-1] == "runs" and got == 0:
         return "to leave a route out, write the list `routes` without it (docs/scenarios.md)"

@@ -68,7 +68,8 @@ class PlannedRun:
     """Ratio of the traced pixels to those of the image; larger than 1 behind a lens."""
     render_core_s: float
     start_to_line: str
-    """Distance of the start from the line, and angle of its heading to the line; empty without a line."""
+    """Distance of the start from the line, and angle of its heading to the line; empty without a line, and for the
+    images of further cameras."""
 
     @property
     def bytes_needed(self) -> int:
@@ -103,7 +104,7 @@ class ScenarioPlan:
         cameras = [(spec, camera) for spec in specs for camera in cameras_of(spec) or [RunCamera("", spec, 0.0)]]
         planned = [(camera.name, _planned(spec, camera)) for spec, camera in cameras]
         runs = tuple(run for name, run in planned if not name)
-        further = tuple(replace(run, rows=0, start_to_line="") for name, run in planned if name)
+        further = tuple(replace(run, rows=0) for name, run in planned if name)
         return cls(runs, further, cores, source_line(like), demand_lines(like, specs), plan_warnings(specs))
 
     def notes(self) -> Iterator[str]:
@@ -258,5 +259,5 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
         sampling=sampled,
         margin=traced / pixels,
         render_core_s=RENDER_START_S + choice_s + images * image_s + annotation_s if images else 0.0,
-        start_to_line=start_to_line(spec),
+        start_to_line="" if camera.name else start_to_line(spec),
     )
