@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from textwrap import wrap
 
 from blender_scenes.render.probe import LADDER, probed_numbers
 from blender_scenes.render.sampling import TracingSettings, tracing_settings
@@ -15,10 +16,12 @@ from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import seconds
 from symolo.dataset.documents.rendering_record import LightPathsRecord
 
+WIDTH = 118
+"""Longest line of the assumptions, in characters."""
 LAP_S = 40.0
 """Simulated time [s] of a lap of the shipped arena; others differ."""
-REAL_TIME_FACTOR = 10.0
-"""Simulated seconds per second and core; the project promises at least this."""
+REAL_TIME_FACTOR = 7.0
+"""Simulated seconds per second and core, as README.md and docs/dataset.md state it."""
 RENDER_START_S = 4.0
 """Time [s] to start Blender and build the scene, for each run."""
 RENDER_FRAME_S = 0.05
@@ -161,12 +164,13 @@ class ScenarioPlan:
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
             *([f"render     about {seconds(self.render_s)}"] if self.images else []),
-            "",
+        ]
+        assumed = (
             f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds per second"
             f" and core{self._tracing() if self.images else ''}"
-            + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else "."),
-        ]
-        return "\n".join(lines)
+            + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else ".")
+        )
+        return "\n".join([*lines, "", *wrap(assumed, WIDTH)])
 
     def _tracing(self) -> str:
         """Return the assumptions about images, their rays and the denoiser."""
