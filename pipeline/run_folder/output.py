@@ -47,7 +47,7 @@ def check_finished(root: Path) -> None:
     if kind_of(root) in DATASETS and not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST)):
         cure = (
             "repeat the command that makes it, such as `symolo release`, with the same options; "
-            f"`symolo status {root}` shows what is missing"
+            f"`symolo status {root}` shows what is missing, and why a run failed"
         )
         raise InputError("the release is not finished", where=str(root), cure=cure)
 

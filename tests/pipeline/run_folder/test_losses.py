@@ -109,7 +109,7 @@ def test_a_release_that_was_interrupted_is_named_so(out, symolo, command):
     (line,) = ended.err.splitlines()
     assert line.endswith(
         f"{out}: the release is not finished; repeat the command that makes it, such as `symolo release`, with the "
-        f"same options; `symolo status {out}` shows what is missing"
+        f"same options; `symolo status {out}` shows what is missing, and why a run failed"
     )
 
 
