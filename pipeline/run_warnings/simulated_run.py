@@ -226,11 +226,12 @@ def _nearest(line: Line, spec: RunSpec) -> tuple[float, Array]:
     directions: list[Array] = []
     for piece in line.pieces:
         points = piece.at(_along(piece.length_m))
-        away = np.hypot(*(points - start).T)
+        steps = np.diff(points, axis=0)
+        share = np.clip(((start - points[:-1]) * steps).sum(axis=1) / (steps**2).sum(axis=1), 0.0, 1.0)
+        away = np.hypot(*(points[:-1] + share[:, None] * steps - start).T)
         nearest = int(np.argmin(away))
-        step = points[max(nearest, 1)] - points[max(nearest, 1) - 1]
         distances.append(float(away[nearest]))
-        directions.append(step / np.hypot(*step))
+        directions.append(steps[nearest] / np.hypot(*steps[nearest]))
     best = int(np.argmin(distances))
     return distances[best], directions[best]
 

@@ -339,9 +339,9 @@ def test_plan_of_the_full_release_counts_what_will_be_made(symolo):
     assert ended.code == 0
     lines = ended.out.splitlines()
     assert [line.split()[0] for line in lines[1:7]] == [f"{r}/test_{n}" for r in ("CW", "CCW") for n in (1, 2, 3)]
-    assert lines[1].split()[1:] == ["40.0", "801", "201", "640", "x", "480"]
+    assert lines[1].split()[1:7] == ["40.0", "801", "201", "640", "x", "480"]
     assert "images     1206" in lines
-    assert "a lap of 40 s" in lines[-1]
+    assert "a lap of 40 s" in " ".join(lines[-3:])
 
 
 def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_taken_to_cost():
@@ -359,7 +359,7 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
     # At each side come up to three spare pixels, and seven more make a multiple of eight: 13 of 820 and of 615.
     spare = times * ((1 + 13 / 820) * (1 + 13 / 615) - 1)
     assert 0 <= (wider.render_core_s - own.render_core_s) / traced_s - (times - 1) < spare
-    assert "times as many traced pixels, for the margin that the lens needs" in behind.text()
+    assert "times as many traced pixels, for the margin that the lens needs" in " ".join(behind.text().split())
     assert "margin" not in plain.text()
     assert "all annotations 1.5 us per pixel" in " ".join(annotated.text().split())
     assert "annotations" not in plain.text()
