@@ -234,7 +234,7 @@ def _made_small(arguments):
         return [*arguments, "--yes"]  # as the reader answers
     if name == "rerender":
         draws = ["--draws", "2"] if "--draws" in arguments else []
-        return [name, *_settings((*SMALL_IMAGES, "render.annotations=[]")), *arguments[1:], *draws, "--yes"]
+        return [*arguments, *_settings(SMALL_IMAGES), *draws, "--yes"]
     return arguments
 
 
