@@ -45,6 +45,15 @@ def test_a_run_of_our_own_is_read_with_voltages_and_counts(dataset):
     assert {channel.clock for channel in trial.channels} == {"log"}
 
 
+def test_a_table_of_a_run_of_our_own_becomes_no_case(dataset, symolo, tmp_path):
+    run = dataset / "CW" / "test_1"
+    for table in (run / "data.csv", run / "side" / "wheels.csv"):
+        ended = symolo("case", "init", table, "--out", tmp_path / "case")
+        assert (ended.code, ended.out) == (2, "")
+        assert f"diagnose the run: symolo diagnose {run} --out test_1-diagnosis" in ended.err
+    assert not (tmp_path / "case").exists()
+
+
 def test_the_stages_predict_runs_of_our_own_from_voltages_and_counts(dataset):
     """To a few counts: a count in a row is 2 pi / 3840 / 0.05 s = 0.033 rad/s, and 0.05 mm of way."""
     robot = draw_robot(load_section("robot", "nominal"), 1, "test")[0]
