@@ -323,9 +323,9 @@ def test_an_interrupt_that_a_library_makes_an_error_of_is_an_interrupt(symolo, m
         except KeyboardInterrupt as error:
             raise error_made(error) from error
 
-    monkeypatch.setattr("configs.loader.load_scenario", interrupted)
+    monkeypatch.setattr("configs.loader.check_scenario", interrupted)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
-    planned = symolo("plan", "release")
+    planned = symolo("plan", "smoke")
     simulated = symolo("simulate", "smoke", "--out", tmp_path / "out")
     signal.signal(signal.SIGINT, before)
     assert (planned.code, simulated.code) == (130, 130)
