@@ -258,7 +258,7 @@ def reliability(workspace: Path) -> None:
     """Write the diagram of stated confidences from 1,000 independent benches, which take half an hour."""
     repository, cases, answers = HERE.parents[1], workspace / "benches", workspace / "benches_answers"
     for kind in ("motor_steady", "tof_bench"):
-        make = ["-m", "benchmarks.diagnosis.independent_cases", "--kind", kind, "--cases=500", "--seed=8102"]
+        make = ["-m", "benchmarks.diagnosis.independent_cases", "--kind", kind, "--cases=500", "--seed=9101"]
         subprocess.run([sys.executable, *make, f"--out={cases.absolute()}"], check=True, cwd=repository)
     _command("diagnose", *sorted(path.parent for path in cases.glob("*/nominal.yaml")), "--out", answers)
     script, diagram = repository / "benchmarks/diagnosis/evaluations/reliability.py", workspace / "reliability.png"
