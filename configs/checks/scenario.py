@@ -12,7 +12,7 @@ from configs.robot_sensors import SensorSettings
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import Rates, Route, Scenario, SceneSpec
+from configs.schema.scenario import MAX_PHYSICS_HZ, Rates, Route, Scenario, SceneSpec
 from configs.validation.faults import ConfigFault
 from configs.validation.values import FieldDistribution
 from symolo.arena.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
@@ -162,7 +162,9 @@ def _strength_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
         f"{1000.0 * step_s:.3g} ms; it is {1000.0 * settles_s:.3g} ms"
     )
     hz = rates.physics_hz * (math.floor(step_s / settles_s) + 1)
-    cure = f"check the motor's parameters, which are those at the wheel shaft, or set rates.physics_hz to {hz}"
+    cure = "check the motor's parameters, which are those at the wheel shaft"
+    if hz <= MAX_PHYSICS_HZ:
+        cure += f", or set rates.physics_hz to {hz}"
     yield ConfigFault(path, problem, motor.torque_constant_N_m_A, allowed, against=("rates", "physics_hz"), cure=cure)
 
 

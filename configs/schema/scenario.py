@@ -51,6 +51,8 @@ class Stop(Section):
     """Longest duration of a run [s]."""
 
 
+MAX_PHYSICS_HZ = 100_000
+"""Largest rate of the physics."""
 MIN_CAMERA_HZ = 0.001
 """Smallest rate of a camera that takes images."""
 
@@ -61,7 +63,7 @@ class Rates(Section):
     A period of the control is a whole number of periods of the wheel loop, and this one of the physics.
     """
 
-    physics_hz: Annotated[int, PLANNED] = Field(default=1000, ge=50, le=100_000)
+    physics_hz: Annotated[int, PLANNED] = Field(default=1000, ge=50, le=MAX_PHYSICS_HZ)
     """Rate of PyBullet's steps."""
     wheel_loop_hz: Annotated[int, PLANNED] = Field(default=100, ge=1, le=100_000)
     """Rate of the controllers of the wheel speeds."""

@@ -148,7 +148,7 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
         return "to leave a route out, write the list `routes` without it (docs/scenarios.md)"
     if shape.is_integer and isinstance(got, float) and got.is_integer():
         return f"write {int(got)}, without a decimal point or exponent"
-    if path[-1:] == ("counts_per_revolution",) and isinstance(got, float):
+    if path[-1:] == ("counts_per_revolution",) and isinstance(got, float) and got >= 4.0:
         return (
             f"round the number of a geared encoder to {round(got)}, with which wheels and odometry are then simulated"
         )

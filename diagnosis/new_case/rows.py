@@ -348,17 +348,17 @@ def _holdout(parts: Sequence[_Rows], kind: CaseKind, notes: list[str]) -> list[N
     held = [np.arange(count) >= round(0.75 * count) for count in rows]
     late = [_late_motion(part, last) for part, last in zip(parts, held, strict=True)]
     notes.append("the last quarter of each trial is held out")
-    if any(rows.any() for rows in late):
+    if any(late_rows.any() for late_rows in late):
         notes[-1] += "; where nothing moves in it, the rows after three quarters of the motion are"
-    return [rows if rows.any() else last for rows, last in zip(late, held, strict=True)]
+    return [late_rows if late_rows.any() else last for late_rows, last in zip(late, held, strict=True)]
 
 
 def _late_motion(part: _Rows, last: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the rows (N,) after three quarters of the motion, if hardly anything moves in the last ones; else none."""
     moved = np.zeros(len(part.t_s))
     for name in _MOVES:
-        steps = np.abs(np.diff(part.values.get(name, moved), prepend=np.nan))
-        moved += np.nan_to_num(steps)
+        if name in part.values:
+            moved += np.nan_to_num(np.abs(np.diff(part.values[name], prepend=np.nan)))
     if moved[last].sum() >= MIN_HELD_MOTION * moved.sum():
         return np.zeros_like(last)
     return np.cumsum(moved) > 0.75 * moved.sum()

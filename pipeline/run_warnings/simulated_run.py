@@ -9,7 +9,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
-from physics.control.following import MAX_ERROR
+from physics.control.following import MAX_ERROR, follow
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.wheel_loop import voltage_limit_V
 from symolo.arena.footprints import wall_footprint
@@ -115,7 +115,7 @@ def _too_slow(robot: RobotConfig) -> Iterator[_Suspicion]:
     reached_m_s = 0.5 * robot.drive.wheel_diameter_m * motor.steady_state(voltage_V)[1]
     laws = {"line": robot.controller.line, "wall.gains": robot.controller.wall.gains}
     asked = [
-        (law.k1_m_s + error * (law.k2_rad_s * half_track_m - law.k3_m_s), error, place)
+        (float(np.dot(follow(error, law), (1.0, half_track_m))), error, place)
         for place, law in laws.items()
         for error in (0.0, MAX_ERROR)
     ]

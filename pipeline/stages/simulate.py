@@ -12,6 +12,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from physics.control.base import Observation
 from physics.drivetrain.wheel_loop import voltage_limit_V
+from physics.robot.model import RobotModel
 from physics.run.controller_runner import ControllerRunner, Decision, InProcessRunner
 from pipeline.stages.closed_loop import ClosedLoop
 from sensors.wheels.instruments import read_current_A, read_speed_rad_s
@@ -68,10 +69,13 @@ def simulate(
 
 def _runaway(robot: RobotConfig, speeds_rad_s: tuple[float, float], time_s: float) -> str:
     """Return what is wrong with the speeds of the wheels, right and left; empty where a motor can reach them."""
-    no_load_rad_s = voltage_limit_V(robot.power) / robot.motor.torque_constant_N_m_A
-    fastest = max(speeds_rad_s, key=abs)
-    if abs(fastest) <= MAX_OF_NO_LOAD * no_load_rad_s:
+    motors = RobotModel.from_config(robot).motors
+    no_load_rad_s = voltage_limit_V(robot.power) / min(
+        motors.right.torque_constant_N_m_A, motors.left.torque_constant_N_m_A
+    )
+    if all(abs(speed) <= MAX_OF_NO_LOAD * no_load_rad_s for speed in speeds_rad_s):
         return ""
+    fastest = max(speeds_rad_s, key=abs)
     return (
         f"a wheel turns at {fastest:.4g} rad/s at {time_s:.2f} s, and its motor reaches {no_load_rad_s:.3g} rad/s"
         " without load: the simulation is unstable; raise rates.physics_hz, or check the motor and its effects"

@@ -51,7 +51,7 @@ def likelihoods(
         gain = variance / total
         mean = mean + gain * surprise
         variance = white * gain
-    levels = np.minimum(squares / len(t_s), greatest_level)
+    levels = np.clip(squares / len(t_s), np.finfo(np.float64).tiny, greatest_level)
     # At the most probable level, the last two terms are equal.
     normal = len(t_s) * (np.log(levels) + 2.0 * np.log(unit_m)) + logarithms
     return Likelihoods(normal + squares / levels - len(t_s), levels)

@@ -58,7 +58,10 @@ def _times(times: float, residuals: Array) -> str:
     share = float(np.mean(np.abs(residuals) > CLIP))
     if share < MANY:
         return f"{times:.1f} times the stated noise"
-    far = f"{100.0 * share:.0f} % of the samples are more than {CLIP:g} times off, up to {np.abs(residuals).max():.0f}"
+    far = (
+        f"{100.0 * share:.0f} % of the samples are off by more than {CLIP:g} standard deviations of it, at most by "
+        f"{np.abs(residuals).max():.0f}"
+    )
     return f"at least {times:.1f} times the stated noise ({far})"
 
 

@@ -576,12 +576,16 @@ def test_a_motor_s_log_is_a_step_or_a_sweep_by_the_time_between_its_rows(log):
     np.testing.assert_allclose(trial["omega_rad_s"].values, 2 * math.pi * u, atol=1e-8)
 
 
-@pytest.mark.parametrize(("ends_s", "held_from_s"), [(2.0, 1.8), (4.0, 3.0)])
-def test_rows_in_which_something_moves_are_held_out(log, ends_s, held_from_s):
-    """A robot that drives evenly from 1 s on; its last quarter says nothing if it stands still there."""
+@pytest.mark.parametrize(
+    ("at_s", "at_ticks", "held_from_s"),
+    [([1.0, 2.0], [0, 200], 1.8), ([1.0, 1.5, 2.5], [0, 148, 200], 1.55), ([1.0, 4.0], [0, 600], 3.0)],
+    ids=["even", "fast and then slow", "to the end"],
+)
+def test_rows_in_which_something_moves_are_held_out(log, at_s, at_ticks, held_from_s):
+    """The last quarter of the time says nothing if the robot stands still there: then that of the ticks is held out."""
     t = 0.05 * np.arange(80)
-    ticks = np.round(200 * np.clip(t - 1.0, 0.0, ends_s - 1.0)).astype(int)
+    ticks = np.round(np.interp(t, at_s, at_ticks)).astype(int)
     measurement = measured(log(table("t,encL,encR,uL,uR", np.round(t, 2), ticks, ticks, 2 + 0 * t, 2 + 0 * t)))
     (trial,) = measurement.trials
     np.testing.assert_array_equal(trial.holdout, trial.t_s > held_from_s - 0.02)
-    assert any("where nothing moves in it" in note for note in measurement.notes) == (ends_s == 2.0)
+    assert any("where nothing moves in it" in note for note in measurement.notes) == (held_from_s < 3.0)
