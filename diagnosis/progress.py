@@ -65,6 +65,8 @@ class DiagnosisProgress:
     def begin(self, phase: Phase) -> None:
         """Begin a phase; the ones before it are done."""
         self._phase, self._robots = phase, 0
+        if self._on_fits is not None:
+            self._on_fits("")
         self._on_share(self.share)
 
     def predicted(self, robots: int) -> None:
@@ -72,11 +74,11 @@ class DiagnosisProgress:
         self._robots += robots
         self._on_share(self.share)
 
-    def fits(self, names: Sequence[str], of: int) -> None:
+    def fits(self, names: Sequence[str], begun: int) -> None:
         """Note which hypotheses are still fitted, of so many that were begun together."""
         if self._on_fits is not None:
             listed = ", ".join(dict.fromkeys(names[:SHOWN])) + (", ..." if len(names) > SHOWN else "")
-            self._on_fits(f"{len(names)} of {of} fits remain of this round ({listed})")
+            self._on_fits(f"{len(names)} of {begun} fits remain of this round ({listed})")
 
     @property
     def share(self) -> float:

@@ -39,3 +39,5 @@ def test_the_fits_that_remain_are_counted_and_the_first_ones_named():
     assert texts == ["4 of 9 fits remain of this round (turn_slip, input_delay, ...)"]
     progress.fits(["no effect"], 1)
     assert texts[1:] == ["1 of 1 fits remain of this round (no effect)"]
+    progress.begin(Phase.PLOTS)
+    assert texts[-1] == "", "a phase that fits nothing has no fits that remain"
